@@ -1,0 +1,65 @@
+//! Units of the quantities that pass between the stages.
+//!
+//! All of them are `f64`; the aliases exist so that a signature says what it
+//! takes. Lengths are millimetres and z points up everywhere; conversions to
+//! and from other units live here and nowhere else.
+
+/// Length in millimetres.
+pub type Mm = f64;
+/// Area in square millimetres.
+pub type Mm2 = f64;
+/// Volume in cubic millimetres.
+pub type Mm3 = f64;
+/// Speed in millimetres per second.
+pub type MmPerSec = f64;
+/// Acceleration in millimetres per second squared.
+pub type MmPerSec2 = f64;
+/// Volumetric flow in cubic millimetres per second.
+pub type Mm3PerSec = f64;
+/// Time in seconds.
+pub type Seconds = f64;
+/// Angle in degrees, counter-clockwise from the x axis.
+pub type Degrees = f64;
+/// Temperature in degrees Celsius.
+pub type Celsius = f64;
+/// Share in percent (100 is the whole).
+pub type Percent = f64;
+
+/// Feed rate of a `G1` word, mm/min, from a speed in mm/s.
+pub fn feed_rate(speed: MmPerSec) -> f64 {
+    speed * 60.0
+}
+
+/// Cross-section of round filament, mm².
+pub fn filament_area(diameter: Mm) -> Mm2 {
+    std::f64::consts::FRAC_PI_4 * diameter * diameter
+}
+
+/// A duration as people read it: `1h 2m 3s`, leading zero units left out.
+pub fn human_time(seconds: Seconds) -> String {
+    let s = seconds.max(0.0).round() as u64;
+    let (h, m, s) = (s / 3600, s / 60 % 60, s % 60);
+    match (h, m) {
+        (0, 0) => format!("{s}s"),
+        (0, _) => format!("{m}m {s}s"),
+        _ => format!("{h}h {m}m {s}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_read_naturally() {
+        assert_eq!(human_time(0.4), "0s");
+        assert_eq!(human_time(61.6), "1m 2s");
+        assert_eq!(human_time(3600.0 * 26.0 + 5.0), "26h 0m 5s");
+    }
+
+    #[test]
+    fn conversions() {
+        assert_eq!(feed_rate(50.0), 3000.0);
+        assert!((filament_area(1.75) - 2.405282).abs() < 1e-6);
+    }
+}
