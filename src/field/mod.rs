@@ -1,0 +1,223 @@
+//! The scalar field of a slab of layers: where it may change sign, sampled.
+//!
+//! In: the model's expression, a lattice over its box, the sample heights of
+//! a slab of layers. Out: for every 8 × 8-cell leaf of a layer that interval
+//! arithmetic could not prove empty or full, the field at its 9 × 9 nodes,
+//! together with a [`Sampler`] for further points near by.
+//!
+//! ```text
+//!  slab of ≤ 32 layers           block of ≤ 8 layers       leaf, one layer
+//!  ┌──────────64 cells──┐  ───►  ┌──16 cells──┐   ───►     ┌─8─┐ 9 × 9
+//!  │ prove or simplify  │        │  the same  │            │   │ samples
+//!  └────────────────────┘        └────────────┘            └───┘
+//! ```
+//!
+//! A tile that spans several layers shares its proof and its simplified
+//! expression with all of them. A leaf that is left out has no sign change
+//! on its nodes, up to the rounding of fidget's interval arithmetic (which
+//! does not round outwards); `contour` notices such a leaf by the outline
+//! that stops at its border, and asks for it with [`Field::leaf`].
+//!
+//! This is the one place where `f64` millimetres become fidget's `f32`.
+
+mod engine;
+mod lattice;
+
+pub use lattice::Lattice;
+
+use crate::plane::Rect;
+use crate::units::Mm;
+use engine::{Engine, FidgetEngine};
+use fidget::context::{Context, Tree};
+use fidget::eval::Function;
+use fidget::jit::JitFunction;
+use fidget::vm::VmFunction;
+
+/// Cells along a leaf's side.
+pub const LEAF: usize = 8;
+/// Nodes along a leaf's side.
+pub const NODES: usize = LEAF + 1;
+/// Layers that share one walk over the tiles.
+pub const SLAB: usize = 32;
+
+/// Why a field cannot be evaluated.
+#[derive(Debug, thiserror::Error)]
+pub enum FieldError {
+    /// The lattice would have more nodes than can be numbered.
+    #[error(
+        "the part is {x:.0} × {y:.0} mm, too large for samples every \
+         {spacing} mm; raise sample_spacing"
+    )]
+    TooLarge {
+        /// Extent in x, mm.
+        x: Mm,
+        /// Extent in y, mm.
+        y: Mm,
+        /// Distance of the samples, mm.
+        spacing: Mm,
+    },
+    /// fidget refused the expression or a batch of samples.
+    #[error(
+        "the expression cannot be evaluated ({0}); this is a bug of \
+         isoslice: please report it with the model"
+    )]
+    Evaluator(String),
+}
+
+/// A leaf of one layer whose nodes have been sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaf {
+    /// Number of the layer within the slab.
+    pub layer: usize,
+    /// Lattice column of the lower left node.
+    pub i: usize,
+    /// Lattice row of the lower left node.
+    pub j: usize,
+}
+
+/// Evaluates the field at any points within one lattice cell of a batch of
+/// leaves, at their layers' heights.
+pub trait Sampler {
+    /// Field values at the points, written over `out`.
+    ///
+    /// # Errors
+    /// If the evaluator fails, which is a bug.
+    fn values(
+        &mut self,
+        x: &[f32],
+        y: &[f32],
+        z: &[f32],
+        out: &mut Vec<f32>,
+    ) -> Result<(), FieldError>;
+
+    /// In-plane gradients (∂f/∂x, ∂f/∂y), written over `out`.
+    ///
+    /// # Errors
+    /// If the evaluator fails, which is a bug.
+    fn gradients(
+        &mut self,
+        x: &[f32],
+        y: &[f32],
+        z: &[f32],
+        out: &mut Vec<[f32; 2]>,
+    ) -> Result<(), FieldError>;
+}
+
+/// A batch of sampled leaves.
+pub struct Batch<'a> {
+    /// The leaves.
+    pub leaves: &'a [Leaf],
+    /// Their node values, 81 per leaf, row by row.
+    pub values: &'a [f32],
+    /// For points in and next to the leaves.
+    pub sampler: &'a mut dyn Sampler,
+}
+
+/// What is done with a batch.
+pub type Visit<'a> = dyn FnMut(Batch<'_>) -> Result<(), FieldError> + 'a;
+
+/// How the expression is evaluated. Both give the same values, bit for bit;
+/// which one is faster depends on the expression.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// fidget's interpreter.
+    Vm,
+    /// fidget's native code.
+    Jit,
+}
+
+/// A model's expression on a lattice over its box.
+pub struct Field {
+    lattice: Lattice,
+    engine: Box<dyn Engine>,
+    backend: Backend,
+}
+
+impl Field {
+    /// The field of `tree` over the box `bounds`, sampled every `spacing`
+    /// millimetres; `z` is a height at which to try the back ends if none is
+    /// given.
+    ///
+    /// # Errors
+    /// If the lattice would be too large, or fidget refuses the expression.
+    pub fn new(
+        tree: &Tree,
+        bounds: Rect,
+        spacing: Mm,
+        z: Mm,
+        backend: Option<Backend>,
+    ) -> Result<Field, FieldError> {
+        let lattice = Lattice::over(bounds, spacing)?;
+        let mut ctx = Context::new();
+        let root = ctx.import(tree);
+        let bad =
+            |e: &dyn std::fmt::Display| FieldError::Evaluator(e.to_string());
+        use fidget::eval::MathFunction;
+        let vm = VmFunction::new(&ctx, &[root]).map_err(|e| bad(&e))?;
+        if vm.vars().has_free_vars() {
+            return Err(FieldError::Evaluator(
+                "it has variables besides x, y and z".into(),
+            ));
+        }
+        let jit = JitFunction::new(&ctx, &[root]).map_err(|e| bad(&e))?;
+        let vm = FidgetEngine::new(vm);
+        let jit = FidgetEngine::new(jit);
+        let backend = match backend {
+            Some(b) => b,
+            None => {
+                // On x86-64 native code is up to 20 × slower than the
+                // interpreter where the expression calls sin or exp, and up
+                // to 20 × faster elsewhere: only a trial tells.
+                let (v, j) = (vm.trial(&lattice, z)?, jit.trial(&lattice, z)?);
+                if v < j { Backend::Vm } else { Backend::Jit }
+            }
+        };
+        let engine: Box<dyn Engine> = match backend {
+            Backend::Vm => Box::new(vm),
+            Backend::Jit => Box::new(jit),
+        };
+        Ok(Field {
+            lattice,
+            engine,
+            backend,
+        })
+    }
+
+    /// The lattice the field is sampled on.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// The evaluator in use.
+    pub fn backend(&self) -> Backend {
+        self.backend
+    }
+
+    /// Visits every leaf of the layers at heights `z` (at most [`SLAB`]) that
+    /// may have a sign change.
+    ///
+    /// # Errors
+    /// If the evaluator fails, or `visit` does.
+    pub fn slab(
+        &self,
+        z: &[Mm],
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
+        let z: Vec<f32> = z.iter().map(|&z| z as f32).collect();
+        self.engine.slab(&self.lattice, &z, visit)
+    }
+
+    /// Visits given leaves, without asking whether they matter.
+    ///
+    /// # Errors
+    /// If the evaluator fails, or `visit` does.
+    pub fn leaves(
+        &self,
+        z: &[Mm],
+        leaves: &[Leaf],
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
+        let z: Vec<f32> = z.iter().map(|&z| z as f32).collect();
+        self.engine.leaves(&self.lattice, &z, leaves, visit)
+    }
+}

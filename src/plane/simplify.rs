@@ -1,0 +1,254 @@
+//! Fewer points on a ring, within a tolerance and without a bias.
+//!
+//! A chord between two points of a curve lies on its inner side, so a ring
+//! thinned to a subset of its points shrinks. Here the ring is cut into the
+//! longest pieces that a line fits, each piece is replaced by the line at the
+//! *mean* of the deviations from its chord, and the new corners are where
+//! neighbouring lines meet: a circle's polygon then lies on both sides of the
+//! circle and encloses its content, with fewer corners for the same tolerance.
+//!
+//! Guarantee: points of the input are within `tolerance` of the result's
+//! lines. Not guaranteed: that rings closer than the tolerance to each other
+//! (or to themselves) do not cross afterwards.
+
+use super::{Ring, signed_area};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// A piece of the input, from `start` to `end` (indices modulo the length),
+/// and the line that stands for it.
+struct Piece {
+    start: usize,
+    end: usize,
+    /// Deviation of the line from the chord, along the chord's left normal.
+    shift: f64,
+    /// The piece begins at a corner, which stays where it is.
+    corner: bool,
+}
+
+/// The ring with as few points as the tolerance (mm) permits; empty if less
+/// than a triangle would be left.
+pub fn simplify(ring: &[DVec2], tolerance: Mm) -> Ring {
+    let mut points: Ring = ring.to_vec();
+    points.dedup();
+    while points.len() > 1 && points.first() == points.last() {
+        points.pop();
+    }
+    if points.len() < 3 {
+        return Ring::new();
+    }
+    // The point farthest from another is a good one to begin at: a corner,
+    // if there is one.
+    let from = points[0];
+    let distance = |i: &usize| points[*i].distance_squared(from);
+    let farthest =
+        (0..points.len()).max_by(|a, b| distance(a).total_cmp(&distance(b)));
+    points.rotate_left(farthest.unwrap_or(0));
+    let pieces = split(&points, tolerance);
+    let out = corners(&points, &pieces);
+    // A sliver thinner than the tolerance may fold over.
+    if out.len() < 3 || signed_area(&out) * signed_area(&points) <= 0.0 {
+        return Ring::new();
+    }
+    out
+}
+
+/// Turn at a point, in radians, from which it is a corner that stays.
+const CORNER: f64 = 0.45;
+
+/// Cuts the ring into pieces, each as long as the tolerance permits and none
+/// across a corner.
+fn split(points: &[DVec2], tolerance: Mm) -> Vec<Piece> {
+    let n = points.len();
+    let at = |k: usize| points[k % n];
+    let is_corner = |k: usize| {
+        let (u, v) = (at(k) - at(k + n - 1), at(k + 1) - at(k));
+        u.angle_to(v).abs() > CORNER
+    };
+    let mut pieces = Vec::new();
+    let mut start = 0;
+    while start < n {
+        let last = (start + 1..n).find(|&k| is_corner(k)).unwrap_or(n);
+        let mut corner = is_corner(start);
+        while start < last {
+            let (end, shift) = longest(&at, start, last, tolerance, corner);
+            pieces.push(Piece {
+                start,
+                end,
+                shift,
+                corner,
+            });
+            (start, corner) = (end, false);
+        }
+    }
+    pieces
+}
+
+/// The farthest end, up to `last`, of a piece that begins at `start`: found
+/// by doubling the piece until it no longer fits, then halving the rest.
+fn longest(
+    at: &impl Fn(usize) -> DVec2,
+    start: usize,
+    last: usize,
+    tolerance: Mm,
+    corner: bool,
+) -> (usize, f64) {
+    let mut best = (start + 1, 0.0);
+    let mut step = 2;
+    let mut bad = last + 1;
+    while start + step <= last {
+        match fit(at, start, start + step, tolerance, corner) {
+            Some(shift) => best = (start + step, shift),
+            None => {
+                bad = start + step;
+                break;
+            }
+        }
+        if start + step == last {
+            return best;
+        }
+        step = (2 * step).min(last - start);
+    }
+    while bad - best.0 > 1 {
+        let middle = best.0 + (bad - best.0) / 2;
+        match fit(at, start, middle, tolerance, corner) {
+            Some(shift) => best = (middle, shift),
+            None => bad = middle,
+        }
+    }
+    best
+}
+
+/// How far the chord from point `i` to point `j` is to be shifted to lie at
+/// the mean of the points between; `None` if some are then still farther
+/// from it than the tolerance. At a corner the line cannot be shifted: the
+/// chord itself must fit.
+fn fit(
+    at: &impl Fn(usize) -> DVec2,
+    i: usize,
+    j: usize,
+    tolerance: Mm,
+    corner: bool,
+) -> Option<f64> {
+    let chord = (at(j) - at(i)).try_normalize()?;
+    let (mut lo, mut hi) = (0.0_f64, 0.0_f64);
+    let (mut sum, mut length) = (0.0, 0.0);
+    let mut previous = 0.0;
+    for k in i + 1..=j {
+        let deviation = chord.perp_dot(at(k) - at(i));
+        let step = at(k).distance(at(k - 1));
+        sum += 0.5 * (deviation + previous) * step;
+        length += step;
+        previous = deviation;
+        (lo, hi) = (lo.min(deviation), hi.max(deviation));
+        if hi - lo > 2.0 * tolerance {
+            return None;
+        }
+        // A piece must not double back on itself.
+        if chord.dot(at(k) - at(k - 1)) < 0.0 && step > tolerance {
+            return None;
+        }
+    }
+    let mean = if length > 0.0 { sum / length } else { 0.0 };
+    let error = (hi - mean).max(mean - lo);
+    let chord_error = if corner { hi.max(-lo) } else { 0.0 };
+    (error.max(chord_error) <= tolerance).then_some(mean)
+}
+
+/// The points where the lines of neighbouring pieces meet.
+fn corners(points: &[DVec2], pieces: &[Piece]) -> Ring {
+    let n = points.len();
+    let line = |p: &Piece| {
+        let (a, b) = (points[p.start % n], points[p.end % n]);
+        let along = (b - a).normalize_or_zero();
+        (along, along.perp() * p.shift)
+    };
+    let mut out = Ring::with_capacity(pieces.len());
+    for (i, piece) in pieces.iter().enumerate() {
+        let before = &pieces[(i + pieces.len() - 1) % pieces.len()];
+        let (u, du) = line(before);
+        let (v, dv) = line(piece);
+        let p = points[piece.start % n];
+        if piece.corner {
+            out.push(p);
+            continue;
+        }
+        // The lines through p + du along u and through p + dv along v.
+        let sine = u.perp_dot(v);
+        let meet = du + u * ((dv - du).perp_dot(v) / sine);
+        let limit = 2.0 * before.shift.abs().max(piece.shift.abs());
+        // Nearly parallel lines meet far away: take the middle instead.
+        let by = if sine.abs() > 1e-9 && meet.length() <= limit {
+            meet
+        } else {
+            0.5 * (du + dv)
+        };
+        out.push(p + by);
+    }
+    out.dedup();
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, TAU};
+
+    fn circle(r: f64, n: usize) -> Ring {
+        (0..n)
+            .map(|i| DVec2::from_angle(TAU * i as f64 / n as f64) * r)
+            .collect()
+    }
+
+    #[test]
+    fn a_circle_is_thinned_without_shrinking() {
+        for r in [0.5, 5.0, 50.0] {
+            let tolerance = 0.005;
+            let s = simplify(&circle(r, 20_000), tolerance);
+            // A chord of sagitta 1.5 × tolerance.
+            let ideal = PI / (1.0 - 1.5 * tolerance / r).acos();
+            assert!((s.len() as f64) < 1.6 * ideal, "{} {ideal}", s.len());
+            let mut mean = 0.0;
+            for (a, b) in super::super::edges(&s) {
+                for i in 0..100 {
+                    let e = a.lerp(b, f64::from(i) / 100.0).length() - r;
+                    assert!(e.abs() <= 1.02 * tolerance, "{e}");
+                    mean += e / (100.0 * s.len() as f64);
+                }
+            }
+            assert!(mean.abs() < 0.0005, "{mean}");
+            let content = signed_area(&s) / (PI * r * r) - 1.0;
+            assert!(content.abs() * r < 0.001, "{content}");
+        }
+    }
+
+    #[test]
+    fn corners_of_a_square_stay() {
+        let corner = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
+            .map(|(x, y)| DVec2::new(x, y));
+        let mut ring = Ring::new();
+        for i in 0..4 {
+            for k in 0..97 {
+                let t = f64::from(k) / 97.0;
+                ring.push(corner[i].lerp(corner[(i + 1) % 4], t));
+            }
+        }
+        ring.rotate_left(31);
+        let s = simplify(&ring, 0.005);
+        assert_eq!(s.len(), 4);
+        for c in corner {
+            assert!(s.iter().any(|p| p.distance(c) < 1e-9));
+        }
+    }
+
+    #[test]
+    fn slivers_vanish_and_nothing_panics() {
+        let flat: Ring = (0..50)
+            .chain((0..50).rev())
+            .map(|i| DVec2::new(f64::from(i), 0.0))
+            .collect();
+        assert!(simplify(&flat, 0.005).is_empty());
+        assert!(simplify(&[], 0.005).is_empty());
+        assert!(simplify(&[DVec2::ZERO; 7], 0.005).is_empty());
+    }
+}

@@ -1,0 +1,226 @@
+//! Outlines against shapes whose outline is known in closed form.
+
+use fidget::context::Tree;
+use glam::DVec2;
+use isoslice::contour::{Outline, outlines};
+use isoslice::field::{Backend, Field};
+use isoslice::plane::{Area, Rect, edges, ring_length};
+
+const ACCURACY: f64 = 0.005;
+
+fn slice_with(
+    tree: &Tree,
+    half: f64,
+    z: &[f64],
+    backend: Backend,
+) -> Vec<Outline> {
+    let bounds = Rect {
+        min: DVec2::splat(-half),
+        max: DVec2::splat(half),
+    };
+    let field = Field::new(tree, bounds, 0.1, 0.0, Some(backend)).unwrap();
+    outlines(&field, z, ACCURACY).unwrap()
+}
+
+fn slice(tree: &Tree, half: f64, z: f64) -> Area {
+    let o = slice_with(tree, half, &[z], Backend::Jit).remove(0);
+    assert_eq!(o.forced_rings, 0);
+    o.area
+}
+
+/// Largest and mean of a signed distance over points along the rings.
+fn deviation(area: &Area, distance: impl Fn(DVec2) -> f64) -> (f64, f64) {
+    let (mut worst, mut sum, mut length) = (0.0_f64, 0.0, 0.0);
+    for (a, b) in area.rings.iter().flat_map(|r| edges(r)) {
+        for i in 0..64 {
+            let p = a.lerp(b, (f64::from(i) + 0.5) / 64.0);
+            let d = distance(p);
+            worst = worst.max(d.abs());
+            sum += d * a.distance(b) / 64.0;
+        }
+        length += a.distance(b);
+    }
+    (worst, sum / length)
+}
+
+#[test]
+fn sphere_is_a_circle_without_bias() {
+    let (x, y, z) = Tree::axes();
+    let f = (x.square() + y.square() + z.square()).sqrt() - 15.0;
+    for h in [0.05, 3.0, 11.9, 14.9] {
+        let r = (15.0_f64 * 15.0 - h * h).sqrt();
+        let area = slice(&f, 15.0, h);
+        assert_eq!(area.rings.len(), 1);
+        let (worst, mean) = deviation(&area, |p| p.length() - r);
+        assert!(worst <= ACCURACY + 5e-5, "{h}: {worst}");
+        assert!(mean.abs() < 0.001, "{h}: {mean}");
+    }
+}
+
+#[test]
+fn ellipse_of_a_field_that_is_no_distance() {
+    let (x, y, z) = Tree::axes();
+    for scale in [1.0_f32, 1e-6, 1e6] {
+        let f = (x.square() / 400.0 + y.square() / 144.0 + z.square() / 64.0
+            - 1.0)
+            * scale;
+        let k = 1.0 - 9.0 / 64.0;
+        let area = slice(&f, 20.0, 3.0);
+        let (worst, mean) = deviation(&area, |p| {
+            let (a, b) = (400.0 * k, 144.0 * k);
+            let g = p.x * p.x / a + p.y * p.y / b - 1.0;
+            // To first order the distance, with an error of g².
+            g / (2.0 * DVec2::new(p.x / a, p.y / b).length())
+        });
+        assert!(worst <= ACCURACY + 1e-4, "{scale}: {worst}");
+        assert!(mean.abs() < 0.001, "{scale}: {mean}");
+    }
+}
+
+#[test]
+fn corners_of_turned_boxes_are_exact() {
+    let (x, y, z) = Tree::axes();
+    for degrees in [0.0_f64, 7.0, 30.0, 45.0, 81.3] {
+        let (s, c) = degrees.to_radians().sin_cos();
+        let (s, c) = (s as f32, c as f32);
+        let u = x.clone() * c + y.clone() * s;
+        let v = y.clone() * c - x.clone() * s;
+        let f = (u.abs() - 7.0).max(v.abs() - 4.0).max(z.abs() - 10.0);
+        let area = slice(&f, 9.0, 1.0);
+        assert_eq!(area.rings.len(), 1, "{degrees}");
+        let ring = &area.rings[0];
+        assert_eq!(ring.len(), 4, "{degrees}: {ring:?}");
+        let turn = DVec2::from_angle(degrees.to_radians());
+        for (a, b) in [(7.0, 4.0), (-7.0, 4.0), (7.0, -4.0), (-7.0, -4.0)] {
+            let corner = DVec2::new(a, b).rotate(turn);
+            let near = ring
+                .iter()
+                .map(|p| p.distance(corner))
+                .fold(f64::INFINITY, f64::min);
+            assert!(near < 1e-4, "{degrees}: {near}");
+        }
+    }
+}
+
+#[test]
+fn torus_has_a_hole_that_runs_clockwise() {
+    let (x, y, z) = Tree::axes();
+    let ring = (x.square() + y.square()).sqrt() - 15.0;
+    let f = (ring.square() + z.square()).sqrt() - 5.0;
+    let area = slice(&f, 20.0, 3.0);
+    assert_eq!(area.rings.len(), 2);
+    let exact = std::f64::consts::PI * (19.0_f64.powi(2) - 11.0_f64.powi(2));
+    assert!((area.content() / exact - 1.0).abs() < 1e-4);
+    let (worst, _) = deviation(&area, |p| (p.length() - 15.0).abs() - 4.0);
+    assert!(worst <= ACCURACY + 5e-5, "{worst}");
+}
+
+#[test]
+fn cut_cylinder_keeps_its_edges() {
+    let (x, y, z) = Tree::axes();
+    let f = ((x.square() + y.square()).sqrt() - 8.0)
+        .max(x.clone() - 3.3)
+        .max(z.abs() - 5.0);
+    let area = slice(&f, 8.0, 0.0);
+    let corner = DVec2::new(3.3, (64.0_f64 - 3.3 * 3.3).sqrt());
+    for c in [corner, DVec2::new(corner.x, -corner.y)] {
+        let near = area.rings[0]
+            .iter()
+            .map(|p| p.distance(c))
+            .fold(f64::INFINITY, f64::min);
+        assert!(near < 0.002, "{near}");
+    }
+}
+
+fn gyroid_ball() -> Tree {
+    let (x, y, z) = Tree::axes();
+    let k = std::f32::consts::TAU / 10.0;
+    let [s, c] = [Tree::sin, Tree::cos]
+        .map(|f| [&x, &y, &z].map(|a| f(&(a.clone() * k))));
+    let g = s[0].clone() * c[1].clone()
+        + s[1].clone() * c[2].clone()
+        + s[2].clone() * c[0].clone();
+    let ball = (x.square() + y.square() + z.square()).sqrt() - 25.0;
+    (g.abs() - 0.55).max(ball)
+}
+
+#[test]
+fn evaluators_agree_to_the_bit() {
+    let z: Vec<f64> = (0..8).map(|i| -3.0 + 0.2 * f64::from(i)).collect();
+    let vm = slice_with(&gyroid_ball(), 25.0, &z, Backend::Vm);
+    let jit = slice_with(&gyroid_ball(), 25.0, &z, Backend::Jit);
+    for (a, b) in vm.iter().zip(&jit) {
+        assert_eq!(a.area, b.area);
+        assert_eq!(a.forced_rings, 0);
+        assert!(a.area.rings.len() > 3);
+    }
+}
+
+/// The topology of the tiled walk against the `contour` crate on the whole
+/// grid: as many rings, and as long, within what refinement moves them.
+#[test]
+fn rings_are_those_of_the_contour_crate() {
+    let bounds = Rect {
+        min: DVec2::splat(-25.0),
+        max: DVec2::splat(25.0),
+    };
+    let tree = gyroid_ball();
+    let field = Field::new(&tree, bounds, 0.1, 0.0, Some(Backend::Vm)).unwrap();
+    let lattice = field.lattice();
+    let h = 1.3_f32;
+    let k = std::f32::consts::TAU / 10.0;
+    let (nx, ny) = (lattice.x.len(), lattice.y.len());
+    let mut values = Vec::with_capacity(nx * ny);
+    for &y in &lattice.y {
+        for &x in &lattice.x {
+            let [sx, sy, sz] = [x, y, h].map(|v| (v * k).sin());
+            let [cx, cy, cz] = [x, y, h].map(|v| (v * k).cos());
+            let g = (sx * cy + sy * cz + sz * cx).abs() - 0.55;
+            let ball = (x * x + y * y + h * h).sqrt() - 25.0;
+            values.push(-g.max(ball));
+        }
+    }
+    let mut oracle = contour::contour_rings(&values, 1e-30, nx, ny).unwrap();
+    // The crate cuts ambiguous cells by convention, which leaves the nodes
+    // at the tips of thin wedges as rings of their own; the field joins them.
+    oracle.retain(|r| r.len() > 5);
+    let ours = outlines(&field, &[f64::from(h)], 1e-4).unwrap().remove(0);
+    assert_eq!(ours.area.rings.len(), oracle.len());
+    let length: f64 = oracle
+        .iter()
+        .map(|r| {
+            let ring: Vec<DVec2> = r
+                .iter()
+                .map(|p| DVec2::new(p.x.into(), p.y.into()) * 0.1)
+                .collect();
+            ring_length(&ring)
+        })
+        .sum();
+    // Midpoints zigzag: the crate's unsmoothed rings are a little longer.
+    let ratio = length / ours.area.perimeter();
+    assert!((1.0..1.12).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn nan_is_outside_and_counted() {
+    let (x, y, z) = Tree::axes();
+    // sqrt(x) is no number left of the plane x = 0.
+    let f = (x.sqrt() * 1e-9)
+        + ((x.square() + y.square() + z.square()).sqrt() - 5.0);
+    let o = slice_with(&f, 5.0, &[0.0], Backend::Vm).remove(0);
+    assert!(o.nan_samples > 100);
+    let half_disc = 0.5 * std::f64::consts::PI * 25.0;
+    assert!((o.area.content() - half_disc).abs() < 0.05);
+}
+
+#[test]
+fn jumps_are_found_by_halving() {
+    let (x, y, z) = Tree::axes();
+    let radius = (x.square() + y.square() + z.square()).sqrt();
+    // −1 inside 6.2 mm, 1 outside, nothing between.
+    let f = radius.compare(6.2);
+    let area = slice(&f, 8.0, 0.0);
+    let (worst, mean) = deviation(&area, |p| p.length() - 6.2);
+    assert!(worst <= ACCURACY + 1e-4, "{worst}");
+    assert!(mean.abs() < 0.001, "{mean}");
+}
