@@ -1,11 +1,16 @@
 //! A slicer for implicit surfaces: from f(x, y, z) to G-code without a mesh.
 
+pub mod adhesion;
 pub mod bead;
 pub mod contour;
 pub mod field;
+pub mod infill;
 pub mod layers;
 pub mod model;
 pub mod plane;
+pub mod region;
 pub mod settings;
+pub mod skin;
 pub mod travel;
 pub mod units;
+pub mod walls;

@@ -77,6 +77,10 @@ impl Bracket {
 
     /// Takes in the field's value at the estimate and makes a new one.
     fn step(&mut self, f: f64, count: usize, edge: Mm) {
+        let end = if f < 0.0 { self.f_lo } else { self.f_hi };
+        // At a jump the estimate creeps along one side in tiny steps, but
+        // the field there does not go down.
+        let falls = f.abs() <= 0.25 * end.abs();
         if f < 0.0 {
             self.lo = self.t;
             self.f_lo = f;
@@ -104,10 +108,7 @@ impl Bracket {
         };
         let moved = (self.t - before).abs() * edge;
         let open = (self.hi - self.lo) * edge;
-        // At a jump the estimate may creep along one side: only a closed
-        // bracket or a step by interpolation from a fresh value counts.
-        let settled = moved < ARRIVED && self.f_hi.abs() < f64::INFINITY;
-        self.done = open < ARRIVED || (settled && count > 0);
+        self.done = open < ARRIVED || (falls && moved < ARRIVED);
     }
 }
 
