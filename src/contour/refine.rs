@@ -31,7 +31,7 @@ pub(super) struct Bracket {
 /// Evaluations after which a vertex stays where it is: halving alone brings
 /// a 0.1 mm edge down to a nanometre in fewer.
 const MAX_STEPS: usize = 24;
-/// Steps by interpolation before every other one halves the bracket.
+/// Steps by interpolation before the bracket is halved instead.
 const FREE_STEPS: usize = 6;
 /// A vertex has arrived when it moves by less than this, mm: ten times less
 /// than G-code can say.
@@ -101,7 +101,7 @@ impl Bracket {
             return;
         }
         let before = self.t;
-        self.t = if count >= FREE_STEPS && count % 2 == 0 {
+        self.t = if count >= FREE_STEPS {
             0.5 * (self.lo + self.hi)
         } else {
             self.estimate()
