@@ -7,6 +7,7 @@ pub mod field;
 pub mod infill;
 pub mod layers;
 pub mod model;
+pub mod order;
 pub mod plane;
 pub mod region;
 pub mod settings;

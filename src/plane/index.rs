@@ -50,6 +50,15 @@ impl EdgeIndex {
             .map(|e| e.data as usize)
     }
 
+    /// The point of the edges nearest to `p`, and the number of its ring.
+    pub fn nearest_point(&self, p: DVec2) -> Option<(usize, DVec2)> {
+        let q = p.to_array();
+        self.tree.nearest_neighbor(&q).map(|e| {
+            let on = e.geom().nearest_point(&q);
+            (e.data as usize, on.into())
+        })
+    }
+
     /// Distance from the point to the nearest edge.
     pub fn distance(&self, p: DVec2) -> Option<f64> {
         let q = p.to_array();

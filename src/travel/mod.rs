@@ -1,6 +1,14 @@
-//! Contract only: what the travel stage hands on.
-use crate::bead::Bead;
+//! From bead to bead: the way there, and whether to retract on it.
+//!
+//! In: a layer's beads in print order. Out: its moves in print coordinates.
+//! Travels are straight. One that leaves the part's solid, crosses an outer
+//! wall or is long is retracted; short hops and those inside are not.
+
+use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
+use crate::plane::Area;
+use crate::plane::index::EdgeIndex;
+use crate::settings::Settings;
 use glam::DVec2;
 
 /// One step of a layer's tool path, in print order.
@@ -25,4 +33,194 @@ pub struct LayerPath {
     pub span: LayerSpan,
     /// Its moves.
     pub moves: Vec<Move>,
+}
+
+/// What the travels of one layer must not cross unretracted.
+struct Obstacles<'a> {
+    outline: &'a Area,
+    border: EdgeIndex,
+    walls: EdgeIndex,
+}
+
+/// Connects the beads of a layer. `outline` is its solid, `from` where the
+/// head stands, both in the model's coordinates; `offset` moves the result to
+/// the printer's.
+pub fn connect(
+    span: LayerSpan,
+    beads: Vec<Bead>,
+    outline: &Area,
+    from: Option<DVec2>,
+    offset: DVec2,
+    settings: &Settings,
+) -> LayerPath {
+    let walls = Area {
+        rings: beads
+            .iter()
+            .filter(|b| b.role == Role::OuterWall && b.closed)
+            .map(|b| b.points.clone())
+            .collect(),
+    };
+    let obstacles = Obstacles {
+        outline,
+        border: EdgeIndex::new(outline),
+        walls: EdgeIndex::new(&walls),
+    };
+    let mut moves = Vec::with_capacity(2 * beads.len());
+    let mut at = from;
+    let mut inside = false;
+    for mut bead in beads {
+        let Some(&start) = bead.points.first() else {
+            continue;
+        };
+        let end = match bead.closed {
+            true => start,
+            false => bead.points.last().copied().unwrap_or(start),
+        };
+        if at != Some(start) {
+            let retract = match at {
+                Some(a) => obstacles.retract(a, start, inside, settings),
+                None => false,
+            };
+            moves.push(Move::Travel {
+                points: vec![start + offset],
+                retract,
+            });
+        }
+        // Beads of the part end inside it; a skirt's does not.
+        inside = bead.role != Role::Skirt;
+        at = Some(end);
+        for p in &mut bead.points {
+            *p += offset;
+        }
+        moves.push(Move::Print(bead));
+    }
+    LayerPath { span, moves }
+}
+
+impl Obstacles<'_> {
+    /// Whether to retract on the way from `a` to `b`. `inside` tells that `a`
+    /// is known to be inside the part.
+    fn retract(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        inside: bool,
+        settings: &Settings,
+    ) -> bool {
+        let length = a.distance(b);
+        let r = &settings.retract;
+        if length < r.min_travel {
+            return false;
+        }
+        if length > r.max_unretracted {
+            return true;
+        }
+        if !inside && !self.outline.contains(a) {
+            return true;
+        }
+        if !self.border.crossings(a, b).is_empty() {
+            return true;
+        }
+        // Leaving a wall's own start and reaching another's is no crossing.
+        let own = settings.outer_wall_width / length;
+        self.walls
+            .crossings(a, b)
+            .iter()
+            .any(|&t| t > own && t < 1.0 - own)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bead(role: Role, points: &[(f64, f64)]) -> Bead {
+        Bead {
+            role,
+            points: points.iter().map(|&(x, y)| DVec2::new(x, y)).collect(),
+            closed: false,
+            width: 0.45,
+            height: 0.2,
+        }
+    }
+
+    /// A U: two legs 10 mm apart, joined at the bottom.
+    fn outline() -> Area {
+        let ring = [
+            (0.0, 0.0),
+            (20.0, 0.0),
+            (20.0, 20.0),
+            (15.0, 20.0),
+            (15.0, 5.0),
+            (5.0, 5.0),
+            (5.0, 20.0),
+            (0.0, 20.0),
+        ];
+        Area {
+            rings: vec![ring.iter().map(|&(x, y)| DVec2::new(x, y)).collect()],
+        }
+    }
+
+    fn retracts(beads: Vec<Bead>) -> Vec<bool> {
+        let span = LayerSpan {
+            index: 0,
+            bottom: 0.0,
+            top: 0.2,
+        };
+        let settings = Settings::default();
+        connect(span, beads, &outline(), None, DVec2::ZERO, &settings)
+            .moves
+            .iter()
+            .filter_map(|m| match m {
+                Move::Travel { retract, .. } => Some(*retract),
+                Move::Print(_) => None,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn only_travels_that_leave_the_part_are_retracted() {
+        let r = retracts(vec![
+            bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]),
+            // Along the leg: inside.
+            bead(Role::SparseInfill, &[(4.0, 15.0), (1.0, 15.0)]),
+            // Across the gap between the legs.
+            bead(Role::SparseInfill, &[(16.0, 15.0), (17.0, 15.0)]),
+            // A hop.
+            bead(Role::SparseInfill, &[(17.0, 16.0), (16.0, 16.0)]),
+        ]);
+        assert_eq!(r, [false, false, true, false]);
+    }
+
+    #[test]
+    fn leaving_the_skirt_is_retracted() {
+        let r = retracts(vec![
+            bead(Role::Skirt, &[(-5.0, -5.0), (-5.0, 5.0)]),
+            bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]),
+        ]);
+        assert_eq!(r, [false, true]);
+    }
+
+    #[test]
+    fn beads_are_moved_to_the_bed() {
+        let span = LayerSpan {
+            index: 0,
+            bottom: 0.0,
+            top: 0.2,
+        };
+        let line = bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]);
+        let by = DVec2::new(100.0, 50.0);
+        let path = connect(
+            span,
+            vec![line],
+            &outline(),
+            None,
+            by,
+            &Settings::default(),
+        );
+        let Some(Move::Print(b)) = path.moves.last() else {
+            panic!("nothing printed");
+        };
+        assert_eq!(b.points[0], DVec2::new(101.0, 51.0));
+    }
 }

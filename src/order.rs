@@ -1,0 +1,509 @@
+//! The order in which a layer's beads are printed, and where loops begin.
+//!
+//! In: a layer's beads by kind. Out: the beads in print order, closed ones
+//! rotated to their seam, open ones turned so that their nearer end comes
+//! first. Islands are finished one at a time, nearest first; within an island
+//! come its walls, then sparse infill, then skin.
+//!
+//! Seams are carried from layer to layer: a loop begins at the point nearest
+//! to a seam of the layer below, so that seams form lines up the part. A new
+//! line starts in the sharpest concave corner, or at the back.
+
+use crate::bead::{Bead, Role};
+use crate::plane::index::EdgeIndex;
+use crate::plane::{Area, Rect, edges, ring_contains};
+use crate::settings::{Seam, Settings, WallOrder};
+use crate::skin::Patch;
+use crate::units::Mm;
+use glam::DVec2;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+/// What there is to print in a layer.
+#[derive(Clone, Debug, Default)]
+pub struct LayerBeads {
+    /// Loops around the part, in order.
+    pub skirt: Vec<Bead>,
+    /// Closed beads of the walls.
+    pub walls: Vec<Bead>,
+    /// Sparse infill.
+    pub infill: Vec<Bead>,
+    /// Skin areas.
+    pub skin: Vec<Patch>,
+}
+
+/// What one layer hands to the next.
+#[derive(Clone, Debug, Default)]
+pub struct Head {
+    /// Where the nozzle stands, if it has printed yet.
+    pub at: Option<DVec2>,
+    /// Seams of the layer below.
+    pub seams: Vec<DVec2>,
+}
+
+/// How far a seam may move from one layer to the next before it counts as a
+/// new one, mm.
+const SEAM_REACH: Mm = 2.0;
+
+/// The least turn of a corner that hides a seam, in radians (30°).
+const SEAM_CORNER: f64 = 0.52;
+
+/// Beads of one island.
+#[derive(Default)]
+struct Island {
+    /// Walls by loop: the outer one first, then what runs inside it.
+    loops: Vec<Vec<Bead>>,
+    infill: Vec<Bead>,
+    skin: Vec<Patch>,
+}
+
+/// Puts a layer's beads in order. `outline` is the layer's solid.
+pub fn order(
+    beads: LayerBeads,
+    outline: &Area,
+    head: &mut Head,
+    settings: &Settings,
+) -> Vec<Bead> {
+    let mut out = Vec::new();
+    for bead in beads.skirt {
+        let bead = from_nearest(bead, head.at);
+        finish(bead, &mut out, head);
+    }
+    let islands = islands(outline, beads.walls, beads.infill, beads.skin);
+    let mut seams = Vec::new();
+    let islands = place_seams(islands, head, settings, &mut seams);
+    let starts: Vec<Option<DVec2>> = islands.iter().map(island_start).collect();
+    let mut left = Nearest::new(
+        starts
+            .iter()
+            .enumerate()
+            .filter_map(|(i, p)| p.map(|p| (p, i))),
+    );
+    let mut islands: Vec<Option<Island>> =
+        islands.into_iter().map(Some).collect();
+    while let Some(i) = left.pop(head.at) {
+        if let Some(island) = islands[i].take() {
+            print_island(island, &mut out, head, settings);
+        }
+    }
+    head.seams = seams;
+    out
+}
+
+/// Sorts the beads to the islands they lie in.
+fn islands(
+    outline: &Area,
+    walls: Vec<Bead>,
+    infill: Vec<Bead>,
+    skin: Vec<Patch>,
+) -> Vec<Island> {
+    let solids = outline.islands();
+    let boxes: Vec<Rect> = solids.iter().map(Area::bounds).collect();
+    // Beads of one kind come ring by ring and row by row: the island of the
+    // last one is likely that of the next.
+    let mut last = 0;
+    let mut find = |bead: Option<&Bead>| -> usize {
+        let Some(&p) = bead.and_then(|b| b.points.first()) else {
+            return 0;
+        };
+        let inside = |i: usize| {
+            boxes[i].contains(p)
+                && solids[i].rings.iter().enumerate().all(|(k, r)| {
+                    // The first ring is the outer one, the rest are holes.
+                    ring_contains(r, p) == (k == 0)
+                })
+        };
+        if solids.len() > 1 && !inside(last) {
+            last = (0..solids.len()).find(|&i| inside(i)).unwrap_or(last);
+        }
+        last
+    };
+    let mut islands: Vec<Island> =
+        solids.iter().map(|_| Island::default()).collect();
+    if islands.is_empty() {
+        return islands;
+    }
+    let mut outer: Vec<Vec<Bead>> = vec![Vec::new(); islands.len()];
+    let mut inner: Vec<Vec<Bead>> = vec![Vec::new(); islands.len()];
+    for bead in walls {
+        let i = find(Some(&bead));
+        match bead.role {
+            Role::OuterWall => outer[i].push(bead),
+            _ => inner[i].push(bead),
+        }
+    }
+    for (i, (outer, inner)) in outer.into_iter().zip(inner).enumerate() {
+        islands[i].loops = loops(outer, inner);
+    }
+    for bead in infill {
+        let i = find(Some(&bead));
+        islands[i].infill.push(bead);
+    }
+    for patch in skin {
+        let i = find(patch.rings.first());
+        islands[i].skin.push(patch);
+    }
+    islands
+}
+
+/// Groups an island's walls: each inner wall goes with the outer wall that it
+/// runs along.
+fn loops(outer: Vec<Bead>, inner: Vec<Bead>) -> Vec<Vec<Bead>> {
+    let area = Area {
+        rings: outer.iter().map(|b| b.points.clone()).collect(),
+    };
+    let mut loops: Vec<Vec<Bead>> =
+        outer.into_iter().map(|b| vec![b]).collect();
+    if loops.is_empty() {
+        return inner.into_iter().map(|b| vec![b]).collect();
+    }
+    let index = (loops.len() > 1).then(|| EdgeIndex::new(&area));
+    for bead in inner {
+        let near = index.as_ref().zip(bead.points.first());
+        let i = near.and_then(|(x, &p)| x.nearest_ring(p)).unwrap_or(0);
+        loops[i].push(bead);
+    }
+    loops
+}
+
+/// Rotates all walls to their seams and collects those of the outer walls.
+fn place_seams(
+    mut islands: Vec<Island>,
+    head: &Head,
+    settings: &Settings,
+    seams: &mut Vec<DVec2>,
+) -> Vec<Island> {
+    let outer: Vec<&Bead> = islands
+        .iter()
+        .flat_map(|i| i.loops.iter().filter_map(|l| l.first()))
+        .collect();
+    let area = Area {
+        rings: outer.iter().map(|b| b.points.clone()).collect(),
+    };
+    // For each loop the seam below that is nearest to it.
+    let mut below: Vec<Option<(f64, DVec2)>> = vec![None; outer.len()];
+    if settings.seam == Seam::Aligned && !head.seams.is_empty() {
+        let index = EdgeIndex::new(&area);
+        for &seam in &head.seams {
+            if let Some((ring, point)) = index.nearest_point(seam) {
+                let d = seam.distance(point);
+                if d <= SEAM_REACH && below[ring].is_none_or(|b| d < b.0) {
+                    below[ring] = Some((d, point));
+                }
+            }
+        }
+    }
+    let mut below = below.into_iter();
+    for island in &mut islands {
+        for walls in &mut island.loops {
+            let Some(first) = walls.first() else { continue };
+            let seam = match (settings.seam, below.next().flatten()) {
+                (Seam::Aligned, Some((_, point))) => Some(point),
+                (Seam::Aligned, None) => new_seam(&first.points),
+                (Seam::Rear, _) => rear(&first.points),
+                (Seam::Nearest, _) => None,
+            };
+            let Some(seam) = seam else { continue };
+            seams.push(seam);
+            for bead in walls {
+                let ring = std::mem::take(&mut bead.points);
+                bead.points = begin_at(ring, seam);
+            }
+        }
+    }
+    islands
+}
+
+/// Where a line of seams starts: the sharpest concave corner of the solid,
+/// which lies to the left of its rings; else the back.
+fn new_seam(ring: &[DVec2]) -> Option<DVec2> {
+    let n = ring.len();
+    let turn = |i: usize| {
+        let (a, b, c) = (ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]);
+        (b - a).angle_to(c - b)
+    };
+    let sharpest = (0..n)
+        .map(|i| (turn(i), i))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    if sharpest.0 < -SEAM_CORNER {
+        Some(ring[sharpest.1])
+    } else {
+        rear(ring)
+    }
+}
+
+/// The point farthest back.
+fn rear(ring: &[DVec2]) -> Option<DVec2> {
+    ring.iter()
+        .copied()
+        .max_by(|a, b| a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x)))
+}
+
+/// The ring begun at its point nearest to `seam`, which is added to it
+/// unless a point is there already.
+fn begin_at(mut ring: Vec<DVec2>, seam: DVec2) -> Vec<DVec2> {
+    /// Closer to a point than this the seam is that point, mm.
+    const SAME: Mm = 0.01;
+    let nearest = edges(&ring)
+        .enumerate()
+        .map(|(i, (a, b))| {
+            let along = b - a;
+            let t = (seam - a).dot(along) / along.length_squared();
+            let p = if t.is_finite() {
+                a + along * t.clamp(0.0, 1.0)
+            } else {
+                a
+            };
+            (p.distance(seam), i, p)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, i, p)) = nearest else {
+        return ring;
+    };
+    let next = (i + 1) % ring.len();
+    if p.distance(ring[i]) < SAME {
+        ring.rotate_left(i);
+    } else if p.distance(ring[next]) < SAME {
+        ring.rotate_left(next);
+    } else {
+        ring.rotate_left(next);
+        ring.insert(0, p);
+    }
+    ring
+}
+
+/// Where an island's printing would start.
+fn island_start(island: &Island) -> Option<DVec2> {
+    let walls = island.loops.iter().flatten();
+    let skin = island.skin.iter().flat_map(|p| &p.rings);
+    walls
+        .chain(&island.infill)
+        .chain(skin)
+        .next()
+        .and_then(|b| b.points.first().copied())
+}
+
+fn print_island(
+    island: Island,
+    out: &mut Vec<Bead>,
+    head: &mut Head,
+    settings: &Settings,
+) {
+    let mut left =
+        Nearest::new(
+            island.loops.iter().enumerate().filter_map(|(i, l)| {
+                l.first()?.points.first().map(|&p| (p, i))
+            }),
+        );
+    let mut loops: Vec<Vec<Bead>> = island.loops;
+    while let Some(i) = left.pop(head.at) {
+        let mut walls = std::mem::take(&mut loops[i]);
+        if settings.wall_order == WallOrder::InnerFirst {
+            walls.reverse();
+        }
+        for bead in walls {
+            let bead = match settings.seam {
+                Seam::Nearest => from_nearest(bead, head.at),
+                _ => bead,
+            };
+            finish(bead, out, head);
+        }
+    }
+    print_lines(island.infill, out, head);
+    let mut left =
+        Nearest::new(island.skin.iter().enumerate().filter_map(|(i, p)| {
+            p.rings.first()?.points.first().map(|&p| (p, i))
+        }));
+    let mut skin: Vec<Option<Patch>> =
+        island.skin.into_iter().map(Some).collect();
+    while let Some(i) = left.pop(head.at) {
+        let Some(patch) = skin[i].take() else {
+            continue;
+        };
+        for ring in patch.rings {
+            let ring = from_nearest(ring, head.at);
+            finish(ring, out, head);
+        }
+        print_lines(patch.lines, out, head);
+    }
+}
+
+/// Open beads, nearest end first.
+fn print_lines(lines: Vec<Bead>, out: &mut Vec<Bead>, head: &mut Head) {
+    let ends = lines.iter().enumerate().flat_map(|(i, b)| {
+        let from = b.points.first().map(|&p| (p, 2 * i));
+        let to = b.points.last().map(|&p| (p, 2 * i + 1));
+        from.into_iter().chain(to)
+    });
+    let mut left = Nearest::new(ends);
+    let mut lines: Vec<Option<Bead>> = lines.into_iter().map(Some).collect();
+    while let Some(end) = left.pop(head.at) {
+        let Some(mut bead) = lines[end / 2].take() else {
+            continue;
+        };
+        if end % 2 == 1 {
+            bead.points.reverse();
+        }
+        finish(bead, out, head);
+    }
+}
+
+/// The closed bead begun at its point nearest to the head.
+fn from_nearest(mut bead: Bead, head: Option<DVec2>) -> Bead {
+    if let Some(head) = head {
+        let d = |i: &usize| bead.points[*i].distance_squared(head);
+        let nearest =
+            (0..bead.points.len()).min_by(|a, b| d(a).total_cmp(&d(b)));
+        bead.points.rotate_left(nearest.unwrap_or(0));
+    }
+    bead
+}
+
+fn finish(bead: Bead, out: &mut Vec<Bead>, head: &mut Head) {
+    let end = match bead.closed {
+        true => bead.points.first(),
+        false => bead.points.last(),
+    };
+    if let Some(&p) = end {
+        head.at = Some(p);
+        out.push(bead);
+    }
+}
+
+/// Points to be visited nearest first.
+struct Nearest {
+    tree: RTree<GeomWithData<[f64; 2], usize>>,
+}
+
+impl Nearest {
+    fn new(points: impl Iterator<Item = (DVec2, usize)>) -> Nearest {
+        let all = points
+            .map(|(p, i)| GeomWithData::new(p.to_array(), i))
+            .collect();
+        Nearest {
+            tree: RTree::bulk_load(all),
+        }
+    }
+
+    /// Takes the point nearest to `from`; without one, that nearest to the
+    /// origin, so that the order does not depend on the tree's shape.
+    fn pop(&mut self, from: Option<DVec2>) -> Option<usize> {
+        let at = from.unwrap_or(DVec2::ZERO).to_array();
+        self.tree.pop_nearest_neighbor(&at).map(|g| g.data)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
+        points.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
+    }
+
+    fn wall(role: Role, points: Vec<DVec2>) -> Bead {
+        Bead {
+            role,
+            points,
+            closed: true,
+            width: 0.45,
+            height: 0.2,
+        }
+    }
+
+    fn square(x: f64, half: f64) -> Vec<DVec2> {
+        ring(&[
+            (x - half, -half),
+            (x + half, -half),
+            (x + half, half),
+            (x - half, half),
+        ])
+    }
+
+    fn two_squares() -> (LayerBeads, Area) {
+        let beads = LayerBeads {
+            walls: vec![
+                wall(Role::OuterWall, square(0.0, 4.0)),
+                wall(Role::OuterWall, square(20.0, 4.0)),
+                wall(Role::InnerWall, square(0.0, 3.0)),
+                wall(Role::InnerWall, square(20.0, 3.0)),
+            ],
+            ..LayerBeads::default()
+        };
+        let outline = Area {
+            rings: vec![square(0.0, 4.2), square(20.0, 4.2)],
+        };
+        (beads, outline)
+    }
+
+    #[test]
+    fn islands_are_finished_one_at_a_time() {
+        let (beads, outline) = two_squares();
+        let mut head = Head {
+            at: Some(DVec2::new(30.0, 0.0)),
+            ..Head::default()
+        };
+        let settings = Settings::default();
+        let out = order(beads, &outline, &mut head, &settings);
+        let side: Vec<bool> =
+            out.iter().map(|b| b.points[0].x > 10.0).collect();
+        assert_eq!(side, [true, true, false, false]);
+        let roles: Vec<Role> = out.iter().map(|b| b.role).collect();
+        use Role::{InnerWall, OuterWall};
+        assert_eq!(roles, [InnerWall, OuterWall, InnerWall, OuterWall]);
+    }
+
+    #[test]
+    fn seams_follow_those_of_the_layer_below() {
+        let (beads, outline) = two_squares();
+        let mut head = Head {
+            at: None,
+            seams: vec![DVec2::new(1.0, -4.1)],
+        };
+        let settings = Settings::default();
+        let out = order(beads, &outline, &mut head, &settings);
+        let starts: Vec<DVec2> = out
+            .iter()
+            .filter(|b| b.role == Role::OuterWall)
+            .map(|b| b.points[0])
+            .collect();
+        assert!(starts.contains(&DVec2::new(1.0, -4.0)), "{starts:?}");
+        // The other one starts anew, at the back.
+        assert!(starts.iter().any(|p| p.x > 10.0 && p.y == 4.0));
+        assert_eq!(head.seams.len(), 2);
+    }
+
+    #[test]
+    fn a_new_seam_hides_in_a_concave_corner() {
+        let l = ring(&[
+            (0.0, 0.0),
+            (9.0, 0.0),
+            (9.0, 3.0),
+            (3.0, 3.0),
+            (3.0, 9.0),
+            (0.0, 9.0),
+        ]);
+        assert_eq!(new_seam(&l), Some(DVec2::new(3.0, 3.0)));
+    }
+
+    #[test]
+    fn lines_are_taken_nearest_end_first() {
+        let line = |y: f64| Bead {
+            role: Role::SparseInfill,
+            points: ring(&[(0.0, y), (10.0, y)]),
+            closed: false,
+            width: 0.45,
+            height: 0.2,
+        };
+        let lines = vec![line(0.0), line(2.0), line(1.0)];
+        let mut head = Head {
+            at: Some(DVec2::new(11.0, -1.0)),
+            ..Head::default()
+        };
+        let mut out = Vec::new();
+        print_lines(lines, &mut out, &mut head);
+        let path: Vec<(f64, f64)> =
+            out.iter().map(|b| (b.points[0].x, b.points[0].y)).collect();
+        assert_eq!(path, [(10.0, 0.0), (0.0, 1.0), (10.0, 2.0)]);
+    }
+}
