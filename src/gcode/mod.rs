@@ -188,7 +188,10 @@ impl<'a, W: Write> Writer<'a, W> {
         let end = own(&gcode.end, default_end(gcode.flavour));
         let rendered =
             template::render("gcode.start", start, settings, header)?;
-        let end = template::render("gcode.end", end, settings, header)?;
+        let mut end = template::render("gcode.end", end, settings, header)?;
+        if gcode.end.trim().is_empty() && !bed_heated(settings) {
+            end = end.replace("M140 S0\n", "");
+        }
         let mut writer = Self {
             out,
             settings,
@@ -226,14 +229,13 @@ impl<'a, W: Write> Writer<'a, W> {
         ));
         self.modes();
 
-        let bed = match filament.first_layer_bed_temperature > 0.0 {
+        let bed = match bed_heated(settings) {
             true => heating(
                 source,
                 "M140",
                 "M190",
                 &["bed_temperature", "first_layer_bed_temperature"],
             ),
-            // A printer without a heated bed may not know its commands.
             false => Heating::Waits,
         };
         let nozzle = heating(
@@ -340,6 +342,7 @@ impl<'a, W: Write> Writer<'a, W> {
 
     fn footer(&mut self) {
         let (s, t) = (self.settings, self.totals);
+        self.line("; times are without heating and homing");
         let mut key = |name: &str, value: &str| {
             self.buffer
                 .extend_from_slice(format!("; {name} = {value}\n").as_bytes());
@@ -348,7 +351,6 @@ impl<'a, W: Write> Writer<'a, W> {
         key("filament used [cm3]", &text(t.filament_volume * 1e-3, 2));
         key("filament used [g]", &text(t.filament_mass_g, 2));
         key("total filament used [g]", &text(t.filament_mass_g, 2));
-        // Heating and homing are not in it.
         key("estimated printing time (normal mode)", &human_time(t.time));
         key("total layers count", &t.layers.to_string());
         key("layer_height", &text(s.layer_height, WIDTH));
@@ -611,4 +613,11 @@ impl<'a, W: Write> Writer<'a, W> {
         self.buffer.clear();
         Ok(())
     }
+}
+
+/// False if the bed stays cold: a printer without a heated bed may not know
+/// the commands for one.
+fn bed_heated(settings: &Settings) -> bool {
+    let filament = &settings.filament;
+    filament.bed_temperature > 0.0 || filament.first_layer_bed_temperature > 0.0
 }

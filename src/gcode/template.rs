@@ -248,12 +248,21 @@ pub(super) fn heating(
         if command.eq_ignore_ascii_case(set) {
             found = Heating::Sets;
         } else if command.eq_ignore_ascii_case(wait)
-            || names.iter().any(|n| uses(code, n))
+            || (is_macro(command) && names.iter().any(|n| uses(code, n)))
         {
             return Heating::Waits;
         }
     }
     found
+}
+
+/// True for a command that is a name, not a letter and a number: what an
+/// `M117` shows does not heat.
+fn is_macro(command: &str) -> bool {
+    !command
+        .chars()
+        .skip(1)
+        .all(|c| c.is_ascii_digit() || c == '.')
 }
 
 /// True if `code` has the placeholder `name`.
@@ -365,6 +374,7 @@ mod tests {
         let nozzle = |s| heating(s, "M104", "M109", &["nozzle_temperature"]);
         assert_eq!(nozzle("G28 ; M109 S200"), Heating::Not);
         assert_eq!(nozzle("G28\nm104 S200"), Heating::Sets);
+        assert_eq!(nozzle("M117 at {nozzle_temperature}"), Heating::Not);
         assert_eq!(nozzle("M104 S{nozzle_temperature}\nG28"), Heating::Sets);
         assert_eq!(
             nozzle("M104 S{nozzle_temperature}\nM109 S200"),
