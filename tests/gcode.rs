@@ -10,6 +10,14 @@ use isoslice::settings::{Flavour, Settings};
 use isoslice::travel::{LayerPath, Move};
 use isoslice::units::filament_area;
 
+/// The defaults, with the writer's own templates.
+fn settings() -> Settings {
+    let mut s = Settings::default();
+    s.gcode.start.clear();
+    s.gcode.end.clear();
+    s
+}
+
 fn points(at: &[(f64, f64)]) -> Vec<DVec2> {
     at.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
 }
@@ -249,7 +257,7 @@ fn redacted(text: &str) -> String {
 
 #[test]
 fn a_tiny_job_for_marlin() {
-    let mut s = Settings::default();
+    let mut s = settings();
     s.retract.z_hop = 0.4;
     let (text, _) = written(&s, tiny());
     insta::assert_snapshot!(redacted(&text));
@@ -257,7 +265,7 @@ fn a_tiny_job_for_marlin() {
 
 #[test]
 fn a_tiny_job_for_klipper() {
-    let mut s = Settings::default();
+    let mut s = settings();
     s.gcode.flavour = Flavour::Klipper;
     s.gcode.relative_e = true;
     let (text, _) = written(&s, tiny());
@@ -267,7 +275,7 @@ fn a_tiny_job_for_klipper() {
 #[test]
 fn the_filament_is_the_beads_volume_in_both_modes() {
     for relative_e in [false, true] {
-        let mut s = Settings::default();
+        let mut s = settings();
         s.gcode.relative_e = relative_e;
         s.flow = 103.0;
         s.filament.flow = 98.0;
@@ -289,7 +297,7 @@ fn the_filament_is_the_beads_volume_in_both_modes() {
 fn rounding_neither_adds_up_nor_shows_as_flow() {
     let mut fed = Vec::new();
     for relative_e in [false, true] {
-        let mut s = Settings::default();
+        let mut s = settings();
         s.gcode.relative_e = relative_e;
         let (text, totals) = written(&s, rough(10));
         let m = Machine::run(&text);
@@ -305,7 +313,7 @@ fn rounding_neither_adds_up_nor_shows_as_flow() {
 fn numbers_are_plain() {
     for flavour in [Flavour::Marlin, Flavour::Klipper] {
         for relative_e in [false, true] {
-            let mut s = Settings::default();
+            let mut s = settings();
             s.gcode.flavour = flavour;
             s.gcode.relative_e = relative_e;
             // Around the origin, where negative zero would be.
@@ -359,7 +367,7 @@ fn numbers_are_plain() {
 
 #[test]
 fn retractions_are_primed_and_the_last_one_stays() {
-    let mut s = Settings::default();
+    let mut s = settings();
     let (text, _) = written(&s, tiny());
     let m = Machine::run(&text);
     // Two travels on each layer, and the end.
@@ -381,7 +389,7 @@ fn retractions_are_primed_and_the_last_one_stays() {
 
 #[test]
 fn klipper_gets_no_word_it_does_not_know() {
-    let mut s = Settings::default();
+    let mut s = settings();
     s.gcode.flavour = Flavour::Klipper;
     let (text, _) = written(&s, tiny());
     for line in text.lines().filter(|l| !l.starts_with(';')) {
@@ -415,7 +423,7 @@ fn klipper_gets_no_word_it_does_not_know() {
 
 #[test]
 fn comments_of_our_own_avoid_the_words_viewers_colour_by() {
-    let (text, _) = written(&Settings::default(), tiny());
+    let (text, _) = written(&settings(), tiny());
     for line in text.lines().filter(|l| !l.starts_with(";TYPE:")) {
         let Some((_, comment)) = line.split_once(';') else {
             continue;
@@ -437,7 +445,7 @@ fn comments_of_our_own_avoid_the_words_viewers_colour_by() {
 
 #[test]
 fn a_start_template_that_heats_is_left_to_it() {
-    let mut s = Settings::default();
+    let mut s = settings();
     s.gcode.start = "START_PRINT BED={first_layer_bed_temperature} \
                      NOZZLE={first_layer_nozzle_temperature}"
         .to_owned();
@@ -451,11 +459,12 @@ fn a_start_template_that_heats_is_left_to_it() {
     let (text, _) = written(&s, tiny());
     assert!(!text.contains("M104 S215"));
     assert!(text.contains("G28\nM190 S60\nM109 S215\n"));
+    assert_eq!(text.matches("\nM82\n").count(), 1);
 }
 
 #[test]
 fn an_unheated_bed_is_never_spoken_of() {
-    let mut s = Settings::default();
+    let mut s = settings();
     s.filament.bed_temperature = 0.0;
     s.filament.first_layer_bed_temperature = 0.0;
     let (text, _) = written(&s, tiny());
@@ -465,7 +474,7 @@ fn an_unheated_bed_is_never_spoken_of() {
 
 #[test]
 fn template_errors_name_place_and_remedy() {
-    let mut s = Settings::default();
+    let mut s = settings();
     s.gcode.end = "M104 S0\nG1 Z{part_max} F600".to_owned();
     let error = Writer::new(Vec::new(), &s, &header(2)).map(|_| ());
     let text = error.expect_err("unknown placeholder").to_string();
@@ -474,7 +483,7 @@ fn template_errors_name_place_and_remedy() {
 
 #[test]
 fn what_is_no_number_is_an_error() {
-    let s = Settings::default();
+    let s = settings();
     for bad in [f64::NAN, f64::INFINITY, 1e200] {
         let mut writer =
             Writer::new(Vec::new(), &s, &header(1)).expect("templates");
@@ -501,7 +510,7 @@ fn what_is_no_number_is_an_error() {
 
 #[test]
 fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
-    let s = Settings::default();
+    let s = settings();
     let mut path = tiny().remove(0);
     if let Some(Move::Print(b)) = path.moves.get_mut(3) {
         b.points[1].y = f64::NAN;
@@ -517,7 +526,7 @@ fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
 
 #[test]
 fn the_footer_says_what_the_print_takes() {
-    let s = Settings::default();
+    let s = settings();
     let (text, totals) = written(&s, tiny());
     assert_eq!(totals.layers, 2);
     assert!(text.contains("; total layers count = 2\n"));

@@ -14,13 +14,13 @@ G28
 G1 Z5 F{feed_rate_z}
 ";
 
-/// Lift off the part, show it, everything off.
+/// Heaters off first, so that they are off even if a move is refused; then
+/// off the part before aside, which shows it. The writer turns the fan off.
 const END: &str = "\
-G1 Z{park_z} F{feed_rate_z}
-G1 X0 Y{bed_y} F{feed_rate_travel}
 M104 S0
 M140 S0
-M107
+G1 Z{park_z} F{feed_rate_z}
+G1 X0 Y{bed_y} F{feed_rate_travel}
 M84
 ";
 

@@ -260,8 +260,7 @@ impl<'a, W: Write> Writer<'a, W> {
         if nozzle != Heating::Waits {
             self.temperature("M109", nozzle_to);
         }
-        // The user's template may have changed the modes for its own use.
-        if !settings.gcode.start.trim().is_empty() {
+        if template::may_change_modes(source) {
             self.modes();
         }
         self.line("G92 E0");
@@ -313,7 +312,8 @@ impl<'a, W: Write> Writer<'a, W> {
         self.flush()
     }
 
-    /// Ends the file: last retraction, end template, what the print takes.
+    /// Ends the file: last retraction, fan off, end template, what the print
+    /// takes.
     ///
     /// # Errors
     /// If the output cannot be written.
@@ -322,6 +322,7 @@ impl<'a, W: Write> Writer<'a, W> {
         if self.totals.layers > 0 && !self.retracted && retract.length > 0.0 {
             self.retract(retract.length, retract.speed)?;
         }
+        self.set_fan(0.0);
         self.type_comment(comments::CUSTOM);
         let end = std::mem::take(&mut self.end);
         self.buffer.extend_from_slice(end.as_bytes());

@@ -256,6 +256,18 @@ pub(super) fn heating(
     found
 }
 
+/// True if `source` may leave the machine with other units or modes than it
+/// found: it sets them for its own use, or calls a macro, which can do
+/// anything.
+pub(super) fn may_change_modes(source: &str) -> bool {
+    const MODES: [&str; 6] = ["G20", "G21", "G90", "G91", "M82", "M83"];
+    source
+        .lines()
+        .map(|line| line.split(';').next().unwrap_or(""))
+        .filter_map(|code| code.split_whitespace().next())
+        .any(|c| is_macro(c) || MODES.iter().any(|m| c.eq_ignore_ascii_case(m)))
+}
+
 /// True for a command that is a name, not a letter and a number: what an
 /// `M117` shows does not heat.
 fn is_macro(command: &str) -> bool {
@@ -367,6 +379,13 @@ mod tests {
                 ..
             })
         ));
+    }
+
+    #[test]
+    fn changes_of_mode_are_recognised() {
+        assert!(!may_change_modes("G28 ; G91\nG1 Z5"));
+        assert!(may_change_modes("G28\n g91\nG1 Z5\nG90"));
+        assert!(may_change_modes("START_PRINT"));
     }
 
     #[test]
