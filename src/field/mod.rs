@@ -134,14 +134,15 @@ pub struct Field {
 }
 
 impl Field {
-    /// The field of `tree` over the box `bounds`, sampled every `spacing`
-    /// millimetres; `z` is a height at which to try the back ends if none is
+    /// The field `tree` + `depth` over the box `bounds`, sampled every
+    /// `spacing` millimetres; `z` is a height at which to try the back ends if none is
     /// given.
     ///
     /// # Errors
     /// If the lattice would be too large, or fidget refuses the expression.
     pub fn new(
         tree: &Tree,
+        depth: f64,
         bounds: Rect,
         spacing: Mm,
         z: Mm,
@@ -149,7 +150,10 @@ impl Field {
     ) -> Result<Field, FieldError> {
         let lattice = Lattice::over(bounds, spacing)?;
         let mut ctx = Context::new();
-        let root = ctx.import(tree);
+        let root = match depth {
+            0.0 => ctx.import(tree),
+            _ => ctx.import(&(tree.clone() + depth as f32)),
+        };
         let bad =
             |e: &dyn std::fmt::Display| FieldError::Evaluator(e.to_string());
         use fidget::eval::MathFunction;

@@ -72,19 +72,43 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
         lines.push(current.clone());
     }
     let fill = shrink(&current, border - at, tolerance);
+    finish(outline, lines, fill, &depths, border, settings)
+}
+
+fn finish(
+    outline: &Area,
+    lines: Vec<Area>,
+    fill: Area,
+    depths: &[Mm],
+    border: Mm,
+    settings: &Settings,
+) -> Walls {
     let widths = (0..lines.len())
         .map(|i| match i {
             0 => settings.outer_wall_width,
             _ => settings.inner_wall_width,
         })
         .collect();
-    let gap = gap(outline, &lines, &fill, &depths, border);
     Walls {
+        gap: gap(outline, &lines, &fill, depths, border),
         lines,
         widths,
         fill,
-        gap,
     }
+}
+
+/// Walls whose centre lines are outlines of the expression offset by their
+/// depths: `areas`, outermost first, the fill's border last. In-plane
+/// millimetres only where the field is an in-plane distance.
+pub fn field_walls(
+    outline: &Area,
+    mut areas: Vec<Area>,
+    height: Mm,
+    settings: &Settings,
+) -> Walls {
+    let fill = areas.pop().unwrap_or_default();
+    let (depths, border) = wall_depths(height, settings);
+    finish(outline, areas, fill, &depths, border, settings)
 }
 
 /// The area shrunk by `distance` and thinned.

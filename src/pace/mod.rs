@@ -1,0 +1,689 @@
+//! Speeds, cooling and time: how fast each move of a layer is run.
+//!
+//! In: [`LayerPath`]s in print order, and the settings. Out: a [`PacedLayer`]
+//! for each, the moves with their speeds and, between them, every step the
+//! machine needs: retractions and primings, and moves of z.
+//!
+//! Guarantees:
+//! - a bead runs at its role's speed, no faster than `speed.first_layer` on
+//!   the first layer, no faster than the filament can be melted
+//!   (`filament.max_flow`), slower if the layer would take less than
+//!   `cooling.min_layer_time`, but not below `cooling.min_speed` for that;
+//! - a retraction is primed before the next bead, and never repeated;
+//! - z rises before the head travels, and is the layer's top while it prints;
+//! - the head stands at a bead's first point when the bead begins;
+//! - the same layers give the same numbers.
+//!
+//! Not guaranteed: that a layer takes `cooling.min_layer_time`; with all beads
+//! at `cooling.min_speed` it may still be shorter. Heating, homing and what the
+//! start and end templates do are in no time given here.
+//!
+//! Times come from the [motion model](motion), over a whole layer: the moves
+//! of one layer are the window of its look-ahead, and a layer starts and ends
+//! at rest. The change of z between layers is a corner taken at walking pace
+//! anyway, so this costs some milliseconds a layer and makes a layer's time
+//! its own.
+
+pub mod motion;
+
+use crate::bead::{Bead, Role, cross_section};
+use crate::layers::LayerSpan;
+use crate::settings::Settings;
+use crate::travel::{LayerPath, Move};
+use crate::units::{Mm, MmPerSec, Percent, Seconds, filament_area};
+use glam::{DVec2, DVec3};
+use motion::{Limits, Motion};
+
+/// Height above the first layer at which the head comes from wherever the
+/// start template left it, mm: clears what start templates leave on the bed.
+const APPROACH: Mm = 2.0;
+
+/// How near the layer's time must come to the minimum, as a share of it.
+const LAYER_TIME_TOLERANCE: f64 = 1e-3;
+
+/// Trials of the slowing down; four are usual, and each of them takes the time
+/// of a pass over the layer.
+const MAX_TRIALS: usize = 12;
+
+/// Distance below which two points are the same place, mm: a tenth of what the
+/// G-code resolves.
+const SAME_PLACE: Mm = 1e-4;
+
+/// One step of the machine, with its speed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PacedMove {
+    /// Pull filament back.
+    Retract {
+        /// Length of filament.
+        length: Mm,
+        /// Speed of the filament.
+        speed: MmPerSec,
+    },
+    /// Push filament forward again.
+    Prime {
+        /// Length of filament pulled back before.
+        length: Mm,
+        /// Length pushed in addition, to make up for what oozed out.
+        extra: Mm,
+        /// Speed of the filament.
+        speed: MmPerSec,
+    },
+    /// Move straight up or down.
+    Lift {
+        /// Where to.
+        z: Mm,
+        /// Speed.
+        speed: MmPerSec,
+    },
+    /// Go through `points` at constant z without extruding.
+    Travel {
+        /// Way points, the last one the destination.
+        points: Vec<DVec2>,
+        /// Speed.
+        speed: MmPerSec,
+    },
+    /// Print a bead; the head stands at its first point.
+    Print {
+        /// The bead.
+        bead: Bead,
+        /// Speed of the head.
+        speed: MmPerSec,
+    },
+}
+
+/// A layer ready to be written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PacedLayer {
+    /// The layer.
+    pub span: LayerSpan,
+    /// Its moves in order.
+    pub moves: Vec<PacedMove>,
+    /// Speed of the part's fan.
+    pub fan: Percent,
+    /// How long the layer takes.
+    pub time: Seconds,
+}
+
+/// Gives speeds to one layer after another; knows between two of them where
+/// the head stands.
+#[derive(Debug)]
+pub struct Pacer<'a> {
+    settings: &'a Settings,
+    motion: Motion,
+    /// Where the head is, unknown before the first move.
+    xy: Option<DVec2>,
+    z: Option<Mm>,
+    retracted: bool,
+    /// True while a hop (or the approach to the first layer) lasts.
+    lifted: bool,
+}
+
+impl<'a> Pacer<'a> {
+    /// A pacer for a print from the bed up.
+    pub fn new(settings: &'a Settings) -> Self {
+        Self {
+            settings,
+            motion: Motion::new(Limits::new(settings)),
+            xy: None,
+            z: None,
+            retracted: false,
+            lifted: false,
+        }
+    }
+
+    /// Gives the next layer its speeds. Layers must come in print order.
+    pub fn layer(&mut self, path: LayerPath) -> PacedLayer {
+        let LayerPath { span, moves } = path;
+        self.motion.clear();
+        let mut out = Vec::with_capacity(moves.len() + 8);
+        for step in moves {
+            match step {
+                Move::Travel { points, retract } => {
+                    self.travel(&span, points, retract, &mut out);
+                }
+                Move::Print(bead) => self.print(&span, bead, &mut out),
+            }
+        }
+        let (slowing, time) = self.cool();
+        for step in &mut out {
+            if let PacedMove::Print { speed, .. } = step {
+                *speed = slowing.apply(*speed);
+            }
+        }
+        PacedLayer {
+            span,
+            moves: out,
+            fan: fan(self.settings, span.index),
+            time,
+        }
+    }
+
+    fn travel(
+        &mut self,
+        span: &LayerSpan,
+        points: Vec<DVec2>,
+        retract: bool,
+        out: &mut Vec<PacedMove>,
+    ) {
+        if points.is_empty() {
+            return;
+        }
+        let settings = self.settings;
+        if retract && !self.retracted {
+            self.retract(out);
+            self.lifted |= settings.retract.z_hop > 0.0;
+        }
+        let mut hop = settings.retract.z_hop.max(0.0);
+        if self.z.is_none() {
+            self.lifted = true;
+            hop = hop.max(APPROACH);
+        } else if let (true, Some(z)) = (self.lifted, self.z) {
+            // Further travels of a hop stay as high as it is.
+            hop = hop.max(z - span.top);
+        }
+        // A hop may not leave the machine.
+        let ceiling = settings.printer.height.max(span.top);
+        let z = if self.lifted {
+            (span.top + hop).min(ceiling)
+        } else {
+            span.top
+        };
+        self.lift(z, out);
+        let speed = settings.speed.travel;
+        let mut from = self.xy;
+        for &to in &points {
+            if let Some(from) = from {
+                self.motion.push(
+                    (to - from).extend(0.0),
+                    speed,
+                    settings.printer.travel_acceleration,
+                    0.0,
+                    false,
+                );
+            }
+            from = Some(to);
+        }
+        self.xy = from;
+        out.push(PacedMove::Travel { points, speed });
+    }
+
+    fn print(
+        &mut self,
+        span: &LayerSpan,
+        bead: Bead,
+        out: &mut Vec<PacedMove>,
+    ) {
+        let settings = self.settings;
+        let Some(&start) = bead.points.first() else {
+            return;
+        };
+        if bead.points.len() < 2 {
+            return;
+        }
+        if self.xy.is_none_or(|at| at.distance(start) > SAME_PLACE) {
+            // The travel stage owes a travel here; a straight one is better
+            // than a bead drawn from somewhere else.
+            self.travel(span, vec![start], false, out);
+        }
+        self.lifted = false;
+        self.lift(span.top, out);
+        self.prime(out);
+        let speed = print_speed(settings, span, &bead);
+        let filament = fed_area(settings, &bead)
+            / filament_area(settings.filament.diameter);
+        let mut from = start;
+        for to in bead.path().skip(1) {
+            self.motion.push(
+                (to - from).extend(0.0),
+                speed,
+                settings.printer.acceleration,
+                filament,
+                true,
+            );
+            from = to;
+        }
+        self.xy = Some(from);
+        out.push(PacedMove::Print { bead, speed });
+    }
+
+    fn retract(&mut self, out: &mut Vec<PacedMove>) {
+        let retract = &self.settings.retract;
+        if retract.length <= 0.0 {
+            return;
+        }
+        self.retracted = true;
+        self.motion.push_filament(retract.length, retract.speed);
+        out.push(PacedMove::Retract {
+            length: retract.length,
+            speed: retract.speed,
+        });
+    }
+
+    fn prime(&mut self, out: &mut Vec<PacedMove>) {
+        if !self.retracted {
+            return;
+        }
+        let retract = &self.settings.retract;
+        self.retracted = false;
+        self.motion.push_filament(
+            retract.length + retract.extra_prime,
+            retract.prime_speed,
+        );
+        out.push(PacedMove::Prime {
+            length: retract.length,
+            extra: retract.extra_prime,
+            speed: retract.prime_speed,
+        });
+    }
+
+    /// Moves to `z`, if the head is not there.
+    fn lift(&mut self, z: Mm, out: &mut Vec<PacedMove>) {
+        if self.z.is_some_and(|at| (at - z).abs() <= SAME_PLACE) {
+            return;
+        }
+        let printer = &self.settings.printer;
+        let speed = printer.max_speed_z;
+        if let Some(at) = self.z {
+            self.motion.push(
+                DVec3::Z * (z - at),
+                speed,
+                printer.travel_acceleration,
+                0.0,
+                false,
+            );
+        }
+        self.z = Some(z);
+        out.push(PacedMove::Lift { z, speed });
+    }
+
+    /// How much to slow the layer's beads for it to take
+    /// `cooling.min_layer_time`, and the time it then takes.
+    ///
+    /// The time grows with the slowness 1/factor: at first linearly, the
+    /// cruising time, later less, where beads are at the floor. So a false
+    /// position search for the slowness is at its goal in a few trials.
+    fn cool(&mut self) -> (Slowing, Seconds) {
+        let cooling = &self.settings.cooling;
+        let target = cooling.min_layer_time;
+        let at = |slowness: f64| Slowing {
+            factor: 1.0 / slowness,
+            floor: cooling.min_speed,
+        };
+        let full = self.time(&at(1.0));
+        // Slowness at which the fastest bead is at the floor, and with it
+        // every other.
+        let slowest = self
+            .motion
+            .segments()
+            .iter()
+            .filter(|s| s.prints)
+            .map(|s| s.speed / cooling.min_speed)
+            .fold(1.0, f64::max);
+        let too_short = |time: f64| time < target;
+        if !too_short(full) || slowest <= 1.0 || !slowest.is_finite() {
+            return (at(1.0), full);
+        }
+        let limit = self.time(&at(slowest));
+        if too_short(limit) {
+            return (at(slowest), limit);
+        }
+        // Invariant: too short at `low`, not at `high`.
+        let (mut low, mut high) = ((1.0, full), (slowest, limit));
+        let cruising: f64 = self
+            .motion
+            .segments()
+            .iter()
+            .filter(|s| s.prints)
+            .map(|s| s.length / s.speed)
+            .sum();
+        let mut guess = 1.0 + (target - full) / cruising;
+        for _ in 0..MAX_TRIALS {
+            if (high.1 - target) <= LAYER_TIME_TOLERANCE * target {
+                break;
+            }
+            if !(guess > low.0 && guess < high.0) {
+                guess = 0.5 * (low.0 + high.0);
+            }
+            let time = self.time(&at(guess));
+            if too_short(time) {
+                low = (guess, time);
+            } else {
+                high = (guess, time);
+            }
+            // Aimed a little above the target, so that the side that is kept
+            // as the answer is the one that moves.
+            let aim = target * (1.0 + 0.5 * LAYER_TIME_TOLERANCE);
+            guess = low.0 + (aim - low.1) / (high.1 - low.1) * (high.0 - low.0);
+        }
+        (at(high.0), high.1)
+    }
+
+    fn time(&mut self, slowing: &Slowing) -> Seconds {
+        self.motion.time(|s| match s.prints {
+            true => slowing.apply(s.speed),
+            false => s.speed,
+        })
+    }
+}
+
+/// How beads are slowed.
+#[derive(Clone, Copy, Debug)]
+struct Slowing {
+    factor: f64,
+    floor: MmPerSec,
+}
+
+impl Slowing {
+    /// The slowed speed; a speed already below the floor stays.
+    fn apply(&self, speed: MmPerSec) -> MmPerSec {
+        (speed * self.factor).max(speed.min(self.floor))
+    }
+}
+
+/// Speed of a bead before cooling: its role's, the first layer's, and what
+/// the filament's flow allows, whichever is least.
+pub fn print_speed(
+    settings: &Settings,
+    span: &LayerSpan,
+    bead: &Bead,
+) -> MmPerSec {
+    let speed = &settings.speed;
+    let mut v = match bead.role {
+        Role::Skirt => speed.skirt,
+        Role::OuterWall => speed.outer_wall,
+        Role::InnerWall => speed.inner_wall,
+        Role::SparseInfill => speed.sparse_infill,
+        Role::InternalSkin => speed.internal_skin,
+        Role::TopSkin => speed.top_skin,
+        Role::BottomSkin => speed.bottom_skin,
+    };
+    if span.index == 0 {
+        v = v.min(speed.first_layer);
+    }
+    let area = fed_area(settings, bead);
+    if area > 0.0 && settings.filament.max_flow > 0.0 {
+        v = v.min(settings.filament.max_flow / area);
+    }
+    v
+}
+
+/// Cross-section that is fed for a bead: its own, times the print's and the
+/// filament's flow.
+pub fn fed_area(settings: &Settings, bead: &Bead) -> f64 {
+    cross_section(bead.width, bead.height) * flow(settings)
+}
+
+/// The print's and the filament's flow as one factor.
+pub fn flow(settings: &Settings) -> f64 {
+    settings.flow * settings.filament.flow * 1e-4
+}
+
+/// The fan's speed on layer `index`.
+fn fan(settings: &Settings, index: usize) -> Percent {
+    let cooling = &settings.cooling;
+    if index < cooling.fan_off_layers as usize {
+        return 0.0;
+    }
+    cooling.fan_speed.clamp(0.0, 100.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn span(index: usize) -> LayerSpan {
+        LayerSpan {
+            index,
+            bottom: 0.2 * index as f64,
+            top: 0.2 * (index as f64 + 1.0),
+        }
+    }
+
+    fn square(role: Role, side: f64) -> Bead {
+        Bead {
+            role,
+            points: [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)]
+                .map(|(x, y)| DVec2::new(x + 50.0, y + 50.0))
+                .to_vec(),
+            closed: true,
+            width: 0.45,
+            height: 0.2,
+        }
+    }
+
+    fn layer(index: usize, beads: Vec<Bead>) -> LayerPath {
+        let moves = beads
+            .into_iter()
+            .flat_map(|b| {
+                let points = vec![b.points[0]];
+                [
+                    Move::Travel {
+                        points,
+                        retract: true,
+                    },
+                    Move::Print(b),
+                ]
+            })
+            .collect();
+        LayerPath {
+            span: span(index),
+            moves,
+        }
+    }
+
+    fn speeds(layer: &PacedLayer) -> Vec<f64> {
+        layer
+            .moves
+            .iter()
+            .filter_map(|m| match m {
+                PacedMove::Print { speed, .. } => Some(*speed),
+                _ => None,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn roles_first_layer_and_flow_set_the_speed() {
+        let mut s = Settings::default();
+        s.cooling.min_layer_time = 0.0;
+        let beads = || {
+            vec![
+                square(Role::OuterWall, 20.0),
+                square(Role::SparseInfill, 20.0),
+            ]
+        };
+        let mut pacer = Pacer::new(&s);
+        let first = pacer.layer(layer(0, beads()));
+        assert_eq!(speeds(&first), [20.0, 20.0]);
+        assert_eq!(first.fan, 0.0);
+        let second = pacer.layer(layer(1, beads()));
+        assert_eq!(speeds(&second), [40.0, 80.0]);
+        assert_eq!(second.fan, 100.0);
+
+        s.filament.max_flow = 4.0;
+        s.flow = 110.0;
+        s.filament.flow = 95.0;
+        let mut pacer = Pacer::new(&s);
+        let slow = pacer.layer(layer(1, beads()));
+        let limit = 4.0 / (cross_section(0.45, 0.2) * 1.1 * 0.95);
+        assert!(limit > 40.0 && limit < 80.0);
+        assert_eq!(speeds(&slow)[0], 40.0);
+        assert!((speeds(&slow)[1] - limit).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_short_layer_is_slowed_to_the_minimum_time() {
+        for flavour in [
+            crate::settings::Flavour::Marlin,
+            crate::settings::Flavour::Klipper,
+        ] {
+            let mut s = Settings::default();
+            s.gcode.flavour = flavour;
+            s.cooling.min_speed = 1.0;
+            for target in [6.0, 8.0, 20.0, 60.0] {
+                s.cooling.min_layer_time = target;
+                let mut pacer = Pacer::new(&s);
+                let l = pacer.layer(layer(
+                    1,
+                    vec![
+                        square(Role::OuterWall, 20.0),
+                        square(Role::SparseInfill, 18.0),
+                    ],
+                ));
+                assert!(l.time >= target, "{} {target}", l.time);
+                assert!(
+                    l.time <= target * (1.0 + LAYER_TIME_TOLERANCE),
+                    "{} {target}",
+                    l.time
+                );
+                // Slowed alike, as far as the floor lets them.
+                let v = speeds(&l);
+                assert!((v[1] / v[0] - 2.0).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn slowing_ends_at_the_floor() {
+        let s = Settings::default();
+        let mut pacer = Pacer::new(&s);
+        let l = pacer.layer(layer(
+            1,
+            vec![
+                square(Role::OuterWall, 4.0),
+                square(Role::SparseInfill, 4.0),
+            ],
+        ));
+        assert!(l.time < s.cooling.min_layer_time);
+        assert_eq!(speeds(&l), [10.0, 10.0]);
+    }
+
+    #[test]
+    fn a_speed_below_the_floor_is_not_raised() {
+        let mut s = Settings::default();
+        s.speed.outer_wall = 6.0;
+        let mut pacer = Pacer::new(&s);
+        let l = pacer.layer(layer(1, vec![square(Role::OuterWall, 4.0)]));
+        assert_eq!(speeds(&l), [6.0]);
+    }
+
+    #[test]
+    fn travels_are_not_slowed() {
+        let s = Settings::default();
+        let mut pacer = Pacer::new(&s);
+        let l = pacer.layer(layer(1, vec![square(Role::OuterWall, 4.0)]));
+        for m in &l.moves {
+            if let PacedMove::Travel { speed, .. } = m {
+                assert_eq!(*speed, s.speed.travel);
+            }
+        }
+    }
+
+    /// The machine's z and retraction along the moves, checked at each step.
+    #[test]
+    fn retractions_pair_and_z_is_right() {
+        let mut s = Settings::default();
+        s.retract.z_hop = 0.4;
+        let mut pacer = Pacer::new(&s);
+        let (mut z, mut retracted) = (f64::NAN, false);
+        let mut primes = 0;
+        for index in 0..3 {
+            let mut path = layer(
+                index,
+                vec![
+                    square(Role::InnerWall, 9.0),
+                    square(Role::OuterWall, 10.0),
+                ],
+            );
+            // Two travels in a row retract once.
+            path.moves.insert(
+                1,
+                Move::Travel {
+                    points: vec![DVec2::new(70.0, 70.0), DVec2::splat(50.0)],
+                    retract: true,
+                },
+            );
+            let top = path.span.top;
+            for m in pacer.layer(path).moves {
+                match m {
+                    PacedMove::Retract { length, .. } => {
+                        assert!(!retracted);
+                        assert_eq!(length, 0.8);
+                        retracted = true;
+                    }
+                    PacedMove::Prime { .. } => {
+                        assert!(retracted);
+                        assert_eq!(z, top);
+                        retracted = false;
+                        primes += 1;
+                    }
+                    PacedMove::Lift { z: to, .. } => z = to,
+                    PacedMove::Travel { .. } => {
+                        assert!(retracted);
+                        let hop = if index == 0 && primes == 0 {
+                            APPROACH
+                        } else {
+                            0.4
+                        };
+                        assert!((z - top - hop).abs() < 1e-9);
+                    }
+                    PacedMove::Print { .. } => {
+                        assert!(!retracted);
+                        assert_eq!(z, top);
+                    }
+                }
+            }
+        }
+        assert_eq!(primes, 6);
+    }
+
+    #[test]
+    fn z_rises_before_an_unretracted_travel() {
+        let s = Settings::default();
+        let mut pacer = Pacer::new(&s);
+        pacer.layer(layer(0, vec![square(Role::OuterWall, 10.0)]));
+        let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
+        path.moves[0] = Move::Travel {
+            points: vec![DVec2::splat(50.0)],
+            retract: false,
+        };
+        let l = pacer.layer(path);
+        assert!(matches!(l.moves[0], PacedMove::Lift { z, .. } if z == 0.4));
+        assert!(matches!(l.moves[1], PacedMove::Travel { .. }));
+        assert!(matches!(l.moves[2], PacedMove::Print { .. }));
+    }
+
+    #[test]
+    fn a_hop_stays_inside_the_machine() {
+        let mut s = Settings::default();
+        s.retract.z_hop = 1.0;
+        s.printer.height = 0.5;
+        let mut pacer = Pacer::new(&s);
+        pacer.layer(layer(0, vec![square(Role::OuterWall, 10.0)]));
+        let l = pacer.layer(layer(1, vec![square(Role::OuterWall, 10.0)]));
+        assert!(l.moves.iter().all(|m| match m {
+            PacedMove::Lift { z, .. } => *z <= 0.5,
+            _ => true,
+        }));
+    }
+
+    #[test]
+    fn a_missing_travel_is_made_up_for() {
+        let s = Settings::default();
+        let mut pacer = Pacer::new(&s);
+        let mut path = layer(0, vec![square(Role::OuterWall, 10.0)]);
+        path.moves.remove(0);
+        let l = pacer.layer(path);
+        assert!(l.moves.iter().any(|m| matches!(
+            m,
+            PacedMove::Travel { points, .. } if points[0] == DVec2::splat(50.0)
+        )));
+    }
+
+    #[test]
+    fn an_empty_layer_takes_no_time() {
+        let s = Settings::default();
+        let l = Pacer::new(&s).layer(layer(0, vec![]));
+        assert_eq!((l.moves.len(), l.time), (0, 0.0));
+    }
+}

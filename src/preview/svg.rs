@@ -1,0 +1,142 @@
+//! One layer as an SVG picture: beads in their width and role's colour,
+//! travels as thin lines (dashed where retracted), y up.
+
+use crate::bead::Role;
+use crate::plane::Rect;
+use crate::travel::{LayerPath, Move};
+use glam::DVec2;
+use std::fmt::Write;
+
+/// Margin around the part, mm, with room for the skirt.
+const MARGIN: f64 = 2.0;
+
+/// Colour of a role, as PrusaSlicer's viewers have taught people to expect.
+fn colour(role: Role) -> &'static str {
+    match role {
+        Role::OuterWall => "#ff7d38",
+        Role::InnerWall => "#ffd94d",
+        Role::SparseInfill => "#b1302a",
+        Role::InternalSkin => "#9654cc",
+        Role::TopSkin => "#f04040",
+        Role::BottomSkin => "#4d80ba",
+        Role::Skirt => "#00876e",
+    }
+}
+
+/// The layer as a picture of its own, in print coordinates; `frame` is the
+/// part's box, the same for all layers so that pictures can be compared.
+pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
+    let frame = path
+        .moves
+        .iter()
+        .flat_map(|m| match m {
+            Move::Print(b) => b.points.as_slice(),
+            Move::Travel { .. } => &[],
+        })
+        .fold(frame, |r, &p| r.with(p));
+    let (lo, hi) = (frame.min - MARGIN, frame.max + MARGIN);
+    let size = hi - lo;
+    let mut svg = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        svg,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" \
+         viewBox=\"0 0 {:.3} {:.3}\" width=\"{:.0}\" height=\"{:.0}\">\n\
+         <title>layer {} at z = {:.3} mm</title>\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
+         <g fill=\"none\" stroke-linecap=\"round\" \
+         stroke-linejoin=\"round\">",
+        size.x,
+        size.y,
+        10.0 * size.x,
+        10.0 * size.y,
+        path.span.index,
+        path.span.top,
+    );
+    let place = |p: DVec2| (p.x - lo.x, hi.y - p.y);
+    let points = |svg: &mut String, all: &mut dyn Iterator<Item = DVec2>| {
+        for p in all {
+            let (x, y) = place(p);
+            let _ = write!(svg, "{x:.3},{y:.3} ");
+        }
+    };
+    let mut travels = String::new();
+    let mut at: Option<DVec2> = None;
+    for m in &path.moves {
+        match m {
+            Move::Print(bead) => {
+                let _ = write!(
+                    svg,
+                    "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \
+                     stroke-opacity=\"0.8\" points=\"",
+                    colour(bead.role),
+                    bead.width
+                );
+                points(&mut svg, &mut bead.path());
+                svg.push_str("\"/>\n");
+                at = bead.path().last();
+            }
+            Move::Travel {
+                points: way,
+                retract,
+            } => {
+                let dash = match retract {
+                    true => " stroke-dasharray=\"0.4 0.3\"",
+                    false => "",
+                };
+                let _ = write!(
+                    travels,
+                    "<polyline stroke=\"#16e\" \
+                     stroke-width=\"0.06\"{dash} points=\""
+                );
+                let mut all = at.into_iter().chain(way.iter().copied());
+                points(&mut travels, &mut all);
+                travels.push_str("\"/>\n");
+                at = way.last().copied();
+            }
+        }
+    }
+    svg.push_str(&travels);
+    svg.push_str("</g>\n</svg>\n");
+    svg
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bead::Bead;
+    use crate::layers::LayerSpan;
+
+    #[test]
+    fn beads_and_travels_are_drawn_upright() {
+        let bead = Bead {
+            role: Role::OuterWall,
+            points: vec![DVec2::ZERO, DVec2::new(10.0, 0.0), DVec2::splat(10.0)],
+            closed: true,
+            width: 0.45,
+            height: 0.2,
+        };
+        let travel = Move::Travel {
+            points: vec![DVec2::new(5.0, 5.0)],
+            retract: true,
+        };
+        let path = LayerPath {
+            span: LayerSpan {
+                index: 3,
+                bottom: 0.6,
+                top: 0.8,
+            },
+            moves: vec![Move::Print(bead), travel],
+        };
+        let frame = Rect {
+            min: DVec2::ZERO,
+            max: DVec2::splat(10.0),
+        };
+        let svg = layer_svg(&path, frame);
+        assert!(svg.contains("viewBox=\"0 0 14.000 14.000\""));
+        assert!(svg.contains(
+            "points=\"2.000,12.000 12.000,12.000 12.000,2.000 2.000,12.000 \""
+        ));
+        assert!(svg.contains("stroke-dasharray"));
+    }
+}

@@ -1,0 +1,539 @@
+//! Pacing and the G-code writer together, on small jobs made by hand: the
+//! text itself, and what a machine that reads it would do.
+
+use glam::{DVec2, DVec3};
+use isoslice::bead::{Bead, Role};
+use isoslice::gcode::{Header, Totals, WriteError, Writer};
+use isoslice::layers::LayerSpan;
+use isoslice::pace::{PacedLayer, PacedMove, Pacer, flow};
+use isoslice::settings::{Flavour, Settings};
+use isoslice::travel::{LayerPath, Move};
+use isoslice::units::filament_area;
+
+/// The defaults, with the writer's own templates.
+fn settings() -> Settings {
+    let mut s = Settings::default();
+    s.gcode.start.clear();
+    s.gcode.end.clear();
+    s
+}
+
+fn points(at: &[(f64, f64)]) -> Vec<DVec2> {
+    at.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
+}
+
+fn bead(role: Role, width: f64, closed: bool, at: &[(f64, f64)]) -> Bead {
+    Bead {
+        role,
+        points: points(at),
+        closed,
+        width,
+        height: 0.2,
+    }
+}
+
+fn travel(at: &[(f64, f64)], retract: bool) -> Move {
+    Move::Travel {
+        points: points(at),
+        retract,
+    }
+}
+
+fn layer(index: usize, moves: Vec<Move>) -> LayerPath {
+    LayerPath {
+        span: LayerSpan {
+            index,
+            bottom: 0.2 * index as f64,
+            top: 0.2 * (index + 1) as f64,
+        },
+        moves,
+    }
+}
+
+/// Two layers with every kind of step.
+fn tiny() -> Vec<LayerPath> {
+    let wall = [(100.0, 100.0), (112.0, 100.0), (106.0, 110.0)];
+    let within = [(101.5, 101.0), (110.5, 101.0), (106.0, 108.5)];
+    let lines = [
+        (104.0, 103.0),
+        (108.0, 103.0),
+        (107.5, 104.0),
+        (104.5, 104.0),
+    ];
+    let first = vec![
+        travel(&[(95.0, 95.0)], true),
+        Move::Print(bead(
+            Role::Skirt,
+            0.45,
+            false,
+            &[(95.0, 95.0), (117.0, 95.0)],
+        )),
+        travel(&[(118.0, 98.0), (101.5, 101.0)], true),
+        Move::Print(bead(Role::InnerWall, 0.45, true, &within)),
+        travel(&[(100.0, 100.0)], false),
+        Move::Print(bead(Role::OuterWall, 0.45, true, &wall)),
+        travel(&[(104.0, 103.0)], false),
+        Move::Print(bead(Role::BottomSkin, 0.5, false, &lines)),
+    ];
+    let second = vec![
+        travel(&[(100.0, 100.0)], true),
+        Move::Print(bead(Role::OuterWall, 0.45, true, &wall)),
+        travel(&[(104.0, 103.0)], true),
+        Move::Print(bead(Role::TopSkin, 0.5, false, &lines)),
+    ];
+    vec![layer(0, first), layer(1, second)]
+}
+
+/// Beads with coordinates off the grid of micrometres, many of them shorter
+/// than it, and widths of their own.
+fn rough(layers: usize) -> Vec<LayerPath> {
+    let mut seed = 1u64;
+    let mut random = move || {
+        seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    (0..layers)
+        .map(|index| {
+            let mut moves = Vec::new();
+            for _ in 0..6 {
+                let mut p = DVec2::new(random(), random()) * 50.0;
+                let mut at = vec![p];
+                for _ in 0..200 {
+                    let size = 10f64.powf(random() * 4.5 - 4.0);
+                    let turn =
+                        DVec2::from_angle(random() * std::f64::consts::TAU);
+                    p += size * turn;
+                    at.push(p);
+                }
+                moves.push(Move::Travel {
+                    points: vec![at[0]],
+                    retract: random() > 0.5,
+                });
+                moves.push(Move::Print(Bead {
+                    role: Role::SparseInfill,
+                    points: at,
+                    closed: false,
+                    width: 0.35 + 0.2 * random(),
+                    height: 0.2,
+                }));
+            }
+            layer(index, moves)
+        })
+        .collect()
+}
+
+fn header(layer_count: usize) -> Header {
+    Header {
+        model_name: "tiny".to_owned(),
+        layer_count,
+        part_min: DVec3::new(100.0, 100.0, 0.0),
+        part_max: DVec3::new(112.0, 110.0, 0.2 * layer_count as f64),
+    }
+}
+
+fn written(settings: &Settings, job: Vec<LayerPath>) -> (String, Totals) {
+    let mut out = Vec::new();
+    let header = header(job.len());
+    let mut writer =
+        Writer::new(&mut out, settings, &header).expect("templates");
+    let mut pacer = Pacer::new(settings);
+    for path in job {
+        let paced = pacer.layer(path);
+        writer.layer(&paced).expect("layer");
+    }
+    let totals = writer.finish().expect("end");
+    (String::from_utf8(out).expect("UTF-8"), totals)
+}
+
+/// A machine that reads the file.
+#[derive(Default)]
+struct Machine {
+    at: [f64; 3],
+    feed: f64,
+    /// E word of absolute positions.
+    e: f64,
+    relative: bool,
+    /// Net filament, and how far it is below its greatest.
+    fed: f64,
+    retracted: f64,
+    retractions: usize,
+    primes: usize,
+    /// Worst relative error of the flow of a segment of 0.2 mm or more.
+    flow_error: f64,
+    width: f64,
+    height: f64,
+    waited: Vec<String>,
+}
+
+impl Machine {
+    fn run(text: &str) -> Self {
+        let mut m = Self::default();
+        for line in text.lines() {
+            m.line(line);
+        }
+        m
+    }
+
+    fn line(&mut self, line: &str) {
+        if let Some(w) = line.strip_prefix(";WIDTH:") {
+            self.width = w.parse().expect("width");
+        } else if let Some(h) = line.strip_prefix(";HEIGHT:") {
+            self.height = h.parse().expect("height");
+        }
+        let code = line.split(';').next().unwrap_or("");
+        let mut words = code.split_whitespace();
+        let word = |letter: char| {
+            code.split_whitespace()
+                .skip(1)
+                .find_map(|w| w.strip_prefix(letter))
+                .map(|v| v.parse::<f64>().expect("number"))
+        };
+        match words.next() {
+            Some("M82") => self.relative = false,
+            Some("M83") => self.relative = true,
+            Some("M109" | "M190") => self.waited.push(code.to_owned()),
+            Some("G92") => self.e = word('E').expect("E"),
+            Some("G1") => {
+                let to = [
+                    word('X').unwrap_or(self.at[0]),
+                    word('Y').unwrap_or(self.at[1]),
+                    word('Z').unwrap_or(self.at[2]),
+                ];
+                let d: f64 = (0..3)
+                    .map(|i| (to[i] - self.at[i]).powi(2))
+                    .sum::<f64>()
+                    .sqrt();
+                if let Some(f) = word('F') {
+                    self.feed = f;
+                }
+                assert!(self.feed > 0.0, "{line}");
+                if let Some(e) = word('E') {
+                    let step = if self.relative { e } else { e - self.e };
+                    self.e = e;
+                    self.filament(step, d, line);
+                }
+                self.at = to;
+            }
+            _ => {}
+        }
+    }
+
+    fn filament(&mut self, step: f64, d: f64, line: &str) {
+        self.fed += step;
+        if step < 0.0 {
+            assert_eq!(self.retracted, 0.0, "twice: {line}");
+            assert_eq!(d, 0.0, "{line}");
+            self.retracted = -step;
+            self.retractions += 1;
+        } else if self.retracted > 0.0 {
+            assert_eq!(d, 0.0, "not primed: {line}");
+            assert!(step > self.retracted - 1e-9, "half: {line}");
+            self.retracted = 0.0;
+            self.primes += 1;
+        } else if d >= 0.2 {
+            assert!(self.waited.len() == 2, "cold: {line}");
+            let area = isoslice::bead::cross_section(self.width, self.height);
+            let error = step * filament_area(1.75) / d / area - 1.0;
+            self.flow_error = self.flow_error.max(error.abs());
+        }
+    }
+}
+
+fn volume(job: &[LayerPath]) -> f64 {
+    job.iter()
+        .flat_map(|l| &l.moves)
+        .map(|m| match m {
+            Move::Print(b) => b.area() * b.length(),
+            Move::Travel { .. } => 0.0,
+        })
+        .sum()
+}
+
+fn redacted(text: &str) -> String {
+    text.replace(env!("CARGO_PKG_VERSION"), "VERSION")
+}
+
+#[test]
+fn a_tiny_job_for_marlin() {
+    let mut s = settings();
+    s.retract.z_hop = 0.4;
+    let (text, _) = written(&s, tiny());
+    insta::assert_snapshot!(redacted(&text));
+}
+
+#[test]
+fn a_tiny_job_for_klipper() {
+    let mut s = settings();
+    s.gcode.flavour = Flavour::Klipper;
+    s.gcode.relative_e = true;
+    let (text, _) = written(&s, tiny());
+    insta::assert_snapshot!(redacted(&text));
+}
+
+#[test]
+fn the_filament_is_the_beads_volume_in_both_modes() {
+    for relative_e in [false, true] {
+        let mut s = settings();
+        s.gcode.relative_e = relative_e;
+        s.flow = 103.0;
+        s.filament.flow = 98.0;
+        let job = tiny();
+        let expected =
+            volume(&job) * flow(&s) / filament_area(s.filament.diameter);
+        let (text, totals) = written(&s, job);
+        let m = Machine::run(&text);
+        let fed = m.fed + m.retracted;
+        assert!((fed - totals.filament_length).abs() < 1e-5);
+        // Every point is on the grid of micrometres: nothing is rounded.
+        assert!((fed - expected).abs() < 1e-5, "{fed} {expected}");
+        let mass = totals.filament_volume * 1.24e-3;
+        assert!((totals.filament_mass_g - mass).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn rounding_neither_adds_up_nor_shows_as_flow() {
+    let mut fed = Vec::new();
+    for relative_e in [false, true] {
+        let mut s = settings();
+        s.gcode.relative_e = relative_e;
+        let (text, totals) = written(&s, rough(10));
+        let m = Machine::run(&text);
+        assert!(m.flow_error < 0.003, "{}", m.flow_error);
+        let sum = m.fed + m.retracted;
+        assert!((sum - totals.filament_length).abs() < 1e-5);
+        fed.push((totals, m.retractions));
+    }
+    assert_eq!(fed[0], fed[1]);
+}
+
+#[test]
+fn numbers_are_plain() {
+    for flavour in [Flavour::Marlin, Flavour::Klipper] {
+        for relative_e in [false, true] {
+            let mut s = settings();
+            s.gcode.flavour = flavour;
+            s.gcode.relative_e = relative_e;
+            // Around the origin, where negative zero would be.
+            let mut job = rough(2);
+            for m in job.iter_mut().flat_map(|l| &mut l.moves) {
+                let at = match m {
+                    Move::Travel { points, .. } => points,
+                    Move::Print(b) => &mut b.points,
+                };
+                for p in at {
+                    *p = (*p - DVec2::splat(25.0)) * 1e-3;
+                }
+            }
+            let (text, _) = written(&s, job);
+            assert!(text.ends_with('\n') && !text.contains('\r'));
+            assert!(text.starts_with("; generated by isoslice "));
+            let mut last = None;
+            for line in text.lines().filter(|l| !l.starts_with(';')) {
+                assert!(!line.ends_with(' '));
+                for w in
+                    line.split(' ').skip(1).filter(|_| line.starts_with("G1 "))
+                {
+                    let number = &w[1..];
+                    assert_ne!(number, "-0", "{line}");
+                    assert!(
+                        number
+                            .chars()
+                            .all(|c| c.is_ascii_digit() || "-.".contains(c)),
+                        "{line}"
+                    );
+                    if let Some((_, decimals)) = number.split_once('.') {
+                        let most = match w.as_bytes()[0] {
+                            b'E' => 5,
+                            b'F' => 0,
+                            _ => 3,
+                        };
+                        assert!(decimals.len() <= most, "{line}");
+                        assert!(!decimals.ends_with('0'), "{line}");
+                    }
+                }
+                // A place is never gone to twice in a row.
+                if line.starts_with("G1 X") {
+                    let xy: Vec<_> = line.split(' ').take(3).collect();
+                    assert_ne!(Some(&xy), last.as_ref(), "{line}");
+                    last = Some(xy);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn retractions_are_primed_and_the_last_one_stays() {
+    let mut s = settings();
+    let (text, _) = written(&s, tiny());
+    let m = Machine::run(&text);
+    // Two travels on each layer, and the end.
+    assert_eq!((m.retractions, m.primes), (5, 4));
+    assert!((m.retracted - 0.8).abs() < 1e-9);
+
+    s.retract.length = 0.0;
+    let m = Machine::run(&written(&s, tiny()).0);
+    assert_eq!((m.retractions, m.primes), (0, 0));
+
+    s.retract.length = 0.8;
+    s.retract.extra_prime = 0.05;
+    let (text, totals) = written(&s, tiny());
+    let m = Machine::run(&text);
+    let plain = volume(&tiny()) / filament_area(1.75);
+    assert!((totals.filament_length - plain - 4.0 * 0.05).abs() < 1e-5);
+    assert!((m.fed + m.retracted - totals.filament_length).abs() < 1e-5);
+}
+
+#[test]
+fn klipper_gets_no_word_it_does_not_know() {
+    let mut s = settings();
+    s.gcode.flavour = Flavour::Klipper;
+    let (text, _) = written(&s, tiny());
+    for line in text.lines().filter(|l| !l.starts_with(';')) {
+        let command = line.split(' ').next().unwrap_or("");
+        assert!(
+            [
+                "G1",
+                "G21",
+                "G28",
+                "G90",
+                "G92",
+                "M82",
+                "M84",
+                "M104",
+                "M106",
+                "M107",
+                "M109",
+                "M140",
+                "M190",
+                "M204",
+                "SET_PRINT_STATS_INFO",
+            ]
+            .contains(&command),
+            "{line}"
+        );
+        if command == "M204" {
+            assert!(line.starts_with("M204 S"));
+        }
+    }
+}
+
+#[test]
+fn comments_of_our_own_avoid_the_words_viewers_colour_by() {
+    let (text, _) = written(&settings(), tiny());
+    for line in text.lines().filter(|l| !l.starts_with(";TYPE:")) {
+        let Some((_, comment)) = line.split_once(';') else {
+            continue;
+        };
+        let comment = comment.to_lowercase();
+        for word in [
+            "inner",
+            "outer",
+            "perimeter",
+            "fill",
+            "skin",
+            "support",
+            "skirt",
+        ] {
+            assert!(!comment.contains(word), "{line}");
+        }
+    }
+}
+
+#[test]
+fn a_start_template_that_heats_is_left_to_it() {
+    let mut s = settings();
+    s.gcode.start = "START_PRINT BED={first_layer_bed_temperature} \
+                     NOZZLE={first_layer_nozzle_temperature}"
+        .to_owned();
+    let (text, _) = written(&s, tiny());
+    assert!(text.contains("\nSTART_PRINT BED=60 NOZZLE=215\n"));
+    assert!(!text.contains("M109") && !text.contains("M190"));
+    // The modes are set again after what the template may have done.
+    assert_eq!(text.matches("\nM82\n").count(), 2);
+
+    s.gcode.start = "M104 S150\nG28".to_owned();
+    let (text, _) = written(&s, tiny());
+    assert!(!text.contains("M104 S215"));
+    assert!(text.contains("G28\nM190 S60\nM109 S215\n"));
+    assert_eq!(text.matches("\nM82\n").count(), 1);
+}
+
+#[test]
+fn an_unheated_bed_is_never_spoken_of() {
+    let mut s = settings();
+    s.filament.bed_temperature = 0.0;
+    s.filament.first_layer_bed_temperature = 0.0;
+    let (text, _) = written(&s, tiny());
+    assert!(text.contains("M104 S0\n"));
+    assert!(!text.contains("M140") && !text.contains("M190"));
+}
+
+#[test]
+fn template_errors_name_place_and_remedy() {
+    let mut s = settings();
+    s.gcode.end = "M104 S0\nG1 Z{part_max} F600".to_owned();
+    let error = Writer::new(Vec::new(), &s, &header(2)).map(|_| ());
+    let text = error.expect_err("unknown placeholder").to_string();
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn what_is_no_number_is_an_error() {
+    let s = settings();
+    for bad in [f64::NAN, f64::INFINITY, 1e200] {
+        let mut writer =
+            Writer::new(Vec::new(), &s, &header(1)).expect("templates");
+        let paced = PacedLayer {
+            span: layer(7, vec![]).span,
+            moves: vec![PacedMove::Travel {
+                points: vec![DVec2::new(bad, 1.0)],
+                speed: 100.0,
+            }],
+            fan: 0.0,
+            time: 1.0,
+        };
+        let error = writer.layer(&paced);
+        assert!(matches!(
+            error,
+            Err(WriteError::BadNumber {
+                what: "x",
+                layer: 7,
+                ..
+            })
+        ));
+    }
+}
+
+#[test]
+fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
+    let s = settings();
+    let mut path = tiny().remove(0);
+    if let Some(Move::Print(b)) = path.moves.get_mut(3) {
+        b.points[1].y = f64::NAN;
+    }
+    let paced = Pacer::new(&s).layer(path);
+    let mut writer =
+        Writer::new(Vec::new(), &s, &header(1)).expect("templates");
+    assert!(matches!(
+        writer.layer(&paced),
+        Err(WriteError::BadNumber { what: "y", .. })
+    ));
+}
+
+#[test]
+fn the_footer_says_what_the_print_takes() {
+    let s = settings();
+    let (text, totals) = written(&s, tiny());
+    assert_eq!(totals.layers, 2);
+    assert!(text.contains("; total layers count = 2\n"));
+    let time = isoslice::units::human_time(totals.time);
+    assert!(text.contains(&format!(
+        "; estimated printing time (normal mode) = {time}\n"
+    )));
+    let used = format!("; filament used [mm] = {:.2}", totals.filament_length);
+    assert!(text.contains(used.trim_end_matches('0')));
+}
