@@ -123,23 +123,23 @@ table::settings! {
     }
     /// Speeds of the nozzle.
     speed: Speed {
-        /// Outer walls.
+        /// Speed of outer walls.
         outer_wall: MmPerSec = 40.0, in 0.1..=2000.0;
-        /// Walls behind the outer wall.
+        /// Speed of the walls behind the outer wall.
         inner_wall: MmPerSec = 60.0, in 0.1..=2000.0;
-        /// Sparse infill.
+        /// Speed of sparse infill.
         sparse_infill: MmPerSec = 80.0, in 0.1..=2000.0;
-        /// Solid layers that are covered from both sides.
+        /// Speed of solid layers that are covered from both sides.
         internal_skin: MmPerSec = 60.0, in 0.1..=2000.0;
-        /// Skin that faces upwards.
+        /// Speed of skin that faces upwards.
         top_skin: MmPerSec = 40.0, in 0.1..=2000.0;
-        /// Skin that faces downwards.
+        /// Speed of skin that faces downwards.
         bottom_skin: MmPerSec = 40.0, in 0.1..=2000.0;
-        /// Skirt.
+        /// Speed of the skirt.
         skirt: MmPerSec = 30.0, in 0.1..=2000.0;
         /// Greatest printing speed on the first layer.
         first_layer: MmPerSec = 20.0, in 0.1..=2000.0;
-        /// Moves that do not print.
+        /// Speed of moves that do not print.
         travel: MmPerSec = 150.0, in 0.1..=2000.0;
     }
     /// Pulling back the filament before a travel.
@@ -183,9 +183,9 @@ table::settings! {
     }
     /// The material.
     filament: Filament {
-        /// Diameter.
+        /// Diameter of the filament.
         diameter: Mm = 1.75, in 0.5..=10.0;
-        /// Density, for the mass in the summary.
+        /// Density of the material, for the mass in the summary.
         density: GramsPerCm3 = 1.24, in 0.1..=25.0;
         /// Material extruded, as a share of the beads' volume; multiplies
         /// flow.
@@ -193,13 +193,13 @@ table::settings! {
         /// Greatest volume of plastic the hot end melts per second; faster
         /// moves are slowed down to it.
         max_flow: Mm3PerSec = 12.0, in 0.1..=500.0;
-        /// Nozzle above the first layer.
+        /// Temperature of the nozzle above the first layer.
         nozzle_temperature: Celsius = 210.0, in 1.0..=600.0;
-        /// Nozzle on the first layer.
+        /// Temperature of the nozzle on the first layer.
         first_layer_nozzle_temperature: Celsius = 215.0, in 1.0..=600.0;
-        /// Bed above the first layer; 0 for none.
+        /// Temperature of the bed above the first layer; 0 for no heating.
         bed_temperature: Celsius = 60.0, in 0.0..=250.0;
-        /// Bed on the first layer; 0 for none.
+        /// Temperature of the bed on the first layer; 0 for no heating.
         first_layer_bed_temperature: Celsius = 60.0, in 0.0..=250.0;
     }
     /// The machine.
@@ -208,7 +208,7 @@ table::settings! {
         bed_x: Mm = 220.0, in 1.0..=10_000.0;
         /// Depth of the bed; y runs from 0 to this.
         bed_y: Mm = 220.0, in 1.0..=10_000.0;
-        /// Height of the printing space.
+        /// Greatest height of a print.
         height: Mm = 250.0, in 1.0..=10_000.0;
         /// Diameter of the nozzle's hole.
         nozzle_diameter: Mm = 0.4, in 0.05..=5.0;
@@ -228,8 +228,8 @@ table::settings! {
         flavour: Flavour = Flavour::Marlin;
         /// Extruder positions relative to the last one instead of absolute.
         relative_e: bool = false;
-        /// Template for the start of the print. Temperatures are set and
-        /// waited for before it unless it does so itself.
+        /// Template for the start of the print. Temperatures that it does
+        /// not set are set before it, and waited for after it.
         start: String = START.to_owned();
         /// Template for the end of the print; the fan is already off.
         end: String = END.to_owned();
@@ -245,10 +245,8 @@ const START: &str = "G28 ; home all axes\n";
 const END: &str = "\
 M104 S0 ; nozzle heater off
 M140 S0 ; bed heater off
-G91 ; relative moves
-G1 Z2 F600 ; lift
-G90 ; absolute moves
-G1 X5 Y5 F6000 ; move aside
+G1 Z{park_z} F{feed_rate_z} ; off the part
+G1 X0 Y{bed_y} F{feed_rate_travel} ; move aside
 M84 ; motors off
 ";
 

@@ -230,6 +230,11 @@ impl Builder {
         self.assign(key, Raw::Word(value), Place::Set)
     }
 
+    /// What has been gathered so far; not yet checked for combinations.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
     /// The settings, and warnings about unwise combinations.
     ///
     /// # Errors
@@ -338,7 +343,7 @@ fn refusal(
             place,
             key: key.name.to_owned(),
             value,
-            expected: key.kind().describe(key.unit),
+            expected: key.expected(),
         },
         Refused::Range => SettingsError::OutOfRange {
             place,
@@ -397,11 +402,8 @@ fn flatten<'a>(
 
 fn raw<'a>(value: &'a DeValue<'_>) -> Raw<'a> {
     match value {
-        DeValue::Integer(i) => {
-            // Beyond 64 bits it is out of any range, whichever its digits.
-            i64::from_str_radix(i.as_str(), i.radix())
-                .map_or(Raw::Float(f64::INFINITY), Raw::Integer)
-        }
+        DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix())
+            .map_or(Raw::Huge(i.as_str()), Raw::Integer),
         DeValue::Float(x) => {
             x.as_str().parse().map_or(Raw::Float(f64::NAN), Raw::Float)
         }

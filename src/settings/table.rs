@@ -56,18 +56,42 @@ impl Key {
 
     /// What may be assigned: `0.02 to 2 mm`, `marlin or klipper`.
     pub fn allowed(&self) -> String {
-        let range = self.range.map_or_else(String::new, |r| {
-            let unit = self.spaced_unit();
-            format!("{} to {}{unit}", r.min, r.max)
-        });
+        let range = self.range_with(&self.spaced_unit());
         match self.kind() {
-            Kind::Number => range,
-            Kind::Whole => range,
+            Kind::Number | Kind::Whole => range,
             Kind::WholeOrAuto => format!("auto, or {range}"),
             Kind::Switch => "true or false".to_owned(),
             Kind::Text => "any text".to_owned(),
             Kind::Word(words) => alternatives(words),
         }
+    }
+
+    /// What may be assigned and how it is written, for one who wrote
+    /// something of another type.
+    pub(super) fn expected(&self) -> String {
+        let range = self.range_with("");
+        match (self.kind(), self.unit) {
+            (Kind::Number, "") => format!("a plain number, {range}"),
+            (Kind::Number, "%") => format!(
+                "a percentage, {}, such as 25 or \"25%\"",
+                self.range_with("%")
+            ),
+            (Kind::Number, unit) => {
+                format!("a plain number, {range}, which is in {unit}")
+            }
+            (Kind::Whole, _) => format!("a whole number, {range}"),
+            (Kind::WholeOrAuto, _) => {
+                format!("\"auto\" or a whole number, {range}")
+            }
+            (Kind::Text, _) => "text in quotes".to_owned(),
+            (Kind::Switch | Kind::Word(_), _) => self.allowed(),
+        }
+    }
+
+    fn range_with(&self, unit: &str) -> String {
+        self.range.map_or_else(String::new, |range| {
+            format!("{} to {}{unit}", range.min, range.max)
+        })
     }
 
     /// The setting's value in `settings`, as TOML.
@@ -96,7 +120,7 @@ impl Key {
     pub(super) fn spaced_unit(&self) -> String {
         match self.unit {
             "" => String::new(),
-            "%" => "%".to_owned(),
+            "%" | "°" => self.unit.to_owned(),
             unit => format!(" {unit}"),
         }
     }

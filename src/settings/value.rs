@@ -4,13 +4,15 @@
 //! In: a [`Raw`] value and the [`Key`] it is for. Out: the field, changed
 //! only if the value is of the right type and within the key's range.
 
-use super::table::{Key, alternatives};
+use super::table::Key;
 
 /// A value as given, before its setting's type is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Raw<'a> {
     /// A whole number in TOML.
     Integer(i64),
+    /// A whole number in TOML beyond 64 bits, as written.
+    Huge(&'a str),
     /// Any other number in TOML.
     Float(f64),
     /// A boolean in TOML.
@@ -31,7 +33,7 @@ impl Raw<'_> {
             Raw::Float(x) => x.to_string(),
             Raw::Bool(b) => b.to_string(),
             Raw::Text(s) => format!("{s:?}"),
-            Raw::Word(s) => (*s).to_owned(),
+            Raw::Word(s) | Raw::Huge(s) => (*s).to_owned(),
             Raw::Other(what) => (*what).to_owned(),
         }
     }
@@ -57,24 +59,6 @@ pub(super) enum Kind {
     Word(&'static [&'static str]),
 }
 
-impl Kind {
-    /// The kind in words, with how to write it where that may be unclear.
-    pub(super) fn describe(self, unit: &str) -> String {
-        match self {
-            Kind::Number if unit == "%" => {
-                "a percentage such as 25 or \"25%\"".to_owned()
-            }
-            Kind::Number if unit.is_empty() => "a plain number".to_owned(),
-            Kind::Number => format!("a plain number, in {unit}"),
-            Kind::Whole => "a whole number".to_owned(),
-            Kind::WholeOrAuto => "a whole number or \"auto\"".to_owned(),
-            Kind::Switch => "true or false".to_owned(),
-            Kind::Text => "text in quotes".to_owned(),
-            Kind::Word(words) => alternatives(words),
-        }
-    }
-}
-
 /// A field of the settings.
 pub(super) trait Value {
     /// Takes the value over, or leaves the field as it is.
@@ -91,6 +75,7 @@ impl Value for f64 {
         let parsed = match raw {
             Raw::Integer(i) => Some(i as f64),
             Raw::Float(x) => Some(x),
+            Raw::Huge(_) => return Err(Refused::Range),
             Raw::Text(s) if key.unit == "%" => percent(s),
             Raw::Word(s) if key.unit == "%" => percent(s).or(s.parse().ok()),
             Raw::Word(s) => s.parse().ok(),
@@ -138,8 +123,10 @@ fn in_range(value: f64, key: &Key) -> Result<f64, Refused> {
 impl Value for u32 {
     fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
         let whole = match raw {
-            Raw::Integer(i) => Some(i),
-            Raw::Word(s) => s.parse().ok(),
+            Raw::Integer(i) => Some(i.into()),
+            Raw::Huge(_) => return Err(Refused::Range),
+            // Wide enough that what overflows it is hardly meant as a number.
+            Raw::Word(s) => s.parse::<i128>().ok(),
             _ => None,
         };
         let whole = whole.ok_or(Refused::Type)?;
