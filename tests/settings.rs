@@ -178,8 +178,10 @@ fn printed_settings_read_back_as_the_same() {
 #[test]
 fn floats_are_printed_exactly() {
     for exact in [0.1 + 0.2, 1.0 / 3.0, 5e-324, 1e-7, 123456.789, 1e300] {
-        let mut settings = Settings::default();
-        settings.layer_height = exact;
+        let settings = Settings {
+            layer_height: exact,
+            ..Settings::default()
+        };
         let key = keys().iter().find(|k| k.name == "layer_height");
         let text = key.map(|k| k.get(&settings)).unwrap_or_default();
         assert_eq!(text.parse(), Ok(exact));

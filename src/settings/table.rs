@@ -71,13 +71,15 @@ impl Key {
     pub(super) fn expected(&self) -> String {
         let range = self.range_with("");
         match (self.kind(), self.unit) {
-            (Kind::Number, "") => format!("a plain number, {range}"),
+            (Kind::Number, "") => format!("a number from {range}"),
             (Kind::Number, "%") => format!(
                 "a percentage, {}, such as 25 or \"25%\"",
                 self.range_with("%")
             ),
             (Kind::Number, unit) => {
-                format!("a plain number, {range}, which is in {unit}")
+                format!(
+                    "a number from {range} (in {unit}, without quotes or unit)"
+                )
             }
             (Kind::Whole, _) => format!("a whole number, {range}"),
             (Kind::WholeOrAuto, _) => {
