@@ -3,6 +3,7 @@
 pub mod bead;
 pub mod layers;
 pub mod model;
+pub mod pipeline;
 pub mod settings;
 pub mod travel;
 pub mod units;
