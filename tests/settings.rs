@@ -237,6 +237,15 @@ fn values_are_read_as_their_type_asks() {
 }
 
 #[test]
+fn a_file_from_windows_reads_the_same() {
+    let unix = "walls = 3\n[gcode]\nstart = \"\"\"\nG28\nG1 Z5\n\"\"\"\n";
+    let windows = format!("\u{feff}{}", unix.replace('\n', "\r\n"));
+    assert_eq!(read(&windows).ok(), read(unix).ok());
+    assert!(read(unix).is_ok());
+    assert!(refused("\r\n\r\nwalls = -1").starts_with("my.toml:3: "));
+}
+
+#[test]
 fn refusals_name_place_key_value_and_remedy() {
     snapshot(
         "refused_files",
@@ -286,6 +295,9 @@ fn refusals_name_place_key_value_and_remedy() {
                 "filament.density=heavy",
                 "gcode.flavour=sailfish",
                 "speed=50",
+                "speed.wall=50",
+                "fan=50",
+                "gcode.flavor=klipper",
                 "gcode.start=\"a\" b\"",
             ]
             .map(|given| (given.to_owned(), refused_set(&[given]))),

@@ -170,6 +170,8 @@ impl Builder {
         name: &str,
         text: &str,
     ) -> Result<(), SettingsError> {
+        // Templates that were edited on Windows must give the same G-code.
+        let text = &text.replace("\r\n", "\n");
         let place = |span: Range<usize>| Place::File {
             name: name.to_owned(),
             line: line_of(text, span.start),

@@ -158,8 +158,14 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
         .map(|key| {
             let whole = strsim::normalized_damerau_levenshtein(&name, key.name);
             // The right name in the wrong group is nearer than a misspelling,
-            // but between two the whole name decides.
+            // and so is a part of the name; between several the whole name
+            // decides.
             let part = strsim::normalized_damerau_levenshtein(leaf, key.leaf());
+            let part = if leaf.len() > 2 && key.leaf().contains(leaf) {
+                part.max(0.9)
+            } else {
+                part
+            };
             (whole.max(0.9 * part) + 0.01 * whole, key.name)
         })
         .filter(|(likeness, _)| *likeness >= ALIKE)
