@@ -1,1 +1,29 @@
-fn main() {}
+//! The command `isoslice`: parse, run, report.
+//!
+//! Exit codes: 0 done, 1 something about the input is wrong, 2 the command
+//! line is wrong. A reader that closes our output early is no error.
+
+mod cli;
+
+use clap::Parser;
+use std::io::ErrorKind::BrokenPipe;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match cli::run(cli::Cli::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            cli::terminal::report_error(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<std::io::Error>()
+            .is_some_and(|e| e.kind() == BrokenPipe)
+    })
+}

@@ -137,7 +137,7 @@ pub fn slice(
         written: 0,
         total: spans.len(),
         beads: 0,
-        warnings: model.warnings.clone(),
+        warnings: Vec::new(),
     };
     let mut tally = Tally::default();
 
@@ -165,9 +165,8 @@ pub fn slice(
             window.push_back(shell);
         }
         let last = k + 1 == chunks.len();
-        let mut write = || {
-            stages.write_ready(&pool, &mut window, last, &mut exit)
-        };
+        let mut write =
+            || stages.write_ready(&pool, &mut window, last, &mut exit);
         if last {
             write()?;
         } else if pool.current_num_threads() == 1 {
@@ -327,10 +326,12 @@ impl<'a> Stages<'a> {
         let height = span.height();
         let none = Area::EMPTY;
         let at = |k: Option<usize>| -> &Area {
-            k.and_then(|k| window.get(k)).map_or(&none, |s| &s.outline.area)
+            k.and_then(|k| window.get(k))
+                .map_or(&none, |s| &s.outline.area)
         };
-        let above: Vec<&Area> =
-            (1..=self.top_layers).map(|k| at(i.checked_add(k))).collect();
+        let above: Vec<&Area> = (1..=self.top_layers)
+            .map(|k| at(i.checked_add(k)))
+            .collect();
         let below: Vec<&Area> = (1..=self.bottom_layers)
             .map(|k| at(i.checked_sub(k)))
             .collect();

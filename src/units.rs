@@ -20,6 +20,8 @@ pub type Mm3PerSec = f64;
 pub type Seconds = f64;
 /// Angle in degrees, counter-clockwise from the x axis.
 pub type Degrees = f64;
+/// Density in grams per cubic centimetre.
+pub type GramsPerCm3 = f64;
 /// Temperature in degrees Celsius.
 pub type Celsius = f64;
 /// Share in percent (100 is the whole).

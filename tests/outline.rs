@@ -165,7 +165,8 @@ fn rings_are_those_of_the_contour_crate() {
         max: DVec2::splat(25.0),
     };
     let tree = gyroid_ball();
-    let field = Field::new(&tree, 0.0, bounds, 0.1, 0.0, Some(Backend::Vm)).unwrap();
+    let field =
+        Field::new(&tree, 0.0, bounds, 0.1, 0.0, Some(Backend::Vm)).unwrap();
     let lattice = field.lattice();
     let h = 1.3_f32;
     let k = std::f32::consts::TAU / 10.0;

@@ -1,29 +1,42 @@
-//! Contract only; see the helper's implementation.
-use fidget::context::Tree;
-use glam::DVec3;
-/// Box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Lower corner.
-    pub min: DVec3,
-    /// Upper corner.
-    pub max: DVec3,
-}
-impl Bounds {
-    /// Size.
-    pub fn size(&self) -> DVec3 {
-        self.max - self.min
-    }
-}
-/// A model placed on the printer.
-#[derive(Clone)]
-pub struct Model {
-    /// Name.
-    pub name: String,
-    /// Field, in model coordinates.
-    pub tree: Tree,
-    /// Tight box.
-    pub bounds: Bounds,
-    /// Print coordinates = model coordinates + offset.
-    pub offset: DVec3,
-}
+//! From a file or a formula to a model placed on the printer.
+//!
+//!     Source ──load──► Loaded ──place──► Model
+//!
+//! - `source`: which format, reading; `script` (rhai, sandboxed), `vm`
+//!   (fidget's text), `formula` (one expression), `param` (`-D name=value`)
+//! - `expand`: bounds on what an expression may grow to
+//! - `bounds`: the tight box of {f < 0} by interval arithmetic, on top of
+//!   `program` (the expression over boxes) and `interval`
+//! - `placement`: scale, rotation, position
+//!
+//! Guarantees: whatever the input, an error or a model within bounded time
+//! and memory, without panics and without recursion on the caller's stack;
+//! the same input always gives the same model (a time limit can only turn it
+//! into an error).
+//!
+//! Not guaranteed: that the model is printable, or one body.
+
+mod bounds;
+mod error;
+mod expand;
+mod formula;
+mod interval;
+mod param;
+mod placement;
+mod power;
+mod program;
+mod script;
+mod source;
+mod vm;
+
+pub use bounds::{
+    Bounds, BoundsError, FoundBounds, SearchOptions, find_bounds,
+};
+pub use error::LoadError;
+pub use expand::{ExpandError, MAX_EXPANDED_NODES};
+pub use formula::{FormulaError, parse_formula};
+pub use param::{ParamError, Parameter};
+pub use placement::{BuildVolume, Model, PlaceError, Placement, place};
+pub use script::{ScriptError, ScriptLimits};
+pub use source::{Loaded, Source, SourceKind, load, load_within};
+pub use vm::{VmError, parse_vm};

@@ -111,7 +111,11 @@ mod tests {
     fn beads_and_travels_are_drawn_upright() {
         let bead = Bead {
             role: Role::OuterWall,
-            points: vec![DVec2::ZERO, DVec2::new(10.0, 0.0), DVec2::splat(10.0)],
+            points: vec![
+                DVec2::ZERO,
+                DVec2::new(10.0, 0.0),
+                DVec2::splat(10.0),
+            ],
             closed: true,
             width: 0.45,
             height: 0.2,

@@ -1,145 +1,360 @@
-//! Contract only: the names and defaults the other stages rely on.
+//! What is printed and how: every setting with its unit, range and meaning.
+//!
+//! In: TOML files and `key=value` assignments, read by [`Builder`] in layers,
+//! the last one winning. Out: one typed [`Settings`] and warnings about
+//! combinations that are allowed but unlikely to print well.
+//!
+//! Guaranteed: nothing that is given is silently ignored. An unknown key, a
+//! wrong type, a value outside its range or a combination that cannot print
+//! is an error which names the place, the key, the value and the remedy; and
+//! [`Settings::to_toml`] of any settings reads back as the same settings.
+//! Not guaranteed: that the G-code templates make sense to the printer.
+//!
+//! What a run is (threads, pictures, progress) is not a setting: the same
+//! settings and model give the same bytes on any machine.
+//!
+//! Everything follows from the one table below: the structs, their defaults,
+//! units, ranges, descriptions, the key names (`speed.outer_wall`), reading
+//! and writing. A row is
+//!
+//! ```text
+//! /// Description.
+//! name: Type = default, in least..=greatest;
+//! ```
+//!
+//! and the unit is the type's.
+//!
+//! ```
+//! use isoslice::settings::Builder;
+//!
+//! let mut builder = Builder::new();
+//! builder.toml("my.toml", "walls = 3\n[speed]\nouter_wall = 25")?;
+//! builder.set("infill_density=25%")?;
+//! let (settings, warnings) = builder.finish()?;
+//! assert_eq!(settings.speed.outer_wall, 25.0);
+//! assert!(warnings.is_empty());
+//! # Ok::<(), isoslice::settings::SettingsError>(())
+//! ```
+
+mod check;
+mod read;
+mod table;
+mod value;
+mod write;
+
+pub use read::{Builder, Place, SettingsError};
+pub use table::{Key, Range, keys};
+
 use crate::units::*;
 
-macro_rules! group {
-    ($name:ident { $($field:ident : $ty:ty = $default:expr),* $(,)? }) => {
-        #[allow(missing_docs)]
-        #[derive(Clone, Debug, PartialEq)]
-        pub struct $name { $(pub $field: $ty),* }
-        impl Default for $name { fn default() -> Self { Self { $($field: $default),* } } }
-    };
+table::settings! {
+    /// Everything a print depends on besides the model.
+    Settings {
+        ["Layers"]
+        /// Height of every layer above the first.
+        layer_height: Mm = 0.2, in 0.02..=2.0;
+        /// Height of the first layer.
+        first_layer_height: Mm = 0.2, in 0.02..=2.0;
+
+        ["Outlines"]
+        /// Greatest distance between an outline and the true surface.
+        accuracy: Mm = 0.005, in 0.0005..=0.1;
+        /// Spacing of the lattice on which the field is sampled to find the
+        /// outlines; details smaller than this may be missed. It does not
+        /// limit the accuracy of what is found.
+        sample_spacing: Mm = 0.1, in 0.01..=2.0;
+
+        ["Walls"]
+        /// Number of walls around each island and hole.
+        walls: u32 = 2, in 0..=1000;
+        /// Line width of the outer wall.
+        outer_wall_width: Mm = 0.45, in 0.05..=10.0;
+        /// Line width of the walls behind the outer wall.
+        inner_wall_width: Mm = 0.45, in 0.05..=10.0;
+        /// Which walls of an island are printed first.
+        wall_order: WallOrder = WallOrder::InnerFirst;
+        /// How walls are offset: by distance in the layer's plane, right for
+        /// every field, or by the field's own value, right only where the
+        /// field is that distance.
+        wall_offset: WallOffset = WallOffset::Distance;
+        /// Where closed walls begin and end.
+        seam: Seam = Seam::Aligned;
+
+        ["Skin: the solid top and bottom"]
+        /// Thickness of solid material below each upward face.
+        top_thickness: Mm = 0.8, in 0.0..=1000.0;
+        /// Thickness of solid material above each downward face.
+        bottom_thickness: Mm = 0.6, in 0.0..=1000.0;
+        /// Number of solid layers below each upward face; auto takes it from
+        /// top_thickness.
+        top_layers: Option<u32> = None, in 0..=50_000;
+        /// Number of solid layers above each downward face; auto takes it
+        /// from bottom_thickness.
+        bottom_layers: Option<u32> = None, in 0..=50_000;
+        /// Line width of skin.
+        skin_width: Mm = 0.45, in 0.05..=10.0;
+        /// Direction of skin lines on even layers, counter-clockwise from
+        /// the x axis; odd layers are turned by a right angle.
+        skin_angle: Degrees = 45.0, in -360.0..=360.0;
+        /// How far skin reaches into the sparse infill beside it, so that
+        /// its lines are anchored.
+        skin_overlap: Mm = 0.6, in 0.0..=20.0;
+        /// Separate pieces of skin smaller than this are not printed as
+        /// skin.
+        skin_min_area: Mm2 = 2.0, in 0.0..=1000.0;
+
+        ["Sparse infill"]
+        /// Share of the inside that is printed; 0 leaves it hollow.
+        infill_density: Percent = 15.0, in 0.0..=100.0;
+        /// Pattern of the sparse infill.
+        infill_pattern: InfillPattern = InfillPattern::Rectilinear;
+        /// Line width of sparse infill.
+        infill_width: Mm = 0.45, in 0.05..=10.0;
+        /// Direction of infill lines, counter-clockwise from the x axis.
+        infill_angle: Degrees = 45.0, in -360.0..=360.0;
+        /// How far infill and skin reach into the innermost wall, as a share
+        /// of their line width.
+        infill_overlap: Percent = 25.0, in 0.0..=100.0;
+
+        ["Flow"]
+        /// Material extruded, as a share of the beads' volume; multiplies
+        /// filament.flow.
+        flow: Percent = 100.0, in 10.0..=300.0;
+    }
+    /// Speeds of the nozzle.
+    speed: Speed {
+        /// Speed of outer walls.
+        outer_wall: MmPerSec = 40.0, in 0.1..=2000.0;
+        /// Speed of the walls behind the outer wall.
+        inner_wall: MmPerSec = 60.0, in 0.1..=2000.0;
+        /// Speed of sparse infill.
+        sparse_infill: MmPerSec = 80.0, in 0.1..=2000.0;
+        /// Speed of solid layers that are covered from both sides.
+        internal_skin: MmPerSec = 60.0, in 0.1..=2000.0;
+        /// Speed of skin that faces upwards.
+        top_skin: MmPerSec = 40.0, in 0.1..=2000.0;
+        /// Speed of skin that faces downwards.
+        bottom_skin: MmPerSec = 40.0, in 0.1..=2000.0;
+        /// Speed of the skirt.
+        skirt: MmPerSec = 30.0, in 0.1..=2000.0;
+        /// Greatest printing speed on the first layer.
+        first_layer: MmPerSec = 20.0, in 0.1..=2000.0;
+        /// Speed of moves that do not print.
+        travel: MmPerSec = 150.0, in 0.1..=2000.0;
+    }
+    /// Pulling back the filament before a travel.
+    retract: Retract {
+        /// Length of filament pulled back; 0 turns retraction off.
+        length: Mm = 0.8, in 0.0..=50.0;
+        /// Speed of pulling back.
+        speed: MmPerSec = 35.0, in 0.1..=500.0;
+        /// Speed of pushing forward again.
+        prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
+        /// Travels shorter than this never retract.
+        min_travel: Mm = 1.5, in 0.0..=1000.0;
+        /// Travels longer than this always retract, even where oozing would
+        /// be hidden inside the part.
+        max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
+        /// Length of filament pushed forward beyond what was pulled back, to
+        /// make up for what oozed; negative for less.
+        extra_prime: Mm = 0.0, in -5.0..=5.0;
+        /// How far the nozzle is lifted during a retracted travel.
+        z_hop: Mm = 0.0, in 0.0..=10.0;
+    }
+    /// Loops around the part that start the flow before the part does.
+    skirt: Skirt {
+        /// Number of loops; 0 for no skirt.
+        loops: u32 = 1, in 0..=1000;
+        /// Gap between the part and the innermost loop.
+        distance: Mm = 6.0, in 0.0..=1000.0;
+        /// Number of layers, from the bed, that have a skirt.
+        layers: u32 = 1, in 0..=50_000;
+    }
+    /// Fan, and slowing down for small layers.
+    cooling: Cooling {
+        /// Speed of the part's fan.
+        fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Number of layers, from the bed, printed without the fan.
+        fan_off_layers: u32 = 1, in 0..=50_000;
+        /// A layer that would take less time than this is printed slower.
+        min_layer_time: Seconds = 8.0, in 0.0..=3600.0;
+        /// Least speed that slowing down for min_layer_time leads to.
+        min_speed: MmPerSec = 10.0, in 0.1..=2000.0;
+    }
+    /// The material.
+    filament: Filament {
+        /// Diameter of the filament.
+        diameter: Mm = 1.75, in 0.5..=10.0;
+        /// Density of the material, for the mass in the summary.
+        density: GramsPerCm3 = 1.24, in 0.1..=25.0;
+        /// Material extruded, as a share of the beads' volume; multiplies
+        /// flow.
+        flow: Percent = 100.0, in 10.0..=300.0;
+        /// Greatest volume of plastic the hot end melts per second; faster
+        /// moves are slowed down to it.
+        max_flow: Mm3PerSec = 12.0, in 0.1..=500.0;
+        /// Temperature of the nozzle above the first layer.
+        nozzle_temperature: Celsius = 210.0, in 1.0..=600.0;
+        /// Temperature of the nozzle on the first layer.
+        first_layer_nozzle_temperature: Celsius = 215.0, in 1.0..=600.0;
+        /// Temperature of the bed above the first layer; 0 for no heating.
+        bed_temperature: Celsius = 60.0, in 0.0..=250.0;
+        /// Temperature of the bed on the first layer; 0 for no heating.
+        first_layer_bed_temperature: Celsius = 60.0, in 0.0..=250.0;
+    }
+    /// The machine.
+    printer: Printer {
+        /// Width of the bed; x runs from 0 to this.
+        bed_x: Mm = 220.0, in 1.0..=10_000.0;
+        /// Depth of the bed; y runs from 0 to this.
+        bed_y: Mm = 220.0, in 1.0..=10_000.0;
+        /// Greatest height of a print.
+        height: Mm = 250.0, in 1.0..=10_000.0;
+        /// Diameter of the nozzle's hole.
+        nozzle_diameter: Mm = 0.4, in 0.05..=5.0;
+        /// Acceleration of printing moves.
+        acceleration: MmPerSec2 = 1000.0, in 1.0..=100_000.0;
+        /// Acceleration of moves that do not print.
+        travel_acceleration: MmPerSec2 = 1500.0, in 1.0..=100_000.0;
+        /// Speed at which a right-angled corner is passed.
+        square_corner_velocity: MmPerSec = 5.0, in 0.0..=200.0;
+        /// Greatest speed of the z axis.
+        max_speed_z: MmPerSec = 10.0, in 0.1..=1000.0;
+    }
+    /// The text that is written. Templates may hold placeholders such as
+    /// {nozzle_temperature}; write {{ and }} for plain braces.
+    gcode: Gcode {
+        /// Firmware that will read the G-code.
+        flavour: Flavour = Flavour::Marlin;
+        /// Extruder positions relative to the last one instead of absolute.
+        relative_e: bool = false;
+        /// Template for the start of the print. Temperatures that it does
+        /// not set are set before it, and waited for after it.
+        start: String = START.to_owned();
+        /// Template for the end of the print; the fan is already off.
+        end: String = END.to_owned();
+    }
 }
 
-group!(Settings {
-    layer_height: Mm = 0.2,
-    first_layer_height: Mm = 0.2,
-    walls: u32 = 2,
-    outer_wall_width: Mm = 0.45,
-    inner_wall_width: Mm = 0.45,
-    wall_order: WallOrder = WallOrder::InnerFirst,
-    wall_offset: WallOffset = WallOffset::Distance,
-    accuracy: Mm = 0.005,
-    sample_spacing: Mm = 0.1,
-    seam: Seam = Seam::Aligned,
-    top_thickness: Mm = 0.8,
-    bottom_thickness: Mm = 0.6,
-    top_layers: Option<u32> = None,
-    bottom_layers: Option<u32> = None,
-    skin_width: Mm = 0.45,
-    skin_angle: Degrees = 45.0,
-    skin_overlap: Mm = 0.6,
-    skin_min_area: Mm2 = 2.0,
-    infill_density: Percent = 15.0,
-    infill_pattern: InfillPattern = InfillPattern::Rectilinear,
-    infill_width: Mm = 0.45,
-    infill_angle: Degrees = 45.0,
-    infill_overlap: Percent = 25.0,
-    flow: Percent = 100.0,
-    speed: Speed = Speed::default(),
-    retract: Retract = Retract::default(),
-    skirt: Skirt = Skirt::default(),
-    cooling: Cooling = Cooling::default(),
-    filament: Filament = Filament::default(),
-    printer: Printer = Printer::default(),
-    gcode: Gcode = Gcode::default(),
-});
-group!(Speed {
-    outer_wall: MmPerSec = 40.0,
-    inner_wall: MmPerSec = 60.0,
-    sparse_infill: MmPerSec = 80.0,
-    internal_skin: MmPerSec = 60.0,
-    top_skin: MmPerSec = 40.0,
-    bottom_skin: MmPerSec = 40.0,
-    skirt: MmPerSec = 30.0,
-    first_layer: MmPerSec = 20.0,
-    travel: MmPerSec = 150.0,
-});
-group!(Retract {
-    length: Mm = 0.8,
-    speed: MmPerSec = 35.0,
-    prime_speed: MmPerSec = 35.0,
-    min_travel: Mm = 1.5,
-    max_unretracted: Mm = 30.0,
-    extra_prime: Mm = 0.0,
-    z_hop: Mm = 0.0,
-});
-group!(Skirt {
-    loops: u32 = 1,
-    distance: Mm = 6.0,
-    layers: u32 = 1,
-});
-group!(Cooling {
-    fan_speed: Percent = 100.0,
-    fan_off_layers: u32 = 1,
-    min_layer_time: Seconds = 8.0,
-    min_speed: MmPerSec = 10.0,
-});
-group!(Filament {
-    diameter: Mm = 1.75,
-    density: f64 = 1.24,
-    flow: Percent = 100.0,
-    max_flow: Mm3PerSec = 12.0,
-    nozzle_temperature: Celsius = 210.0,
-    first_layer_nozzle_temperature: Celsius = 215.0,
-    bed_temperature: Celsius = 60.0,
-    first_layer_bed_temperature: Celsius = 60.0,
-});
-group!(Printer {
-    bed_x: Mm = 220.0,
-    bed_y: Mm = 220.0,
-    height: Mm = 250.0,
-    nozzle_diameter: Mm = 0.4,
-    acceleration: MmPerSec2 = 1000.0,
-    travel_acceleration: MmPerSec2 = 1500.0,
-    square_corner_velocity: MmPerSec = 5.0,
-    max_speed_z: MmPerSec = 10.0,
-});
-group!(Gcode {
-    flavour: Flavour = Flavour::Marlin,
-    relative_e: bool = false,
-    start: String = String::new(),
-    end: String = String::new(),
-});
+/// Works on Marlin and Klipper alike, and assumes nothing but end stops.
+const START: &str = "G28 ; home all axes\n";
 
-/// Firmware.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Flavour {
-    /// Marlin 2.
-    Marlin,
-    /// Klipper.
-    Klipper,
+/// Heaters first: they must go off even if the firmware refuses the move that
+/// follows. Lifted before moving aside, so that the nozzle is not dragged
+/// over the part.
+const END: &str = "\
+M104 S0 ; nozzle heater off
+M140 S0 ; bed heater off
+G1 Z{park_z} F{feed_rate_z} ; off the part
+G1 X0 Y{bed_y} F{feed_rate_travel} ; move aside
+M84 ; motors off
+";
+
+value::words! {
+    /// Firmware that reads the G-code.
+    Flavour {
+        /// Marlin 2.
+        Marlin = "marlin",
+        /// Klipper.
+        Klipper = "klipper",
+    }
 }
-/// Order of walls.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WallOrder {
-    /// Inner walls first.
-    InnerFirst,
-    /// Outer wall first.
-    OuterFirst,
+value::words! {
+    /// Order in which the walls of an island are printed.
+    WallOrder {
+        /// Inner walls first: the outer one has something to lean on.
+        InnerFirst = "inner-first",
+        /// Outer wall first: its place does not depend on the others.
+        OuterFirst = "outer-first",
+    }
 }
-/// How walls are offset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WallOffset {
-    /// In-plane millimetres.
-    Distance,
-    /// The expression itself.
-    Field,
+value::words! {
+    /// How walls are offset.
+    WallOffset {
+        /// By distance in the layer's plane.
+        Distance = "distance",
+        /// By the field's own value.
+        Field = "field",
+    }
 }
-/// Seam.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seam {
-    /// One line up the part.
-    Aligned,
-    /// At the back.
-    Rear,
-    /// Nearest to the head.
-    Nearest,
+value::words! {
+    /// Where closed walls begin and end.
+    Seam {
+        /// In one line up the part.
+        Aligned = "aligned",
+        /// At the back, greatest y.
+        Rear = "rear",
+        /// Nearest to where the nozzle comes from.
+        Nearest = "nearest",
+    }
 }
-/// Sparse pattern.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InfillPattern {
-    /// Lines, turned every layer.
-    Rectilinear,
-    /// Both directions in every layer.
-    Grid,
+value::words! {
+    /// Pattern of the sparse infill.
+    InfillPattern {
+        /// Parallel lines, turned by a right angle every layer.
+        Rectilinear = "rectilinear",
+        /// Both directions in every layer.
+        Grid = "grid",
+    }
+}
+
+impl Settings {
+    /// Solid layers below an upward face: `top_layers` if set, else what
+    /// fits into `top_thickness`.
+    pub fn top_layers(&self) -> u32 {
+        self.top_layers
+            .unwrap_or_else(|| layers_in(self.top_thickness, self.layer_height))
+    }
+
+    /// Solid layers above a downward face: `bottom_layers` if set, else what
+    /// fits into `bottom_thickness`.
+    pub fn bottom_layers(&self) -> u32 {
+        self.bottom_layers.unwrap_or_else(|| {
+            layers_in(self.bottom_thickness, self.layer_height)
+        })
+    }
+}
+
+/// Whole layers in a thickness; any thickness at all asks for one layer.
+fn layers_in(thickness: Mm, layer_height: Mm) -> u32 {
+    // 0.6 / 0.2 is 2.9999999999999996.
+    const SLACK: f64 = 1e-4;
+    if thickness > 0.0 {
+        ((thickness / layer_height + SLACK).floor() as u32).max(1)
+    } else {
+        0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(height: Mm, top: Mm) -> Settings {
+        Settings {
+            layer_height: height,
+            top_thickness: top,
+            ..Settings::default()
+        }
+    }
+
+    #[test]
+    fn thickness_becomes_whole_layers() {
+        assert_eq!(Settings::default().top_layers(), 4);
+        assert_eq!(Settings::default().bottom_layers(), 3);
+        assert_eq!(settings(0.2, 0.79).top_layers(), 3);
+        assert_eq!(settings(0.3, 0.9).top_layers(), 3);
+        assert_eq!(settings(0.2, 0.01).top_layers(), 1);
+        assert_eq!(settings(0.2, 0.0).top_layers(), 0);
+    }
+
+    #[test]
+    fn a_count_wins_over_a_thickness() {
+        let s = Settings {
+            top_layers: Some(0),
+            bottom_layers: Some(7),
+            ..Settings::default()
+        };
+        assert_eq!((s.top_layers(), s.bottom_layers()), (0, 7));
+    }
 }

@@ -1,0 +1,273 @@
+//! Arguments that several commands share, and what they mean.
+
+use super::terminal;
+use clap::Args;
+use glam::DVec3;
+use isoslice::model::{
+    self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
+};
+use isoslice::settings::{Builder, Settings};
+use std::path::PathBuf;
+
+/// Name of a model that is given as a formula.
+pub(super) const FORMULA: &str = "formula";
+
+/// Which model, and how it is placed.
+#[derive(Args, Debug)]
+pub(super) struct ModelArgs {
+    /// The model: a Rhai script (.rhai) or fidget's text format (.vm)
+    #[arg(
+        value_name = "MODEL",
+        required_unless_present = "expression",
+        conflicts_with = "expression"
+    )]
+    pub(super) model: Option<PathBuf>,
+
+    /// Instead of MODEL: one formula in x, y and z, in mm, negative inside
+    #[arg(
+        short = 'e',
+        long = "expression",
+        value_name = "FORMULA",
+        allow_hyphen_values = true,
+        help_heading = "Model"
+    )]
+    pub(super) expression: Option<String>,
+
+    /// Set a parameter of the model's script; `info` lists them
+    #[arg(
+        short = 'D',
+        long = "define",
+        value_name = "NAME=VALUE",
+        value_parser = define,
+        help_heading = "Model"
+    )]
+    defines: Vec<(String, String)>,
+
+    /// Cut the model with this box, in its own coordinates, mm; the bounds
+    /// are found without it
+    #[arg(
+        long,
+        value_name = "X0,Y0,Z0:X1,Y1,Z1",
+        allow_hyphen_values = true,
+        value_parser = bounds,
+        help_heading = "Model"
+    )]
+    bounds: Option<Bounds>,
+
+    /// Scale so that the largest side measures S mm
+    #[arg(
+        long,
+        value_name = "S",
+        conflicts_with = "scale",
+        allow_hyphen_values = true,
+        value_parser = positive,
+        help_heading = "Placement"
+    )]
+    size: Option<f64>,
+
+    /// Scale by a factor
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        allow_hyphen_values = true,
+        value_parser = positive,
+        help_heading = "Placement"
+    )]
+    scale: Option<f64>,
+
+    /// Rotate about the x axis, degrees; x first, then y, then z
+    #[arg(
+        long,
+        value_name = "A",
+        default_value = "0",
+        hide_default_value = true,
+        allow_hyphen_values = true,
+        value_parser = finite,
+        help_heading = "Placement"
+    )]
+    rotate_x: f64,
+
+    /// Rotate about the y axis, degrees
+    #[arg(
+        long,
+        value_name = "A",
+        default_value = "0",
+        hide_default_value = true,
+        allow_hyphen_values = true,
+        value_parser = finite,
+        help_heading = "Placement"
+    )]
+    rotate_y: f64,
+
+    /// Rotate about the z axis, degrees
+    #[arg(
+        long,
+        value_name = "A",
+        default_value = "0",
+        hide_default_value = true,
+        allow_hyphen_values = true,
+        value_parser = finite,
+        help_heading = "Placement"
+    )]
+    rotate_z: f64,
+
+    /// Centre the part at X,Y of the bed, mm [default: the bed's centre]
+    #[arg(
+        long,
+        value_name = "X,Y",
+        conflicts_with = "keep_position",
+        allow_hyphen_values = true,
+        value_parser = point,
+        help_heading = "Placement"
+    )]
+    at: Option<(f64, f64)>,
+
+    /// Take the model's coordinates as the printer's
+    #[arg(long, help_heading = "Placement")]
+    keep_position: bool,
+}
+
+impl ModelArgs {
+    /// Loads the model and puts it on the printer.
+    pub(super) fn load(&self, settings: &Settings) -> anyhow::Result<Model> {
+        let loaded = model::load(&self.source(), &self.defines)?;
+        let placement = Placement {
+            scale: self.scale,
+            size: self.size,
+            rotate: [self.rotate_x, self.rotate_y, self.rotate_z],
+            at: self.at,
+            keep_position: self.keep_position,
+            bounds: self.bounds,
+        };
+        let volume = BuildVolume {
+            x: settings.printer.bed_x,
+            y: settings.printer.bed_y,
+            z: settings.printer.height,
+        };
+        Ok(model::place(&loaded, &placement, volume)?)
+    }
+
+    fn source(&self) -> Source {
+        match (&self.model, &self.expression) {
+            (Some(path), _) => Source::File(path.clone()),
+            (None, text) => Source::Text {
+                name: FORMULA.to_owned(),
+                kind: SourceKind::Formula,
+                text: text.clone().unwrap_or_default(),
+            },
+        }
+    }
+}
+
+/// Where settings come from.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Settings")]
+pub(super) struct SettingsSource {
+    /// Read settings from a TOML file; of several, the last one wins
+    #[arg(long, value_name = "FILE")]
+    pub(super) config: Vec<PathBuf>,
+
+    /// Set one setting, as in layer_height=0.15 or speed.outer_wall=30;
+    /// wins over --config; `isoslice settings` lists them
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl SettingsSource {
+    /// The settings; warnings are shown to the user.
+    pub(super) fn read(&self) -> anyhow::Result<Settings> {
+        let mut builder = Builder::new();
+        for path in &self.config {
+            builder.file(path)?;
+        }
+        for assignment in &self.set {
+            builder.set(assignment)?;
+        }
+        let (settings, warnings) = builder.finish()?;
+        terminal::warn(&warnings);
+        Ok(settings)
+    }
+}
+
+fn define(given: &str) -> Result<(String, String), String> {
+    match given.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("write it as name=value, as in cell=8".to_owned()),
+    }
+}
+
+fn finite(given: &str) -> Result<f64, String> {
+    match given.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("{given:?} is not a number")),
+    }
+}
+
+fn positive(given: &str) -> Result<f64, String> {
+    match finite(given)? {
+        number if number > 0.0 => Ok(number),
+        _ => Err("it must be more than 0".to_owned()),
+    }
+}
+
+/// `1,2,3` as that many numbers.
+fn numbers<const N: usize>(
+    given: &str,
+    form: &str,
+) -> Result<[f64; N], String> {
+    let numbers: Vec<f64> =
+        given.split(',').map(finite).collect::<Result<_, _>>()?;
+    <[f64; N]>::try_from(numbers).map_err(|_| format!("write it as {form}"))
+}
+
+fn point(given: &str) -> Result<(f64, f64), String> {
+    numbers(given, "X,Y, as in 110,110").map(|[x, y]| (x, y))
+}
+
+fn bounds(given: &str) -> Result<Bounds, String> {
+    const FORM: &str = "X0,Y0,Z0:X1,Y1,Z1, as in -5,-5,0:5,5,20";
+    let (min, max) = given
+        .split_once(':')
+        .ok_or_else(|| format!("write it as {FORM}"))?;
+    let min = DVec3::from_array(numbers(min, FORM)?);
+    let max = DVec3::from_array(numbers(max, FORM)?);
+    if min.cmplt(max).all() {
+        Ok(Bounds { min, max })
+    } else {
+        Err("each of X1, Y1, Z1 must be more than X0, Y0, Z0".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_and_points_are_read_with_signs_and_spaces() {
+        assert_eq!(point("-5, 10.5"), Ok((-5.0, 10.5)));
+        let b = bounds("-5,-5,0: 5,5,2e1").ok();
+        assert_eq!(b.map(|b| b.size()), Some(DVec3::new(10.0, 10.0, 20.0)));
+    }
+
+    #[test]
+    fn malformed_numbers_are_refused() {
+        for bad in ["", "1", "1,2,3", "1,nan", "a,b", "1,,2"] {
+            assert!(point(bad).is_err(), "{bad}");
+        }
+        for bad in ["1,2,3", "0,0,0:1,1", "0,0,0:1,1,0", "0,0,0:1,1,1:2,2,2"] {
+            assert!(bounds(bad).is_err(), "{bad}");
+        }
+        for bad in ["0", "-1", "inf", "x"] {
+            assert!(positive(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn values_of_defines_may_hold_anything() {
+        assert_eq!(define("a=b=-1"), Ok(("a".to_owned(), "b=-1".to_owned())));
+        assert!(define("=1").is_err());
+        assert!(define("a").is_err());
+    }
+}

@@ -1,0 +1,142 @@
+//! The file a command writes: complete, or not there at all.
+//!
+//! Guaranteed: the destination changes only once everything is written, in
+//! one step; until then, and after an error, it is as it was. Not guaranteed
+//! for what is not a file, such as `/dev/stdout`, which is written as it
+//! comes, and not against the process being killed, which may leave a hidden
+//! file beside the destination.
+
+use anyhow::{Context, bail};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Output that is being written.
+pub(super) enum Output {
+    /// Beside the destination, to be renamed.
+    Pending {
+        writer: BufWriter<NamedTempFile>,
+        destination: PathBuf,
+    },
+    /// Straight into something that cannot be replaced.
+    Stream(BufWriter<File>),
+}
+
+impl Output {
+    /// Starts writing to `path`, which must be none of the `inputs`.
+    pub(super) fn create(
+        path: &Path,
+        inputs: &[&Path],
+    ) -> anyhow::Result<Self> {
+        if path.is_dir() {
+            bail!(
+                "the output {} is a folder; name a file in it, as in -o {}",
+                path.display(),
+                path.join("part.gcode").display()
+            );
+        }
+        // A link stays one: what it points to is replaced.
+        let destination =
+            fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        for input in inputs {
+            let same =
+                fs::canonicalize(input).is_ok_and(|input| input == destination);
+            if same {
+                bail!(
+                    "the output {} is also an input and would be \
+                     overwritten; choose another name with -o",
+                    path.display()
+                );
+            }
+        }
+        let existing = fs::metadata(&destination).ok();
+        let no_output = || format!("cannot write {}", path.display());
+        if existing.as_ref().is_some_and(|data| !data.is_file()) {
+            let file = File::options()
+                .write(true)
+                .open(&destination)
+                .with_context(no_output)?;
+            return Ok(Output::Stream(BufWriter::new(file)));
+        }
+        let folder = match destination.parent() {
+            Some(folder) if folder != Path::new("") => folder,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            bail!(
+                "cannot write {}: there is no folder {}; make it, or choose \
+                 another with -o",
+                path.display(),
+                folder.display()
+            );
+        }
+        let file = temporary_in(folder).with_context(no_output)?;
+        if let Some(data) = existing {
+            if data.permissions().readonly() {
+                bail!(
+                    "the output {} exists and is read-only; choose another \
+                     name with -o",
+                    path.display()
+                );
+            }
+            file.as_file()
+                .set_permissions(data.permissions())
+                .with_context(no_output)?;
+        }
+        Ok(Output::Pending {
+            writer: BufWriter::new(file),
+            destination,
+        })
+    }
+
+    /// True if it goes to something other than a file, so that our own words
+    /// on standard output might get into it.
+    pub(super) fn is_stream(&self) -> bool {
+        matches!(self, Output::Stream(_))
+    }
+
+    /// Puts the finished output in its place.
+    pub(super) fn finish(self) -> io::Result<()> {
+        match self {
+            Output::Stream(mut writer) => writer.flush(),
+            Output::Pending {
+                writer,
+                destination,
+            } => {
+                let file = writer.into_inner().map_err(|e| e.into_error())?;
+                file.persist(destination).map_err(|e| e.error)?;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Output::Pending { writer, .. } => writer.write(bytes),
+            Output::Stream(writer) => writer.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Output::Pending { writer, .. } => writer.flush(),
+            Output::Stream(writer) => writer.flush(),
+        }
+    }
+}
+
+fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".isoslice-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        // Temporary files are private by default, but this one will be the
+        // user's: as any other new file, what the umask leaves of this.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}

@@ -1,0 +1,147 @@
+//! `isoslice slice`: from a model to a G-code file, and a summary.
+
+use super::args::{FORMULA, ModelArgs, SettingsSource};
+use super::info::dimensions;
+use super::output::Output;
+use super::terminal;
+use anyhow::Context;
+use clap::Args;
+use isoslice::pipeline::{self, Options, Summary};
+use isoslice::units::human_time;
+use std::fmt::Write as _;
+use std::io::{Write, stderr, stdout};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+const EXAMPLES: &str = "\
+Examples:
+  isoslice slice part.rhai
+  isoslice slice part.rhai -D cell=8 --set infill_density=25%
+  isoslice slice part.vm --size 60 --rotate-x -90 -o part.gcode
+  isoslice slice -e 'sqrt(x^2+y^2+z^2) - 15' -o ball.gcode
+  isoslice slice part.rhai --config petg.toml --config fine.toml --svg pictures";
+
+/// Arguments of `isoslice slice`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = EXAMPLES,
+    override_usage = "isoslice slice [OPTIONS] <MODEL>\n       \
+                      isoslice slice [OPTIONS] -e <FORMULA>"
+)]
+pub(super) struct SliceArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    #[command(flatten)]
+    settings: SettingsSource,
+
+    /// G-code file to write [default: the model's name with .gcode, beside
+    /// it; formula.gcode for -e]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: Option<PathBuf>,
+
+    /// Also draw every layer, as an SVG picture in this folder
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    svg: Option<PathBuf>,
+
+    /// Number of threads [default: all processors]; the result is the same
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = "Output"
+    )]
+    threads: Option<u16>,
+
+    /// Show neither progress nor summary, only warnings and errors
+    #[arg(short, long, help_heading = "Output")]
+    quiet: bool,
+}
+
+pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
+    let started = Instant::now();
+    let settings = args.settings.read()?;
+    let path = args.output_path();
+    // Before the work, so that a mistaken name costs none.
+    let mut output = Output::create(&path, &args.inputs())?;
+    let model = args.model.load(&settings)?;
+    if let Some(folder) = &args.svg {
+        std::fs::create_dir_all(folder).with_context(|| {
+            format!("cannot make the folder {}", folder.display())
+        })?;
+    }
+
+    let bar = terminal::layer_progress(args.quiet);
+    let options = Options {
+        threads: args.threads.map(usize::from),
+        svg_dir: args.svg.as_deref(),
+        on_layer: &|done, total| {
+            bar.set_length(total as u64);
+            bar.set_position(done as u64);
+        },
+    };
+    let sliced = pipeline::slice(&model, &settings, &options, &mut output);
+    bar.finish_and_clear();
+    let summary =
+        sliced.with_context(|| format!("cannot slice {}", model.name))?;
+    let streamed = output.is_stream();
+    output
+        .finish()
+        .with_context(|| format!("cannot write {}", path.display()))?;
+
+    terminal::warn(&[&model.warnings[..], &summary.warnings].concat());
+    if !args.quiet {
+        let text = describe(&path, &summary, started.elapsed())?;
+        if streamed {
+            stderr().write_all(text.as_bytes())?;
+        } else {
+            stdout().write_all(text.as_bytes())?;
+        }
+    }
+    Ok(())
+}
+
+impl SliceArgs {
+    fn output_path(&self) -> PathBuf {
+        match (&self.output, &self.model.model) {
+            (Some(output), _) => output.clone(),
+            (None, Some(model)) => model.with_extension("gcode"),
+            (None, None) => Path::new(FORMULA).with_extension("gcode"),
+        }
+    }
+
+    fn inputs(&self) -> Vec<&Path> {
+        let model = self.model.model.iter();
+        model
+            .chain(&self.settings.config)
+            .map(PathBuf::as_path)
+            .collect()
+    }
+}
+
+fn describe(
+    path: &Path,
+    summary: &Summary,
+    took: Duration,
+) -> Result<String, std::fmt::Error> {
+    let mut text = String::new();
+    writeln!(text, "{}", path.display())?;
+    writeln!(text, "  size        {}", dimensions(summary.size))?;
+    writeln!(text, "  layers      {}", summary.layers)?;
+    writeln!(text, "  print time  {}", human_time(summary.time))?;
+    writeln!(
+        text,
+        "  filament    {:.2} m, {:.1} g",
+        summary.filament_length / 1000.0,
+        summary.filament_mass_g
+    )?;
+    if summary.unfilled_area > 0.0 {
+        writeln!(
+            text,
+            "  gaps        {:.1} mm² between walls are left unfilled",
+            summary.unfilled_area
+        )?;
+    }
+    writeln!(text, "  took        {:.1} s", took.as_secs_f64())?;
+    Ok(text)
+}

@@ -1,0 +1,92 @@
+//! Why a model cannot be loaded.
+
+use super::expand::ExpandError;
+use super::formula::FormulaError;
+use super::param::ParamError;
+use super::script::ScriptError;
+use super::vm::VmError;
+
+/// Why a model cannot be loaded. All are the user's to mend, except
+/// `ScriptError::Bug`.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The file cannot be read.
+    #[error("cannot read {file}")]
+    Read {
+        /// File.
+        file: String,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file is not a model's size.
+    #[error(
+        "{file} is larger than {limit_mb} MB; is it a model (.rhai or .vm)?"
+    )]
+    TooLarge {
+        /// File.
+        file: String,
+        /// The limit.
+        limit_mb: u64,
+    },
+    /// The file's format is not known.
+    #[error(
+        "{file} has {found}; models are .rhai scripts or .vm files \
+         (fidget's text format); a formula is given with -e"
+    )]
+    UnknownExtension {
+        /// File.
+        file: String,
+        /// Its extension.
+        found: String,
+    },
+    /// Not text.
+    #[error(
+        "{file}, line {line}: not valid UTF-8; save the file as plain text"
+    )]
+    NotText {
+        /// File.
+        file: String,
+        /// Line of the first bad byte.
+        line: usize,
+    },
+    /// A malformed `.vm` file.
+    #[error("{file}, {error}")]
+    Vm {
+        /// File.
+        file: String,
+        /// What is wrong.
+        error: VmError,
+    },
+    /// A malformed formula.
+    #[error("{file}, {error}")]
+    Formula {
+        /// Name of the formula.
+        file: String,
+        /// What is wrong.
+        error: FormulaError,
+    },
+    /// A script that fails.
+    #[error("{file}: {error}")]
+    Script {
+        /// File.
+        file: String,
+        /// What is wrong.
+        error: ScriptError,
+    },
+    /// `-D` for a model without parameters.
+    #[error("{file}: {error}")]
+    Param {
+        /// File.
+        file: String,
+        /// What is wrong.
+        error: ParamError,
+    },
+    /// An expression that is too large or has free variables.
+    #[error("{file}: {error}")]
+    Expression {
+        /// File.
+        file: String,
+        /// What is wrong.
+        error: ExpandError,
+    },
+}

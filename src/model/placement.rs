@@ -1,0 +1,432 @@
+//! Putting a model on the printer: scale, rotation, position.
+//!
+//! In: a loaded model, how to place it, the printer's build volume. Out: a
+//! `Model`, whose `offset` takes its frame to the printer's (origin at the
+//! front left corner of the bed, z = 0 on the bed, millimetres).
+//!
+//! Scale and rotation become part of the expression, and the field is scaled
+//! with the model (g(p) = s·f(p/s)), so that a distance stays a distance.
+//! Translation never does: f32 accuracy is best near the origin that the
+//! author chose, and a plane at x = 10 stays exactly that. Without scale,
+//! rotation and bounds the expression is the user's own, untouched.
+//!
+//! By default the part rests on the bed with its lowest point at z = 0 and is
+//! centred in x and y. With `keep_position` model coordinates are printer
+//! coordinates; what then lies below z = 0 is not printed (the part is cut by
+//! the bed), which is a warning and not an error, because sinking a part is
+//! how one flattens its foot.
+
+use super::bounds::{Bounds, BoundsError, SearchOptions, find_bounds};
+use super::expand::{ExpandError, expand};
+use super::param::Parameter;
+use super::source::Loaded;
+use fidget::context::Tree;
+use glam::{DMat3, DVec3};
+
+/// The space a printer can reach, from (0, 0, 0).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BuildVolume {
+    /// Width of the bed, mm.
+    pub x: f64,
+    /// Depth of the bed, mm.
+    pub y: f64,
+    /// Height above the bed, mm.
+    pub z: f64,
+}
+
+/// How to place a model. The default rests it on the middle of the bed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Placement {
+    /// Factor on all lengths. Default value: none (1).
+    pub scale: Option<f64>,
+    /// Scale so that the largest side of the box around the rotated part is
+    /// this long, mm. Default value: none.
+    pub size: Option<f64>,
+    /// Angles about x, then y, then z, degrees, counter-clockwise seen from
+    /// the axis' tip. Default value: no rotation.
+    pub rotate: [f64; 3],
+    /// Where on the bed the middle of the part's box goes, mm. Default value:
+    /// the middle of the bed.
+    pub at: Option<(f64, f64)>,
+    /// Take the model's coordinates as the printer's. Default value: false.
+    pub keep_position: bool,
+    /// Cut the model with this box, in its own coordinates (before scale and
+    /// rotation). Default value: none, the bounds are found.
+    pub bounds: Option<Bounds>,
+}
+
+/// A model placed on the printer.
+#[derive(Clone)]
+pub struct Model {
+    /// Name: the file's, without folder and extension.
+    pub name: String,
+    /// Field in the model's frame, scaled and rotated; negative inside.
+    pub tree: Tree,
+    /// Box of the part in the model's frame, mm. Conservative by less than
+    /// 10⁻⁴ mm.
+    pub bounds: Bounds,
+    /// Printer coordinates = model coordinates + offset, mm.
+    pub offset: DVec3,
+    /// Parameters the script declares.
+    pub parameters: Vec<Parameter>,
+    /// What the user should know, in sentences.
+    pub warnings: Vec<String>,
+    /// Number of distinct operations, constants and variables.
+    pub expression_size: usize,
+}
+
+impl Model {
+    /// The box of the part on the printer.
+    pub fn printed_bounds(&self) -> Bounds {
+        Bounds {
+            min: self.bounds.min + self.offset,
+            max: self.bounds.max + self.offset,
+        }
+    }
+}
+
+/// Why a model cannot be placed.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum PlaceError {
+    /// The model has no usable extent.
+    #[error(transparent)]
+    Bounds(#[from] BoundsError),
+    /// The placed expression is too large.
+    #[error(transparent)]
+    Expression(#[from] ExpandError),
+    /// A number that makes no sense.
+    #[error("{option} {value}: {must}")]
+    BadNumber {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// Two options that contradict each other.
+    #[error("{first} and {second} cannot be given together; drop one of them")]
+    Conflict {
+        /// One.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+    /// Larger than the printer.
+    #[error(
+        "the part does not fit the printer: {size} mm, the printer has \
+         {volume} mm ({excess}); make it smaller with --size or --scale, \
+         turn it with --rotate-x/y/z, or set the printer's size"
+    )]
+    TooLarge {
+        /// Size of the part.
+        size: String,
+        /// Size of the printer.
+        volume: String,
+        /// Axes and by how much they are exceeded.
+        excess: String,
+    },
+    /// Small enough, but not on the bed.
+    #[error(
+        "the part would reach beyond the printer ({excess}); choose another \
+         --at x,y, or leave --at and --keep-position out to have it centred"
+    )]
+    OffBed {
+        /// Sides and by how much they are exceeded.
+        excess: String,
+    },
+    /// Nothing above the bed.
+    #[error(
+        "with --keep-position all of the part lies below the bed (its top is \
+         at z = {top_mm:.3} mm); leave the option out, or move the part up"
+    )]
+    BelowBed {
+        /// Top of the part, mm.
+        top_mm: f64,
+    },
+}
+
+/// How far a part may reach over the edge before it counts: found bounds are
+/// conservative by less than this.
+const FIT_TOLERANCE_MM: f64 = 1e-3;
+
+/// Bounds less sure than this are worth a warning: a twentieth of a usual
+/// layer.
+const SLACK_WARNING_MM: f64 = 0.01;
+
+/// Parts smaller than this are most likely drawn in units other than mm.
+const TINY_PART_MM: f64 = 3.0;
+
+/// Places a model.
+pub fn place(
+    loaded: &Loaded,
+    placement: &Placement,
+    volume: BuildVolume,
+) -> Result<Model, PlaceError> {
+    check(placement)?;
+    let mut warnings = Vec::new();
+
+    // The largest side is that of the turned part, so: turn, measure, scale.
+    let turned = placement.rotate.iter().any(|a| a % 360.0 != 0.0);
+    let rotation = rotation(placement.rotate);
+    let clipped = match &placement.bounds {
+        None => loaded.tree.clone(),
+        Some(bounds) => loaded.tree.max(box_field(bounds)),
+    };
+    let found = if turned {
+        let options = SearchOptions::default();
+        find_bounds(&mapped(&clipped, rotation, 1.0), &options)?
+    } else {
+        let options = SearchOptions {
+            within: placement.bounds,
+            ..SearchOptions::default()
+        };
+        find_bounds(&loaded.tree, &options)?
+    };
+    let size = found.bounds.size();
+    let scale = match (placement.scale, placement.size) {
+        (Some(scale), _) => scale,
+        (None, Some(wanted)) => wanted / size.max_element(),
+        (None, None) => 1.0,
+    };
+    let tree = if turned || scale != 1.0 {
+        mapped(&clipped, rotation, scale)
+    } else {
+        clipped
+    };
+    let bounds = Bounds {
+        min: found.bounds.min * scale,
+        max: found.bounds.max * scale,
+    };
+    let expression_size = if tree.ptr_eq(&loaded.tree) {
+        loaded.expression_size
+    } else {
+        expand(&tree)?.0.len()
+    };
+    if found.slack_mm * scale > SLACK_WARNING_MM {
+        warnings.push(format!(
+            "the part's extent is only known to {:.3} mm, so it may not rest \
+             exactly on the bed; --bounds x0,y0,z0:x1,y1,z1 says it exactly",
+            found.slack_mm * scale
+        ));
+    }
+    let largest = bounds.size().max_element();
+    if largest < TINY_PART_MM
+        && placement.scale.is_none()
+        && placement.size.is_none()
+    {
+        warnings.push(format!(
+            "the part is only {largest:.3} mm large; if it is drawn in other \
+             units than millimetres, give --size or --scale"
+        ));
+    }
+    let offset = offset(&bounds, placement, volume)?;
+    if placement.keep_position {
+        let foot = bounds.min.z;
+        if foot < -FIT_TOLERANCE_MM {
+            warnings.push(format!(
+                "the part reaches {:.3} mm below the bed; that much of it is \
+                 cut off (--keep-position)",
+                -foot
+            ));
+        } else if foot > FIT_TOLERANCE_MM {
+            warnings.push(format!(
+                "the part floats {foot:.3} mm above the bed \
+                 (--keep-position)"
+            ));
+        }
+    }
+    Ok(Model {
+        name: loaded.name.clone(),
+        tree,
+        bounds,
+        offset,
+        parameters: loaded.parameters.clone(),
+        warnings,
+        expression_size,
+    })
+}
+
+fn check(placement: &Placement) -> Result<(), PlaceError> {
+    let positive = "must be a number above 0";
+    for (option, value) in
+        [("--scale", placement.scale), ("--size", placement.size)]
+    {
+        if let Some(value) = value
+            && !(value > 0.0 && value.is_finite())
+        {
+            return Err(PlaceError::BadNumber {
+                option,
+                value,
+                must: positive,
+            });
+        }
+    }
+    let finite = "must be a finite number";
+    let angles = ["--rotate-x", "--rotate-y", "--rotate-z"];
+    let at = placement.at.unwrap_or_default();
+    for (option, value) in angles
+        .into_iter()
+        .zip(placement.rotate)
+        .chain([("--at", at.0), ("--at", at.1)])
+    {
+        if !value.is_finite() {
+            return Err(PlaceError::BadNumber {
+                option,
+                value,
+                must: finite,
+            });
+        }
+    }
+    let conflict = |first, second| Err(PlaceError::Conflict { first, second });
+    if placement.scale.is_some() && placement.size.is_some() {
+        return conflict("--scale", "--size");
+    }
+    if placement.at.is_some() && placement.keep_position {
+        return conflict("--at", "--keep-position");
+    }
+    Ok(())
+}
+
+/// Sine and cosine of an angle in degrees, exact at multiples of 90: a part
+/// turned onto its side keeps its planes axis-aligned.
+fn sin_cos(degrees: f64) -> (f64, f64) {
+    let turn = degrees.rem_euclid(360.0);
+    match turn {
+        0.0 | 360.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        _ => turn.to_radians().sin_cos(),
+    }
+}
+
+/// The matrix that turns about x, then y, then z.
+fn rotation([x, y, z]: [f64; 3]) -> DMat3 {
+    let (sx, cx) = sin_cos(x);
+    let (sy, cy) = sin_cos(y);
+    let (sz, cz) = sin_cos(z);
+    let about_x =
+        DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, cx, sx, 0.0, -sx, cx]);
+    let about_y =
+        DMat3::from_cols_array(&[cy, 0.0, -sy, 0.0, 1.0, 0.0, sy, 0.0, cy]);
+    let about_z =
+        DMat3::from_cols_array(&[cz, sz, 0.0, -sz, cz, 0.0, 0.0, 0.0, 1.0]);
+    about_z * about_y * about_x
+}
+
+/// The field of the turned and scaled part: g(p) = s·f(R⁻¹·p/s).
+fn mapped(tree: &Tree, rotation: DMat3, scale: f64) -> Tree {
+    // The inverse of a rotation is its transpose.
+    let back = rotation.transpose() * (1.0 / scale);
+    let mut m = nalgebra::Matrix4::<f32>::identity();
+    for row in 0..3 {
+        for column in 0..3 {
+            // No negative zeros: they would not cancel in the expression.
+            m[(row, column)] = back.col(column)[row] as f32 + 0.0;
+        }
+    }
+    let turned = tree.remap_affine(nalgebra::Affine3::from_matrix_unchecked(m));
+    if scale == 1.0 {
+        turned
+    } else {
+        turned * scale as f32
+    }
+}
+
+/// Distance-like field of a box.
+fn box_field(bounds: &Bounds) -> Tree {
+    let (x, y, z) = Tree::axes();
+    let side = |axis: Tree, min: f64, max: f64| {
+        (Tree::constant(min as f32) - axis.clone()).max(axis - max as f32)
+    };
+    side(x, bounds.min.x, bounds.max.x)
+        .max(side(y, bounds.min.y, bounds.max.y))
+        .max(side(z, bounds.min.z, bounds.max.z))
+}
+
+fn offset(
+    bounds: &Bounds,
+    placement: &Placement,
+    volume: BuildVolume,
+) -> Result<DVec3, PlaceError> {
+    let room = DVec3::new(volume.x, volume.y, volume.z);
+    let offset = if placement.keep_position {
+        DVec3::ZERO
+    } else {
+        let (x, y) = placement.at.unwrap_or((0.5 * room.x, 0.5 * room.y));
+        let centre = bounds.centre();
+        DVec3::new(x - centre.x, y - centre.y, -bounds.min.z)
+    };
+    let min = bounds.min + offset;
+    let max = bounds.max + offset;
+    if max.z <= 0.0 {
+        return Err(PlaceError::BelowBed { top_mm: max.z });
+    }
+    // What lies below the bed is not printed and needs no room.
+    let mut size = bounds.size();
+    size.z = max.z - min.z.max(0.0);
+    let too_large: Vec<String> = (0..3)
+        .filter(|&i| size[i] > room[i] + FIT_TOLERANCE_MM)
+        .map(|i| format!("{:.2} mm too {}", size[i] - room[i], LARGE[i]))
+        .collect();
+    if !too_large.is_empty() {
+        return Err(PlaceError::TooLarge {
+            size: sizes(size),
+            volume: sizes(room),
+            excess: too_large.join(", "),
+        });
+    }
+    let mut beyond = Vec::new();
+    for i in 0..3 {
+        if i < 2 && min[i] < -FIT_TOLERANCE_MM {
+            beyond.push(format!("{:.2} mm at -{}", -min[i], AXES[i]));
+        }
+        if max[i] > room[i] + FIT_TOLERANCE_MM {
+            beyond.push(format!("{:.2} mm at +{}", max[i] - room[i], AXES[i]));
+        }
+    }
+    if !beyond.is_empty() {
+        return Err(PlaceError::OffBed {
+            excess: beyond.join(", "),
+        });
+    }
+    Ok(offset)
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+const LARGE: [&str; 3] = ["wide (x)", "deep (y)", "high (z)"];
+
+fn sizes(v: DVec3) -> String {
+    format!("{:.2} × {:.2} × {:.2}", v.x, v.y, v.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_are_exact() {
+        let m = rotation([90.0, 0.0, 0.0]);
+        assert_eq!(m * DVec3::Y, DVec3::Z);
+        let m = rotation([0.0, 90.0, 0.0]);
+        assert_eq!(m * DVec3::Z, DVec3::X);
+        let m = rotation([0.0, 0.0, -270.0]);
+        assert_eq!(m * DVec3::X, DVec3::Y);
+        // x first, then z.
+        let m = rotation([90.0, 0.0, 90.0]);
+        assert_eq!(m * DVec3::Y, DVec3::Z);
+        assert_eq!(m * DVec3::X, DVec3::Y);
+    }
+
+    #[test]
+    fn a_quarter_turn_leaves_no_products_behind() {
+        let (x, y, z) = Tree::axes();
+        let tree = x.abs().max(y.abs() - 1.0).max(z.abs() - 2.0) - 1.0;
+        let turned = mapped(&tree, rotation([0.0, 0.0, 90.0]), 1.0);
+        let plain = expand(&tree).unwrap().0.len();
+        let size = expand(&turned).unwrap().0.len();
+        // The zeros vanish on import; at most a few constants and one sign.
+        assert!(size <= plain + 4, "{size} from {plain}");
+    }
+}

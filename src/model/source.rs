@@ -1,0 +1,176 @@
+//! Reading a model: which format it has, and what it describes.
+//!
+//! In: a file, or text with its format. Out: `Loaded`, an expression tree that
+//! is known to be expandable within bounds and to depend on x, y, z only.
+
+use super::error::LoadError;
+use super::expand::expand;
+use super::formula::parse_formula;
+use super::param::{Parameter, none_wanted};
+use super::script::{ScriptLimits, run_script};
+use super::vm::parse_vm;
+use fidget::context::Tree;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Largest file that is read. A .vm file of 10⁶ lines has about 20 MB.
+const MAX_BYTES: u64 = 64 << 20;
+
+/// The ways to write a model down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SourceKind {
+    /// A rhai script with fidget's shapes (`.rhai`).
+    Script,
+    /// fidget's list of operations (`.vm`).
+    Vm,
+    /// One formula of x, y, z.
+    Formula,
+}
+
+/// Where a model comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// A file; its extension says the format.
+    File(PathBuf),
+    /// Text at hand.
+    Text {
+        /// Name for messages and for the model.
+        name: String,
+        /// Its format.
+        kind: SourceKind,
+        /// The text.
+        text: String,
+    },
+}
+
+/// A model as it was written, before it is placed on a printer.
+#[derive(Clone)]
+pub struct Loaded {
+    /// Name: the file's, without folder and extension.
+    pub name: String,
+    /// The field in the model's own frame, negative inside.
+    pub tree: Tree,
+    /// Parameters the script declares.
+    pub parameters: Vec<Parameter>,
+    /// Number of distinct operations, constants and variables.
+    pub expression_size: usize,
+}
+
+/// Loads a model. `defines` are the `-D name=value` of the command line.
+pub fn load(
+    source: &Source,
+    defines: &[(String, String)],
+) -> Result<Loaded, LoadError> {
+    load_within(source, defines, &ScriptLimits::default())
+}
+
+/// Loads a model with other limits on scripts than the default ones.
+pub fn load_within(
+    source: &Source,
+    defines: &[(String, String)],
+    limits: &ScriptLimits,
+) -> Result<Loaded, LoadError> {
+    let (file, name, kind, bytes) = match source {
+        Source::File(path) => {
+            let kind = kind_of(path)?;
+            let name = path
+                .file_stem()
+                .map(|s| s.to_string_lossy().into_owned())
+                .unwrap_or_default();
+            (path.display().to_string(), name, kind, read(path)?)
+        }
+        Source::Text { name, kind, text } => {
+            (name.clone(), name.clone(), *kind, text.clone().into_bytes())
+        }
+    };
+    let no_parameters = || {
+        none_wanted(defines).map_err(|error| LoadError::Param {
+            file: file.clone(),
+            error,
+        })
+    };
+    let (tree, parameters) = match kind {
+        SourceKind::Vm => {
+            no_parameters()?;
+            let tree = parse_vm(&bytes).map_err(|error| LoadError::Vm {
+                file: file.clone(),
+                error,
+            })?;
+            (tree, Vec::new())
+        }
+        SourceKind::Formula => {
+            no_parameters()?;
+            let tree =
+                parse_formula(text(&bytes, &file)?).map_err(|error| {
+                    LoadError::Formula {
+                        file: file.clone(),
+                        error,
+                    }
+                })?;
+            (tree, Vec::new())
+        }
+        SourceKind::Script => {
+            let script = run_script(text(&bytes, &file)?, defines, limits)
+                .map_err(|error| LoadError::Script {
+                    file: file.clone(),
+                    error,
+                })?;
+            (script.tree, script.parameters)
+        }
+    };
+    let (context, _) =
+        expand(&tree).map_err(|error| LoadError::Expression { file, error })?;
+    Ok(Loaded {
+        name,
+        tree,
+        parameters,
+        expression_size: context.len(),
+    })
+}
+
+fn kind_of(path: &Path) -> Result<SourceKind, LoadError> {
+    let extension = path
+        .extension()
+        .map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("rhai") => Ok(SourceKind::Script),
+        Some("vm") => Ok(SourceKind::Vm),
+        other => Err(LoadError::UnknownExtension {
+            file: path.display().to_string(),
+            found: match other {
+                None => "no extension".to_owned(),
+                Some(e) => format!("the extension .{e}"),
+            },
+        }),
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
+    let failed = |source| LoadError::Read {
+        file: path.display().to_string(),
+        source,
+    };
+    let file = std::fs::File::open(path).map_err(failed)?;
+    let mut bytes = Vec::new();
+    // Not by the size in the directory: pipes and devices have none.
+    file.take(MAX_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(LoadError::TooLarge {
+            file: path.display().to_string(),
+            limit_mb: MAX_BYTES >> 20,
+        });
+    }
+    Ok(bytes)
+}
+
+fn text<'a>(bytes: &'a [u8], file: &str) -> Result<&'a str, LoadError> {
+    std::str::from_utf8(bytes).map_err(|e| LoadError::NotText {
+        file: file.to_owned(),
+        line: 1 + bytes[..e.valid_up_to()]
+            .iter()
+            .filter(|b| **b == b'\n')
+            .count(),
+    })
+}

@@ -1,0 +1,306 @@
+//! fidget's text format: one operation per line, the last one is the field.
+//!
+//!     # a comment
+//!     _0 const 2.5
+//!     _1 var-x
+//!     _2 sub _1 _0
+//!
+//! In: the bytes of a `.vm` file. Out: an expression tree, or an error with
+//! the line. Accepts what `fidget::Context::from_text` accepts, without its
+//! panics; stricter than it in that a name may be given only once, a line may
+//! not have left-over words, and a constant may not be NaN.
+
+use fidget::context::Tree;
+use std::collections::HashMap;
+
+/// Why a `.vm` file cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("line {line}: {message}")]
+pub struct VmError {
+    /// Line, from 1.
+    pub line: usize,
+    /// What is wrong, and the remedy.
+    pub message: String,
+}
+
+/// Every operation of the format with its number of operands.
+const OPCODES: [(&str, usize); 34] = [
+    ("const", 1),
+    ("var-x", 0),
+    ("var-y", 0),
+    ("var-z", 0),
+    ("abs", 1),
+    ("neg", 1),
+    ("sqrt", 1),
+    ("square", 1),
+    ("floor", 1),
+    ("ceil", 1),
+    ("round", 1),
+    ("sin", 1),
+    ("cos", 1),
+    ("tan", 1),
+    ("asin", 1),
+    ("acos", 1),
+    ("atan", 1),
+    ("ln", 1),
+    ("not", 1),
+    ("rand", 1),
+    ("exp", 1),
+    ("recip", 1),
+    ("add", 2),
+    ("mul", 2),
+    ("min", 2),
+    ("max", 2),
+    ("div", 2),
+    ("atan2", 2),
+    ("sub", 2),
+    ("compare", 2),
+    ("mod", 2),
+    ("and", 2),
+    ("or", 2),
+    ("mix", 2),
+];
+
+/// Reads a `.vm` file.
+pub fn parse_vm(bytes: &[u8]) -> Result<Tree, VmError> {
+    let mut known: HashMap<&str, Tree> = HashMap::new();
+    let mut last = None;
+    for (i, line) in bytes.split(|b| *b == b'\n').enumerate() {
+        let error = |message: String| VmError {
+            line: i + 1,
+            message,
+        };
+        let line = std::str::from_utf8(line).map_err(|_| {
+            error(
+                "not valid UTF-8; a .vm file is plain text (is this a \
+                 binary file?)"
+                    .to_owned(),
+            )
+        })?;
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let mut words = line.split_whitespace();
+        let Some(name) = words.next() else { continue };
+        let Some(opcode) = words.next() else {
+            return Err(error(format!(
+                "`{}` has no operation; expected: name operation operands",
+                shown(name)
+            )));
+        };
+        let Some((_, wants)) = OPCODES.iter().find(|o| o.0 == opcode) else {
+            let meant =
+                super::param::nearest(opcode, OPCODES.iter().map(|o| o.0))
+                    .map(|n| format!("; did you mean `{n}`?"))
+                    .unwrap_or_default();
+            return Err(error(format!(
+                "unknown operation `{}`{meant}",
+                shown(opcode)
+            )));
+        };
+        // One more than any operation takes: enough to count a line wrong
+        // without collecting a line of a million words.
+        let operands: Vec<&str> = words.by_ref().take(3).collect();
+        if operands.len() != *wants {
+            return Err(error(format!(
+                "`{opcode}` takes {wants} operand{}, found {}",
+                if *wants == 1 { "" } else { "s" },
+                match operands.len() {
+                    3 => "3 or more".to_owned(),
+                    n => n.to_string(),
+                },
+            )));
+        }
+        let tree = if opcode == "const" {
+            constant(operands[0]).map_err(error)?
+        } else {
+            let mut trees = Vec::with_capacity(2);
+            for word in &operands {
+                let Some(tree) = known.get(word) else {
+                    return Err(error(if *word == name {
+                        format!(
+                            "`{}` refers to itself; an operand must be \
+                             defined on an earlier line",
+                            shown(word)
+                        )
+                    } else {
+                        format!(
+                            "undefined name `{}`; an operand must be \
+                             defined on an earlier line",
+                            shown(word)
+                        )
+                    }));
+                };
+                trees.push(tree.clone());
+            }
+            build(opcode, &trees)
+        };
+        if known.insert(name, tree.clone()).is_some() {
+            return Err(error(format!(
+                "the name `{}` is defined twice; rename one of the two",
+                shown(name)
+            )));
+        }
+        last = Some(tree);
+    }
+    last.ok_or_else(|| VmError {
+        line: 1,
+        message: "the file has no operations; expected lines such as \
+                  `_0 var-x`"
+            .to_owned(),
+    })
+}
+
+/// A word of the file, fit for a message.
+fn shown(word: &str) -> String {
+    const LONGEST: usize = 40;
+    let mut out: String = word
+        .chars()
+        .take(LONGEST)
+        .flat_map(char::escape_default)
+        .collect();
+    if word.chars().nth(LONGEST).is_some() {
+        out.push('…');
+    }
+    out
+}
+
+fn constant(word: &str) -> Result<Tree, String> {
+    match word.parse::<f32>() {
+        Ok(v) if v.is_nan() => {
+            Err("the constant is NaN (not a number), which would make the \
+             whole field undefined; use a number"
+                .to_owned())
+        }
+        Ok(v) => Ok(Tree::constant(v)),
+        Err(_) => Err(format!("`{}` is not a number", shown(word))),
+    }
+}
+
+fn build(opcode: &str, operands: &[Tree]) -> Tree {
+    match (opcode, operands) {
+        ("var-x", _) => Tree::x(),
+        ("var-y", _) => Tree::y(),
+        ("var-z", _) => Tree::z(),
+        (_, [a]) => match opcode {
+            "abs" => a.abs(),
+            "neg" => Tree::neg(a),
+            "sqrt" => a.sqrt(),
+            "square" => a.square(),
+            "floor" => a.floor(),
+            "ceil" => a.ceil(),
+            "round" => a.round(),
+            "sin" => a.sin(),
+            "cos" => a.cos(),
+            "tan" => a.tan(),
+            "asin" => a.asin(),
+            "acos" => a.acos(),
+            "atan" => a.atan(),
+            "ln" => a.ln(),
+            "not" => a.not(),
+            "rand" => a.rand(),
+            "exp" => a.exp(),
+            _ => a.recip(),
+        },
+        (_, [a, b]) => {
+            let (a, b) = (a.clone(), b.clone());
+            match opcode {
+                "add" => a + b,
+                "mul" => a * b,
+                "min" => a.min(b),
+                "max" => a.max(b),
+                "div" => a / b,
+                "atan2" => a.atan2(b),
+                "sub" => a - b,
+                "compare" => a.compare(b),
+                "mod" => a.modulo(b),
+                "and" => a.and(b),
+                "or" => a.or(b),
+                _ => a.mix(b),
+            }
+        }
+        // The operands were counted against `OPCODES`.
+        _ => Tree::constant(f32::NAN),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fidget::context::Context;
+
+    #[test]
+    fn every_operation_gives_what_fidget_gives() {
+        for (opcode, wants) in OPCODES {
+            if opcode == "const" || opcode == "recip" {
+                continue; // in every text below; not known to fidget
+            }
+            let text = format!(
+                "# test\n\n_x var-x\n_c const 0.5\n_y var-y\n_s {opcode} {}\n\
+                 _r add _s _c\n",
+                ["", "_x", "_x _y"][wants]
+            );
+            let (theirs, root) = Context::from_text(text.as_bytes()).unwrap();
+            let mut ours = Context::new();
+            let node = ours.import(&parse_vm(text.as_bytes()).unwrap());
+            for (x, y) in [(0.3, 0.8), (-0.6, 2.0), (0.9, -0.2), (0.0, 1.0)] {
+                let a = ours.eval_xyz(node, x, y, 0.0).unwrap();
+                let b = theirs.eval_xyz(root, x, y, 0.0).unwrap();
+                assert!(
+                    a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan(),
+                    "{opcode} of {x}, {y}: {a} is not {b}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn malformed_lines_are_errors_with_their_number() {
+        let cases: [(&[u8], usize, &str); 19] = [
+            (b"", 1, "no operations"),
+            (b"# only a comment\n", 1, "no operations"),
+            (b"_0", 1, "no operation"),
+            (b"_0 var-x\n_1", 2, "no operation"),
+            (b"_0 const", 1, "takes 1 operand, found 0"),
+            (b"_0 const abc", 1, "`abc` is not a number"),
+            (b"_0 const nan", 1, "NaN"),
+            (b"_0 const NaN", 1, "NaN"),
+            (b"_0 const -nan", 1, "NaN"),
+            (b"_0 const 1 2", 1, "found 2"),
+            (b"_0 var-x\n_1 add _0", 2, "takes 2 operands, found 1"),
+            (b"_0 var-x\n_1 neg _0 _0", 2, "found 2"),
+            (b"_0 var-x 1 2 3 4 5", 1, "3 or more"),
+            (b"_0 var-x\n_1 neg _2\n_2 neg _1", 2, "undefined name `_2`"),
+            (b"_0 neg _0", 1, "refers to itself"),
+            (b"_0 var-x\n_0 var-y", 2, "defined twice"),
+            (b"_0 var-x\n_1 sqr _0", 2, "did you mean `sqrt`"),
+            (b"_0 var-x\n_1 neg \xff\xfe", 2, "UTF-8"),
+            (b"_0 var-x\n\0 \0", 2, "unknown operation"),
+        ];
+        for (text, line, words) in cases {
+            let error = parse_vm(text).unwrap_err();
+            let text = String::from_utf8_lossy(text);
+            assert_eq!(error.line, line, "{text:?}: {error}");
+            assert!(
+                error.message.contains(words),
+                "{text:?}: {error} does not say {words}"
+            );
+        }
+    }
+
+    #[test]
+    fn blank_lines_and_windows_line_ends_are_fine() {
+        parse_vm(b"  \t \r\n_0 var-x\r\n\r\n_1 neg _0\r\n   ").unwrap();
+    }
+
+    #[test]
+    fn long_chains_are_read_without_recursion() {
+        use std::fmt::Write;
+        let mut text = String::from("n0 var-x\n");
+        for i in 1..200_000 {
+            writeln!(text, "n{i} neg n{}", i - 1).unwrap();
+        }
+        parse_vm(text.as_bytes()).unwrap();
+    }
+}

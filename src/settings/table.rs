@@ -1,0 +1,333 @@
+//! The table of settings: the macro that declares it and the rows it makes.
+//!
+//! In: the rows in `settings/mod.rs`. Out: the structs with their defaults,
+//! and [`keys`], one [`Key`] per setting with everything that can be said
+//! about it. A setting cannot exist without a row, nor a row without a
+//! setting.
+
+use super::Settings;
+use super::value::{Kind, Value};
+
+/// Least and greatest allowed value, both inclusive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
+}
+
+impl Range {
+    /// True if `value` is a number within the range.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.min..=self.max).contains(&value)
+    }
+}
+
+/// One row of the table: a setting's name and all that is known about it.
+#[derive(Debug)]
+pub struct Key {
+    /// Name as written in files and on the command line:
+    /// `layer_height`, `speed.outer_wall`.
+    pub name: &'static str,
+    pub(super) section: &'static str,
+    /// Unit of its value, empty if it has none.
+    pub unit: &'static str,
+    /// Allowed values, if it is a number.
+    pub range: Option<Range>,
+    pub(super) doc: &'static str,
+    pub(super) field: fn(&Settings) -> &dyn Value,
+    pub(super) field_mut: fn(&mut Settings) -> &mut dyn Value,
+}
+
+impl Key {
+    /// What the setting means, in a sentence or two.
+    pub fn description(&self) -> String {
+        tidy(self.doc)
+    }
+
+    /// Heading under which the setting is listed.
+    pub fn section(&self) -> String {
+        super::GROUPS
+            .iter()
+            .find(|(group, _)| *group == self.group())
+            .map_or_else(|| self.section.to_owned(), |(_, doc)| tidy(doc))
+    }
+
+    /// What may be assigned: `0.02 to 2 mm`, `marlin or klipper`.
+    pub fn allowed(&self) -> String {
+        let range = self.range_with(&self.spaced_unit());
+        match self.kind() {
+            Kind::Number | Kind::Whole => range,
+            Kind::WholeOrAuto => format!("auto, or {range}"),
+            Kind::Switch => "true or false".to_owned(),
+            Kind::Text => "any text".to_owned(),
+            Kind::Word(words) => alternatives(words),
+        }
+    }
+
+    /// What may be assigned and how it is written, for one who wrote
+    /// something of another type.
+    pub(super) fn expected(&self) -> String {
+        let range = self.range_with("");
+        match (self.kind(), self.unit) {
+            (Kind::Number, "") => format!("a number from {range}"),
+            (Kind::Number, "%") => format!(
+                "a percentage, {}, such as 25 or \"25%\"",
+                self.range_with("%")
+            ),
+            (Kind::Number, unit) => {
+                format!(
+                    "a number from {range} (in {unit}, without quotes or unit)"
+                )
+            }
+            (Kind::Whole, _) => format!("a whole number, {range}"),
+            (Kind::WholeOrAuto, _) => {
+                format!("\"auto\" or a whole number, {range}")
+            }
+            (Kind::Text, _) => "text in quotes".to_owned(),
+            (Kind::Switch | Kind::Word(_), _) => self.allowed(),
+        }
+    }
+
+    fn range_with(&self, unit: &str) -> String {
+        self.range.map_or_else(String::new, |range| {
+            format!("{} to {}{unit}", range.min, range.max)
+        })
+    }
+
+    /// The setting's value in `settings`, as TOML.
+    pub fn get(&self, settings: &Settings) -> String {
+        (self.field)(settings).to_toml()
+    }
+
+    /// The setting's default, as TOML.
+    pub fn default(&self) -> String {
+        self.get(&Settings::default())
+    }
+
+    /// The group's name, empty for a setting outside the groups.
+    pub(super) fn group(&self) -> &'static str {
+        self.name.split_once('.').map_or("", |(group, _)| group)
+    }
+
+    /// The name within the group.
+    pub(super) fn leaf(&self) -> &'static str {
+        self.name
+            .split_once('.')
+            .map_or(self.name, |(_, leaf)| leaf)
+    }
+
+    /// The unit as it follows a number.
+    pub(super) fn spaced_unit(&self) -> String {
+        match self.unit {
+            "" => String::new(),
+            "%" | "°" => self.unit.to_owned(),
+            unit => format!(" {unit}"),
+        }
+    }
+
+    pub(super) fn kind(&self) -> Kind {
+        (self.field)(&Settings::default()).kind()
+    }
+}
+
+/// Every setting, in the order in which they are listed.
+pub fn keys() -> &'static [Key] {
+    super::KEYS
+}
+
+/// The key of that name.
+pub(super) fn find(name: &str) -> Option<&'static Key> {
+    keys().iter().find(|key| key.name == name)
+}
+
+/// True if there are settings named `name.…`.
+pub(super) fn is_group(name: &str) -> bool {
+    keys().iter().any(|key| key.group() == name)
+}
+
+/// The known name most like `name`, if any is much like it.
+pub(super) fn nearest(name: &str) -> Option<&'static str> {
+    // Below this, suggestions become guesses that do not help.
+    const ALIKE: f64 = 0.6;
+    let name = name.to_lowercase().replace('-', "_");
+    let leaf = name.rsplit('.').next().unwrap_or(&name);
+    keys()
+        .iter()
+        .map(|key| {
+            let whole = strsim::normalized_damerau_levenshtein(&name, key.name);
+            // The right name in the wrong group is nearer than a misspelling,
+            // and so is a part of the name; between several the whole name
+            // decides.
+            let part = strsim::normalized_damerau_levenshtein(leaf, key.leaf());
+            let part = if leaf.len() > 2 && key.leaf().contains(leaf) {
+                part.max(0.9)
+            } else {
+                part
+            };
+            (whole.max(0.9 * part) + 0.01 * whole, key.name)
+        })
+        .filter(|(likeness, _)| *likeness >= ALIKE)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
+/// `a, b or c`.
+pub(super) fn alternatives(words: &[&str]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
+    }
+}
+
+/// Doc comments keep a space before each line and break where they please.
+pub(super) fn tidy(doc: &str) -> String {
+    doc.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Unit of a type in the table.
+macro_rules! unit {
+    (Mm) => {
+        "mm"
+    };
+    (Mm2) => {
+        "mm²"
+    };
+    (MmPerSec) => {
+        "mm/s"
+    };
+    (MmPerSec2) => {
+        "mm/s²"
+    };
+    (Mm3PerSec) => {
+        "mm³/s"
+    };
+    (Seconds) => {
+        "s"
+    };
+    (Degrees) => {
+        "°"
+    };
+    (Celsius) => {
+        "°C"
+    };
+    (Percent) => {
+        "%"
+    };
+    (GramsPerCm3) => {
+        "g/cm³"
+    };
+    ($($other:tt)*) => {
+        ""
+    };
+}
+
+/// Range of a row, if it has one.
+macro_rules! range {
+    () => {
+        None
+    };
+    ($min:literal $max:literal) => {
+        Some($crate::settings::Range {
+            min: $min as f64,
+            max: $max as f64,
+        })
+    };
+}
+
+/// Declares the structs, their defaults and the table of keys.
+macro_rules! settings {
+    (
+        $(#[doc = $root_doc:literal])+
+        $root:ident {
+            $(
+                [$section:literal]
+                $(
+                    $(#[doc = $doc:literal])+
+                    $field:ident : $ty:ident $(<$inner:ident>)? = $default:expr
+                        $(, in $min:literal ..= $max:literal)?;
+                )+
+            )+
+        }
+        $(
+            $(#[doc = $group_doc:literal])+
+            $group:ident : $group_ty:ident {
+                $(
+                    $(#[doc = $gdoc:literal])+
+                    $gfield:ident : $gty:ident $(<$ginner:ident>)?
+                        = $gdefault:expr
+                        $(, in $gmin:literal ..= $gmax:literal)?;
+                )+
+            }
+        )+
+    ) => {
+        $(#[doc = $root_doc])+
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct $root {
+            $($(
+                $(#[doc = $doc])+
+                #[doc = concat!("\n\nDefault: `", stringify!($default), "`.")]
+                pub $field: $ty $(<$inner>)?,
+            )+)+
+            $(
+                $(#[doc = $group_doc])+
+                pub $group: $group_ty,
+            )+
+        }
+        impl Default for $root {
+            fn default() -> Self {
+                Self {
+                    $($($field: $default,)+)+
+                    $($group: $group_ty::default(),)+
+                }
+            }
+        }
+        $(
+            $(#[doc = $group_doc])+
+            #[derive(Clone, Debug, PartialEq)]
+            pub struct $group_ty {
+                $(
+                    $(#[doc = $gdoc])+
+                    #[doc = concat!(
+                        "\n\nDefault: `", stringify!($gdefault), "`."
+                    )]
+                    pub $gfield: $gty $(<$ginner>)?,
+                )+
+            }
+            impl Default for $group_ty {
+                fn default() -> Self {
+                    Self { $($gfield: $gdefault,)+ }
+                }
+            }
+        )+
+
+        /// Descriptions of the groups, by name.
+        static GROUPS: &[(&str, &str)] = &[
+            $((stringify!($group), concat!($($group_doc, "\n"),+)),)+
+        ];
+
+        static KEYS: &[$crate::settings::Key] = &[
+            $($($crate::settings::Key {
+                name: stringify!($field),
+                section: $section,
+                unit: $crate::settings::table::unit!($ty $(<$inner>)?),
+                range: $crate::settings::table::range!($($min $max)?),
+                doc: concat!($($doc, "\n"),+),
+                field: |settings| &settings.$field,
+                field_mut: |settings| &mut settings.$field,
+            },)+)+
+            $($($crate::settings::Key {
+                name: concat!(stringify!($group), ".", stringify!($gfield)),
+                section: stringify!($group),
+                unit: $crate::settings::table::unit!($gty $(<$ginner>)?),
+                range: $crate::settings::table::range!($($gmin $gmax)?),
+                doc: concat!($($gdoc, "\n"),+),
+                field: |settings| &settings.$group.$gfield,
+                field_mut: |settings| &mut settings.$group.$gfield,
+            },)+)+
+        ];
+    };
+}
+pub(super) use {range, settings, unit};

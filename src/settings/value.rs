@@ -1,0 +1,293 @@
+//! Values of settings: what each type reads from TOML or from the command
+//! line, and how it is written.
+//!
+//! In: a [`Raw`] value and the [`Key`] it is for. Out: the field, changed
+//! only if the value is of the right type and within the key's range.
+
+use super::table::Key;
+
+/// A value as given, before its setting's type is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Raw<'a> {
+    /// A whole number in TOML.
+    Integer(i64),
+    /// A whole number in TOML beyond 64 bits, as written.
+    Huge(&'a str),
+    /// Any other number in TOML.
+    Float(f64),
+    /// A boolean in TOML.
+    Bool(bool),
+    /// A string in TOML.
+    Text(&'a str),
+    /// What follows `key=` on the command line: the type is the setting's.
+    Word(&'a str),
+    /// Something no setting takes.
+    Other(&'static str),
+}
+
+impl Raw<'_> {
+    /// The value as it was given, for error messages.
+    pub(super) fn describe(&self) -> String {
+        match self {
+            Raw::Integer(i) => i.to_string(),
+            Raw::Float(x) => x.to_string(),
+            Raw::Bool(b) => b.to_string(),
+            Raw::Text(s) => format!("{s:?}"),
+            Raw::Word(s) | Raw::Huge(s) => (*s).to_owned(),
+            Raw::Other(what) => (*what).to_owned(),
+        }
+    }
+}
+
+/// Why a value was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Refused {
+    /// It is not of the setting's type, or not one of its words.
+    Type,
+    /// It is outside the setting's range, or not finite.
+    Range,
+}
+
+/// What a setting takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    Number,
+    Whole,
+    WholeOrAuto,
+    Switch,
+    Text,
+    Word(&'static [&'static str]),
+}
+
+/// A field of the settings.
+pub(super) trait Value {
+    /// Takes the value over, or leaves the field as it is.
+    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused>;
+    /// The value as TOML that `assign` reads back as the same value.
+    fn to_toml(&self) -> String;
+    /// The value as a number, if it is one.
+    fn number(&self) -> Option<f64>;
+    fn kind(&self) -> Kind;
+}
+
+impl Value for f64 {
+    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+        let parsed = match raw {
+            Raw::Integer(i) => Some(i as f64),
+            Raw::Float(x) => Some(x),
+            Raw::Huge(_) => return Err(Refused::Range),
+            Raw::Text(s) if key.unit == "%" => percent(s),
+            Raw::Word(s) if key.unit == "%" => percent(s).or(s.parse().ok()),
+            Raw::Word(s) => s.parse().ok(),
+            _ => None,
+        };
+        *self = in_range(parsed.ok_or(Refused::Type)?, key)?;
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        // Both forms print the shortest digits that read back exactly; the
+        // plain one would write out all zeros of very great or small numbers,
+        // past what a TOML integer holds.
+        let plain = self.abs() < 1e15 && (self.abs() > 1e-5 || *self == 0.0);
+        if plain {
+            format!("{self}")
+        } else {
+            format!("{self:?}")
+        }
+    }
+
+    fn number(&self) -> Option<f64> {
+        Some(*self)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Number
+    }
+}
+
+/// `25%` as 25.
+fn percent(s: &str) -> Option<f64> {
+    s.strip_suffix('%')?.trim_end().parse().ok()
+}
+
+fn in_range(value: f64, key: &Key) -> Result<f64, Refused> {
+    let inside = key.range.is_none_or(|range| range.contains(value));
+    if value.is_finite() && inside {
+        Ok(value)
+    } else {
+        Err(Refused::Range)
+    }
+}
+
+impl Value for u32 {
+    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+        let whole = match raw {
+            Raw::Integer(i) => Some(i.into()),
+            Raw::Huge(_) => return Err(Refused::Range),
+            // Wide enough that what overflows it is hardly meant as a number.
+            Raw::Word(s) => s.parse::<i128>().ok(),
+            _ => None,
+        };
+        let whole = whole.ok_or(Refused::Type)?;
+        in_range(whole as f64, key)?;
+        *self = u32::try_from(whole).map_err(|_| Refused::Range)?;
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        self.to_string()
+    }
+
+    fn number(&self) -> Option<f64> {
+        Some(f64::from(*self))
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Whole
+    }
+}
+
+impl Value for Option<u32> {
+    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+        *self = match raw {
+            Raw::Text("auto") | Raw::Word("auto") => None,
+            _ => {
+                let mut value = 0;
+                value.assign(raw, key)?;
+                Some(value)
+            }
+        };
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        self.map_or_else(|| "\"auto\"".to_owned(), |value| value.to_string())
+    }
+
+    fn number(&self) -> Option<f64> {
+        self.map(f64::from)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::WholeOrAuto
+    }
+}
+
+impl Value for bool {
+    fn assign(&mut self, raw: Raw<'_>, _: &Key) -> Result<(), Refused> {
+        *self = match raw {
+            Raw::Bool(b) => b,
+            Raw::Word("true") => true,
+            Raw::Word("false") => false,
+            _ => return Err(Refused::Type),
+        };
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        self.to_string()
+    }
+
+    fn number(&self) -> Option<f64> {
+        None
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Switch
+    }
+}
+
+impl Value for String {
+    fn assign(&mut self, raw: Raw<'_>, _: &Key) -> Result<(), Refused> {
+        *self = match raw {
+            Raw::Text(s) | Raw::Word(s) => s.to_owned(),
+            _ => return Err(Refused::Type),
+        };
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        let lines = self.contains('\n');
+        let quotes = if lines { "\"\"\"" } else { "\"" };
+        let mut text = String::from(quotes);
+        if lines {
+            // TOML drops a line break directly after the opening quotes.
+            text.push('\n');
+        }
+        for c in self.chars() {
+            match c {
+                '"' => text.push_str("\\\""),
+                '\\' => text.push_str("\\\\"),
+                '\n' => text.push('\n'),
+                '\t' => text.push('\t'),
+                c if c.is_control() => {
+                    text.push_str(&format!("\\u{:04X}", u32::from(c)));
+                }
+                c => text.push(c),
+            }
+        }
+        text + quotes
+    }
+
+    fn number(&self) -> Option<f64> {
+        None
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Text
+    }
+}
+
+/// Declares a setting's type that is one of a few words.
+macro_rules! words {
+    (
+        $(#[doc = $doc:literal])+
+        $name:ident {
+            $($(#[doc = $variant_doc:literal])+ $variant:ident = $word:literal,)+
+        }
+    ) => {
+        $(#[doc = $doc])+
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $name {
+            $($(#[doc = $variant_doc])+ $variant,)+
+        }
+
+        impl $name {
+            /// The word that stands for it in files and assignments.
+            pub fn word(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $word,)+
+                }
+            }
+        }
+
+        impl $crate::settings::value::Value for $name {
+            fn assign(
+                &mut self,
+                raw: $crate::settings::value::Raw<'_>,
+                _: &$crate::settings::Key,
+            ) -> Result<(), $crate::settings::value::Refused> {
+                use $crate::settings::value::{Raw, Refused};
+                *self = match raw {
+                    $(Raw::Text($word) | Raw::Word($word) => Self::$variant,)+
+                    _ => return Err(Refused::Type),
+                };
+                Ok(())
+            }
+
+            fn to_toml(&self) -> String {
+                format!("\"{}\"", self.word())
+            }
+
+            fn number(&self) -> Option<f64> {
+                None
+            }
+
+            fn kind(&self) -> $crate::settings::value::Kind {
+                $crate::settings::value::Kind::Word(&[$($word),+])
+            }
+        }
+    };
+}
+pub(super) use words;

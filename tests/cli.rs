@@ -1,0 +1,427 @@
+//! The command line as a user meets it: the real program is run.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::{contains, is_empty, starts_with};
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A ball small enough to slice in no time.
+const BALL: &str = "sqrt(x^2 + y^2 + z^2) - 2";
+
+/// The program, run in `folder`, on a terminal of known width.
+fn isoslice(folder: &TempDir) -> Command {
+    let mut command = assert_cmd::cargo::cargo_bin_cmd!("isoslice");
+    command
+        .current_dir(folder.path())
+        .env("COLUMNS", "80")
+        .env_remove("NO_COLOR");
+    command
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn write(folder: &TempDir, name: &str, text: &str) {
+    fs::write(folder.path().join(name), text).unwrap_or_else(|e| panic!("{e}"));
+}
+
+/// Names in a folder, hidden ones included.
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> = fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+fn stdout(command: &mut Command) -> String {
+    let output = command.assert().success().get_output().stdout.clone();
+    String::from_utf8_lossy(&output).into_owned()
+}
+
+#[test]
+fn help_reads_well() {
+    let folder = folder();
+    for (name, args) in [
+        ("help", &["--help"][..]),
+        ("help_slice", &["slice", "--help"]),
+        ("help_info", &["info", "--help"]),
+        ("help_settings", &["settings", "--help"]),
+    ] {
+        let help = stdout(isoslice(&folder).args(args));
+        insta::with_settings!({ omit_expression => true }, {
+            // The program's file name differs between systems.
+            insta::assert_snapshot!(
+                name,
+                help.replace("isoslice.exe", "isoslice")
+            );
+        });
+    }
+}
+
+#[test]
+fn without_a_command_the_help_is_shown_as_usage_error() {
+    isoslice(&folder())
+        .assert()
+        .code(2)
+        .stderr(contains("Usage: isoslice"));
+}
+
+#[test]
+fn slicing_a_formula_writes_beside_the_caller_and_sums_up() {
+    let folder = folder();
+    isoslice(&folder)
+        .args(["slice", "-e", BALL])
+        .assert()
+        .success()
+        .stdout(starts_with("formula.gcode\n"))
+        .stdout(contains("mm\n  layers "))
+        .stdout(contains("\n  print time  ").and(contains("s\n")))
+        .stdout(contains("\n  filament    ").and(contains(" g\n")))
+        .stdout(contains("\n  took        "))
+        .stderr(is_empty());
+    assert_eq!(names(folder.path()), ["formula.gcode"]);
+}
+
+#[test]
+fn slicing_a_file_writes_beside_the_file() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("sub")).ok();
+    write(&folder, "sub/my.ball.rhai", "sqrt(x*x + y*y + z*z) - 2.0");
+    isoslice(&folder)
+        .args(["slice", "sub/my.ball.rhai", "--quiet"])
+        .assert()
+        .success()
+        .stdout(is_empty())
+        .stderr(is_empty());
+    assert_eq!(
+        names(&folder.path().join("sub")),
+        ["my.ball.gcode", "my.ball.rhai"]
+    );
+}
+
+#[test]
+fn negative_numbers_are_values() {
+    isoslice(&folder())
+        .args(["slice", "-q", "-e", "-(2 - sqrt(x^2 + y^2 + z^2))"])
+        .args(["--rotate-x", "-90", "--rotate-y=-45", "--rotate-z", "-.5"])
+        .args(["--bounds", "-5,-5,-5:5,5,5", "--set", "skin_angle=-30"])
+        .assert()
+        .success();
+    // Off the bed, but understood.
+    isoslice(&folder())
+        .args(["info", "-e", BALL, "--at", "-5,-10"])
+        .assert()
+        .stderr(contains("--at <").not());
+    for (option, value) in [
+        ("--size", "-5"),
+        ("--scale", "0"),
+        ("--at", "-1"),
+        ("--bounds", "-"),
+    ] {
+        isoslice(&folder())
+            .args(["slice", "-e", BALL, option, value])
+            .assert()
+            .code(2)
+            .stderr(contains(format!("for '{option} <")));
+    }
+}
+
+#[test]
+fn a_model_is_needed_and_one_is_enough() {
+    isoslice(&folder()).arg("slice").assert().code(2);
+    isoslice(&folder())
+        .args(["slice", "a.rhai", "-e", BALL])
+        .assert()
+        .code(2)
+        .stderr(contains("cannot be used with"));
+    isoslice(&folder())
+        .args(["slice", "-e", BALL, "--threads", "0"])
+        .assert()
+        .code(2);
+}
+
+#[test]
+fn a_missing_model_is_named_and_leaves_nothing() {
+    let folder = folder();
+    isoslice(&folder)
+        .args(["slice", "nowhere.rhai"])
+        .assert()
+        .code(1)
+        .stdout(is_empty())
+        .stderr(starts_with("error: ").and(contains("nowhere.rhai")));
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn an_unknown_parameter_is_an_error() {
+    let folder = folder();
+    isoslice(&folder)
+        .args(["slice", "-e", BALL, "-D", "cell=8"])
+        .assert()
+        .code(1)
+        .stderr(starts_with("error: ").and(contains("cell")));
+    assert!(names(folder.path()).is_empty());
+    isoslice(&folder)
+        .args(["slice", "-e", BALL, "-D", "cell"])
+        .assert()
+        .code(2)
+        .stderr(contains("name=value"));
+}
+
+#[test]
+fn an_unknown_setting_is_answered_with_the_nearest() {
+    isoslice(&folder())
+        .args(["slice", "-e", BALL, "--set", "layer_hieght=0.1"])
+        .assert()
+        .code(1)
+        .stderr(
+            "error: --set: there is no setting \"layer_hieght\"; did you mean \
+             layer_height?\n",
+        );
+}
+
+#[test]
+fn wrong_settings_are_named_with_file_and_line() {
+    let folder = folder();
+    write(&folder, "my.toml", "walls = 3\n\n[speed]\ntravel = -1\n");
+    for command in ["slice", "info"] {
+        isoslice(&folder)
+            .args([command, "-e", BALL, "--config", "my.toml"])
+            .assert()
+            .code(1)
+            .stderr(
+                "error: my.toml:4: speed.travel = -1 is out of range; use 0.1 \
+                 to 2000 mm/s\n",
+            );
+    }
+    isoslice(&folder)
+        .args(["settings", "--config", "my.toml"])
+        .assert()
+        .code(1)
+        .stdout(is_empty());
+    isoslice(&folder)
+        .args(["settings", "--set", "walls=many"])
+        .assert()
+        .code(1)
+        .stderr(
+            "error: --set: walls = many is not understood; write a whole \
+             number, 0 to 1000\n",
+        );
+    isoslice(&folder)
+        .args(["settings", "--config", "none.toml"])
+        .assert()
+        .code(1)
+        .stderr(starts_with(
+            "error: cannot read the settings file none.toml",
+        ))
+        .stderr(contains("\n  because: "));
+}
+
+#[test]
+fn warnings_go_to_the_error_stream() {
+    isoslice(&folder())
+        .args(["settings", "--set", "layer_height=0.35"])
+        .assert()
+        .success()
+        .stdout(contains("\nlayer_height = 0.35\n"))
+        .stderr(starts_with("warning: layer_height = 0.35 mm is more than"));
+}
+
+#[test]
+fn printed_settings_can_be_fed_back() {
+    let folder = folder();
+    let defaults = stdout(isoslice(&folder).arg("settings"));
+    write(&folder, "defaults.toml", &defaults);
+    let again = stdout(isoslice(&folder).args([
+        "settings",
+        "--config",
+        "defaults.toml",
+    ]));
+    assert_eq!(again, defaults);
+
+    write(&folder, "a.toml", "walls = 4\nseam = 'rear'\n");
+    write(
+        &folder,
+        "b.toml",
+        "walls = 5\ngcode.start = '''\nA {{b}}\\n'''\n",
+    );
+    let mine = stdout(
+        isoslice(&folder)
+            .args(["settings", "--config", "a.toml", "--config", "b.toml"])
+            .args(["--set", "infill_density=33.3%", "--set", "top_layers=9"]),
+    );
+    for line in [
+        "walls = 5",
+        "seam = \"rear\"",
+        "infill_density = 33.3",
+        "top_layers = 9",
+        "start = \"A {{b}}\\\\n\"",
+    ] {
+        assert!(mine.contains(&format!("\n{line}\n")), "{line} is missing");
+    }
+    write(&folder, "mine.toml", &mine);
+    let again =
+        stdout(isoslice(&folder).args(["settings", "--config", "mine.toml"]));
+    assert_eq!(again, mine);
+}
+
+#[test]
+fn an_input_is_never_overwritten() {
+    let folder = folder();
+    write(&folder, "part.gcode", "sqrt(x*x + y*y + z*z) - 2.0");
+    write(&folder, "my.toml", "walls = 2");
+    for args in [
+        // The default output has the model's name.
+        &["slice", "part.gcode"][..],
+        &["slice", "part.gcode", "-o", "../x/../part.gcode"],
+        &[
+            "slice",
+            "-e",
+            BALL,
+            "--config",
+            "my.toml",
+            "-o",
+            "./my.toml",
+        ],
+    ] {
+        let args = args.iter().map(|arg| {
+            let here = folder.path().file_name().unwrap_or_default();
+            arg.replace("../x/..", &format!("../{}", here.to_string_lossy()))
+        });
+        isoslice(&folder)
+            .args(args)
+            .assert()
+            .code(1)
+            .stderr(contains("is also an input and would be overwritten"));
+    }
+    assert_eq!(names(folder.path()), ["my.toml", "part.gcode"]);
+    let kept = fs::read_to_string(folder.path().join("my.toml"));
+    assert_eq!(kept.ok().as_deref(), Some("walls = 2"));
+}
+
+#[test]
+fn after_an_error_the_old_output_is_still_there() {
+    let folder = folder();
+    write(&folder, "out.gcode", "old");
+    isoslice(&folder)
+        .args(["slice", "nowhere.rhai", "-o", "out.gcode"])
+        .assert()
+        .code(1);
+    assert_eq!(names(folder.path()), ["out.gcode"]);
+    let kept = fs::read_to_string(folder.path().join("out.gcode"));
+    assert_eq!(kept.ok().as_deref(), Some("old"));
+}
+
+#[test]
+fn an_output_that_cannot_be_is_an_error() {
+    let folder = folder();
+    isoslice(&folder)
+        .args(["slice", "-e", BALL, "-o", "."])
+        .assert()
+        .code(1)
+        .stderr(contains("is a folder"));
+    isoslice(&folder)
+        .args(["slice", "-e", BALL, "-o", "none/x.gcode"])
+        .assert()
+        .code(1)
+        .stderr(contains("there is no folder none"));
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn info_tells_what_would_be_printed() {
+    let folder = folder();
+    isoslice(&folder)
+        .args(["info", "-e", BALL, "--set", "layer_height=0.1"])
+        .assert()
+        .success()
+        .stdout(starts_with("formula\n  size  "))
+        .stdout(contains("\n  bounds      ("))
+        .stdout(contains(" of 0.1 mm\n"))
+        .stdout(contains("\n  expression  "));
+    assert!(names(folder.path()).is_empty());
+}
+
+#[cfg(unix)]
+mod unix {
+    use super::*;
+    use std::os::unix::fs::{PermissionsExt, symlink};
+
+    fn mode(folder: &TempDir, name: &str) -> u32 {
+        let data = fs::metadata(folder.path().join(name));
+        data.map_or(0, |data| data.permissions().mode() & 0o777)
+    }
+
+    #[test]
+    fn output_has_the_permissions_of_any_new_file() {
+        let folder = folder();
+        write(&folder, "new", "");
+        let slice = || {
+            isoslice(&folder)
+                .args(["slice", "-q", "-e", BALL, "-o", "out.gcode"])
+                .assert()
+                .success();
+        };
+        slice();
+        assert_eq!(mode(&folder, "out.gcode"), mode(&folder, "new"));
+        // And of the file it replaces.
+        let private = fs::Permissions::from_mode(0o640);
+        fs::set_permissions(folder.path().join("out.gcode"), private).ok();
+        slice();
+        assert_eq!(mode(&folder, "out.gcode"), 0o640);
+    }
+
+    #[test]
+    fn a_link_stays_a_link() {
+        let folder = folder();
+        write(&folder, "real.gcode", "old");
+        symlink("real.gcode", folder.path().join("link.gcode")).ok();
+        isoslice(&folder)
+            .args(["slice", "-q", "-e", BALL, "-o", "link.gcode"])
+            .assert()
+            .success();
+        assert!(folder.path().join("link.gcode").is_symlink());
+        let text = fs::read_to_string(folder.path().join("real.gcode"));
+        assert_ne!(text.ok().as_deref(), Some("old"));
+    }
+
+    #[test]
+    fn devices_are_written_not_replaced() {
+        let folder = folder();
+        isoslice(&folder)
+            .args(["slice", "-e", BALL, "-o", "/dev/stdout"])
+            .assert()
+            .success()
+            .stdout(contains("layers  ").not())
+            .stderr(contains("layers  "));
+        isoslice(&folder)
+            .args(["slice", "-e", BALL, "-o", "/dev/null"])
+            .assert()
+            .success();
+        assert!(!Path::new("/dev/null").is_file());
+    }
+
+    #[test]
+    fn a_reader_that_leaves_early_is_no_error() {
+        let folder = folder();
+        let (reader, writer) =
+            std::io::pipe().unwrap_or_else(|e| panic!("{e}"));
+        drop(reader);
+        let status = std::process::Command::new(assert_cmd::cargo::cargo_bin!(
+            "isoslice"
+        ))
+        .arg("settings")
+        .current_dir(folder.path())
+        .stdout(writer)
+        .status()
+        .unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(status.code(), Some(0));
+    }
+}

@@ -1,0 +1,389 @@
+//! The settings table as a whole, and what its users read when they err.
+
+use isoslice::settings::{
+    Builder, InfillPattern, Key, Settings, SettingsError, keys,
+};
+use std::collections::BTreeSet;
+
+fn read(text: &str) -> Result<Settings, SettingsError> {
+    let mut builder = Builder::new();
+    builder.toml("my.toml", text)?;
+    builder.finish().map(|(settings, _)| settings)
+}
+
+fn set(assignments: &[&str]) -> Result<(Settings, Vec<String>), SettingsError> {
+    let mut builder = Builder::new();
+    for assignment in assignments {
+        builder.set(assignment)?;
+    }
+    builder.finish()
+}
+
+/// The message for a file that must be refused.
+fn refused(text: &str) -> String {
+    read(text).map_or_else(|e| e.to_string(), |_| "accepted".to_owned())
+}
+
+/// Compares `text` with the stored one of that name.
+fn snapshot(name: &str, text: String) {
+    insta::with_settings!({ omit_expression => true }, {
+        insta::assert_snapshot!(name, text);
+    });
+}
+
+/// Inputs above the messages they lead to.
+fn listing(messages: impl IntoIterator<Item = (String, String)>) -> String {
+    messages
+        .into_iter()
+        .map(|(input, message)| format!("{input}\n    {message}\n"))
+        .collect()
+}
+
+/// The message for assignments that must be refused.
+fn refused_set(assignments: &[&str]) -> String {
+    set(assignments).map_or_else(|e| e.to_string(), |_| "accepted".to_owned())
+}
+
+/// Some allowed value that is not the default, as it is written in TOML.
+fn another_value(key: &Key) -> String {
+    let default = key.default();
+    if let Some(range) = key.range {
+        // A number that has no short decimal form, where the type allows it.
+        let third = range.min + (range.max - range.min) / 3.0;
+        let whole = !default.contains('.') && key.unit.is_empty();
+        return if whole {
+            format!("{}", third.ceil())
+        } else {
+            format!("{third}")
+        };
+    }
+    let allowed = key.allowed();
+    if allowed == "any text" {
+        return "\"\"\"\na \\\"quoted\\\" {name} \\\\ \\u0007\tb\n\n\"\"\""
+            .to_owned();
+    }
+    let other = allowed
+        .split([',', ' '])
+        .filter(|word| !word.is_empty() && *word != "or")
+        .find(|word| *word != default.trim_matches('"'))
+        .unwrap_or_default();
+    match other {
+        "true" | "false" => other.to_owned(),
+        word => format!("\"{word}\""),
+    }
+}
+
+#[test]
+fn every_key_is_documented_and_named_once() {
+    let mut names = BTreeSet::new();
+    for key in keys() {
+        assert!(names.insert(key.name), "{} twice", key.name);
+        let description = key.description();
+        assert!(description.ends_with('.'), "{}: {description}", key.name);
+        assert!(!key.allowed().is_empty(), "{}", key.name);
+        assert!(!key.section().is_empty(), "{}", key.name);
+        assert!(
+            key.unit.is_empty() || key.range.is_some(),
+            "{} has a unit but no range",
+            key.name
+        );
+    }
+    assert!(names.contains("layer_height"));
+    assert!(names.contains("speed.outer_wall"));
+}
+
+#[test]
+fn every_default_is_within_its_range() {
+    for key in keys() {
+        let (Some(range), Ok(default)) = (key.range, key.default().parse())
+        else {
+            continue;
+        };
+        assert!(range.contains(default), "{} = {default}", key.name);
+    }
+    assert_eq!(
+        Settings::default().validate().ok(),
+        Some(Vec::<String>::new())
+    );
+}
+
+#[test]
+fn every_key_can_be_set_and_read_back() {
+    for key in keys() {
+        let value = another_value(key);
+        let mut from_file = Builder::new();
+        from_file
+            .toml("my.toml", &format!("{} = {value}", key.name))
+            .unwrap_or_else(|e| panic!("{e}"));
+        let mut from_command_line = Builder::new();
+        if !value.contains("\"\"\"") {
+            from_command_line
+                .set(&format!("{}={value}", key.name))
+                .unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(
+                from_file.settings(),
+                from_command_line.settings(),
+                "{}",
+                key.name
+            );
+        }
+        let got = key.get(from_file.settings());
+        assert_eq!(got, value, "{}", key.name);
+        let changed = keys()
+            .iter()
+            .filter(|k| k.get(from_file.settings()) != k.default());
+        assert_eq!(
+            changed.map(|k| k.name).collect::<Vec<_>>(),
+            [key.name],
+            "setting one key must change that one only"
+        );
+    }
+}
+
+#[test]
+fn every_number_outside_its_range_is_refused() {
+    for key in keys() {
+        let Some(range) = key.range else { continue };
+        for bad in [range.min - 1.0, range.max + 1.0] {
+            let message = refused_set(&[&format!("{}={bad}", key.name)]);
+            assert!(message.contains("is out of range"), "{message}");
+            assert!(message.contains(&key.allowed()), "{message}");
+        }
+        for bad in ["nan", "inf", "-inf"] {
+            let message = refused_set(&[&format!("{}={bad}", key.name)]);
+            assert!(message.starts_with("--set: "), "{message}");
+        }
+    }
+}
+
+#[test]
+fn printed_settings_read_back_as_the_same() {
+    let defaults = Settings::default();
+    assert_eq!(read(&defaults.to_toml()).ok(), Some(defaults));
+
+    let mut all_changed = Builder::new();
+    for key in keys() {
+        let line = format!("{} = {}", key.name, another_value(key));
+        all_changed
+            .toml("", &line)
+            .unwrap_or_else(|e| panic!("{e}"));
+    }
+    let mut again = Builder::new();
+    again
+        .toml("", &all_changed.settings().to_toml())
+        .unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(again.settings(), all_changed.settings());
+}
+
+#[test]
+fn floats_are_printed_exactly() {
+    for exact in [0.1 + 0.2, 1.0 / 3.0, 5e-324, 1e-7, 123456.789, 1e300] {
+        let settings = Settings {
+            layer_height: exact,
+            ..Settings::default()
+        };
+        let key = keys().iter().find(|k| k.name == "layer_height");
+        let text = key.map(|k| k.get(&settings)).unwrap_or_default();
+        assert_eq!(text.parse(), Ok(exact));
+        let table: Result<toml::Table, _> = format!("x = {text}").parse();
+        assert!(table.is_ok(), "{text} is not TOML");
+    }
+}
+
+#[test]
+fn the_last_one_wins() {
+    let mut builder = Builder::new();
+    builder.toml("a", "walls = 3\nseam = 'rear'").ok();
+    builder.toml("b", "walls = 4\nskirt.loops = 0").ok();
+    builder.set("walls=5").ok();
+    let settings = builder.settings();
+    assert_eq!(settings.walls, 5);
+    assert_eq!(settings.skirt.loops, 0);
+    assert_eq!(settings.seam.word(), "rear");
+}
+
+#[test]
+fn values_are_read_as_their_type_asks() {
+    let (s, _) = set(&[
+        "infill_density=25%",
+        "flow = 98 %",
+        "infill_overlap=30",
+        "top_layers=5",
+        "bottom_layers=auto",
+        "infill_pattern=grid",
+        "gcode.relative_e=true",
+        "gcode.start=START_PRINT A=1 ; go",
+        "gcode.end=\"M84\\nM107\"",
+        "retract.extra_prime=-0.1",
+    ])
+    .unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(s.infill_density, 25.0);
+    assert_eq!(s.flow, 98.0);
+    assert_eq!(s.infill_overlap, 30.0);
+    assert_eq!((s.top_layers, s.bottom_layers), (Some(5), None));
+    assert_eq!(s.infill_pattern, InfillPattern::Grid);
+    assert!(s.gcode.relative_e);
+    assert_eq!(s.gcode.start, "START_PRINT A=1 ; go");
+    assert_eq!(s.gcode.end, "M84\nM107");
+    assert_eq!(s.retract.extra_prime, -0.1);
+
+    let s = read(
+        "infill_density = '25%'\ntop_layers = 'auto'\n[gcode]\n\
+         start = \"\"\"\nG28\nG1 Z5\n\"\"\"",
+    )
+    .unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(s.infill_density, 25.0);
+    assert_eq!(s.gcode.start, "G28\nG1 Z5\n");
+}
+
+#[test]
+fn a_file_from_windows_reads_the_same() {
+    let unix = "walls = 3\n[gcode]\nstart = \"\"\"\nG28\nG1 Z5\n\"\"\"\n";
+    let windows = format!("\u{feff}{}", unix.replace('\n', "\r\n"));
+    assert_eq!(read(&windows).ok(), read(unix).ok());
+    assert!(read(unix).is_ok());
+    assert!(refused("\r\n\r\nwalls = -1").starts_with("my.toml:3: "));
+}
+
+#[test]
+fn refusals_name_place_key_value_and_remedy() {
+    snapshot(
+        "refused_files",
+        listing(
+            [
+                "walls = 2\n\nlayer_hieght = 0.2",
+                "[sped]\nouter_wall = 30",
+                "[speed]\nouterwall = 30",
+                "outer_wall = 30",
+                "nozzle_temperature = 200",
+                "perimeter_generator = 'arachne'",
+                "[nothing]",
+                "speed = 40",
+                "\"speed.travel\" = 40",
+                "layer_height = 9",
+                "layer_height = nan",
+                "layer_height = '0.2'",
+                "layer_height = '20%'",
+                "walls = 2.5",
+                "walls = -1",
+                "walls = 99999999999999999999",
+                "[walls]\ncount = 2",
+                "infill_density = 'much'",
+                "top_layers = 'automatic'",
+                "seam = 'front'",
+                "[gcode]\nrelative_e = 'yes'\n",
+                "[gcode]\nstart = 5",
+                "layer_height = [0.2]",
+                "walls = 2\nwalls = 3",
+                "walls = ",
+                // The first in the file, not in the alphabet.
+                "walls = 'many'\naccuracy = 9",
+            ]
+            .map(|text| (text.to_owned(), refused(text))),
+        ),
+    );
+    snapshot(
+        "refused_assignments",
+        listing(
+            [
+                "layer_height",
+                "=3",
+                "layer_height=thin",
+                "layer_height=0.2mm",
+                "walls=99999999999999999999",
+                "infill-density=20%",
+                "filament.density=heavy",
+                "gcode.flavour=sailfish",
+                "speed=50",
+                "speed.wall=50",
+                "fan=50",
+                "gcode.flavor=klipper",
+                "gcode.start=\"a\" b\"",
+            ]
+            .map(|given| (given.to_owned(), refused_set(&[given]))),
+        ),
+    );
+}
+
+#[test]
+fn settings_that_do_not_work_together_are_refused() {
+    snapshot(
+        "conflicts",
+        listing(
+            [
+                &["layer_height=0.5"][..],
+                &["first_layer_height=0.41"],
+                &["outer_wall_width=0.1"],
+                &["infill_width=2.5"],
+                &["skin_width=0.25", "layer_height=0.26"],
+                &["accuracy=0.1"],
+                &[
+                    "printer.height=1",
+                    "printer.nozzle_diameter=2",
+                    "outer_wall_width=2",
+                    "inner_wall_width=2",
+                    "skin_width=2",
+                    "infill_width=2",
+                    "layer_height=1.1",
+                ],
+                &[
+                    "walls=0",
+                    "infill_density=0",
+                    "top_layers=0",
+                    "bottom_thickness=0",
+                ],
+            ]
+            .map(|given| (given.join(" "), refused_set(given))),
+        ),
+    );
+    assert_eq!(
+        refused("walls = 2\nlayer_height = 0.5"),
+        "layer_height = 0.5 mm is more than printer.nozzle_diameter = 0.4 mm: \
+         the bead would not touch what is below; use at most 0.32 mm \
+         (layer_height from my.toml:2)"
+    );
+}
+
+#[test]
+fn unwise_settings_are_warned_of() {
+    let warnings = |assignments: &[&str]| {
+        set(assignments).map_or_else(|e| vec![e.to_string()], |(_, w)| w)
+    };
+    assert!(warnings(&["layer_height=0.32"]).is_empty());
+    snapshot(
+        "warnings",
+        listing(
+            [
+                &["layer_height=0.33"][..],
+                &[
+                    "skin_width=0.19",
+                    "layer_height=0.1",
+                    "first_layer_height=0.15",
+                ],
+                &["outer_wall_width=1.3"],
+                &["sample_spacing=0.5"],
+                &["filament.nozzle_temperature=20"],
+                &["flow=150"],
+            ]
+            .map(|given| (given.join(" "), warnings(given).join("\n    "))),
+        ),
+    );
+}
+
+#[test]
+fn a_program_is_told_as_well() {
+    let mut settings = Settings::default();
+    settings.speed.first_layer = 0.0;
+    let message = settings
+        .validate()
+        .map_or_else(|e| e.to_string(), |_| String::new());
+    assert_eq!(
+        message,
+        "settings: speed.first_layer = 0 is out of range; use 0.1 to 2000 mm/s"
+    );
+}
+
+#[test]
+fn the_printed_settings_are_pleasant_to_read() {
+    snapshot("settings", Settings::default().to_toml());
+}
