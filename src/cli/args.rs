@@ -4,7 +4,7 @@ use super::terminal;
 use clap::Args;
 use glam::DVec3;
 use isoslice::model::{
-    self, Bounds, BuildVolume, Kind, Model, Placement, Source,
+    self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
 };
 use isoslice::settings::{Builder, Settings};
 use std::path::PathBuf;
@@ -43,7 +43,8 @@ pub(super) struct ModelArgs {
     )]
     defines: Vec<(String, String)>,
 
-    /// Box to look for the model in, mm, where it cannot be found otherwise
+    /// Cut the model with this box, in its own coordinates, mm; the bounds
+    /// are found without it
     #[arg(
         long,
         value_name = "X0,Y0,Z0:X1,Y1,Z1",
@@ -143,7 +144,7 @@ impl ModelArgs {
             y: settings.printer.bed_y,
             z: settings.printer.height,
         };
-        Ok(model::place(loaded, &placement, volume)?)
+        Ok(model::place(&loaded, &placement, volume)?)
     }
 
     fn source(&self) -> Source {
@@ -151,7 +152,7 @@ impl ModelArgs {
             (Some(path), _) => Source::File(path.clone()),
             (None, text) => Source::Text {
                 name: FORMULA.to_owned(),
-                kind: Kind::Formula,
+                kind: SourceKind::Formula,
                 text: text.clone().unwrap_or_default(),
             },
         }

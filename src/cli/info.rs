@@ -54,11 +54,12 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
         corner(model.bounds.min),
         corner(model.bounds.max)
     )?;
+    let printed = model.printed_bounds();
     writeln!(
         text,
         "  on the bed  {} to {} mm",
-        corner(model.bounds.min + model.offset),
-        corner(model.bounds.max + model.offset)
+        corner(printed.min),
+        corner(printed.max)
     )?;
     writeln!(
         text,

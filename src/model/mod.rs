@@ -25,8 +25,16 @@ pub struct Model {
     pub warnings: Vec<String>,
     pub expression_size: usize,
 }
-pub enum Kind {
-    Rhai,
+impl Model {
+    pub fn printed_bounds(&self) -> Bounds {
+        Bounds {
+            min: self.bounds.min + self.offset,
+            max: self.bounds.max + self.offset,
+        }
+    }
+}
+pub enum SourceKind {
+    Script,
     Vm,
     Formula,
 }
@@ -34,7 +42,7 @@ pub enum Source {
     File(PathBuf),
     Text {
         name: String,
-        kind: Kind,
+        kind: SourceKind,
         text: String,
     },
 }
@@ -99,20 +107,20 @@ pub fn load(
     })
 }
 pub fn place(
-    loaded: Loaded,
+    loaded: &Loaded,
     _: &Placement,
     volume: BuildVolume,
 ) -> Result<Model, PlaceError> {
     let centre = DVec3::new(volume.x / 2.0, volume.y / 2.0, 10.0);
     Ok(Model {
-        name: loaded.name,
-        tree: loaded.tree,
+        name: loaded.name.clone(),
+        tree: loaded.tree.clone(),
         bounds: Bounds {
             min: DVec3::splat(-10.0),
             max: DVec3::splat(10.0),
         },
         offset: centre,
-        parameters: loaded.parameters,
+        parameters: loaded.parameters.clone(),
         warnings: Vec::new(),
         expression_size: loaded.expression_size,
     })
