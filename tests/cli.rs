@@ -8,7 +8,7 @@ use std::path::Path;
 use tempfile::TempDir;
 
 /// A ball small enough to slice in no time.
-const BALL: &str = "sqrt(x^2 + y^2 + z^2) - 2";
+const BALL: &str = "sqrt(x^2 + y^2 + z^2) - 3";
 
 /// The program, run in `folder`, on a terminal of known width.
 fn isoslice(folder: &TempDir) -> Command {
@@ -93,7 +93,7 @@ fn slicing_a_formula_writes_beside_the_caller_and_sums_up() {
 fn slicing_a_file_writes_beside_the_file() {
     let folder = folder();
     fs::create_dir(folder.path().join("sub")).ok();
-    write(&folder, "sub/my.ball.rhai", "sqrt(x*x + y*y + z*z) - 2.0");
+    write(&folder, "sub/my.ball.rhai", "sqrt(x*x + y*y + z*z) - 3.0");
     isoslice(&folder)
         .args(["slice", "sub/my.ball.rhai", "--quiet"])
         .assert()
@@ -109,7 +109,7 @@ fn slicing_a_file_writes_beside_the_file() {
 #[test]
 fn negative_numbers_are_values() {
     isoslice(&folder())
-        .args(["slice", "-q", "-e", "-(2 - sqrt(x^2 + y^2 + z^2))"])
+        .args(["slice", "-q", "-e", "-(3 - sqrt(x^2 + y^2 + z^2))"])
         .args(["--rotate-x", "-90", "--rotate-y=-45", "--rotate-z", "-.5"])
         .args(["--bounds", "-5,-5,-5:5,5,5", "--set", "skin_angle=-30"])
         .assert()
@@ -275,7 +275,7 @@ fn printed_settings_can_be_fed_back() {
 #[test]
 fn an_input_is_never_overwritten() {
     let folder = folder();
-    write(&folder, "part.gcode", "sqrt(x*x + y*y + z*z) - 2.0");
+    write(&folder, "part.gcode", "sqrt(x*x + y*y + z*z) - 3.0");
     write(&folder, "my.toml", "walls = 2");
     for args in [
         // The default output has the model's name.
