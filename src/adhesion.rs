@@ -2,7 +2,7 @@
 
 use crate::bead::{Bead, Role, spacing};
 use crate::plane::Area;
-use crate::plane::clip::offset;
+use crate::plane::offset::offset;
 use crate::settings::Settings;
 use crate::units::Mm;
 use geo::{ConvexHull, Coord, MultiPoint, Point};

@@ -9,8 +9,8 @@ mod rectilinear;
 
 use crate::bead::{Bead, Role, spacing};
 use crate::plane::Area;
-use crate::plane::clip::offset;
 use crate::plane::hatch::Segment;
+use crate::plane::offset::offset;
 use crate::settings::{InfillPattern, Settings};
 use crate::units::{Degrees, Mm};
 

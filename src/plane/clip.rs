@@ -1,16 +1,13 @@
-//! Booleans and offsets of areas, by the clipper2 library.
+//! Booleans of areas, by the clipper2 library.
 //!
 //! Coordinates go through a grid of 10 nm (clipper works in integers, which
-//! is what makes it robust); results are exact to that grid, and an offset's
-//! round joins to its tolerance. Overlapping rings of an operand are merged
+//! is what makes it robust); results are exact to that grid. Overlapping rings of an operand are merged
 //! (non-zero winding).
 
 use super::{Area, Ring};
-use crate::units::Mm;
 use clipper2_rust::core::{FillRule, Path64, Paths64, Point64};
 use clipper2_rust::engine::ClipType;
 use clipper2_rust::engine_public::Clipper64;
-use clipper2_rust::offset::{EndType, JoinType};
 use glam::DVec2;
 
 /// Grid steps per millimetre. A metre is then 10⁸ steps, whose products stay
@@ -86,28 +83,23 @@ pub fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
     from_paths(closed)
 }
 
-/// The area grown by `distance` (shrunk, if negative). Corners that the
-/// border moves away from become arcs around the corner, within `tolerance`
-/// of the true distance; corners it moves into stay sharp. This is the level
-/// set of the distance to the area's border.
-pub fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
-    if area.is_empty() || distance == 0.0 {
-        return area.clone();
-    }
-    from_paths(clipper2_rust::clipper::inflate_paths_64(
-        &to_paths(area),
-        distance * GRID,
-        JoinType::Round,
-        EndType::Polygon,
-        2.0,
-        tolerance * GRID,
-    ))
+/// The rings' union, whatever their winding.
+pub fn unite(area: &Area) -> Area {
+    sweep(area, FillRule::NonZero)
 }
 
-/// The area without its parts narrower than 2·`radius`: what a disc of that
-/// radius can sweep without leaving it.
-pub fn opening(area: &Area, radius: Mm, tolerance: Mm) -> Area {
-    offset(&offset(area, -radius, tolerance), radius, tolerance)
+/// What rings that overlap wind around more often to the left than to the
+/// right: how the loops of an offset border cancel.
+pub(super) fn positive(area: &Area) -> Area {
+    sweep(area, FillRule::Positive)
+}
+
+fn sweep(area: &Area, rule: FillRule) -> Area {
+    let mut clipper = Clipper64::new();
+    clipper.add_subject(&to_paths(area));
+    let (mut closed, mut lines) = (Paths64::new(), Paths64::new());
+    clipper.execute(ClipType::Union, rule, &mut closed, Some(&mut lines));
+    from_paths(closed)
 }
 
 fn run(kind: ClipType, subjects: &[&Area], clips: &[&Area]) -> Area {
@@ -152,7 +144,6 @@ fn from_paths(paths: Paths64) -> Area {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::PI;
 
     fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
         let r = vec![
@@ -173,27 +164,6 @@ mod tests {
         let hole = difference(&a, &rect(1.0, 1.0, 2.0, 2.0));
         assert_eq!(hole.rings.len(), 2);
         assert_eq!(hole.content(), 15.0);
-    }
-
-    #[test]
-    fn shrinking_keeps_convex_corners_and_rounds_concave_ones() {
-        let a = rect(0.0, 0.0, 10.0, 10.0);
-        let inner = offset(&a, -1.0, 1e-3);
-        assert_eq!(inner.rings.len(), 1);
-        assert_eq!(inner.rings[0].len(), 4);
-        assert!((inner.content() - 64.0).abs() < 1e-6);
-        let frame = difference(&a, &rect(4.0, 4.0, 6.0, 6.0));
-        let inner = offset(&frame, -1.0, 1e-3);
-        // The hole grows to a rounded square of 2 + 2·1 mm.
-        let hole = 4.0 + 4.0 * 2.0 + PI;
-        assert!((inner.content() - (64.0 - hole)).abs() < 0.01);
-    }
-
-    #[test]
-    fn openings_drop_what_is_narrow() {
-        let a = union(&rect(0.0, 0.0, 4.0, 4.0), &rect(4.0, 1.0, 9.0, 1.3));
-        let o = opening(&a, 0.2, 1e-3);
-        assert!((o.content() - 16.0).abs() < 0.1, "{}", o.content());
     }
 
     #[test]

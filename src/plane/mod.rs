@@ -1,14 +1,16 @@
 //! Geometry of one layer's plane: rings, areas, and what is done to them.
 //!
 //! An [`Area`] is a set of closed rings, outer ones counter-clockwise and
-//! holes clockwise, in millimetres. [`clip`] combines and offsets areas,
-//! [`simplify`] thins their rings within a tolerance, [`hatch`] draws
-//! parallel lines across them and [`index`] answers which edges a segment
-//! meets.
+//! holes clockwise, in millimetres. [`clip`] combines areas, [`offset`]
+//! grows and shrinks them, [`simplify`] thins their rings within a tolerance,
+//! [`hatch`] draws parallel lines across them; [`index`] and [`grid`] answer
+//! which edges are where.
 
 pub mod clip;
+pub mod grid;
 pub mod hatch;
 pub mod index;
+pub mod offset;
 pub mod simplify;
 
 use crate::units::{Mm, Mm2};

@@ -16,9 +16,8 @@
 //! the fill.
 
 use crate::plane::Area;
-use crate::plane::clip::{
-    difference, intersection, not_covered_by_all, offset,
-};
+use crate::plane::clip::{difference, intersection, not_covered_by_all};
+use crate::plane::offset::offset;
 use crate::settings::Settings;
 use crate::units::Mm;
 

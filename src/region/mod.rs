@@ -15,7 +15,7 @@
 pub mod exposure;
 
 use crate::bead::spacing;
-use crate::plane::clip::offset;
+use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, signed_area};
 use crate::settings::Settings;

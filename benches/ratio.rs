@@ -1,0 +1,114 @@
+//! The cost of slicing, as a multiple of merely evaluating the field.
+//!
+//!     cargo bench --bench ratio [-- MODEL [LARGEST_SIDE_MM]]
+//!
+//! Y is the processor time for the field at every node of a 0.1 mm lattice
+//! over each layer of the gyroid ball, on one thread, with fidget's
+//! interpreter: 68 million samples. It is measured in the same run as the
+//! slicing, so the ratio means the same on any machine, however busy.
+//! Without a model the gyroid ball is sliced.
+
+use cpu_time::ProcessTime;
+use fidget::context::Context;
+use fidget::eval::{BulkEvaluator, Function, MathFunction};
+use fidget::vm::VmFunction;
+use isoslice::model::{self, BuildVolume, Placement, Source};
+use isoslice::pipeline::{Options, Summary, slice};
+use isoslice::settings::Settings;
+use std::error::Error;
+use std::io;
+use std::path::PathBuf;
+
+const BALL: &str = "examples/gyroid-ball.rhai";
+
+fn load(path: &str, size: Option<f64>) -> Result<model::Model, Box<dyn Error>> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let loaded = model::load(&Source::File(root.join(path)), &[])?;
+    let placement = Placement {
+        size,
+        ..Placement::default()
+    };
+    let volume = BuildVolume {
+        x: 220.0,
+        y: 220.0,
+        z: 250.0,
+    };
+    Ok(model::place(&loaded, &placement, volume)?)
+}
+
+/// Processor seconds of the dense evaluation.
+fn dense() -> Result<f64, Box<dyn Error>> {
+    let ball = load(BALL, None)?;
+    let mut ctx = Context::new();
+    let root = ctx.import(&ball.tree);
+    let f = VmFunction::new(&ctx, &[root])?;
+    let tape = f.float_slice_tape(Default::default());
+    let mut eval = VmFunction::new_float_slice_eval();
+    let side = 521;
+    let row: Vec<f32> = (0..side).map(|i| i as f32 * 0.1 - 26.0).collect();
+    let start = ProcessTime::now();
+    let mut inside = 0_usize;
+    for layer in 0..250 {
+        let z = vec![layer as f32 * 0.2 - 24.9; side];
+        for &y in &row {
+            let y = vec![y; side];
+            // The expression's variables come in the order it uses them.
+            let mut vars: Vec<&[f32]> = vec![&row; 3];
+            for (axis, slice) in [
+                (fidget::var::Var::X, &row),
+                (fidget::var::Var::Y, &y),
+                (fidget::var::Var::Z, &z),
+            ] {
+                if let Some(i) = f.vars().get(&axis) {
+                    vars[i] = slice;
+                }
+            }
+            let out = eval.eval(&tape, &vars)?;
+            inside += out[0].iter().filter(|v| **v < 0.0).count();
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    println!("dense evaluation: {inside} samples inside");
+    Ok(seconds)
+}
+
+/// Processor seconds of a whole slicing run, and what it made.
+fn whole(
+    model: &model::Model,
+    threads: usize,
+) -> Result<(f64, Summary), Box<dyn Error>> {
+    let options = Options {
+        threads: Some(threads),
+        svg_dir: None,
+        on_layer: &|_, _| {},
+    };
+    let settings = Settings::default();
+    let start = ProcessTime::now();
+    let mut sink = io::sink();
+    let summary = slice(model, &settings, &options, &mut sink)?;
+    Ok((start.elapsed().as_secs_f64(), summary))
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut args = std::env::args().skip(1).filter(|a| a != "--bench");
+    let path = args.next().unwrap_or_else(|| BALL.into());
+    let size = args.next().map(|s| s.parse()).transpose()?;
+    let model = load(&path, size)?;
+    let mut ratios = Vec::new();
+    for _ in 0..3 {
+        let y = dense()?;
+        let (one, summary) = whole(&model, 1)?;
+        let (two, _) = whole(&model, 2)?;
+        println!(
+            "Y {y:.2} s; {path}, {} layers: {one:.2} s on one thread \
+             ({:.2} Y), {two:.2} s on two ({:.2} Y)",
+            summary.layers,
+            one / y,
+            two / y
+        );
+        ratios.push(one / y);
+    }
+    ratios.sort_by(f64::total_cmp);
+    println!("median: {:.2} Y", ratios[1]);
+    Ok(())
+}

@@ -1,0 +1,197 @@
+//! A uniform grid over edges, for questions about what is within a short
+//! distance.
+//!
+//! Cheaper to build than a tree (two passes over the edges), and as fast to
+//! ask where the edges are spread evenly, as a layer's are.
+
+use super::{Area, edges};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// Edges by the cells they pass through.
+pub struct EdgeGrid {
+    edges: Vec<(DVec2, DVec2)>,
+    origin: DVec2,
+    cell: Mm,
+    columns: usize,
+    rows: usize,
+    /// Where each cell's edges begin in `members`; one more than cells.
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+/// At most so many cells per edge: beyond that a finer grid costs memory and
+/// saves nothing.
+const CELLS_PER_EDGE: f64 = 4.0;
+
+impl EdgeGrid {
+    /// A grid of the area's edges for questions about the distance `reach`.
+    pub fn new(area: &Area, reach: Mm) -> EdgeGrid {
+        let edges: Vec<(DVec2, DVec2)> =
+            area.rings.iter().flat_map(|r| edges(r)).collect();
+        let bounds = area.bounds();
+        let (origin, size) = match edges.is_empty() {
+            true => (DVec2::ZERO, DVec2::ZERO),
+            false => (bounds.min, bounds.max - bounds.min),
+        };
+        let limit = CELLS_PER_EDGE * edges.len() as f64 + 16.0;
+        let even = (size.x * size.y / limit).sqrt();
+        let long = (size.x + size.y) / limit;
+        let cell = reach.max(even).max(long).max(1e-9);
+        let columns = (size.x / cell) as usize + 1;
+        let rows = (size.y / cell) as usize + 1;
+        let mut grid = EdgeGrid {
+            edges,
+            origin,
+            cell,
+            columns,
+            rows,
+            starts: vec![0; columns * rows + 1],
+            members: Vec::new(),
+        };
+        // Count, sum up, then fill from the back of each cell's share.
+        let mut starts = std::mem::take(&mut grid.starts);
+        for &(a, b) in &grid.edges {
+            grid.walk(a, b, |c| starts[c + 1] += 1);
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        let total = starts.last().copied().unwrap_or(0);
+        let mut members = vec![0; total as usize];
+        let mut next = starts.clone();
+        for (i, &(a, b)) in grid.edges.iter().enumerate() {
+            grid.walk(a, b, |c| {
+                members[next[c] as usize] = i as u32;
+                next[c] += 1;
+            });
+        }
+        grid.starts = starts;
+        grid.members = members;
+        grid
+    }
+
+    fn column(&self, x: f64) -> usize {
+        let c = (x - self.origin.x) / self.cell;
+        (c.max(0.0) as usize).min(self.columns - 1)
+    }
+
+    fn row(&self, y: f64) -> usize {
+        let r = (y - self.origin.y) / self.cell;
+        (r.max(0.0) as usize).min(self.rows - 1)
+    }
+
+    /// The cells that the segment passes through, row by row.
+    fn walk(&self, a: DVec2, b: DVec2, mut visit: impl FnMut(usize)) {
+        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let (first, last) = (self.row(low.y), self.row(high.y));
+        let slope = (high.x - low.x) / (high.y - low.y);
+        let at = |y: f64| {
+            let x = low.x + slope * (y - low.y);
+            x.clamp(low.x.min(high.x), low.x.max(high.x))
+        };
+        for row in first..=last {
+            let bottom = self.origin.y + row as f64 * self.cell;
+            let (x0, x1) = if first == last {
+                (low.x, high.x)
+            } else {
+                let from = if row == first { low.x } else { at(bottom) };
+                let to = if row == last {
+                    high.x
+                } else {
+                    at(bottom + self.cell)
+                };
+                (from, to)
+            };
+            let (c0, c1) = (self.column(x0.min(x1)), self.column(x0.max(x1)));
+            for column in c0..=c1 {
+                visit(row * self.columns + column);
+            }
+        }
+    }
+
+    /// True if no edge comes closer than `distance` to the segment.
+    pub fn clear(&self, a: DVec2, b: DVec2, distance: Mm) -> bool {
+        let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
+        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
+        let limit = distance * distance;
+        for row in self.row(lo.y)..=self.row(hi.y) {
+            let from = self.starts[row * self.columns + c0] as usize;
+            let to = self.starts[row * self.columns + c1 + 1] as usize;
+            for &m in &self.members[from..to] {
+                let (c, d) = self.edges[m as usize];
+                let (elo, ehi) = (c.min(d), c.max(d));
+                if elo.x > hi.x || ehi.x < lo.x || elo.y > hi.y || ehi.y < lo.y
+                {
+                    continue;
+                }
+                if distance_squared(a, b, c, d) < limit {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Square of the distance between two segments.
+fn distance_squared(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> f64 {
+    let (u, v) = (b - a, d - c);
+    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
+    let (s0, s1) = (side(a, b, c), side(a, b, d));
+    let (t0, t1) = (side(c, d, a), side(c, d, b));
+    if s0 * s1 < 0.0 && t0 * t1 < 0.0 {
+        return 0.0;
+    }
+    let to = |p: DVec2, o: DVec2, w: DVec2| {
+        let t = (p - o).dot(w) / w.length_squared();
+        let t = if t.is_finite() {
+            t.clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        p.distance_squared(o + w * t)
+    };
+    to(a, c, v)
+        .min(to(b, c, v))
+        .min(to(c, a, u))
+        .min(to(d, a, u))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clearance_of_a_star() {
+        let ring: Vec<DVec2> = (0..40)
+            .map(|i| {
+                let r = if i % 2 == 0 { 10.0 } else { 6.0 };
+                let turn = std::f64::consts::TAU * f64::from(i) / 40.0;
+                DVec2::from_angle(turn) * r
+            })
+            .collect();
+        let area = Area {
+            rings: vec![ring.clone()],
+        };
+        let grid = EdgeGrid::new(&area, 0.3);
+        for i in 0..300 {
+            let a =
+                DVec2::new(f64::from(i % 20) - 10.0, f64::from(i / 15) - 9.7);
+            let b = a + DVec2::new(1.3, 0.4);
+            let exact = edges(&ring)
+                .map(|(c, d)| distance_squared(a, b, c, d))
+                .fold(f64::INFINITY, f64::min)
+                .sqrt();
+            for reach in [0.1, 0.5, 3.0] {
+                assert_eq!(grid.clear(a, b, reach), exact >= reach);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_near_an_empty_area() {
+        let grid = EdgeGrid::new(&Area::EMPTY, 1.0);
+        assert!(grid.clear(DVec2::ZERO, DVec2::ONE, 100.0));
+    }
+}
