@@ -1,0 +1,83 @@
+{
+  description = "isoslice, a slicer for implicit surfaces: from f(x, y, z) to G-code without a mesh";
+
+  # nixos-26.05 is the first release with the Rust that fidget needs (1.95).
+  inputs.nixpkgs.url = "github:NixOS/nixpkgs/nixos-26.05";
+
+  outputs =
+    { self, nixpkgs }:
+    let
+      systems = [
+        "x86_64-linux"
+        "aarch64-linux"
+        "x86_64-darwin"
+        "aarch64-darwin"
+      ];
+      forAllSystems =
+        f: nixpkgs.lib.genAttrs systems (system: f nixpkgs.legacyPackages.${system});
+
+      manifest = (builtins.fromTOML (builtins.readFile ./Cargo.toml)).package;
+
+      isoslice =
+        pkgs:
+        pkgs.rustPlatform.buildRustPackage {
+          pname = manifest.name;
+          version = manifest.version;
+          src = self;
+          cargoLock.lockFile = ./Cargo.lock;
+          # The tests are a check of their own.
+          doCheck = false;
+          meta = {
+            description = manifest.description;
+            license = [
+              pkgs.lib.licenses.mit
+              pkgs.lib.licenses.asl20
+            ];
+            mainProgram = "isoslice";
+          };
+        };
+
+      # The package with another build phase, and nothing to install.
+      check =
+        pkgs: name: tools: command:
+        (isoslice pkgs).overrideAttrs (old: {
+          pname = "isoslice-${name}";
+          nativeBuildInputs = (old.nativeBuildInputs or [ ]) ++ tools;
+          buildPhase = command;
+          installPhase = "touch $out";
+        });
+    in
+    {
+      packages = forAllSystems (pkgs: {
+        default = isoslice pkgs;
+      });
+
+      apps = forAllSystems (pkgs: {
+        default = {
+          type = "app";
+          program = "${isoslice pkgs}/bin/isoslice";
+        };
+      });
+
+      devShells = forAllSystems (pkgs: {
+        default = pkgs.mkShell {
+          inputsFrom = [ (isoslice pkgs) ];
+          packages = [
+            pkgs.clippy
+            pkgs.rustfmt
+            pkgs.rust-analyzer
+            pkgs.cargo-deny
+            pkgs.cargo-insta
+          ];
+        };
+      });
+
+      checks = forAllSystems (pkgs: {
+        fmt = check pkgs "fmt" [ pkgs.rustfmt ] "cargo fmt --all --check";
+        clippy =
+          check pkgs "clippy" [ pkgs.clippy ]
+            "cargo clippy --offline --all-targets -- -D warnings";
+        test = check pkgs "test" [ ] "cargo test --offline";
+      });
+    };
+}
