@@ -140,6 +140,7 @@ impl Program {
     }
 
     /// Number of operations.
+    #[cfg(test)]
     pub fn len(&self) -> usize {
         self.steps.len()
     }

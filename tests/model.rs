@@ -1,0 +1,527 @@
+//! Models from text to placement, against shapes whose extent is known.
+
+use fidget::context::Tree;
+use glam::DVec3;
+use isoslice::model::{
+    Bounds, BoundsError, BuildVolume, FoundBounds, LoadError, Loaded, Model,
+    PlaceError, Placement, SearchOptions, Source, SourceKind, find_bounds,
+    load, place,
+};
+use std::time::Instant;
+
+const PRINTER: BuildVolume = BuildVolume {
+    x: 220.0,
+    y: 220.0,
+    z: 250.0,
+};
+
+fn source(kind: SourceKind, text: &str) -> Source {
+    Source::Text {
+        name: "test".to_owned(),
+        kind,
+        text: text.to_owned(),
+    }
+}
+
+fn formula(text: &str) -> Loaded {
+    load(&source(SourceKind::Formula, text), &[]).unwrap()
+}
+
+fn script(text: &str) -> Loaded {
+    load(&source(SourceKind::Script, text), &[]).unwrap()
+}
+
+fn bounds_of(tree: &Tree) -> Result<FoundBounds, BoundsError> {
+    find_bounds(tree, &SearchOptions::default())
+}
+
+/// Checks the found box against the true one: never smaller (but for f32
+/// constants), and larger by less than 2e-4 mm and 4e-6 of the size.
+#[track_caller]
+fn assert_bounds(tree: &Tree, min: [f64; 3], max: [f64; 3]) {
+    let found = bounds_of(tree).unwrap();
+    let (min, max) = (DVec3::from(min), DVec3::from(max));
+    let size = (max - min).max_element();
+    let tolerance = (4e-6 * size).min(2e-4);
+    let rounding = 2e-7 * (min.abs().max(max.abs()).max_element());
+    for i in 0..3 {
+        let below = min[i] - found.bounds.min[i];
+        let above = found.bounds.max[i] - max[i];
+        for off in [below, above] {
+            assert!(
+                -rounding <= off && off <= tolerance + rounding,
+                "axis {i} is off by {off}: {found:?}, not {min} to {max}"
+            );
+        }
+    }
+    assert!(found.slack_mm <= tolerance, "{found:?}");
+}
+
+#[track_caller]
+fn assert_formula(text: &str, min: [f64; 3], max: [f64; 3]) {
+    assert_bounds(&formula(text).tree, min, max);
+}
+
+fn exact_box(tree: &Tree) -> Bounds {
+    bounds_of(tree).unwrap().bounds
+}
+
+fn turned(loaded: &Loaded, rotate: [f64; 3]) -> Tree {
+    let placement = Placement {
+        rotate,
+        ..Placement::default()
+    };
+    place(loaded, &placement, PRINTER).unwrap().tree
+}
+
+#[test]
+fn sphere() {
+    assert_formula("sqrt(x^2+y^2+z^2) - 15", [-15.0; 3], [15.0; 3]);
+    assert_formula("x^2+y^2+z^2 - 225", [-15.0; 3], [15.0; 3]);
+}
+
+#[test]
+fn far_off_centre_sphere() {
+    assert_formula(
+        "sqrt((x-500)^2+(y+300)^2+(z-7)^2) - 3",
+        [497.0, -303.0, 4.0],
+        [503.0, -297.0, 10.0],
+    );
+}
+
+#[test]
+fn unit_scale_sphere() {
+    assert_formula("sqrt(x^2+y^2+z^2) - 0.5", [-0.5; 3], [0.5; 3]);
+    assert_formula("sqrt(x^2+y^2+z^2) - 0.001", [-0.001; 3], [0.001; 3]);
+}
+
+#[test]
+fn a_cube_is_exact() {
+    let cube = formula("max(abs(x), abs(y), abs(z)) - 10").tree;
+    let found = exact_box(&cube);
+    assert_eq!(found.min, DVec3::splat(-10.0));
+    assert_eq!(found.max, DVec3::splat(10.0));
+    let cube = script("box([0, 0, 0.25], [20, 30, 40.5])").tree;
+    let found = exact_box(&cube);
+    assert_eq!(found.min, DVec3::new(0.0, 0.0, 0.25));
+    assert_eq!(found.max, DVec3::new(20.0, 30.0, 40.5));
+}
+
+#[test]
+fn turned_cubes() {
+    let r = 10.0 * 2f64.sqrt();
+    let cube = formula("max(abs(x), abs(y), abs(z)) - 10");
+    let tree = turned(&cube, [0.0, 0.0, 45.0]);
+    assert_bounds(&tree, [-r, -r, -10.0], [r, r, 10.0]);
+    // On its corner: the height is the cube's diagonal.
+    let tree = turned(&cube, [45.0, -(0.5f64.sqrt()).atan().to_degrees(), 0.0]);
+    let h = 10.0 * 3f64.sqrt();
+    let found = exact_box(&tree);
+    let largest = found.max.max_element();
+    assert!((largest - h).abs() < 1e-4, "{found:?}");
+}
+
+#[test]
+fn torus_cone_and_ellipsoid() {
+    assert_formula(
+        "sqrt((sqrt(x^2+y^2) - 20)^2 + z^2) - 5",
+        [-25.0, -25.0, -5.0],
+        [25.0, 25.0, 5.0],
+    );
+    assert_formula(
+        "max(sqrt(x^2+y^2) - (30 - z)/2, -z)",
+        [-15.0, -15.0, 0.0],
+        [15.0, 15.0, 30.0],
+    );
+    assert_formula(
+        "x^2/400 + y^2/100 + z^2/25 - 1",
+        [-20.0, -10.0, -5.0],
+        [20.0, 10.0, 5.0],
+    );
+}
+
+#[test]
+fn a_turned_ellipsoid_has_its_analytic_box() {
+    let loaded = formula("x^2/400 + y^2/100 + z^2/25 - 1");
+    let angles = [20.0, 35.0, 50.0];
+    let [x, y, z] = angles.map(f64::to_radians);
+    let r = glam::DMat3::from_rotation_z(z)
+        * glam::DMat3::from_rotation_y(y)
+        * glam::DMat3::from_rotation_x(x);
+    // Half extent along i: the length of (R_ij a_j) over j.
+    let half: [f64; 3] = std::array::from_fn(|i| {
+        (r.row(i) * DVec3::new(20.0, 10.0, 5.0)).length()
+    });
+    assert_bounds(&turned(&loaded, angles), half.map(|h| -h), half);
+}
+
+#[test]
+fn gyroid_ball() {
+    let text = "
+        let k = TAU / 10.0;
+        let g = sin(x*k)*cos(y*k) + sin(y*k)*cos(z*k) + sin(z*k)*cos(x*k);
+        max(abs(g) - 0.55, sqrt(x*x + y*y + z*z) - 25)";
+    let start = Instant::now();
+    let found = bounds_of(&script(text).tree).unwrap();
+    eprintln!("gyroid ball: {:?}, {found:?}", start.elapsed());
+    assert!(found.slack_mm <= 1e-4, "{found:?}");
+    for v in found.bounds.max.to_array() {
+        assert!((24.5..=25.0001).contains(&v), "{found:?}");
+    }
+}
+
+#[test]
+fn blends_and_twists() {
+    // A polynomial smooth union of two balls.
+    let text = "
+        fn blend(a, b, k) {
+            let h = max(k - abs(a - b), 0.0) / k;
+            min(a, b) - h*h*k/4.0
+        }
+        let a = sqrt((x - 8)*(x - 8) + y*y + z*z) - 10;
+        let b = sqrt((x + 8)*(x + 8) + y*y + z*z) - 10;
+        blend(a, b, 4.0)";
+    assert_bounds(
+        &script(text).tree,
+        [-18.0, -10.0, -10.0],
+        [18.0, 10.0, 10.0],
+    );
+    // An exponential blend, whose parts overflow far away.
+    let text = "-ln(exp(-4*(sqrt((x-8)^2+y^2+z^2)-10)) \
+                + exp(-4*(sqrt((x+8)^2+y^2+z^2)-10)))/4";
+    let found = bounds_of(&formula(text).tree).unwrap();
+    assert!((found.bounds.max.x - 18.0).abs() < 1e-3, "{found:?}");
+    // A twisted square prism: its sides are helical.
+    let text = "
+        let t = z * 0.05;
+        let u = x*cos(t) + y*sin(t);
+        let v = y*cos(t) - x*sin(t);
+        max(max(abs(u), abs(v)) - 20, abs(z) - 30)";
+    let start = Instant::now();
+    let found = bounds_of(&script(text).tree).unwrap();
+    eprintln!("twist: {:?}", start.elapsed());
+    let r = 20.0 * 2f64.sqrt();
+    assert!((found.bounds.max.x - r).abs() < 1e-3, "{found:?}");
+    assert_eq!(found.bounds.max.z, 30.0);
+}
+
+#[test]
+fn unions_of_many_and_of_far_apart_bodies() {
+    let text = "
+        for i in 0..10 { for j in 0..10 {
+            draw(sphere([10*i, 10*j, i], 2 + i*0.1));
+        } }";
+    let start = Instant::now();
+    assert_bounds(&script(text).tree, [-2.0, -2.9, -2.0], [92.9, 92.9, 11.9]);
+    eprintln!("100 balls: {:?}", start.elapsed());
+    assert_formula(
+        "min(sqrt((x-900)^2+y^2+z^2) - 1, sqrt((x+900)^2+y^2+z^2) - 2)",
+        [-902.0, -2.0, -2.0],
+        [901.0, 2.0, 2.0],
+    );
+}
+
+#[test]
+fn shared_faces_of_differences_do_not_count() {
+    // What is cut off shares the face x = 10 with what it is cut from: the
+    // field is 0 on that face, and nowhere negative near it.
+    let tree = script(
+        "difference(box([0, 0, 0], [10, 10, 10]), \
+         box([5, 0, 0], [10, 10, 10]))",
+    )
+    .tree;
+    let max = exact_box(&tree).max;
+    assert_eq!(max, DVec3::new(5.0, 10.0, 10.0));
+}
+
+#[test]
+fn fields_that_are_nan_in_places() {
+    // NaN for x < 0, which is outside.
+    assert_formula(
+        "max(sqrt(x) - 2, abs(y) - 1, abs(z) - 1)",
+        [0.0, -1.0, -1.0],
+        [4.0, 1.0, 1.0],
+    );
+    assert_formula(
+        "max(asin(x/10), sqrt(x^2+y^2+z^2) - 30)",
+        [-10.0, -30.0, -30.0],
+        [0.0, 30.0, 30.0],
+    );
+    // Infinite at the origin.
+    assert_formula("1 - 1/(x^2+y^2+z^2)", [-1.0; 3], [1.0; 3]);
+    assert!(matches!(
+        bounds_of(&formula("sqrt(-1 - x^2)").tree),
+        Err(BoundsError::Empty { .. })
+    ));
+}
+
+#[test]
+fn unbounded_models() {
+    let direction = |text: &str| match bounds_of(&formula(text).tree) {
+        Err(BoundsError::Unbounded {
+            direction, flipped, ..
+        }) => (direction, flipped),
+        other => panic!("{text}: {other:?}"),
+    };
+    assert_eq!(direction("z - 3"), ("-z", false));
+    assert_eq!(direction("3 - z"), ("+z", false));
+    assert_eq!(direction("sqrt(x^2 + z^2) - 3").0, "-y");
+    let gyroid = "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
+    assert!(!direction(gyroid).1);
+    // A ball inside out.
+    let e = bounds_of(&formula("15 - sqrt(x^2+y^2+z^2)").tree).unwrap_err();
+    assert!(e.to_string().contains("is the sign flipped?"), "{e}");
+    assert!(e.to_string().contains("--bounds x0,y0,z0:x1,y1,z1"), "{e}");
+}
+
+#[test]
+fn empty_and_full_models() {
+    for text in [
+        "sqrt(x^2+y^2+z^2) + 1",
+        "abs(x) + 0.1",
+        "x^2",
+        "max(x - 1, 2 - x)",
+    ] {
+        let e = bounds_of(&formula(text).tree).unwrap_err();
+        assert!(matches!(e, BoundsError::Empty { .. }), "{text}: {e}");
+    }
+    let e = bounds_of(&formula("-1 - x^2").tree).unwrap_err();
+    assert!(matches!(e, BoundsError::EverythingInside { .. }), "{e}");
+}
+
+#[test]
+fn hopeless_fields_end_with_advice() {
+    let (x, _, _) = Tree::axes();
+    let tree = x.mix(Tree::y()).max(Tree::z() - 1.0);
+    let options = SearchOptions {
+        max_work: 100_000,
+        ..SearchOptions::default()
+    };
+    let e = find_bounds(&tree, &options).unwrap_err();
+    assert!(e.to_string().contains("--bounds"), "{e}");
+}
+
+#[test]
+fn given_bounds_cut_the_model() {
+    let gyroid = formula("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)");
+    let bounds = Bounds {
+        min: DVec3::ZERO,
+        max: DVec3::new(40.0, 30.0, 20.0),
+    };
+    let placement = Placement {
+        bounds: Some(bounds),
+        ..Placement::default()
+    };
+    let model = place(&gyroid, &placement, PRINTER).unwrap();
+    assert_eq!(model.bounds, bounds);
+    // The cut is part of the field.
+    assert_eq!(exact_box(&model.tree), bounds);
+    // Turned, it is the model's own box that cuts.
+    let quarter = Placement {
+        rotate: [0.0, 0.0, 90.0],
+        ..placement
+    };
+    let model = place(&gyroid, &quarter, PRINTER).unwrap();
+    assert_eq!(model.bounds.min, DVec3::new(-30.0, 0.0, 0.0));
+    assert_eq!(model.bounds.max, DVec3::new(0.0, 40.0, 20.0));
+    let no_box = Placement {
+        bounds: Some(Bounds {
+            min: DVec3::ZERO,
+            max: DVec3::new(1.0, f64::NAN, 1.0),
+        }),
+        ..Placement::default()
+    };
+    assert!(matches!(
+        place(&gyroid, &no_box, PRINTER),
+        Err(PlaceError::Bounds(BoundsError::NoBox { .. }))
+    ));
+}
+
+#[test]
+fn a_model_rests_on_the_middle_of_the_bed() {
+    let ball = formula("sqrt((x-3)^2+(y+4)^2+(z-50)^2) - 15");
+    let model = place(&ball, &Placement::default(), PRINTER).unwrap();
+    // No scale, no rotation: the user's own expression.
+    assert!(model.tree.ptr_eq(&ball.tree));
+    assert_eq!(model.offset.z, -35.0);
+    assert_eq!(model.printed_bounds().centre().x, 110.0);
+    assert_eq!(model.printed_bounds().centre().y, 110.0);
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+    assert_eq!(model.expression_size, ball.expression_size);
+    let placement = Placement {
+        at: Some((30.0, 40.0)),
+        ..Placement::default()
+    };
+    let model = place(&ball, &placement, PRINTER).unwrap();
+    assert_eq!(model.printed_bounds().centre().x, 30.0);
+    assert_eq!(model.printed_bounds().min.z, 0.0);
+}
+
+#[test]
+fn scale_and_size_keep_millimetres() {
+    let ball = formula("sqrt(x^2+y^2+z^2) - 0.5");
+    let check = |model: &Model| {
+        assert!((model.bounds.size() - 60.0).abs().max_element() < 1e-3);
+        // The field of the scaled ball is its distance in millimetres.
+        let mut context = fidget::context::Context::new();
+        let node = context.import(&model.tree);
+        let f = context.eval_xyz(node, 40.0, 0.0, 0.0).unwrap();
+        assert!((f - 10.0).abs() < 1e-4, "{f}");
+        assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+    };
+    let sized = Placement {
+        size: Some(60.0),
+        ..Placement::default()
+    };
+    check(&place(&ball, &sized, PRINTER).unwrap());
+    let scaled = Placement {
+        scale: Some(60.0),
+        ..Placement::default()
+    };
+    check(&place(&ball, &scaled, PRINTER).unwrap());
+    let model = place(&ball, &Placement::default(), PRINTER).unwrap();
+    assert!(model.warnings[0].contains("--size"), "{:?}", model.warnings);
+}
+
+#[test]
+fn quarter_turns_keep_faces_exact() {
+    let slab = script("box([0, 0, 0], [10, 20, 30])");
+    let quarter = Placement {
+        rotate: [90.0, 0.0, 0.0],
+        ..Placement::default()
+    };
+    let model = place(&slab, &quarter, PRINTER).unwrap();
+    assert_eq!(model.bounds.min, DVec3::new(0.0, -30.0, 0.0));
+    assert_eq!(model.bounds.max, DVec3::new(10.0, 0.0, 20.0));
+    let full = Placement {
+        rotate: [360.0, 0.0, -720.0],
+        ..Placement::default()
+    };
+    let model = place(&slab, &full, PRINTER).unwrap();
+    assert!(model.tree.ptr_eq(&slab.tree));
+}
+
+#[test]
+fn kept_positions_are_cut_by_the_bed() {
+    let ball = formula("sqrt((x-100)^2+(y-100)^2+(z-10)^2) - 15");
+    let keep = Placement {
+        keep_position: true,
+        ..Placement::default()
+    };
+    let model = place(&ball, &keep, PRINTER).unwrap();
+    assert_eq!(model.offset, DVec3::ZERO);
+    assert!(model.warnings[0].contains("5.000 mm below"));
+    let sunk = formula("sqrt((x-100)^2+(y-100)^2+(z+20)^2) - 15");
+    assert!(matches!(
+        place(&sunk, &keep, PRINTER),
+        Err(PlaceError::BelowBed { .. })
+    ));
+    let centred = formula("sqrt(x^2+y^2+(z-15)^2) - 15");
+    let e = place(&centred, &keep, PRINTER).err().unwrap();
+    assert!(e.to_string().contains("15.00 mm at -x"), "{e}");
+}
+
+#[test]
+fn models_larger_than_the_printer_say_by_how_much() {
+    let ball = formula("sqrt(x^2+y^2+z^2) - 120");
+    let e = place(&ball, &Placement::default(), PRINTER).err().unwrap();
+    let e = e.to_string();
+    assert!(e.contains("20.00 mm too wide (x)"), "{e}");
+    assert!(e.contains("20.00 mm too deep (y)"), "{e}");
+    assert!(!e.contains("too high"), "{e}");
+    assert!(e.contains("--size"), "{e}");
+    // A part as large as the printer fits.
+    let full = script("box([0, 0, 0], [220, 220, 250])");
+    place(&full, &Placement::default(), PRINTER).unwrap();
+}
+
+#[test]
+fn senseless_placements_are_refused() {
+    let ball = formula("sqrt(x^2+y^2+z^2) - 15");
+    let refused = |change: fn(&mut Placement), words: &str| {
+        let mut placement = Placement::default();
+        change(&mut placement);
+        let e = place(&ball, &placement, PRINTER).err().unwrap();
+        assert!(e.to_string().contains(words), "{e}");
+    };
+    refused(|p| p.scale = Some(0.0), "--scale 0");
+    refused(|p| p.size = Some(f64::NAN), "--size NaN");
+    refused(|p| p.rotate[1] = f64::INFINITY, "--rotate-y");
+    refused(|p| (p.scale, p.size) = (Some(2.0), Some(9.0)), "together");
+    refused(
+        |p| (p.at, p.keep_position) = (Some((1.0, 1.0)), true),
+        "together",
+    );
+}
+
+#[test]
+fn files_are_loaded_by_their_extension() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        Source::File(path)
+    };
+    let loaded = load(&file("ball.rhai", b"sphere(7)"), &[]).unwrap();
+    assert_eq!(loaded.name, "ball");
+    assert_bounds(&loaded.tree, [-7.0; 3], [7.0; 3]);
+    let vm = b"_0 var-x\n_1 abs _0\n_2 const 3\n_3 sub _1 _2\n";
+    let loaded = load(&file("slab.VM", vm), &[]).unwrap();
+    assert_eq!(loaded.name, "slab");
+    let error = |s: &Source| load(s, &[]).err().unwrap().to_string();
+    let e = error(&file("a.stl", b""));
+    assert!(e.contains(".rhai") && e.contains(".vm"), "{e}");
+    let e = error(&file("a", b""));
+    assert!(e.contains("no extension"), "{e}");
+    let e = error(&file("b.vm", b"_0 var-x\n_1 add _0\n"));
+    assert!(e.contains("b.vm, line 2: `add`"), "{e}");
+    let e = error(&file("c.rhai", b"let a = 1;\n\xff"));
+    assert!(e.contains("line 2: not valid UTF-8"), "{e}");
+    let e = error(&file("d.rhai", b"x +"));
+    assert!(e.contains("d.rhai: line 1"), "{e}");
+    let missing = Source::File(folder.path().join("none.vm"));
+    assert!(matches!(load(&missing, &[]), Err(LoadError::Read { .. })));
+}
+
+#[test]
+fn only_scripts_have_parameters() {
+    let defines = [("n".to_owned(), "1".to_owned())];
+    for (kind, text) in
+        [(SourceKind::Formula, "x"), (SourceKind::Vm, "_0 var-x")]
+    {
+        let e = load(&source(kind, text), &defines).err().unwrap();
+        assert!(e.to_string().contains("no parameters"), "{e}");
+    }
+}
+
+#[test]
+fn remap_bombs_are_refused() {
+    let bomb = "let t = sin(x) + y;
+                for i in 0..40 { t = t.remap(t, y + 1, t * 2); }
+                t";
+    let start = Instant::now();
+    let e = load(&source(SourceKind::Script, bomb), &[]).err().unwrap();
+    assert!(e.to_string().contains("remap"), "{e}");
+    assert!(start.elapsed().as_secs() < 10);
+}
+
+#[test]
+fn deep_models_are_loaded_and_bounded() {
+    let deep = "let t = x; for i in 0..100000 { t = t + sin(t*0.001); } t";
+    let loaded = script(deep);
+    assert!(loaded.expression_size > 200_000);
+    drop(loaded);
+    let chain = "let t = sphere(5);
+                 for i in 0..1000 { t = min(t, z + 3 + i); }
+                 max(t, sphere(5))";
+    assert_bounds(&script(chain).tree, [-5.0; 3], [5.0; 3]);
+}
+
+#[test]
+fn the_same_input_gives_the_same_model() {
+    let text = "max(sin(x)*cos(y) + z/9, sqrt(x^2+y^2+z^2) - 8)";
+    let once = bounds_of(&formula(text).tree).unwrap();
+    for _ in 0..3 {
+        assert_eq!(bounds_of(&formula(text).tree).unwrap(), once);
+    }
+}
