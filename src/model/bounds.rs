@@ -228,14 +228,22 @@ impl Side {
         }
     }
 
-    /// Removes what is less far out than `from`; false if nothing is left.
-    fn clip(self, cell: &mut Cell, from: f64) -> bool {
+    /// Coordinate of a cell's face opposite to this side.
+    fn inner_face(self, cell: &Cell) -> f64 {
+        if self.up {
+            cell.lo[self.axis]
+        } else {
+            cell.hi[self.axis]
+        }
+    }
+
+    /// Removes what is less far out than `from`.
+    fn clip(self, cell: &mut Cell, from: f64) {
         if self.up {
             cell.lo[self.axis] = cell.lo[self.axis].max(from);
         } else {
             cell.hi[self.axis] = cell.hi[self.axis].min(-from);
         }
-        cell.lo[self.axis] < cell.hi[self.axis]
     }
 
     fn set_reach(self, cell: &mut Cell, reach: f64) {
@@ -469,10 +477,14 @@ impl<'a> Search<'a> {
                         flipped: false,
                     });
                 }
-                if !side.clip(&mut c.cell, known + tolerance) {
-                    // No other candidate reaches further than this one.
+                // No other candidate reaches further than this one.
+                if c.reach <= known + tolerance {
                     break;
                 }
+                // Cut below what is still to be decided, so that no box gets
+                // thinner than half the tolerance: over a rounded top whose
+                // height lies right at the cut, thinner ones never end.
+                side.clip(&mut c.cell, known + 0.5 * tolerance);
             }
             if self.scratch.work > stop {
                 let beyond = c.reach >= 0.9 * self.options.limit_mm;
@@ -489,8 +501,16 @@ impl<'a> Search<'a> {
             if f.range.is_empty() || f.range.lo >= 0.0 {
                 continue;
             }
-            if f.centre < 0.0 {
-                let start = c.cell.centre();
+            // The middle of the inner face as well: where the surface has a
+            // rounded top just above that face, the box's centre is over it
+            // however small the box gets.
+            let mut start = c.cell.centre();
+            let mut is_inside = f.centre < 0.0;
+            if !is_inside {
+                start[side.axis] = side.inner_face(&c.cell);
+                is_inside = c.program.value(start, &mut self.scratch) < 0.0;
+            }
+            if is_inside {
                 self.note_inside(start);
                 self.climb(side, &c.program, start, c.reach);
                 // The same box again, cut at the new extent.
