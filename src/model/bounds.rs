@@ -337,22 +337,14 @@ impl<'a> Search<'a> {
 
     fn run(mut self, program: Rc<Program>) -> Result<FoundBounds, BoundsError> {
         let program = self.narrow(program)?;
-        let size = (0..3).map(|i| self.region.width(i)).fold(0.0, f64::max);
-        let far = (0..3)
-            .map(|i| self.region.lo[i].abs().max(self.region.hi[i].abs()))
-            .fold(0.0, f64::max);
-        // Not below what f64 coordinates can tell apart.
-        let tolerance =
-            (size * self.options.tolerance).min(1e-4).max(far * 1e-13);
-        let mut slack_mm: f64 = 0.0;
-        let sides = Side::all();
-        for (done, side) in sides.into_iter().enumerate() {
-            let left = self.options.max_work.saturating_sub(self.scratch.work);
-            let budget = left / (sides.len() - done) as u64;
-            let reach = self.side(side, &program, tolerance, budget)?;
-            side.set_reach(&mut self.region, reach);
-            if let Some(inside) = self.inside {
-                slack_mm = slack_mm.max(reach - side.reach(&inside));
+        let mut slack_mm = f64::INFINITY;
+        // The tolerance is a share of the size, which the coarse region may
+        // overestimate: once more with what the first pass found.
+        for _ in 0..3 {
+            let before = largest_side(&self.region);
+            slack_mm = self.all_sides(&program)?;
+            if largest_side(&self.region) > 0.6 * before {
+                break;
             }
         }
         Ok(FoundBounds {
@@ -362,6 +354,29 @@ impl<'a> Search<'a> {
             },
             slack_mm,
         })
+    }
+
+    /// Moves all sides of the region to the model; returns the slack.
+    fn all_sides(&mut self, program: &Rc<Program>) -> Result<f64, BoundsError> {
+        let far = (0..3)
+            .map(|i| self.region.lo[i].abs().max(self.region.hi[i].abs()))
+            .fold(0.0, f64::max);
+        // Not below what f64 coordinates can tell apart.
+        let tolerance = (largest_side(&self.region) * self.options.tolerance)
+            .min(1e-4)
+            .max(far * 1e-13);
+        let mut slack_mm: f64 = 0.0;
+        let sides = Side::all();
+        for (done, side) in sides.into_iter().enumerate() {
+            let left = self.options.max_work.saturating_sub(self.scratch.work);
+            let budget = left / (sides.len() - done) as u64;
+            let reach = self.side(side, program, tolerance, budget)?;
+            side.set_reach(&mut self.region, reach);
+            if let Some(inside) = self.inside {
+                slack_mm = slack_mm.max(reach - side.reach(&inside));
+            }
+        }
+        Ok(slack_mm)
     }
 
     /// Narrows the region by a coarse grid as long as that helps, and returns
@@ -578,6 +593,10 @@ impl<'a> Search<'a> {
         }
         self.note_inside(at(inner));
     }
+}
+
+fn largest_side(cell: &Cell) -> f64 {
+    (0..3).map(|i| cell.width(i)).fold(0.0, f64::max)
 }
 
 /// The box of two boxes.
