@@ -611,6 +611,8 @@ mod tests {
         assert_eq!(value("x.pow(3)", 2.0, 0.0, 0.0), 8.0);
         assert!((value("2.0 ** x", 3.0, 0.0, 0.0) - 8.0).abs() < 1e-5);
         assert_eq!(value("x + 2 ** 3", 1.0, 0.0, 0.0), 9.0);
+        // rhai's rule, which the module's header warns of.
+        assert_eq!(value("-x ** 2", 3.0, 0.0, 0.0), 9.0);
         assert!(error("x^2").contains("x ** 2"));
         assert!(error("x + 2*y^2.0").contains("x ** 2"));
         // No panic, no endless product.
