@@ -228,14 +228,22 @@ impl Side {
         }
     }
 
-    /// Removes what is less far out than `from`; false if nothing is left.
-    fn clip(self, cell: &mut Cell, from: f64) -> bool {
+    /// Coordinate of a cell's face opposite to this side.
+    fn inner_face(self, cell: &Cell) -> f64 {
+        if self.up {
+            cell.lo[self.axis]
+        } else {
+            cell.hi[self.axis]
+        }
+    }
+
+    /// Removes what is less far out than `from`.
+    fn clip(self, cell: &mut Cell, from: f64) {
         if self.up {
             cell.lo[self.axis] = cell.lo[self.axis].max(from);
         } else {
             cell.hi[self.axis] = cell.hi[self.axis].min(-from);
         }
-        cell.lo[self.axis] < cell.hi[self.axis]
     }
 
     fn set_reach(self, cell: &mut Cell, reach: f64) {
@@ -329,22 +337,14 @@ impl<'a> Search<'a> {
 
     fn run(mut self, program: Rc<Program>) -> Result<FoundBounds, BoundsError> {
         let program = self.narrow(program)?;
-        let size = (0..3).map(|i| self.region.width(i)).fold(0.0, f64::max);
-        let far = (0..3)
-            .map(|i| self.region.lo[i].abs().max(self.region.hi[i].abs()))
-            .fold(0.0, f64::max);
-        // Not below what f64 coordinates can tell apart.
-        let tolerance =
-            (size * self.options.tolerance).min(1e-4).max(far * 1e-13);
-        let mut slack_mm: f64 = 0.0;
-        let sides = Side::all();
-        for (done, side) in sides.into_iter().enumerate() {
-            let left = self.options.max_work.saturating_sub(self.scratch.work);
-            let budget = left / (sides.len() - done) as u64;
-            let reach = self.side(side, &program, tolerance, budget)?;
-            side.set_reach(&mut self.region, reach);
-            if let Some(inside) = self.inside {
-                slack_mm = slack_mm.max(reach - side.reach(&inside));
+        let mut slack_mm = f64::INFINITY;
+        // The tolerance is a share of the size, which the coarse region may
+        // overestimate: once more with what the first pass found.
+        for _ in 0..3 {
+            let before = largest_side(&self.region);
+            slack_mm = self.all_sides(&program)?;
+            if largest_side(&self.region) > 0.6 * before {
+                break;
             }
         }
         Ok(FoundBounds {
@@ -354,6 +354,29 @@ impl<'a> Search<'a> {
             },
             slack_mm,
         })
+    }
+
+    /// Moves all sides of the region to the model; returns the slack.
+    fn all_sides(&mut self, program: &Rc<Program>) -> Result<f64, BoundsError> {
+        let far = (0..3)
+            .map(|i| self.region.lo[i].abs().max(self.region.hi[i].abs()))
+            .fold(0.0, f64::max);
+        // Not below what f64 coordinates can tell apart.
+        let tolerance = (largest_side(&self.region) * self.options.tolerance)
+            .min(1e-4)
+            .max(far * 1e-13);
+        let mut slack_mm: f64 = 0.0;
+        let sides = Side::all();
+        for (done, side) in sides.into_iter().enumerate() {
+            let left = self.options.max_work.saturating_sub(self.scratch.work);
+            let budget = left / (sides.len() - done) as u64;
+            let reach = self.side(side, program, tolerance, budget)?;
+            side.set_reach(&mut self.region, reach);
+            if let Some(inside) = self.inside {
+                slack_mm = slack_mm.max(reach - side.reach(&inside));
+            }
+        }
+        Ok(slack_mm)
     }
 
     /// Narrows the region by a coarse grid as long as that helps, and returns
@@ -469,10 +492,14 @@ impl<'a> Search<'a> {
                         flipped: false,
                     });
                 }
-                if !side.clip(&mut c.cell, known + tolerance) {
-                    // No other candidate reaches further than this one.
+                // No other candidate reaches further than this one.
+                if c.reach <= known + tolerance {
                     break;
                 }
+                // Cut below what is still to be decided, so that no box gets
+                // thinner than half the tolerance: over a rounded top whose
+                // height lies right at the cut, thinner ones never end.
+                side.clip(&mut c.cell, known + 0.5 * tolerance);
             }
             if self.scratch.work > stop {
                 let beyond = c.reach >= 0.9 * self.options.limit_mm;
@@ -489,8 +516,16 @@ impl<'a> Search<'a> {
             if f.range.is_empty() || f.range.lo >= 0.0 {
                 continue;
             }
-            if f.centre < 0.0 {
-                let start = c.cell.centre();
+            // The middle of the inner face as well: where the surface has a
+            // rounded top just above that face, the box's centre is over it
+            // however small the box gets.
+            let mut start = c.cell.centre();
+            let mut is_inside = f.centre < 0.0;
+            if !is_inside {
+                start[side.axis] = side.inner_face(&c.cell);
+                is_inside = c.program.value(start, &mut self.scratch) < 0.0;
+            }
+            if is_inside {
                 self.note_inside(start);
                 self.climb(side, &c.program, start, c.reach);
                 // The same box again, cut at the new extent.
@@ -558,6 +593,10 @@ impl<'a> Search<'a> {
         }
         self.note_inside(at(inner));
     }
+}
+
+fn largest_side(cell: &Cell) -> f64 {
+    (0..3).map(|i| cell.width(i)).fold(0.0, f64::max)
 }
 
 /// The box of two boxes.

@@ -71,7 +71,7 @@ pub enum LoadError {
         /// File.
         file: String,
         /// What is wrong.
-        error: ScriptError,
+        error: Box<ScriptError>,
     },
     /// `-D` for a model without parameters.
     #[error("{file}: {error}")]
@@ -79,7 +79,7 @@ pub enum LoadError {
         /// File.
         file: String,
         /// What is wrong.
-        error: ParamError,
+        error: Box<ParamError>,
     },
     /// An expression that is too large or has free variables.
     #[error("{file}: {error}")]

@@ -3,11 +3,13 @@
 //! In: text such as `sqrt(x^2 + y^2 + z^2) - 15`. Out: an expression tree, or
 //! an error with the column.
 //!
-//!     sum     = product { ("+" | "-") product }
-//!     product = sign { ("*" | "/" | "%") sign }
-//!     sign    = ("+" | "-") sign | power
-//!     power   = atom [ ("^" | "**") sign ]
-//!     atom    = number | name | name "(" sum { "," sum } ")" | "(" sum ")"
+//! ```text
+//! sum     = product { ("+" | "-") product }
+//! product = sign { ("*" | "/" | "%") sign }
+//! sign    = ("+" | "-") sign | power
+//! power   = atom [ ("^" | "**") sign ]
+//! atom    = number | name | name "(" sum { "," sum } ")" | "(" sum ")"
+//! ```
 //!
 //! As in mathematics, `^` binds tighter than a sign before it and groups to
 //! the right: -x^2 = -(x²), 2^3^2 = 2^9. Nesting is limited, so that hostile

@@ -420,7 +420,10 @@ impl Interval {
     pub fn same_period(self, o: Self) -> bool {
         o.lo == o.hi
             && o.lo != 0.0
+            && o.is_finite()
             && self.is_finite()
+            // Beyond this f64 cannot tell one period from the next.
+            && self.magnitude() < 1e15 * o.lo.abs()
             && (self.lo / o.lo.abs()).floor() == (self.hi / o.lo.abs()).floor()
     }
 

@@ -1,6 +1,8 @@
 //! From a file or a formula to a model placed on the printer.
 //!
-//!     Source ──load──► Loaded ──place──► Model
+//! ```text
+//! Source ──load──► Loaded ──place──► Model
+//! ```
 //!
 //! - `source`: which format, reading; `script` (rhai, sandboxed), `vm`
 //!   (fidget's text), `formula` (one expression), `param` (`-D name=value`)

@@ -191,7 +191,8 @@ impl Program {
                     tightened(unary(op, &s[a as usize]), half)
                 }
                 Step::Binary(op, a, b) => {
-                    tightened(binary(op, &s[a as usize], &s[b as usize]), half)
+                    let (a, b) = (&s[a as usize], &s[b as usize]);
+                    mixed(op, tightened(binary(op, a, b), half), a, b, half)
                 }
             };
             s.push(slot);
@@ -316,6 +317,61 @@ fn tightened(mut slot: Slot, half: [f64; 3]) -> Slot {
     if lo <= hi {
         slot.range.lo = lo;
         slot.range.hi = hi;
+    }
+    slot
+}
+
+/// The slot of a `max` (or `min`) of two crossing surfaces with its lower
+/// (upper) end cut by a blend of the two.
+///
+/// max(a, b) ≥ t·a + (1 - t)·b for every t in [0, 1]. Along an edge the two
+/// slopes partly cancel for some t: the ridge of a roof is bounded by its
+/// height, although neither slope of the roof is. Without this an oblique
+/// edge of length L takes L / tolerance boxes.
+fn mixed(
+    op: BinaryOpcode,
+    mut slot: Slot,
+    a: &Slot,
+    b: &Slot,
+    half: [f64; 3],
+) -> Slot {
+    let sign = match op {
+        BinaryOpcode::Max => 1.0,
+        // min(a, b) = -max(-a, -b)
+        BinaryOpcode::Min => -1.0,
+        _ => return slot,
+    };
+    let known = |s: &Slot| {
+        !s.range.nan
+            && s.centre.is_finite()
+            && s.slope.iter().all(|g| g.is_finite() && !g.nan)
+    };
+    let decided = a.range.hi <= b.range.lo || b.range.hi <= a.range.lo;
+    if decided || !known(a) || !known(b) {
+        return slot;
+    }
+    let middle = |g: Interval| 0.5 * (g.lo + g.hi);
+    for i in 0..3 {
+        let (ga, gb) = (middle(a.slope[i]), middle(b.slope[i]));
+        // The share of `a` at which the slopes along this axis cancel.
+        let t = gb / (gb - ga);
+        if !(t > 0.0 && t < 1.0) {
+            continue;
+        }
+        let mut reach = 0.0;
+        for (j, half) in half.iter().enumerate() {
+            let (ga, gb) = (a.slope[j], b.slope[j]);
+            let lo = t * ga.lo + (1.0 - t) * gb.lo;
+            let hi = t * ga.hi + (1.0 - t) * gb.hi;
+            reach += lo.abs().max(hi.abs()) * half;
+        }
+        let centre = t * a.centre + (1.0 - t) * b.centre;
+        let end = centre - sign * reach;
+        if sign > 0.0 && end > slot.range.lo {
+            slot.range.lo = end.min(slot.range.hi);
+        } else if sign < 0.0 && end < slot.range.hi {
+            slot.range.hi = end.max(slot.range.lo);
+        }
     }
     slot
 }

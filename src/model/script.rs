@@ -28,6 +28,7 @@ use rhai::{
     Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext,
     Position,
 };
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -40,7 +41,7 @@ pub struct ScriptLimits {
     /// Wall time. Default: 20 s, some ten times what the operations take.
     pub time: Duration,
     /// Growth of the process's memory while the script runs (Linux only).
-    /// Default: 240 MiB.
+    /// Other threads of the process count as well. Default: 192 MiB.
     pub memory_bytes: u64,
 }
 
@@ -49,7 +50,7 @@ impl Default for ScriptLimits {
         Self {
             operations: 10_000_000,
             time: Duration::from_secs(20),
-            memory_bytes: 240 << 20,
+            memory_bytes: 192 << 20,
         }
     }
 }
@@ -277,16 +278,26 @@ fn add_limits(engine: &mut Engine, limits: &ScriptLimits) {
     let limits = *limits;
     let start = Instant::now();
     let before = resident_bytes();
+    let last_look_ms = AtomicU64::new(0);
     engine.on_progress(move |operations| {
-        /// How often the clock and the memory are looked at.
-        const EVERY: u64 = 1024;
+        /// Operations between looks at the clock. One operation can make a
+        /// union of `MAX_ARRAY` shapes, some 10 MB.
+        const EVERY: u64 = 4;
+        /// Time between looks at the memory, which cost some microseconds.
+        const MEMORY_EVERY_MS: u64 = 2;
         if operations > limits.operations {
             return Some(Dynamic::from(Stop::Operations));
         }
-        if operations % EVERY == 0 {
-            if start.elapsed() > limits.time {
-                return Some(Dynamic::from(Stop::Time));
-            }
+        if !operations.is_multiple_of(EVERY) {
+            return None;
+        }
+        let elapsed = start.elapsed();
+        if elapsed > limits.time {
+            return Some(Dynamic::from(Stop::Time));
+        }
+        let now_ms = elapsed.as_millis() as u64;
+        if now_ms >= last_look_ms.load(Ordering::Relaxed) + MEMORY_EVERY_MS {
+            last_look_ms.store(now_ms, Ordering::Relaxed);
             if let (Some(now), Some(before)) = (resident_bytes(), before)
                 && now.saturating_sub(before) > limits.memory_bytes
             {
@@ -542,8 +553,13 @@ mod tests {
     use super::*;
     use fidget::context::Context;
 
+    /// Without the memory limit: other tests' memory would count.
     fn run(text: &str) -> Result<Script, ScriptError> {
-        run_script(text, &[], &ScriptLimits::default())
+        let limits = ScriptLimits {
+            memory_bytes: u64::MAX,
+            ..ScriptLimits::default()
+        };
+        run_script(text, &[], &limits)
     }
 
     fn value(text: &str, x: f32, y: f32, z: f32) -> f32 {
@@ -595,6 +611,8 @@ mod tests {
         assert_eq!(value("x.pow(3)", 2.0, 0.0, 0.0), 8.0);
         assert!((value("2.0 ** x", 3.0, 0.0, 0.0) - 8.0).abs() < 1e-5);
         assert_eq!(value("x + 2 ** 3", 1.0, 0.0, 0.0), 9.0);
+        // rhai's rule, which the module's header warns of.
+        assert_eq!(value("-x ** 2", 3.0, 0.0, 0.0), 9.0);
         assert!(error("x^2").contains("x ** 2"));
         assert!(error("x + 2*y^2.0").contains("x ** 2"));
         // No panic, no endless product.
@@ -703,12 +721,29 @@ mod tests {
     }
 
     #[test]
+    #[cfg(target_os = "linux")]
+    fn memory_is_limited() {
+        let limits = ScriptLimits {
+            memory_bytes: 24 << 20,
+            ..ScriptLimits::default()
+        };
+        // Small operations and one that makes many nodes.
+        for text in [
+            "let t = x; loop { t = t ** 1023; }",
+            "let a = []; a.pad(20000, x); loop { draw(union(a)); }",
+        ] {
+            let e = run_script(text, &[], &limits).unwrap_err();
+            assert!(e.to_string().contains("24 MB of memory"), "{e}");
+        }
+    }
+
+    #[test]
     fn deep_values_do_not_overflow_the_stack() {
         run("let t = x; for i in 0..100000 { t = t + sin(t * 0.001); } t")
             .unwrap();
         run("let t = x; for i in 0..100000 { t = min(t, y + i); } t").unwrap();
         // Nested arrays are measured and freed by rhai, recursively.
-        let e = run("let a = []; for i in 0..3000 { a = [a]; } a");
+        let e = run("let a = []; for i in 0..1000 { a = [a]; } a");
         assert!(matches!(e, Err(ScriptError::NoModel { .. })));
     }
 }

@@ -86,7 +86,7 @@ pub fn load_within(
     let no_parameters = || {
         none_wanted(defines).map_err(|error| LoadError::Param {
             file: file.clone(),
-            error,
+            error: Box::new(error),
         })
     };
     let (tree, parameters) = match kind {
@@ -113,7 +113,7 @@ pub fn load_within(
             let script = run_script(text(&bytes, &file)?, defines, limits)
                 .map_err(|error| LoadError::Script {
                     file: file.clone(),
-                    error,
+                    error: Box::new(error),
                 })?;
             (script.tree, script.parameters)
         }

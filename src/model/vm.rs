@@ -1,9 +1,11 @@
 //! fidget's text format: one operation per line, the last one is the field.
 //!
-//!     # a comment
-//!     _0 const 2.5
-//!     _1 var-x
-//!     _2 sub _1 _0
+//! ```text
+//! # a comment
+//! _0 const 2.5
+//! _1 var-x
+//! _2 sub _1 _0
+//! ```
 //!
 //! In: the bytes of a `.vm` file. Out: an expression tree, or an error with
 //! the line. Accepts what `fidget::Context::from_text` accepts, without its
