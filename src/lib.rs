@@ -16,6 +16,7 @@ pub mod preview;
 pub mod region;
 pub mod settings;
 pub mod skin;
+pub mod timings;
 pub mod travel;
 pub mod units;
 pub mod walls;

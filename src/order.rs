@@ -10,7 +10,7 @@
 //! line starts in the sharpest concave corner, or at the back.
 
 use crate::bead::{Bead, Role};
-use crate::plane::index::EdgeIndex;
+use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, edges, ring_contains};
 use crate::settings::{Seam, Settings, WallOrder};
 use crate::skin::Patch;
@@ -157,10 +157,13 @@ fn loops(outer: Vec<Bead>, inner: Vec<Bead>) -> Vec<Vec<Bead>> {
     if loops.is_empty() {
         return inner.into_iter().map(|b| vec![b]).collect();
     }
-    let index = (loops.len() > 1).then(|| EdgeIndex::new(&area));
+    let grid = (loops.len() > 1).then(|| EdgeGrid::new(&area, 1.0));
     for bead in inner {
-        let near = index.as_ref().zip(bead.points.first());
-        let i = near.and_then(|(x, &p)| x.nearest_ring(p)).unwrap_or(0);
+        let i = grid
+            .as_ref()
+            .zip(bead.points.first())
+            .and_then(|(grid, &p)| grid.nearest(p))
+            .map_or(0, |near| near.0);
         loops[i].push(bead);
     }
     loops
@@ -183,11 +186,11 @@ fn place_seams(
     // For each loop the seam below that is nearest to it.
     let mut below: Vec<Option<(f64, DVec2)>> = vec![None; outer.len()];
     if settings.seam == Seam::Aligned && !head.seams.is_empty() {
-        let index = EdgeIndex::new(&area);
+        let grid = EdgeGrid::new(&area, 0.5 * SEAM_REACH);
         for &seam in &head.seams {
-            if let Some((ring, point)) = index.nearest_point(seam) {
+            if let Some((ring, point)) = grid.nearest_within(seam, SEAM_REACH) {
                 let d = seam.distance(point);
-                if d <= SEAM_REACH && below[ring].is_none_or(|b| d < b.0) {
+                if below[ring].is_none_or(|b| d < b.0) {
                     below[ring] = Some((d, point));
                 }
             }

@@ -21,11 +21,13 @@ use crate::layers::{LayerSpan, PlanError, plan};
 use crate::model::Model;
 use crate::order::{Head, LayerBeads, order};
 use crate::pace::Pacer;
+use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
 use crate::preview::layer_svg;
 use crate::region::exposure::split;
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::settings::{Settings, WallOffset};
+use crate::timings::{Stage, Timings};
 use crate::travel::connect;
 use crate::units::{Mm, Mm2, Seconds};
 use crate::{infill, skin, walls};
@@ -64,6 +66,8 @@ pub struct Summary {
     pub solid_area: Mm2,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// Where the time went, added up over all threads.
+    pub timings: Vec<(Stage, Seconds)>,
 }
 
 /// Why a run failed.
@@ -96,6 +100,8 @@ pub enum SliceError {
 struct Shell {
     span: LayerSpan,
     outline: Outline,
+    /// The outline again, for asking what is where.
+    solid: EdgeGrid,
     walls: Walls,
 }
 
@@ -135,6 +141,7 @@ pub fn slice(
         pacer: Pacer::new(settings),
         writer: Writer::new(out, settings, &header)?,
         written: 0,
+        timings: &stages.timings,
         total: spans.len(),
         beads: 0,
         warnings: Vec::new(),
@@ -195,6 +202,7 @@ pub fn slice(
         unfilled_area: tally.gap,
         solid_area: tally.solid,
         warnings: exit.warnings,
+        timings: stages.timings.report(),
     })
 }
 
@@ -208,6 +216,7 @@ struct Stages<'a> {
     bed: Mm,
     top_layers: usize,
     bottom_layers: usize,
+    timings: Timings,
 }
 
 impl<'a> Stages<'a> {
@@ -216,14 +225,14 @@ impl<'a> Stages<'a> {
             min: model.bounds.min.truncate(),
             max: model.bounds.max.truncate(),
         };
-        let middle = 0.5 * (model.bounds.min.z + model.bounds.max.z);
+        let heights = [model.bounds.min.z, model.bounds.max.z];
         let make = |depth: Mm, backend| {
             Field::new(
                 &model.tree,
                 depth,
                 rect,
                 settings.sample_spacing,
-                middle,
+                heights,
                 backend,
             )
         };
@@ -248,6 +257,7 @@ impl<'a> Stages<'a> {
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
+            timings: Timings::default(),
         })
     }
 
@@ -256,12 +266,13 @@ impl<'a> Stages<'a> {
         let z: Vec<Mm> =
             spans.iter().map(|s| s.sample_z() + self.bed).collect();
         let accuracy = self.settings.accuracy * OUTLINE_SHARE;
-        let outlines_of_slab = outlines(&self.field, &z, accuracy)?;
+        let make = |f: &Field| outlines(f, &z, accuracy, &self.timings);
+        let outlines_of_slab = make(&self.field)?;
         // For walls that are offsets of the expression: by depth, by layer.
         let mut offset_outlines = self
             .wall_fields
             .iter()
-            .map(|f| Ok(outlines(f, &z, accuracy)?.into_iter()))
+            .map(|f| Ok(make(f)?.into_iter()))
             .collect::<Result<Vec<_>, FieldError>>()?;
         Ok(spans
             .iter()
@@ -272,13 +283,18 @@ impl<'a> Stages<'a> {
                     .iter_mut()
                     .filter_map(|o| o.next().map(|o| o.area))
                     .collect();
-                let walls = if areas.is_empty() {
-                    walls(&outline.area, height, self.settings)
-                } else {
-                    field_walls(&outline.area, areas, height, self.settings)
-                };
+                let walls = self.timings.time(Stage::Walls, || {
+                    let outline = &outline.area;
+                    match areas.is_empty() {
+                        true => walls(outline, height, self.settings),
+                        false => {
+                            field_walls(outline, areas, height, self.settings)
+                        }
+                    }
+                });
                 Shell {
                     span,
+                    solid: EdgeGrid::new(&outline.area, 1.0),
                     outline,
                     walls,
                 }
@@ -298,7 +314,8 @@ impl<'a> Stages<'a> {
         let first = window.front().map_or(0, |s| s.span.index);
         let end = match last {
             true => window.len(),
-            false => window.len().saturating_sub(self.top_layers),
+            // Roles look at the next layer, whatever the skin's thickness.
+            false => window.len().saturating_sub(self.top_layers.max(1)),
         };
         let ready = exit.written - first..end;
         let shells: &VecDeque<Shell> = window;
@@ -312,7 +329,7 @@ impl<'a> Stages<'a> {
         for (i, beads) in ready.zip(beads) {
             exit.layer(&window[i], beads)?;
         }
-        let keep = exit.written.saturating_sub(self.bottom_layers);
+        let keep = exit.written.saturating_sub(self.bottom_layers.max(1));
         while window.front().is_some_and(|s| s.span.index < keep) {
             window.pop_front();
         }
@@ -335,16 +352,30 @@ impl<'a> Stages<'a> {
         let below: Vec<&Area> = (1..=self.bottom_layers)
             .map(|k| at(i.checked_sub(k)))
             .collect();
-        let areas = split(&walls.fill, &above, &below, self.settings);
         let layer = span.index;
+        let (areas, skin) = self.timings.time(Stage::Skin, || {
+            let areas = split(&walls.fill, &above, &below, self.settings);
+            let solid = |k: Option<usize>| {
+                k.and_then(|k| window.get(k)).map(|s| &s.solid)
+            };
+            let faces = skin::Faces {
+                above: solid(i.checked_add(1)),
+                below: solid(i.checked_sub(1)),
+            };
+            let skin =
+                skin::patches(&areas.skin, faces, layer, height, self.settings);
+            (areas, skin)
+        });
         LayerBeads {
             skirt: match layer < self.settings.skirt.layers as usize {
                 true => skirt(&shell.outline.area, height, self.settings),
                 false => Vec::new(),
             },
             walls: walls::beads(walls, height),
-            infill: infill::beads(&areas.sparse, layer, height, self.settings),
-            skin: skin::patches(&areas, layer, height, self.settings),
+            infill: self.timings.time(Stage::Infill, || {
+                infill::beads(&areas.sparse, layer, height, self.settings)
+            }),
+            skin,
         }
     }
 }
@@ -361,6 +392,7 @@ struct Exit<'a, 'w> {
     pacer: Pacer<'a>,
     writer: Writer<'a, &'w mut dyn io::Write>,
     written: usize,
+    timings: &'a Timings,
     total: usize,
     beads: usize,
     warnings: Vec<String>,
@@ -375,16 +407,18 @@ impl Exit<'_, '_> {
         self.drop_skirt_off_the_bed(&mut beads);
         let from = self.head.at;
         let outline = &shell.outline.area;
-        let beads = order(beads, outline, &mut self.head, self.settings);
-        self.beads += beads.len();
-        let path = connect(
-            shell.span,
-            beads,
-            outline,
-            from,
-            self.offset,
-            self.settings,
-        );
+        let path = self.timings.time(Stage::Travel, || {
+            let beads = order(beads, outline, &mut self.head, self.settings);
+            self.beads += beads.len();
+            connect(
+                shell.span,
+                beads,
+                &shell.solid,
+                from,
+                self.offset,
+                self.settings,
+            )
+        });
         if let Some(dir) = self.options.svg_dir {
             let name = format!("layer-{:05}.svg", shell.span.index);
             let file = dir.join(name);
@@ -394,7 +428,9 @@ impl Exit<'_, '_> {
                 })
                 .map_err(|e| SliceError::Picture(file, e))?;
         }
-        self.writer.layer(&self.pacer.layer(path))?;
+        let paced = self.timings.time(Stage::Pace, || self.pacer.layer(path));
+        self.timings
+            .time(Stage::Gcode, || self.writer.layer(&paced))?;
         self.written += 1;
         (self.options.on_layer)(self.written, self.total);
         Ok(())

@@ -5,8 +5,10 @@ use glam::DVec2;
 use isoslice::contour::{Outline, outlines};
 use isoslice::field::{Backend, Field};
 use isoslice::plane::{Area, Rect, edges, ring_length};
+use isoslice::timings::Timings;
 
 const ACCURACY: f64 = 0.005;
+const HEIGHTS: [f64; 2] = [-25.0, 25.0];
 
 fn slice_with(
     tree: &Tree,
@@ -18,8 +20,9 @@ fn slice_with(
         min: DVec2::splat(-half),
         max: DVec2::splat(half),
     };
-    let field = Field::new(tree, 0.0, bounds, 0.1, 0.0, Some(backend)).unwrap();
-    outlines(&field, z, ACCURACY).unwrap()
+    let field =
+        Field::new(tree, 0.0, bounds, 0.1, HEIGHTS, Some(backend)).unwrap();
+    outlines(&field, z, ACCURACY, &Timings::default()).unwrap()
 }
 
 fn slice(tree: &Tree, half: f64, z: f64) -> Area {
@@ -165,8 +168,8 @@ fn rings_are_those_of_the_contour_crate() {
         max: DVec2::splat(25.0),
     };
     let tree = gyroid_ball();
-    let field =
-        Field::new(&tree, 0.0, bounds, 0.1, 0.0, Some(Backend::Vm)).unwrap();
+    let field = Field::new(&tree, 0.0, bounds, 0.1, HEIGHTS, Some(Backend::Vm))
+        .unwrap();
     let lattice = field.lattice();
     let h = 1.3_f32;
     let k = std::f32::consts::TAU / 10.0;
@@ -185,7 +188,9 @@ fn rings_are_those_of_the_contour_crate() {
     // The crate cuts ambiguous cells by convention, which leaves the nodes
     // at the tips of thin wedges as rings of their own; the field joins them.
     oracle.retain(|r| r.len() > 5);
-    let ours = outlines(&field, &[f64::from(h)], 1e-4).unwrap().remove(0);
+    let ours = outlines(&field, &[f64::from(h)], 1e-4, &Timings::default())
+        .unwrap()
+        .remove(0);
     assert_eq!(ours.area.rings.len(), oracle.len());
     let length: f64 = oracle
         .iter()

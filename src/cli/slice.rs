@@ -53,6 +53,10 @@ pub(super) struct SliceArgs {
     )]
     threads: Option<u16>,
 
+    /// Also tell where the time went, by stage, added up over all threads
+    #[arg(long, help_heading = "Output")]
+    timings: bool,
+
     /// Show neither progress nor summary, only warnings and errors
     #[arg(short, long, help_heading = "Output")]
     quiet: bool,
@@ -91,7 +95,12 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
 
     terminal::warn(&[&model.warnings[..], &summary.warnings].concat());
     if !args.quiet {
-        let text = describe(&path, &summary, started.elapsed())?;
+        let mut text = describe(&path, &summary, started.elapsed())?;
+        if args.timings {
+            for (stage, seconds) in &summary.timings {
+                writeln!(text, "    {:<9} {seconds:8.2} s", stage.name())?;
+            }
+        }
         if streamed {
             stderr().write_all(text.as_bytes())?;
         } else {

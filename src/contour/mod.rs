@@ -25,9 +25,11 @@ mod refine;
 use crate::field::{Batch, Field, FieldError, Leaf};
 use crate::plane::Area;
 use crate::plane::simplify::simplify;
+use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use link::Chains;
 use march::Marcher;
+use std::time::{Duration, Instant};
 
 /// Outlines of one layer and what was met on the way.
 #[derive(Clone, Debug, Default)]
@@ -41,7 +43,8 @@ pub struct Outline {
     pub forced_rings: usize,
 }
 
-/// Outlines of the layers at heights `z`, at most a slab of them.
+/// Outlines of the layers at heights `z`, at most a slab of them; the time
+/// it takes goes to `timings`.
 ///
 /// # Errors
 /// If the evaluator fails, which is a bug.
@@ -49,10 +52,34 @@ pub fn outlines(
     field: &Field,
     z: &[Mm],
     accuracy: Mm,
+    timings: &Timings,
 ) -> Result<Vec<Outline>, FieldError> {
     let mut layers: Vec<Chains> = z.iter().map(|_| Chains::default()).collect();
     let mut marcher = Marcher::new(field.lattice(), z);
-    field.slab(z, &mut |batch: Batch<'_>| marcher.march(batch, &mut layers))?;
+    let mut marching = Duration::ZERO;
+    timings.time(Stage::Field, || {
+        field.slab(z, &mut |batch: Batch<'_>| {
+            let start = Instant::now();
+            let marched = marcher.march(batch, &mut layers);
+            marching += start.elapsed();
+            marched
+        })
+    })?;
+    let nanos = marching.as_nanos() as u64;
+    timings.reassign(Stage::Field, Stage::Contour, nanos);
+    timings.time(Stage::Contour, || {
+        close(field, z, accuracy, layers, marcher)
+    })
+}
+
+/// Joins the layers' pieces into rings, sampling what is missing.
+fn close(
+    field: &Field,
+    z: &[Mm],
+    accuracy: Mm,
+    mut layers: Vec<Chains>,
+    mut marcher: Marcher<'_>,
+) -> Result<Vec<Outline>, FieldError> {
     // A proof that was wrong by a rounding error shows as an outline that
     // stops at the border of a leaf nobody sampled: sample it now. Each
     // round adds at least a leaf, and few ever need one.

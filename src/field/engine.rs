@@ -3,6 +3,7 @@
 use super::{
     Batch, FieldError, LEAF, Lattice, Leaf, NODES, SLAB, Sampler, Visit,
 };
+use crate::model::{Prover, ProverScratch};
 use crate::units::{Mm, Seconds};
 use fidget::eval::{BulkEvaluator, Function, MathFunction, TracingEvaluator};
 use fidget::types::{Grad, Interval};
@@ -48,6 +49,9 @@ pub(super) struct FidgetEngine<F: Function> {
     interval: IntervalTape<F>,
     float: FloatTape<F>,
     grad: GradTape<F>,
+    /// Used for proofs instead of fidget's intervals, where those could
+    /// panic.
+    prover: Option<Prover>,
 }
 
 /// A function and those of its tapes that were asked for.
@@ -65,6 +69,7 @@ struct Workspace<F: Function> {
     float: F::FloatSliceEval,
     grad: F::GradSliceEval,
     simplify: F::Workspace,
+    prover: Option<(Prover, ProverScratch)>,
     /// Memory of functions and tapes that are done with: mapping executable
     /// memory anew for each tile would cost more than using it.
     functions: Vec<F::Storage>,
@@ -81,7 +86,7 @@ enum Proof<F: Function> {
 }
 
 impl<F: MathFunction> FidgetEngine<F> {
-    pub(super) fn new(root: F) -> Self {
+    pub(super) fn new(root: F, prover: Option<Prover>) -> Self {
         let vars = root.vars();
         let slots = [Var::X, Var::Y, Var::Z].map(|v| vars.get(&v));
         Self {
@@ -90,6 +95,7 @@ impl<F: MathFunction> FidgetEngine<F> {
             float: root.float_slice_tape(Default::default()),
             grad: root.grad_slice_tape(Default::default()),
             root,
+            prover,
         }
     }
 
@@ -100,6 +106,7 @@ impl<F: MathFunction> FidgetEngine<F> {
             float: F::new_float_slice_eval(),
             grad: F::new_grad_slice_eval(),
             simplify: Default::default(),
+            prover: self.prover.clone().map(|p| (p, ProverScratch::default())),
             functions: Vec::new(),
             tapes: Vec::new(),
             grads: Default::default(),
@@ -160,6 +167,14 @@ impl<F: Function> Workspace<F> {
         boxed: [[f32; 2]; 3],
         simplify: bool,
     ) -> Result<Proof<F>, FieldError> {
+        if let Some((prover, scratch)) = &mut self.prover {
+            let lo = boxed.map(|[lo, _]| f64::from(lo));
+            let hi = boxed.map(|[_, hi]| f64::from(hi));
+            return Ok(match prover.uniform(lo, hi, scratch) {
+                true => Proof::Uniform,
+                false => Proof::Ambiguous(None),
+            });
+        }
         let mut vars = [Interval::from(0.0); 3];
         for (slot, [lo, hi]) in self.slots.iter().zip(boxed) {
             if let Some(s) = slot {

@@ -3,6 +3,7 @@
 use super::{FieldError, LEAF};
 use crate::plane::Rect;
 use crate::units::Mm;
+use glam::DVec2;
 
 /// Nodes at equal distances over the part's box and a margin around it. The
 /// same for all layers; a whole number of leaves wide and high.
@@ -51,6 +52,16 @@ impl Lattice {
         })
     }
 
+    /// The lower left and the upper right node.
+    pub fn corners(&self) -> (DVec2, DVec2) {
+        let ends = |axis: &[f32]| {
+            let last = axis.last().copied().unwrap_or_default();
+            (f64::from(axis[0]), f64::from(last))
+        };
+        let ((x0, x1), (y0, y1)) = (ends(&self.x), ends(&self.y));
+        (DVec2::new(x0, y0), DVec2::new(x1, y1))
+    }
+
     /// Cells along x.
     pub fn width(&self) -> usize {
         self.x.len() - 1
@@ -65,7 +76,6 @@ impl Lattice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
 
     #[test]
     fn the_box_is_covered_with_a_margin() {

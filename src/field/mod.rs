@@ -25,6 +25,7 @@ mod lattice;
 
 pub use lattice::Lattice;
 
+use crate::model::Prover;
 use crate::plane::Rect;
 use crate::units::Mm;
 use engine::{Engine, FidgetEngine};
@@ -135,8 +136,8 @@ pub struct Field {
 
 impl Field {
     /// The field `tree` + `depth` over the box `bounds`, sampled every
-    /// `spacing` millimetres; `z` is a height at which to try the back ends if none is
-    /// given.
+    /// `spacing` millimetres, at heights from `z[0]` to `z[1]`. The faster
+    /// back end is found by trial if none is given.
     ///
     /// # Errors
     /// If the lattice would be too large, or fidget refuses the expression.
@@ -145,15 +146,16 @@ impl Field {
         depth: f64,
         bounds: Rect,
         spacing: Mm,
-        z: Mm,
+        z: [Mm; 2],
         backend: Option<Backend>,
     ) -> Result<Field, FieldError> {
         let lattice = Lattice::over(bounds, spacing)?;
-        let mut ctx = Context::new();
-        let root = match depth {
-            0.0 => ctx.import(tree),
-            _ => ctx.import(&(tree.clone() + depth as f32)),
+        let tree = match depth {
+            0.0 => tree.clone(),
+            _ => tree.clone() + depth as f32,
         };
+        let mut ctx = Context::new();
+        let root = ctx.import(&tree);
         let bad =
             |e: &dyn std::fmt::Display| FieldError::Evaluator(e.to_string());
         use fidget::eval::MathFunction;
@@ -164,8 +166,12 @@ impl Field {
             ));
         }
         let jit = JitFunction::new(&ctx, &[root]).map_err(|e| bad(&e))?;
-        let vm = FidgetEngine::new(vm);
-        let jit = FidgetEngine::new(jit);
+        let (lo, hi) = lattice.corners();
+        let prover = Prover::new(&tree)
+            .filter(|p| !p.bounded([lo.x, lo.y, z[0]], [hi.x, hi.y, z[1]]));
+        let vm = FidgetEngine::new(vm, prover.clone());
+        let jit = FidgetEngine::new(jit, prover);
+        let z = 0.5 * (z[0] + z[1]);
         let backend = match backend {
             Some(b) => b,
             None => {

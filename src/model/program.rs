@@ -211,6 +211,17 @@ impl Program {
         }
     }
 
+    /// True if no operation's range, over the box of the last `enclose` (of
+    /// this program, with this scratch), comes near an overflow.
+    pub fn bounded(&self, scratch: &Scratch) -> bool {
+        const FAR_FROM_OVERFLOW: f64 = 1e30;
+        scratch.slots.len() == self.steps.len()
+            && scratch
+                .slots
+                .iter()
+                .all(|s| s.range.magnitude() < FAR_FROM_OVERFLOW)
+    }
+
     /// The program without the branches of `min` and `max` that the last
     /// `enclose` (of this program, with this scratch) proved never to be
     /// taken; `None` if that would save little.

@@ -9,8 +9,11 @@ use crate::units::Mm;
 use glam::DVec2;
 
 /// Edges by the cells they pass through.
+#[derive(Clone, Debug)]
 pub struct EdgeGrid {
     edges: Vec<(DVec2, DVec2)>,
+    /// Number of each edge's ring.
+    rings: Vec<u32>,
     origin: DVec2,
     cell: Mm,
     columns: usize,
@@ -27,6 +30,12 @@ const CELLS_PER_EDGE: f64 = 4.0;
 impl EdgeGrid {
     /// A grid of the area's edges for questions about the distance `reach`.
     pub fn new(area: &Area, reach: Mm) -> EdgeGrid {
+        let rings = area
+            .rings
+            .iter()
+            .enumerate()
+            .flat_map(|(i, r)| r.iter().map(move |_| i as u32))
+            .collect();
         let edges: Vec<(DVec2, DVec2)> =
             area.rings.iter().flat_map(|r| edges(r)).collect();
         let bounds = area.bounds();
@@ -42,6 +51,7 @@ impl EdgeGrid {
         let rows = (size.y / cell) as usize + 1;
         let mut grid = EdgeGrid {
             edges,
+            rings,
             origin,
             cell,
             columns,
@@ -110,6 +120,101 @@ impl EdgeGrid {
         }
     }
 
+    /// The cell's edges.
+    fn members(&self, cell: usize) -> &[u32] {
+        let (from, to) = (self.starts[cell], self.starts[cell + 1]);
+        &self.members[from as usize..to as usize]
+    }
+
+    /// True if the point is inside the area (even–odd rule; points on the
+    /// border may count either way).
+    pub fn contains(&self, p: DVec2) -> bool {
+        let top = self.origin.y + self.rows as f64 * self.cell;
+        if self.edges.is_empty() || p.y < self.origin.y || p.y > top {
+            return false;
+        }
+        let row = self.row(p.y);
+        // Count the edges crossed on the way to the left, each in the one
+        // cell that has the crossing.
+        let mut inside = false;
+        for column in 0..=self.column(p.x) {
+            for &m in self.members(row * self.columns + column) {
+                let (a, b) = self.edges[m as usize];
+                if (a.y > p.y) == (b.y > p.y) {
+                    continue;
+                }
+                let x = a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
+                inside ^= x < p.x && self.column(x) == column;
+            }
+        }
+        inside
+    }
+
+    /// The places at which the segment from `a` to `b` crosses or touches
+    /// edges, as fractions of its length, in no particular order; one may
+    /// come more than once.
+    pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<f64> {
+        let mut found = Vec::new();
+        if self.edges.is_empty() {
+            return found;
+        }
+        self.walk(a, b, |cell| {
+            for &m in self.members(cell) {
+                let (c, d) = self.edges[m as usize];
+                found.extend(crossing(a, b, c, d));
+            }
+        });
+        found
+    }
+
+    /// The point of the edges nearest to `p` and the number of its ring.
+    pub fn nearest(&self, p: DVec2) -> Option<(usize, DVec2)> {
+        // No point of the grid is farther away than this.
+        let size = DVec2::new(self.columns as f64, self.rows as f64);
+        let middle = self.origin + 0.5 * self.cell * size;
+        let far = p.distance(middle) + self.cell * (size.x + size.y);
+        let mut reach = self.cell;
+        loop {
+            let found = self.nearest_within(p, reach);
+            if found.is_some() || reach > far {
+                return found;
+            }
+            reach *= 2.0;
+        }
+    }
+
+    /// The point of the edges nearest to `p` and the number of its ring, if
+    /// it is within `reach`.
+    pub fn nearest_within(
+        &self,
+        p: DVec2,
+        reach: Mm,
+    ) -> Option<(usize, DVec2)> {
+        if self.edges.is_empty() {
+            return None;
+        }
+        let (lo, hi) = (p - reach, p + reach);
+        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
+        let mut best: Option<(f64, u32, DVec2)> = None;
+        for row in self.row(lo.y)..=self.row(hi.y) {
+            for column in c0..=c1 {
+                for &m in self.members(row * self.columns + column) {
+                    let (a, b) = self.edges[m as usize];
+                    let q = nearest_on(p, a, b);
+                    let d = p.distance_squared(q);
+                    // Of equally near edges the first one, however cells
+                    // and edges are laid out.
+                    let better =
+                        best.is_none_or(|(e, n, _)| d < e || (d == e && m < n));
+                    if d <= reach * reach && better {
+                        best = Some((d, m, q));
+                    }
+                }
+            }
+        }
+        best.map(|(_, m, q)| (self.rings[m as usize] as usize, q))
+    }
+
     /// True if no edge comes closer than `distance` to the segment.
     pub fn clear(&self, a: DVec2, b: DVec2, distance: Mm) -> bool {
         let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
@@ -136,26 +241,43 @@ impl EdgeGrid {
 
 /// Square of the distance between two segments.
 fn distance_squared(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> f64 {
-    let (u, v) = (b - a, d - c);
     let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
     let (s0, s1) = (side(a, b, c), side(a, b, d));
     let (t0, t1) = (side(c, d, a), side(c, d, b));
     if s0 * s1 < 0.0 && t0 * t1 < 0.0 {
         return 0.0;
     }
-    let to = |p: DVec2, o: DVec2, w: DVec2| {
-        let t = (p - o).dot(w) / w.length_squared();
-        let t = if t.is_finite() {
-            t.clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        p.distance_squared(o + w * t)
+    let to =
+        |p: DVec2, q: DVec2, r: DVec2| p.distance_squared(nearest_on(p, q, r));
+    to(a, c, d)
+        .min(to(b, c, d))
+        .min(to(c, a, b))
+        .min(to(d, a, b))
+}
+
+/// The point of the segment from `a` to `b` nearest to `p`.
+fn nearest_on(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
+    let along = b - a;
+    let t = (p - a).dot(along) / along.length_squared();
+    // A segment without length is its own nearest point.
+    let t = if t.is_finite() {
+        t.clamp(0.0, 1.0)
+    } else {
+        0.0
     };
-    to(a, c, v)
-        .min(to(b, c, v))
-        .min(to(c, a, u))
-        .min(to(d, a, u))
+    a + along * t
+}
+
+/// Where on a–b (0 to 1) it meets c–d, if it does.
+fn crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<f64> {
+    let (u, v) = (b - a, d - c);
+    let det = u.perp_dot(v);
+    if det == 0.0 {
+        return None;
+    }
+    let t = (c - a).perp_dot(v) / det;
+    let s = (c - a).perp_dot(u) / det;
+    ((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&s)).then_some(t)
 }
 
 #[cfg(test)]
@@ -185,6 +307,46 @@ mod tests {
                 .sqrt();
             for reach in [0.1, 0.5, 3.0] {
                 assert_eq!(grid.clear(a, b, reach), exact >= reach);
+            }
+        }
+    }
+
+    #[test]
+    fn inside_crossings_and_nearest_agree_with_the_area() {
+        let ring: Vec<DVec2> = (0..60)
+            .map(|i| {
+                let turn = std::f64::consts::TAU * f64::from(i) / 60.0;
+                DVec2::from_angle(turn) * (8.0 + 2.0 * (5.0 * turn).sin())
+            })
+            .collect();
+        let mut hole: Vec<DVec2> = ring.iter().map(|p| p * 0.4).collect();
+        hole.reverse();
+        let area = Area {
+            rings: vec![ring, hole],
+        };
+        let grid = EdgeGrid::new(&area, 0.5);
+        for i in 0..441 {
+            let p =
+                DVec2::new(f64::from(i % 21), f64::from(i / 21)) * 1.04 - 10.4;
+            assert_eq!(grid.contains(p), area.contains(p), "{p}");
+            let q = DVec2::new(-p.y, 0.7 * p.x);
+            let mut found = grid.crossings(p, q);
+            found.sort_by(f64::total_cmp);
+            found.dedup();
+            let crossed = found.len() % 2 == 1;
+            assert_eq!(crossed, area.contains(p) != area.contains(q));
+            let near = area
+                .rings
+                .iter()
+                .flat_map(|r| edges(r))
+                .map(|(a, b)| p.distance(nearest_on(p, a, b)))
+                .fold(f64::INFINITY, f64::min);
+            let (_, nearest) = grid.nearest(p).unwrap_or_default();
+            assert!((p.distance(nearest) - near).abs() < 1e-9);
+            let found = grid.nearest_within(p, 1.5);
+            assert_eq!(found.is_some(), near <= 1.5);
+            if let Some((_, q)) = found {
+                assert!((p.distance(q) - near).abs() < 1e-9);
             }
         }
     }

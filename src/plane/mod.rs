@@ -3,13 +3,12 @@
 //! An [`Area`] is a set of closed rings, outer ones counter-clockwise and
 //! holes clockwise, in millimetres. [`clip`] combines areas, [`offset`]
 //! grows and shrinks them, [`simplify`] thins their rings within a tolerance,
-//! [`hatch`] draws parallel lines across them; [`index`] and [`grid`] answer
-//! which edges are where.
+//! [`hatch`] draws parallel lines across them and [`grid`] answers what is
+//! where.
 
 pub mod clip;
 pub mod grid;
 pub mod hatch;
-pub mod index;
 pub mod offset;
 pub mod simplify;
 

@@ -209,9 +209,10 @@ mod tests {
         for distance in [-0.3, -2.5, 0.7, 3.0] {
             let moved = offset(&area, distance, 1e-3);
             assert_eq!(moved.rings.len(), 1, "{distance}");
-            let index = super::super::index::EdgeIndex::new(&area);
+            let grid = EdgeGrid::new(&area, 1.0);
             for &p in &moved.rings[0] {
-                let d = index.distance(p).unwrap_or(0.0);
+                let near = grid.nearest_within(p, 4.0).unwrap_or_default();
+                let d = p.distance(near.1);
                 assert!((d - distance.abs()).abs() < 3e-3, "{distance}: {d}");
             }
         }

@@ -26,10 +26,6 @@ use crate::units::Mm;
 pub struct FillAreas {
     /// To be filled solid.
     pub skin: Area,
-    /// Of the skin, what the next layer leaves open.
-    pub open_above: Area,
-    /// Of the skin, what has nothing underneath.
-    pub open_below: Area,
     /// To be filled at the infill's density.
     pub sparse: Area,
 }
@@ -46,72 +42,58 @@ pub fn split(
     below: &[&Area],
     settings: &Settings,
 ) -> FillAreas {
-    if fill.is_empty() {
-        return FillAreas::default();
-    }
-    if settings.infill_density >= 100.0 {
-        return with_skin(fill.clone(), Area::EMPTY, above, below);
-    }
-    let covers: Vec<&Area> = above.iter().chain(below).copied().collect();
-    let exposed = not_covered_by_all(fill, &covers);
-    if exposed.is_empty() {
+    // What sparse infill would not fit into is skin, exposed or not. In
+    // lattices that is nearly everything, and need not be looked at again.
+    let roomy = match settings.infill_density >= 100.0 {
+        true => Area::EMPTY,
+        false => printable(fill, settings),
+    };
+    if roomy.is_empty() {
         return FillAreas {
-            sparse: fill.clone(),
-            ..FillAreas::default()
+            skin: fill.clone(),
+            sparse: Area::EMPTY,
         };
     }
-    let grown = offset(&exposed, settings.skin_overlap, TOLERANCE);
-    let rest = difference(fill, &grown);
-    let sparse = printable(&rest, settings);
-    let skin = if sparse.is_empty() {
-        fill.clone()
-    } else {
-        difference(fill, &sparse)
+    let covers: Vec<&Area> = above.iter().chain(below).copied().collect();
+    let exposed = not_covered_by_all(&roomy, &covers);
+    let sparse = match exposed.is_empty() {
+        true => roomy,
+        false => {
+            let grown = offset(&exposed, settings.skin_overlap, TOLERANCE);
+            printable(&difference(&roomy, &grown), settings)
+        }
     };
-    with_skin(skin, sparse, above, below)
-}
-
-fn with_skin(
-    skin: Area,
-    sparse: Area,
-    above: &[&Area],
-    below: &[&Area],
-) -> FillAreas {
-    let open = |side: &[&Area]| match side.first() {
-        Some(next) => not_covered_by_all(&skin, &[next]),
-        None => Area::EMPTY,
+    let skin = match sparse.is_empty() {
+        true => fill.clone(),
+        false => difference(fill, &sparse),
     };
-    FillAreas {
-        open_above: open(above),
-        open_below: open(below),
-        skin,
-        sparse,
-    }
+    FillAreas { skin, sparse }
 }
 
 /// The parts of an area wide and large enough for sparse infill.
 fn printable(area: &Area, settings: &Settings) -> Area {
     let half = 0.5 * settings.infill_width;
-    let core = offset(area, -half, TOLERANCE);
-    if core.is_empty() {
-        return core;
+    let mut wide = Area::EMPTY;
+    for island in area.islands() {
+        if island.content() < settings.skin_min_area {
+            continue;
+        }
+        let core = offset(&island, -half, TOLERANCE);
+        if core.is_empty() {
+            continue;
+        }
+        // Grown back by more than it was shrunk, and cut to what there was:
+        // corners return, and necks too narrow for a bead do not.
+        let back = offset(&core, 2.0 * half, TOLERANCE);
+        let whole = intersection(&island, &back);
+        let parts = whole.islands().into_iter();
+        wide.rings.extend(
+            parts
+                .filter(|p| p.content() >= settings.skin_min_area)
+                .flat_map(|p| p.rings),
+        );
     }
-    // Grown back by more than it was shrunk, and cut to what there was:
-    // corners return, and necks too narrow for a bead do not.
-    let back = offset(&core, 2.0 * half, TOLERANCE);
-    let wide = intersection(area, &back);
-    let keep = |island: &Area| island.content() >= settings.skin_min_area;
-    let islands = wide.islands();
-    if islands.iter().all(keep) {
-        return wide;
-    }
-    Area {
-        rings: islands
-            .into_iter()
-            .filter(keep)
-            .flat_map(|i| i.rings)
-            .collect(),
-    }
+    wide
 }
 
 #[cfg(test)]
@@ -132,11 +114,10 @@ mod tests {
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
         let f = split(&fill, &[&all, &all], &[&all], &settings);
-        assert_eq!(f.sparse, fill);
-        assert!(f.skin.is_empty());
+        assert!((f.sparse.content() - 400.0).abs() < 1e-6);
+        assert!(f.skin.content() < 1e-6);
         let f = split(&fill, &[&all, &Area::EMPTY], &[&all], &settings);
         assert_eq!(f.skin, fill);
-        assert!(f.open_above.is_empty(), "the next layer covers it");
     }
 
     #[test]

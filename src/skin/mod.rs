@@ -8,12 +8,13 @@
 //! ```
 
 use crate::bead::{Bead, Role, spacing};
-use crate::plane::hatch::{Lines, hatch};
-use crate::plane::{Area, Rect};
-use crate::region::exposure::FillAreas;
+use crate::plane::Area;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::hatch::{Lines, Segment, hatch};
 use crate::region::shrink;
 use crate::settings::Settings;
 use crate::units::Mm;
+use glam::DVec2;
 
 /// A connected skin area's beads.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,13 +25,23 @@ pub struct Patch {
     pub lines: Vec<Bead>,
 }
 
+/// The solids directly above and below a layer, if there are any.
+#[derive(Clone, Copy, Debug)]
+pub struct Faces<'a> {
+    /// The next layer's.
+    pub above: Option<&'a EdgeGrid>,
+    /// The layer's below.
+    pub below: Option<&'a EdgeGrid>,
+}
+
 /// Tolerance of the ring's offsets; nobody sees them.
 const TOLERANCE: Mm = 0.01;
 
 /// The beads of a layer's skin. Even layers get lines at `skin_angle`, odd
 /// ones at right angles to it.
 pub fn patches(
-    areas: &FillAreas,
+    skin: &Area,
+    faces: Faces<'_>,
     layer: usize,
     height: Mm,
     settings: &Settings,
@@ -42,16 +53,17 @@ pub fn patches(
         spacing: space,
         phase: 0.0,
     };
-    areas
-        .skin
-        .islands()
+    skin.islands()
         .iter()
         .filter_map(|island| {
             let centre = shrink(island, 0.5 * space, TOLERANCE);
             if centre.is_empty() {
                 return None;
             }
-            let role = role(island, areas);
+            let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
+            let inside = shrink(&centre, half_nozzle, TOLERANCE);
+            let fill = hatch(&inside, lines, 0.5 * width);
+            let role = faces.role(&centre, &fill);
             let bead = |points, closed| Bead {
                 role,
                 points,
@@ -59,9 +71,6 @@ pub fn patches(
                 width,
                 height,
             };
-            let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
-            let inside = shrink(&centre, half_nozzle, TOLERANCE);
-            let fill = hatch(&inside, lines, 0.5 * width);
             Some(Patch {
                 rings: centre
                     .rings
@@ -77,34 +86,40 @@ pub fn patches(
         .collect()
 }
 
-/// What a skin island is: the side on which most of it faces the air.
-fn role(island: &Area, areas: &FillAreas) -> Role {
-    let frame = Rect::around(island.rings.iter().flatten());
-    let share = |open: &Area| {
-        let inside: f64 = open
-            .rings
-            .iter()
-            .filter(|r| {
-                r.first()
-                    .is_some_and(|&p| frame.contains(p) && island.contains(p))
-            })
-            .map(|r| crate::plane::signed_area(r))
-            .sum();
-        inside / island.content()
-    };
-    if share(&areas.open_below) > 0.5 {
-        Role::BottomSkin
-    } else if share(&areas.open_above) > 0.5 {
-        Role::TopSkin
-    } else {
-        Role::InternalSkin
+impl Faces<'_> {
+    /// What a skin island is: the side on which most of it faces the air, as
+    /// its lines' middles (where there are none, its ring's points) tell.
+    fn role(&self, centre: &Area, lines: &[Segment]) -> Role {
+        let middles = lines.iter().map(|s| s.from.midpoint(s.to));
+        let points = centre.rings.iter().flatten().copied();
+        let (probes, weights): (Vec<DVec2>, Vec<f64>) = match lines.is_empty() {
+            true => points.map(|p| (p, 1.0)).unzip(),
+            false => middles
+                .zip(lines.iter().map(|s| s.from.distance(s.to)))
+                .unzip(),
+        };
+        let share = |solid: &EdgeGrid| {
+            let open: f64 = probes
+                .iter()
+                .zip(&weights)
+                .filter(|(p, _)| !solid.contains(**p))
+                .map(|(_, w)| w)
+                .sum();
+            open / weights.iter().sum::<f64>()
+        };
+        if self.below.is_none_or(|solid| share(solid) > 0.5) {
+            Role::BottomSkin
+        } else if self.above.is_none_or(|solid| share(solid) > 0.5) {
+            Role::TopSkin
+        } else {
+            Role::InternalSkin
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
 
     fn square(half: f64) -> Area {
         let ring = [(-half, -half), (half, -half), (half, half), (-half, half)]
@@ -116,13 +131,13 @@ mod tests {
     #[test]
     fn a_square_gets_a_ring_and_lines_that_turn() {
         let settings = Settings::default();
-        let areas = FillAreas {
-            skin: square(10.0),
-            open_above: square(10.0),
-            ..FillAreas::default()
+        let below = EdgeGrid::new(&square(12.0), 1.0);
+        let faces = Faces {
+            above: None,
+            below: Some(&below),
         };
         for layer in [0, 1] {
-            let patches = patches(&areas, layer, 0.2, &settings);
+            let patches = patches(&square(10.0), faces, layer, 0.2, &settings);
             assert_eq!(patches.len(), 1);
             let p = &patches[0];
             assert_eq!(p.rings.len(), 1);
@@ -139,11 +154,27 @@ mod tests {
     }
 
     #[test]
-    fn too_narrow_for_a_ring_is_left_out() {
-        let areas = FillAreas {
-            skin: square(0.15),
-            ..FillAreas::default()
+    fn the_role_is_that_of_the_open_side() {
+        let settings = Settings::default();
+        let wide = EdgeGrid::new(&square(12.0), 1.0);
+        let narrow = EdgeGrid::new(&square(3.0), 1.0);
+        let role = |above, below| {
+            let faces = Faces { above, below };
+            patches(&square(10.0), faces, 0, 0.2, &settings)[0].rings[0].role
         };
-        assert!(patches(&areas, 0, 0.2, &Settings::default()).is_empty());
+        assert_eq!(role(Some(&wide), Some(&wide)), Role::InternalSkin);
+        assert_eq!(role(Some(&narrow), Some(&wide)), Role::TopSkin);
+        assert_eq!(role(Some(&wide), Some(&narrow)), Role::BottomSkin);
+        assert_eq!(role(Some(&wide), None), Role::BottomSkin);
+    }
+
+    #[test]
+    fn too_narrow_for_a_ring_is_left_out() {
+        let faces = Faces {
+            above: None,
+            below: None,
+        };
+        let settings = Settings::default();
+        assert!(patches(&square(0.15), faces, 0, 0.2, &settings).is_empty());
     }
 }

@@ -7,7 +7,7 @@
 use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
-use crate::plane::index::EdgeIndex;
+use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use glam::DVec2;
 
@@ -37,18 +37,17 @@ pub struct LayerPath {
 
 /// What the travels of one layer must not cross unretracted.
 struct Obstacles<'a> {
-    outline: &'a Area,
-    border: EdgeIndex,
-    walls: EdgeIndex,
+    solid: &'a EdgeGrid,
+    walls: EdgeGrid,
 }
 
-/// Connects the beads of a layer. `outline` is its solid, `from` where the
+/// Connects the beads of a layer. `solid` is its outline, `from` where the
 /// head stands, both in the model's coordinates; `offset` moves the result to
 /// the printer's.
 pub fn connect(
     span: LayerSpan,
     beads: Vec<Bead>,
-    outline: &Area,
+    solid: &EdgeGrid,
     from: Option<DVec2>,
     offset: DVec2,
     settings: &Settings,
@@ -61,9 +60,8 @@ pub fn connect(
             .collect(),
     };
     let obstacles = Obstacles {
-        outline,
-        border: EdgeIndex::new(outline),
-        walls: EdgeIndex::new(&walls),
+        solid,
+        walls: EdgeGrid::new(&walls, 1.0),
     };
     let mut moves = Vec::with_capacity(2 * beads.len());
     let mut at = from;
@@ -115,10 +113,10 @@ impl Obstacles<'_> {
         if length > r.max_unretracted {
             return true;
         }
-        if !inside && !self.outline.contains(a) {
+        if !inside && !self.solid.contains(a) {
             return true;
         }
-        if !self.border.crossings(a, b).is_empty() {
+        if !self.solid.crossings(a, b).is_empty() {
             return true;
         }
         // Leaving a wall's own start and reaching another's is no crossing.
@@ -145,7 +143,7 @@ mod tests {
     }
 
     /// A U: two legs 10 mm apart, joined at the bottom.
-    fn outline() -> Area {
+    fn solid() -> EdgeGrid {
         let ring = [
             (0.0, 0.0),
             (20.0, 0.0),
@@ -168,7 +166,7 @@ mod tests {
             top: 0.2,
         };
         let settings = Settings::default();
-        connect(span, beads, &outline(), None, DVec2::ZERO, &settings)
+        connect(span, beads, &solid(), None, DVec2::ZERO, &settings)
             .moves
             .iter()
             .filter_map(|m| match m {
@@ -210,14 +208,8 @@ mod tests {
         };
         let line = bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]);
         let by = DVec2::new(100.0, 50.0);
-        let path = connect(
-            span,
-            vec![line],
-            &outline(),
-            None,
-            by,
-            &Settings::default(),
-        );
+        let path =
+            connect(span, vec![line], &solid(), None, by, &Settings::default());
         let Some(Move::Print(b)) = path.moves.last() else {
             panic!("nothing printed");
         };

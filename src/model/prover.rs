@@ -1,0 +1,75 @@
+//! Proofs about the field over boxes, for the stage that samples it.
+//!
+//! fidget's interval evaluators are fast, but panic (the compiled ones abort
+//! the process) where one end of a range becomes NaN, as ∞ − ∞ or 0 · ∞ does.
+//! Ranges over a part of a box lie within those over the whole, so an
+//! expression whose operations all stay bounded over the model's box is safe
+//! with them; for the others there is this prover, which is slower.
+
+use super::program::{Cell, Program, Scratch};
+use fidget::context::{Context, Tree};
+
+/// Evaluates an expression over boxes without ever failing.
+#[derive(Clone)]
+pub struct Prover {
+    program: Program,
+}
+
+/// Memory of one thread's proofs.
+#[derive(Default)]
+pub struct ProverScratch(Scratch);
+
+impl Prover {
+    /// A prover for the expression; `None` if it has variables besides x, y
+    /// and z.
+    pub fn new(tree: &Tree) -> Option<Prover> {
+        let mut context = Context::new();
+        let root = context.import(tree);
+        let program = Program::new(&context, root).ok()?;
+        Some(Prover { program })
+    }
+
+    /// True if no operation comes near an overflow within the box.
+    pub fn bounded(&self, lo: [f64; 3], hi: [f64; 3]) -> bool {
+        let mut scratch = Scratch::default();
+        self.program.enclose(&Cell { lo, hi }, &mut scratch);
+        self.program.bounded(&scratch)
+    }
+
+    /// True if the field is a number everywhere in the box, and negative
+    /// everywhere or nowhere.
+    pub fn uniform(
+        &self,
+        lo: [f64; 3],
+        hi: [f64; 3],
+        scratch: &mut ProverScratch,
+    ) -> bool {
+        let found = self.program.enclose(&Cell { lo, hi }, &mut scratch.0);
+        let range = found.range;
+        !range.nan && (range.lo >= 0.0 || range.hi < 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overflow_is_seen_and_proofs_hold() {
+        let (x, y, _) = Tree::axes();
+        let tame = (x.square() + y.square()).sqrt() - 5.0;
+        let prover = Prover::new(&tame).expect("x and y only");
+        assert!(prover.bounded([-9.0; 3], [9.0; 3]));
+        let mut scratch = ProverScratch::default();
+        assert!(prover.uniform([-1.0; 3], [1.0; 3], &mut scratch));
+        assert!(!prover.uniform([3.0; 3], [6.0; 3], &mut scratch));
+        assert!(prover.uniform([5.0; 3], [6.0; 3], &mut scratch));
+        let wild = (x.clone() * 1000.0).exp() - (y * 1000.0).exp();
+        let prover = Prover::new(&wild).expect("x and y only");
+        assert!(!prover.bounded([0.0; 3], [1.0; 3]));
+        let pole = x.recip();
+        let prover = Prover::new(&pole).expect("x only");
+        assert!(!prover.bounded([-1.0; 3], [1.0; 3]));
+        assert!(prover.bounded([1.0; 3], [2.0; 3]));
+    }
+}

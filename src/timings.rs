@@ -1,0 +1,112 @@
+//! Where a run's time goes, by stage.
+//!
+//! Counts the time threads spend in each stage, added up over all threads:
+//! with two threads at work, two seconds per second.
+
+use crate::units::Seconds;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// A stage of the pipeline, as reports name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Proofs and samples of the field.
+    Field,
+    /// Outlines from samples.
+    Contour,
+    /// Offsets of the outlines.
+    Walls,
+    /// Exposure and the beads of the skin.
+    Skin,
+    /// Sparse infill.
+    Infill,
+    /// Order, seams and travels.
+    Travel,
+    /// Speeds and print time.
+    Pace,
+    /// Text, and pictures if asked for.
+    Gcode,
+}
+
+impl Stage {
+    /// All stages, in the order of the pipeline.
+    pub const ALL: [Stage; 8] = [
+        Stage::Field,
+        Stage::Contour,
+        Stage::Walls,
+        Stage::Skin,
+        Stage::Infill,
+        Stage::Travel,
+        Stage::Pace,
+        Stage::Gcode,
+    ];
+
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Field => "field",
+            Stage::Contour => "contour",
+            Stage::Walls => "walls",
+            Stage::Skin => "skin",
+            Stage::Infill => "infill",
+            Stage::Travel => "travel",
+            Stage::Pace => "pace",
+            Stage::Gcode => "gcode",
+        }
+    }
+}
+
+/// Nanoseconds per stage; shared between threads.
+#[derive(Debug, Default)]
+pub struct Timings {
+    nanos: [AtomicU64; Stage::ALL.len()],
+}
+
+impl Timings {
+    /// Runs `work` and adds its time to the stage's.
+    pub fn time<T>(&self, stage: Stage, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let result = work();
+        let nanos = start.elapsed().as_nanos() as u64;
+        self.nanos[stage as usize].fetch_add(nanos, Ordering::Relaxed);
+        result
+    }
+
+    /// Moves the time of a stage that ran within another one's: `from` had
+    /// counted it as its own.
+    pub fn reassign(&self, from: Stage, to: Stage, nanos: u64) {
+        self.nanos[from as usize].fetch_sub(nanos, Ordering::Relaxed);
+        self.nanos[to as usize].fetch_add(nanos, Ordering::Relaxed);
+    }
+
+    /// Time of a stage so far.
+    pub fn seconds(&self, stage: Stage) -> Seconds {
+        let nanos = self.nanos[stage as usize].load(Ordering::Relaxed);
+        nanos as f64 * 1e-9
+    }
+
+    /// All stages with their times, in the order of the pipeline.
+    pub fn report(&self) -> Vec<(Stage, Seconds)> {
+        Stage::ALL.map(|s| (s, self.seconds(s))).to_vec()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_within_a_stage_can_be_given_to_another() {
+        let t = Timings::default();
+        let answer = t.time(Stage::Field, || {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+            42
+        });
+        assert_eq!(answer, 42);
+        let all = t.seconds(Stage::Field);
+        assert!(all >= 0.002);
+        t.reassign(Stage::Field, Stage::Contour, 1_000_000);
+        let sum = t.seconds(Stage::Field) + t.seconds(Stage::Contour);
+        assert!((sum - all).abs() < 1e-12);
+    }
+}
