@@ -169,7 +169,7 @@ fn loops(outer: Vec<Bead>, inner: Vec<Bead>) -> Vec<Vec<Bead>> {
     loops
 }
 
-/// Rotates all walls to their seams and collects those of the outer walls.
+/// Rotates the outer walls to their seams and collects these.
 fn place_seams(
     mut islands: Vec<Island>,
     head: &Head,
@@ -208,9 +208,9 @@ fn place_seams(
             };
             let Some(seam) = seam else { continue };
             seams.push(seam);
-            for bead in walls {
-                let ring = std::mem::take(&mut bead.points);
-                bead.points = begin_at(ring, seam);
+            if let Some(outer) = walls.first_mut() {
+                let ring = std::mem::take(&mut outer.points);
+                outer.points = begin_at(ring, seam);
             }
         }
     }
@@ -235,11 +235,13 @@ fn new_seam(ring: &[DVec2]) -> Option<DVec2> {
     }
 }
 
-/// The point farthest back.
+/// The point farthest back. Slightly to the right counts as back, so that
+/// on a level edge it is not rounding that picks the corner.
 fn rear(ring: &[DVec2]) -> Option<DVec2> {
+    let back = DVec2::new(0.02, 1.0);
     ring.iter()
         .copied()
-        .max_by(|a, b| a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x)))
+        .max_by(|a, b| back.dot(*a).total_cmp(&back.dot(*b)))
 }
 
 /// The ring begun at its point nearest to `seam`, which is added to it
@@ -300,16 +302,33 @@ fn print_island(
         );
     let mut loops: Vec<Vec<Bead>> = island.loops;
     while let Some(i) = left.pop(head.at) {
-        let mut walls = std::mem::take(&mut loops[i]);
-        if settings.wall_order == WallOrder::InnerFirst {
-            walls.reverse();
+        let mut walls = std::mem::take(&mut loops[i]).into_iter();
+        let Some(outer) = walls.next() else { continue };
+        let Some(&seam) = outer.points.first() else {
+            continue;
+        };
+        // Walls that pass the outer one's seam begin there, right before or
+        // after it; pieces elsewhere go their own way.
+        let (mut beside, mut away) = (Vec::new(), Vec::new());
+        for mut wall in walls {
+            wall.points = begin_at(wall.points, seam);
+            let d = wall.points.first().map(|p| p.distance(seam));
+            match d.is_some_and(|d| d <= SEAM_REACH) {
+                true => beside.push(wall),
+                false => away.push(wall),
+            }
         }
-        for bead in walls {
-            let bead = match settings.seam {
-                Seam::Nearest => from_nearest(bead, head.at),
-                _ => bead,
-            };
-            finish(bead, out, head);
+        if settings.wall_order == WallOrder::InnerFirst {
+            print_rings(away, out, head);
+            beside.reverse();
+            for wall in beside.into_iter().chain([outer]) {
+                print_wall(wall, out, head, settings);
+            }
+        } else {
+            for wall in std::iter::once(outer).chain(beside) {
+                print_wall(wall, out, head, settings);
+            }
+            print_rings(away, out, head);
         }
     }
     print_lines(island.infill, out, head);
@@ -328,6 +347,35 @@ fn print_island(
             finish(ring, out, head);
         }
         print_lines(patch.lines, out, head);
+    }
+}
+
+/// A wall from its seam, or from where the head is if that is the seam.
+fn print_wall(
+    wall: Bead,
+    out: &mut Vec<Bead>,
+    head: &mut Head,
+    settings: &Settings,
+) {
+    let wall = match settings.seam {
+        Seam::Nearest => from_nearest(wall, head.at),
+        _ => wall,
+    };
+    finish(wall, out, head);
+}
+
+/// Closed beads, nearest first, each begun at its point nearest to the head.
+fn print_rings(rings: Vec<Bead>, out: &mut Vec<Bead>, head: &mut Head) {
+    let points = rings
+        .iter()
+        .enumerate()
+        .flat_map(|(i, b)| b.points.iter().map(move |&p| (p, i)));
+    let mut left = Nearest::new(points);
+    let mut rings: Vec<Option<Bead>> = rings.into_iter().map(Some).collect();
+    while let Some(i) = left.pop(head.at) {
+        if let Some(ring) = rings[i].take() {
+            finish(from_nearest(ring, head.at), out, head);
+        }
     }
 }
 

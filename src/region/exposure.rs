@@ -16,7 +16,7 @@
 //! the fill.
 
 use crate::plane::Area;
-use crate::plane::clip::{difference, intersection, not_covered_by_all};
+use crate::plane::clip::{crop, difference, intersection, not_covered_by_all};
 use crate::plane::offset::offset;
 use crate::settings::Settings;
 use crate::units::Mm;
@@ -55,7 +55,7 @@ pub fn split(
         };
     }
     let covers: Vec<&Area> = above.iter().chain(below).copied().collect();
-    let exposed = not_covered_by_all(&roomy, &covers);
+    let exposed = exposed(&roomy, &covers);
     let sparse = match exposed.is_empty() {
         true => roomy,
         false => {
@@ -68,6 +68,28 @@ pub fn split(
         false => difference(fill, &sparse),
     };
     FillAreas { skin, sparse }
+}
+
+/// The part of an area that not all covers cover.
+fn exposed(area: &Area, covers: &[&Area]) -> Area {
+    /// Up to so many islands, cropping the covers to each of them costs less
+    /// than sweeping all of the covers once.
+    const FEW: usize = 24;
+    let islands = area.islands();
+    if islands.len() > FEW {
+        return not_covered_by_all(area, covers);
+    }
+    let rings = islands.iter().flat_map(|island| {
+        let mut near = island.bounds();
+        near.min -= 1.0;
+        near.max += 1.0;
+        let covers: Vec<Area> = covers.iter().map(|c| crop(c, near)).collect();
+        let covers: Vec<&Area> = covers.iter().collect();
+        not_covered_by_all(island, &covers).rings
+    });
+    Area {
+        rings: rings.collect(),
+    }
 }
 
 /// The parts of an area wide and large enough for sparse infill.

@@ -88,24 +88,22 @@ pub fn patches(
 
 impl Faces<'_> {
     /// What a skin island is: the side on which most of it faces the air, as
-    /// its lines' middles (where there are none, its ring's points) tell.
+    /// points along its lines (where there are none, its ring's) tell.
     fn role(&self, centre: &Area, lines: &[Segment]) -> Role {
-        let middles = lines.iter().map(|s| s.from.midpoint(s.to));
-        let points = centre.rings.iter().flatten().copied();
-        let (probes, weights): (Vec<DVec2>, Vec<f64>) = match lines.is_empty() {
-            true => points.map(|p| (p, 1.0)).unzip(),
-            false => middles
-                .zip(lines.iter().map(|s| s.from.distance(s.to)))
-                .unzip(),
+        /// Distance between probes, mm.
+        const STEP: f64 = 1.0;
+        let along = lines.iter().flat_map(|s| {
+            let count = (s.from.distance(s.to) / STEP).ceil().max(1.0);
+            (0..count as usize)
+                .map(move |i| s.from.lerp(s.to, (i as f64 + 0.5) / count))
+        });
+        let probes: Vec<DVec2> = match lines.is_empty() {
+            true => centre.rings.iter().flatten().copied().collect(),
+            false => along.collect(),
         };
         let share = |solid: &EdgeGrid| {
-            let open: f64 = probes
-                .iter()
-                .zip(&weights)
-                .filter(|(p, _)| !solid.contains(**p))
-                .map(|(_, w)| w)
-                .sum();
-            open / weights.iter().sum::<f64>()
+            let open = probes.iter().filter(|p| !solid.contains(**p)).count();
+            open as f64 / probes.len() as f64
         };
         if self.below.is_none_or(|solid| share(solid) > 0.5) {
             Role::BottomSkin

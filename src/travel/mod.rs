@@ -120,7 +120,7 @@ impl Obstacles<'_> {
             return true;
         }
         // Leaving a wall's own start and reaching another's is no crossing.
-        let own = settings.outer_wall_width / length;
+        let own = 0.5 * settings.outer_wall_width / length;
         self.walls
             .crossings(a, b)
             .iter()
@@ -154,9 +154,8 @@ mod tests {
             (5.0, 20.0),
             (0.0, 20.0),
         ];
-        Area {
-            rings: vec![ring.iter().map(|&(x, y)| DVec2::new(x, y)).collect()],
-        }
+        let ring = ring.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
+        EdgeGrid::new(&Area { rings: vec![ring] }, 1.0)
     }
 
     fn retracts(beads: Vec<Bead>) -> Vec<bool> {
