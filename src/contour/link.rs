@@ -12,6 +12,9 @@ use glam::DVec2;
 /// No vertex, or no lattice edge.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// A lattice edge and the vertex on it at which a chain breaks off.
+type Loose = (u32, u32);
+
 /// One layer's vertices and how they follow each other.
 #[derive(Default)]
 pub(super) struct Chains {
@@ -45,7 +48,7 @@ impl Chains {
 
     /// Vertices at which a chain ends and those at which one begins, by
     /// lattice edge.
-    fn loose(&self) -> (Vec<(u32, u32)>, Vec<(u32, u32)>) {
+    fn loose(&self) -> (Vec<Loose>, Vec<Loose>) {
         let (mut ends, mut starts) = (Vec::new(), Vec::new());
         for i in 0..self.points.len() {
             match (self.has_previous[i], self.next[i] != NONE) {
@@ -84,9 +87,8 @@ impl Chains {
                 }
             }
         };
-        let paired = |a: &[(u32, u32)], e: u32| {
-            a.binary_search_by_key(&e, |x| x.0).is_ok()
-        };
+        let paired =
+            |a: &[Loose], e: u32| a.binary_search_by_key(&e, |x| x.0).is_ok();
         for &(e, _) in ends.iter().filter(|x| !paired(&starts, x.0)) {
             look(e);
         }

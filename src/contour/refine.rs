@@ -186,7 +186,8 @@ mod tests {
 
     #[test]
     fn roots_of_smooth_kinked_and_jumping_functions() {
-        let cases: [(fn(f32) -> f32, f64); 7] = [
+        type Case = (fn(f32) -> f32, f64);
+        let cases: [Case; 7] = [
             (|x| x - 0.03, 0.03),
             (|x| x * x - 0.0049, 0.07),
             (|x| 1e6 * (x - 0.05).powi(3), 0.05),

@@ -33,7 +33,8 @@ impl Lattice {
         let leaves = |extent: f64| (extent / spacing + 3.0) / LEAF as f64;
         let cells = [leaves(size.x), leaves(size.y)].map(|n| n.ceil() * 8.0);
         // Two edges start at each node; one number means "none".
-        if !((cells[0] + 1.0) * (cells[1] + 1.0) < f64::from(u32::MAX / 2)) {
+        let nodes = (cells[0] + 1.0) * (cells[1] + 1.0);
+        if nodes.is_nan() || nodes >= f64::from(u32::MAX / 2) {
             return Err(FieldError::TooLarge {
                 x: size.x,
                 y: size.y,

@@ -72,7 +72,7 @@ fn moved(ring: &[DVec2], by: f64, tolerance: Mm) -> Ring {
         if length_v == 0.0 {
             continue;
         }
-        if !(length_u > 0.0) {
+        if length_u == 0.0 {
             (u, length_u) = (v, length_v);
         }
         let (nu, nv) = (u.perp(), v.perp());
