@@ -43,6 +43,7 @@ pub fn skirt(outline: &Area, height: Mm, settings: &Settings) -> Vec<Bead> {
             points,
             closed: true,
             width,
+            widths: Vec::new(),
             height,
         })
         .collect()

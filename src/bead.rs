@@ -24,6 +24,8 @@ pub enum Role {
     OuterWall,
     /// Walls behind the outer wall.
     InnerWall,
+    /// A bead as wide as the gap between walls that it fills.
+    GapFill,
     /// Sparse fill of covered areas.
     SparseInfill,
     /// Solid area that neither faces the air above nor below directly.
@@ -36,9 +38,10 @@ pub enum Role {
 
 impl Role {
     /// Every role, in the order summaries list them.
-    pub const ALL: [Role; 7] = [
+    pub const ALL: [Role; 8] = [
         Role::OuterWall,
         Role::InnerWall,
+        Role::GapFill,
         Role::TopSkin,
         Role::BottomSkin,
         Role::InternalSkin,
@@ -52,6 +55,7 @@ impl Role {
             Role::Skirt => "skirt",
             Role::OuterWall => "outer wall",
             Role::InnerWall => "inner wall",
+            Role::GapFill => "gap fill",
             Role::SparseInfill => "sparse infill",
             Role::InternalSkin => "internal skin",
             Role::TopSkin => "top skin",
@@ -80,8 +84,10 @@ pub struct Bead {
     pub points: Vec<DVec2>,
     /// True if the bead returns to its first point.
     pub closed: bool,
-    /// Width of the squeezed bead.
+    /// Width of the squeezed bead; where it varies, its mean.
     pub width: Mm,
+    /// Width at each point where it varies; empty where it does not.
+    pub widths: Vec<Mm>,
     /// Height, which is the layer's.
     pub height: Mm,
 }
@@ -95,6 +101,56 @@ impl Bead {
             (true, Some(a), Some(b)) => open + b.distance(*a),
             _ => open,
         }
+    }
+
+    /// The segments of the centre line, the closing one included.
+    pub fn segments(&self) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+        self.path().zip(self.path().skip(1))
+    }
+
+    /// Lets a closed bead begin at its point `i`.
+    pub fn begin_at(&mut self, i: usize) {
+        if i < self.points.len() {
+            self.points.rotate_left(i);
+        }
+        if i < self.widths.len() {
+            self.widths.rotate_left(i);
+        }
+    }
+
+    /// Turns the bead round.
+    pub fn reverse(&mut self) {
+        self.points.reverse();
+        self.widths.reverse();
+    }
+
+    /// The bead as beads of constant width, each beginning where the one
+    /// before ends. Between two points the width is the mean of theirs.
+    pub fn pieces(self) -> Vec<Bead> {
+        /// Widths closer than this are the same, mm.
+        const SAME: Mm = 1e-3;
+        if self.widths.len() != self.points.len() {
+            return vec![self];
+        }
+        let ends: Vec<DVec2> = self.path().collect();
+        let n = self.points.len();
+        let mut pieces: Vec<Bead> = Vec::new();
+        for (i, pair) in ends.windows(2).enumerate() {
+            let width = 0.5 * (self.widths[i] + self.widths[(i + 1) % n]);
+            match pieces.last_mut() {
+                Some(last) if (last.width - width).abs() < SAME => {
+                    last.points.push(pair[1]);
+                }
+                _ => pieces.push(Bead {
+                    points: pair.to_vec(),
+                    width,
+                    widths: Vec::new(),
+                    closed: false,
+                    ..self
+                }),
+            }
+        }
+        pieces
     }
 
     /// Cross-section of the bead.
@@ -147,10 +203,17 @@ mod tests {
             ],
             closed: true,
             width: 0.4,
+            widths: Vec::new(),
             height: 0.2,
         };
         assert_eq!(b.length(), 12.0);
         assert_eq!(b.path().count(), 4);
+        b.widths = vec![0.4, 0.4, 0.6];
+        let pieces = b.clone().pieces();
+        let widths: Vec<f64> = pieces.iter().map(|p| p.width).collect();
+        assert_eq!(widths, [0.4, 0.5]);
+        let length: f64 = pieces.iter().map(Bead::length).sum();
+        assert_eq!(length, 12.0);
         b.closed = false;
         assert_eq!(b.length(), 7.0);
         assert_eq!(b.path().count(), 3);

@@ -11,7 +11,8 @@
 
 use crate::bead::{Bead, Role};
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Rect, edges, ring_contains};
+use crate::plane::grid::nearest_on;
+use crate::plane::{Area, Rect, ring_contains};
 use crate::settings::{Seam, Settings, WallOrder};
 use crate::skin::Patch;
 use crate::units::Mm;
@@ -146,18 +147,24 @@ fn islands(
     islands
 }
 
+/// A grid of beads' segments, numbered by bead.
+fn grid_of<'a>(beads: impl Iterator<Item = &'a Bead>, reach: Mm) -> EdgeGrid {
+    let segments = beads
+        .enumerate()
+        .flat_map(|(i, b)| b.segments().map(move |s| (i, s)));
+    EdgeGrid::of(segments, reach)
+}
+
 /// Groups an island's walls: each inner wall goes with the outer wall that it
 /// runs along.
 fn loops(outer: Vec<Bead>, inner: Vec<Bead>) -> Vec<Vec<Bead>> {
-    let area = Area {
-        rings: outer.iter().map(|b| b.points.clone()).collect(),
-    };
-    let mut loops: Vec<Vec<Bead>> =
-        outer.into_iter().map(|b| vec![b]).collect();
-    if loops.is_empty() {
+    if outer.is_empty() {
         return inner.into_iter().map(|b| vec![b]).collect();
     }
-    let grid = (loops.len() > 1).then(|| EdgeGrid::new(&area, 1.0));
+    let grid = (outer.len() > 1 && !inner.is_empty())
+        .then(|| grid_of(outer.iter(), 1.0));
+    let mut loops: Vec<Vec<Bead>> =
+        outer.into_iter().map(|b| vec![b]).collect();
     for bead in inner {
         let i = grid
             .as_ref()
@@ -180,13 +187,10 @@ fn place_seams(
         .iter()
         .flat_map(|i| i.loops.iter().filter_map(|l| l.first()))
         .collect();
-    let area = Area {
-        rings: outer.iter().map(|b| b.points.clone()).collect(),
-    };
     // For each loop the seam below that is nearest to it.
     let mut below: Vec<Option<(f64, DVec2)>> = vec![None; outer.len()];
     if settings.seam == Seam::Aligned && !head.seams.is_empty() {
-        let grid = EdgeGrid::new(&area, 0.5 * SEAM_REACH);
+        let grid = grid_of(outer.iter().copied(), 0.5 * SEAM_REACH);
         for &seam in &head.seams {
             if let Some((ring, point)) = grid.nearest_within(seam, SEAM_REACH) {
                 let d = seam.distance(point);
@@ -199,8 +203,14 @@ fn place_seams(
     let mut below = below.into_iter();
     for island in &mut islands {
         for walls in &mut island.loops {
-            let Some(first) = walls.first() else { continue };
-            let seam = match (settings.seam, below.next().flatten()) {
+            let Some(first) = walls.first_mut() else {
+                continue;
+            };
+            let below = below.next().flatten();
+            if !first.closed {
+                continue;
+            }
+            let seam = match (settings.seam, below) {
                 (Seam::Aligned, Some((_, point))) => Some(point),
                 (Seam::Aligned, None) => new_seam(&first.points),
                 (Seam::Rear, _) => rear(&first.points),
@@ -208,10 +218,7 @@ fn place_seams(
             };
             let Some(seam) = seam else { continue };
             seams.push(seam);
-            if let Some(outer) = walls.first_mut() {
-                let ring = std::mem::take(&mut outer.points);
-                outer.points = begin_at(ring, seam);
-            }
+            begin_at(first, seam);
         }
     }
     islands
@@ -244,37 +251,35 @@ fn rear(ring: &[DVec2]) -> Option<DVec2> {
         .max_by(|a, b| back.dot(*a).total_cmp(&back.dot(*b)))
 }
 
-/// The ring begun at its point nearest to `seam`, which is added to it
-/// unless a point is there already.
-fn begin_at(mut ring: Vec<DVec2>, seam: DVec2) -> Vec<DVec2> {
+/// Lets a closed bead begin at its point nearest to `seam`, which is added
+/// to it unless a point is there already.
+fn begin_at(bead: &mut Bead, seam: DVec2) {
     /// Closer to a point than this the seam is that point, mm.
     const SAME: Mm = 0.01;
-    let nearest = edges(&ring)
+    let nearest = bead
+        .segments()
         .enumerate()
         .map(|(i, (a, b))| {
-            let along = b - a;
-            let t = (seam - a).dot(along) / along.length_squared();
-            let p = if t.is_finite() {
-                a + along * t.clamp(0.0, 1.0)
-            } else {
-                a
-            };
+            let p = nearest_on(seam, a, b);
             (p.distance(seam), i, p)
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((_, i, p)) = nearest else {
-        return ring;
-    };
-    let next = (i + 1) % ring.len();
-    if p.distance(ring[i]) < SAME {
-        ring.rotate_left(i);
-    } else if p.distance(ring[next]) < SAME {
-        ring.rotate_left(next);
+    let Some((_, i, p)) = nearest else { return };
+    let next = (i + 1) % bead.points.len();
+    let (a, b) = (bead.points[i], bead.points[next]);
+    if p.distance(a) < SAME {
+        bead.begin_at(i);
+    } else if p.distance(b) < SAME {
+        bead.begin_at(next);
     } else {
-        ring.rotate_left(next);
-        ring.insert(0, p);
+        if let (Some(u), Some(v)) = (bead.widths.get(i), bead.widths.get(next))
+        {
+            let t = a.distance(p) / a.distance(b);
+            bead.widths.insert(i + 1, u + t * (v - u));
+        }
+        bead.points.insert(i + 1, p);
+        bead.begin_at(i + 1);
     }
-    ring
 }
 
 /// Where an island's printing would start.
@@ -311,12 +316,15 @@ fn print_island(
         // after it; pieces elsewhere go their own way.
         let (mut beside, mut away) = (Vec::new(), Vec::new());
         for mut wall in walls {
-            wall.points = begin_at(wall.points, seam);
-            let d = wall.points.first().map(|p| p.distance(seam));
-            match d.is_some_and(|d| d <= SEAM_REACH) {
-                true => beside.push(wall),
-                false => away.push(wall),
+            if wall.closed && outer.closed {
+                begin_at(&mut wall, seam);
+                let d = wall.points.first().map(|p| p.distance(seam));
+                if d.is_some_and(|d| d <= SEAM_REACH) {
+                    beside.push(wall);
+                    continue;
+                }
             }
+            away.push(wall);
         }
         if settings.wall_order == WallOrder::InnerFirst {
             print_rings(away, out, head);
@@ -342,10 +350,7 @@ fn print_island(
         let Some(patch) = skin[i].take() else {
             continue;
         };
-        for ring in patch.rings {
-            let ring = from_nearest(ring, head.at);
-            finish(ring, out, head);
-        }
+        print_rings(patch.rings, out, head);
         print_lines(patch.lines, out, head);
     }
 }
@@ -357,19 +362,25 @@ fn print_wall(
     head: &mut Head,
     settings: &Settings,
 ) {
-    let wall = match settings.seam {
-        Seam::Nearest => from_nearest(wall, head.at),
-        _ => wall,
+    let wall = match wall.closed && settings.seam != Seam::Nearest {
+        true => wall,
+        false => from_nearest(wall, head.at),
     };
     finish(wall, out, head);
 }
 
-/// Closed beads, nearest first, each begun at its point nearest to the head.
+/// Beads nearest first, closed ones begun at their point nearest to the head,
+/// open ones at their nearer end.
 fn print_rings(rings: Vec<Bead>, out: &mut Vec<Bead>, head: &mut Head) {
-    let points = rings
-        .iter()
-        .enumerate()
-        .flat_map(|(i, b)| b.points.iter().map(move |&p| (p, i)));
+    let points = rings.iter().enumerate().flat_map(|(i, b)| {
+        let (first, last) = (b.points.first(), b.points.last());
+        let ends = first.into_iter().chain(last);
+        let all: Vec<DVec2> = match b.closed {
+            true => b.points.clone(),
+            false => ends.copied().collect(),
+        };
+        all.into_iter().map(move |p| (p, i))
+    });
     let mut left = Nearest::new(points);
     let mut rings: Vec<Option<Bead>> = rings.into_iter().map(Some).collect();
     while let Some(i) = left.pop(head.at) {
@@ -393,19 +404,25 @@ fn print_lines(lines: Vec<Bead>, out: &mut Vec<Bead>, head: &mut Head) {
             continue;
         };
         if end % 2 == 1 {
-            bead.points.reverse();
+            bead.reverse();
         }
         finish(bead, out, head);
     }
 }
 
-/// The closed bead begun at its point nearest to the head.
+/// A closed bead begun at its point nearest to the head, an open one turned
+/// so that its nearer end comes first.
 fn from_nearest(mut bead: Bead, head: Option<DVec2>) -> Bead {
-    if let Some(head) = head {
-        let d = |i: &usize| bead.points[*i].distance_squared(head);
-        let nearest =
-            (0..bead.points.len()).min_by(|a, b| d(a).total_cmp(&d(b)));
-        bead.points.rotate_left(nearest.unwrap_or(0));
+    let Some(head) = head else { return bead };
+    let d = |p: &DVec2| p.distance_squared(head);
+    if bead.closed {
+        let nearest = (0..bead.points.len())
+            .min_by(|&a, &b| d(&bead.points[a]).total_cmp(&d(&bead.points[b])));
+        bead.begin_at(nearest.unwrap_or(0));
+    } else if let (Some(a), Some(b)) = (bead.points.first(), bead.points.last())
+        && d(b) < d(a)
+    {
+        bead.reverse();
     }
     bead
 }
@@ -458,6 +475,7 @@ mod tests {
             points,
             closed: true,
             width: 0.45,
+            widths: Vec::new(),
             height: 0.2,
         }
     }
@@ -544,6 +562,7 @@ mod tests {
             points: ring(&[(0.0, y), (10.0, y)]),
             closed: false,
             width: 0.45,
+            widths: Vec::new(),
             height: 0.2,
         };
         let lines = vec![line(0.0), line(2.0), line(1.0)];

@@ -28,6 +28,7 @@ fn bead(role: Role, width: f64, closed: bool, at: &[(f64, f64)]) -> Bead {
         points: points(at),
         closed,
         width,
+        widths: Vec::new(),
         height: 0.2,
     }
 }
@@ -116,6 +117,7 @@ fn rough(layers: usize) -> Vec<LayerPath> {
                     points: at,
                     closed: false,
                     width: 0.35 + 0.2 * random(),
+                    widths: Vec::new(),
                     height: 0.2,
                 }));
             }

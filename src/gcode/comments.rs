@@ -18,6 +18,7 @@ pub fn role_name(role: Role) -> &'static str {
         Role::Skirt => "Skirt/Brim",
         Role::OuterWall => "External perimeter",
         Role::InnerWall => "Perimeter",
+        Role::GapFill => "Gap fill",
         Role::SparseInfill => "Internal infill",
         Role::InternalSkin | Role::BottomSkin => "Solid infill",
         Role::TopSkin => "Top solid infill",

@@ -73,6 +73,7 @@ pub fn beads(
             points: vec![s.from, s.to],
             closed: false,
             width,
+            widths: Vec::new(),
             height,
         })
         .collect()

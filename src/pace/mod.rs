@@ -141,7 +141,11 @@ impl<'a> Pacer<'a> {
                 Move::Travel { points, retract } => {
                     self.travel(&span, points, retract, &mut out);
                 }
-                Move::Print(bead) => self.print(&span, bead, &mut out),
+                Move::Print(bead) => {
+                    for piece in bead.pieces() {
+                        self.print(&span, piece, &mut out);
+                    }
+                }
             }
         }
         let (slowing, time) = self.cool();
@@ -392,6 +396,7 @@ pub fn print_speed(
         Role::Skirt => speed.skirt,
         Role::OuterWall => speed.outer_wall,
         Role::InnerWall => speed.inner_wall,
+        Role::GapFill => speed.gap_fill,
         Role::SparseInfill => speed.sparse_infill,
         Role::InternalSkin => speed.internal_skin,
         Role::TopSkin => speed.top_skin,
@@ -447,6 +452,7 @@ mod tests {
                 .to_vec(),
             closed: true,
             width: 0.45,
+            widths: Vec::new(),
             height: 0.2,
         }
     }

@@ -4,7 +4,7 @@
 //! Cheaper to build than a tree (two passes over the edges), and as fast to
 //! ask where the edges are spread evenly, as a layer's are.
 
-use super::{Area, edges};
+use super::{Area, Rect, edges};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -30,15 +30,21 @@ const CELLS_PER_EDGE: f64 = 4.0;
 impl EdgeGrid {
     /// A grid of the area's edges for questions about the distance `reach`.
     pub fn new(area: &Area, reach: Mm) -> EdgeGrid {
-        let rings = area
-            .rings
-            .iter()
-            .enumerate()
-            .flat_map(|(i, r)| r.iter().map(move |_| i as u32))
-            .collect();
-        let edges: Vec<(DVec2, DVec2)> =
-            area.rings.iter().flat_map(|r| edges(r)).collect();
-        let bounds = area.bounds();
+        let rings = area.rings.iter().enumerate();
+        EdgeGrid::of(
+            rings.flat_map(|(i, r)| edges(r).map(move |e| (i, e))),
+            reach,
+        )
+    }
+
+    /// A grid of any segments, each with the number of what it belongs to.
+    pub fn of(
+        segments: impl Iterator<Item = (usize, (DVec2, DVec2))>,
+        reach: Mm,
+    ) -> EdgeGrid {
+        let (rings, edges): (Vec<u32>, Vec<(DVec2, DVec2)>) =
+            segments.map(|(i, e)| (i as u32, e)).unzip();
+        let bounds = Rect::around(edges.iter().flat_map(|(a, b)| [a, b]));
         let (origin, size) = match edges.is_empty() {
             true => (DVec2::ZERO, DVec2::ZERO),
             false => (bounds.min, bounds.max - bounds.min),
@@ -256,7 +262,7 @@ fn distance_squared(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> f64 {
 }
 
 /// The point of the segment from `a` to `b` nearest to `p`.
-fn nearest_on(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
+pub fn nearest_on(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     let along = b - a;
     let t = (p - a).dot(along) / along.length_squared();
     // A segment without length is its own nearest point.

@@ -15,6 +15,7 @@ fn colour(role: Role) -> &'static str {
     match role {
         Role::OuterWall => "#ff7d38",
         Role::InnerWall => "#ffd94d",
+        Role::GapFill => "#2fb6a8",
         Role::SparseInfill => "#b1302a",
         Role::InternalSkin => "#9654cc",
         Role::TopSkin => "#f04040",
@@ -65,15 +66,17 @@ pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
     for m in &path.moves {
         match m {
             Move::Print(bead) => {
-                let _ = write!(
-                    svg,
-                    "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \
-                     stroke-opacity=\"0.8\" points=\"",
-                    colour(bead.role),
-                    bead.width
-                );
-                points(&mut svg, &mut bead.path());
-                svg.push_str("\"/>\n");
+                for piece in bead.clone().pieces() {
+                    let _ = write!(
+                        svg,
+                        "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \
+                         stroke-opacity=\"0.8\" points=\"",
+                        colour(piece.role),
+                        piece.width
+                    );
+                    points(&mut svg, &mut piece.path());
+                    svg.push_str("\"/>\n");
+                }
                 at = bead.path().last();
             }
             Move::Travel {
@@ -118,6 +121,7 @@ mod tests {
             ],
             closed: true,
             width: 0.45,
+            widths: Vec::new(),
             height: 0.2,
         };
         let travel = Move::Travel {

@@ -71,6 +71,12 @@ table::settings! {
         outer_wall_width: Mm = 0.45, in 0.05..=10.0;
         /// Line width of the walls behind the outer wall.
         inner_wall_width: Mm = 0.45, in 0.05..=10.0;
+        /// Narrowest bead for places too thin for whole walls, as a share of
+        /// the wall's width; what is thinner still is left out.
+        thin_min: Percent = 60.0, in 10.0..=100.0;
+        /// Widest single bead for such places, as a share of the wall's
+        /// width; what is wider gets two walls.
+        thin_max: Percent = 180.0, in 100.0..=300.0;
         /// Which walls of an island are printed first.
         wall_order: WallOrder = WallOrder::InnerFirst;
         /// How walls are offset: by distance in the layer's plane, right for
@@ -127,6 +133,8 @@ table::settings! {
         outer_wall: MmPerSec = 40.0, in 0.1..=2000.0;
         /// Speed of the walls behind the outer wall.
         inner_wall: MmPerSec = 60.0, in 0.1..=2000.0;
+        /// Speed of the beads that fill gaps between walls.
+        gap_fill: MmPerSec = 30.0, in 0.1..=2000.0;
         /// Speed of sparse infill.
         sparse_infill: MmPerSec = 80.0, in 0.1..=2000.0;
         /// Speed of solid layers that are covered from both sides.

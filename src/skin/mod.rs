@@ -11,7 +11,7 @@ use crate::bead::{Bead, Role, spacing};
 use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, Segment, hatch};
-use crate::region::shrink;
+use crate::region::{Lay, lay, shrink};
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
@@ -19,7 +19,8 @@ use glam::DVec2;
 /// A connected skin area's beads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
-    /// Closed beads around the area and its holes.
+    /// Beads around the area and its holes, and those in the middle of
+    /// places too thin for them.
     pub rings: Vec<Bead>,
     /// Straight beads inside the rings.
     pub lines: Vec<Bead>,
@@ -48,6 +49,7 @@ pub fn patches(
 ) -> Vec<Patch> {
     let width = settings.skin_width;
     let space = spacing(width, width, height);
+    let plan = Lay::inside(width, height, settings);
     let lines = Lines {
         angle: settings.skin_angle - 90.0 * (layer % 2) as f64,
         spacing: space,
@@ -56,27 +58,32 @@ pub fn patches(
     skin.islands()
         .iter()
         .filter_map(|island| {
-            let centre = shrink(island, 0.5 * space, TOLERANCE);
-            if centre.is_empty() {
-                return None;
-            }
+            let laid = lay(island, plan, TOLERANCE);
             let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
-            let inside = shrink(&centre, half_nozzle, TOLERANCE);
+            let inside = shrink(&laid.rings, half_nozzle, TOLERANCE);
             let fill = hatch(&inside, lines, 0.5 * width);
-            let role = faces.role(&centre, &fill);
+            let role = faces.role(island, &fill);
             let bead = |points, closed| Bead {
                 role,
                 points,
                 closed,
                 width,
+                widths: Vec::new(),
                 height,
             };
-            Some(Patch {
-                rings: centre
-                    .rings
-                    .iter()
-                    .map(|r| bead(r.clone(), true))
-                    .collect(),
+            let rings = laid.lines.into_iter().map(|l| Bead {
+                widths: l.widths,
+                ..bead(l.points, l.closed)
+            });
+            let thin = laid.thin.into_iter().map(|l| Bead {
+                role: Role::GapFill,
+                width: l.width,
+                widths: l.widths,
+                ..bead(l.points, l.closed)
+            });
+            let rings: Vec<Bead> = rings.chain(thin).collect();
+            (!rings.is_empty()).then(|| Patch {
+                rings,
                 lines: fill
                     .iter()
                     .map(|s| bead(vec![s.from, s.to], false))
@@ -89,7 +96,7 @@ pub fn patches(
 impl Faces<'_> {
     /// What a skin island is: the side on which most of it faces the air, as
     /// points along its lines (where there are none, its ring's) tell.
-    fn role(&self, centre: &Area, lines: &[Segment]) -> Role {
+    fn role(&self, island: &Area, lines: &[Segment]) -> Role {
         /// Distance between probes, mm.
         const STEP: f64 = 1.0;
         let along = lines.iter().flat_map(|s| {
@@ -98,7 +105,7 @@ impl Faces<'_> {
                 .map(move |i| s.from.lerp(s.to, (i as f64 + 0.5) / count))
         });
         let probes: Vec<DVec2> = match lines.is_empty() {
-            true => centre.rings.iter().flatten().copied().collect(),
+            true => island.rings.iter().flatten().copied().collect(),
             false => along.collect(),
         };
         let share = |solid: &EdgeGrid| {

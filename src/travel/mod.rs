@@ -6,7 +6,6 @@
 
 use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
-use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use glam::DVec2;
@@ -52,16 +51,14 @@ pub fn connect(
     offset: DVec2,
     settings: &Settings,
 ) -> LayerPath {
-    let walls = Area {
-        rings: beads
-            .iter()
-            .filter(|b| b.role == Role::OuterWall && b.closed)
-            .map(|b| b.points.clone())
-            .collect(),
-    };
+    let walls = beads
+        .iter()
+        .filter(|b| b.role == Role::OuterWall)
+        .enumerate()
+        .flat_map(|(i, b)| b.segments().map(move |s| (i, s)));
     let obstacles = Obstacles {
         solid,
-        walls: EdgeGrid::new(&walls, 1.0),
+        walls: EdgeGrid::of(walls, 1.0),
     };
     let mut moves = Vec::with_capacity(2 * beads.len());
     let mut at = from;
@@ -131,6 +128,7 @@ impl Obstacles<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::Area;
 
     fn bead(role: Role, points: &[(f64, f64)]) -> Bead {
         Bead {
@@ -138,6 +136,7 @@ mod tests {
             points: points.iter().map(|&(x, y)| DVec2::new(x, y)).collect(),
             closed: false,
             width: 0.45,
+            widths: Vec::new(),
             height: 0.2,
         }
     }

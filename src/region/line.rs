@@ -1,0 +1,323 @@
+//! Centre lines of walls, closed or cut open, of one width or of many.
+//!
+//! Two changes are made to the plain offsets of an outline. Where a ridge's
+//! bead takes a thin place, the wall's ring, whose two sides would run into
+//! each other there, is cut away. And where what is left between two walls is
+//! too thin for a bead of its own, the walls beside it become wider and move
+//! in, each taking half.
+
+use super::ridge::Ridge;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::{Area, edges};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// A centre line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its points; the first is not repeated at the end of a closed one.
+    pub points: Vec<DVec2>,
+    /// It returns to its first point.
+    pub closed: bool,
+    /// Width of its bead; the mean, if it varies.
+    pub width: Mm,
+    /// Width at each point, if it varies; else empty.
+    pub widths: Vec<Mm>,
+}
+
+/// Distance of the places at which a line near a ridge is looked at, mm.
+const STEP: Mm = 0.05;
+/// Slack in distances that are equal but for rounding and thinning, mm.
+const SLACK: Mm = 0.05;
+
+impl Line {
+    /// Length, with the closing segment of a closed line.
+    pub fn length(&self) -> Mm {
+        let open: f64 =
+            self.points.windows(2).map(|p| p[0].distance(p[1])).sum();
+        match (self.closed, self.points.first(), self.points.last()) {
+            (true, Some(a), Some(b)) => open + b.distance(*a),
+            _ => open,
+        }
+    }
+
+    /// The ridge's line for a bead `extra` wider than the area is thick.
+    pub(super) fn along(ridge: &Ridge, extra: Mm) -> Line {
+        let widths: Vec<Mm> =
+            ridge.thickness.iter().map(|t| t + extra).collect();
+        let (mut sum, mut length) = (0.0, 0.0);
+        for (p, w) in ridge.points.windows(2).zip(widths.windows(2)) {
+            let step = p[0].distance(p[1]);
+            sum += 0.5 * (w[0] + w[1]) * step;
+            length += step;
+        }
+        let width = match length > 0.0 {
+            true => sum / length,
+            false => widths.first().copied().unwrap_or(extra),
+        };
+        let same = widths.iter().all(|w| (w - width).abs() < 1e-3);
+        Line {
+            points: ridge.points.clone(),
+            closed: ridge.closed,
+            width,
+            widths: if same { Vec::new() } else { widths },
+        }
+    }
+}
+
+/// Ridges, to be asked for the nearest.
+pub(super) struct RidgeIndex<'a> {
+    ridges: &'a [Ridge],
+    grid: EdgeGrid,
+    /// Ridge and segment of each of the grid's edges.
+    segments: Vec<(usize, usize)>,
+}
+
+impl<'a> RidgeIndex<'a> {
+    pub(super) fn new(ridges: &'a [Ridge], reach: Mm) -> Self {
+        let mut segments = Vec::new();
+        let mut all = Vec::new();
+        for (i, r) in ridges.iter().enumerate() {
+            let n = r.points.len();
+            let count = if r.closed { n } else { n.saturating_sub(1) };
+            for k in 0..count {
+                all.push((
+                    segments.len(),
+                    (r.points[k], r.points[(k + 1) % n]),
+                ));
+                segments.push((i, k));
+            }
+        }
+        RidgeIndex {
+            ridges,
+            grid: EdgeGrid::of(all.into_iter(), reach),
+            segments,
+        }
+    }
+
+    /// The nearest point of a ridge within `reach`, and the thickness there.
+    fn nearest(&self, p: DVec2, reach: Mm) -> Option<(DVec2, Mm)> {
+        let (number, q) = self.grid.nearest_within(p, reach)?;
+        let (i, k) = self.segments[number];
+        let r = &self.ridges[i];
+        let n = r.points.len();
+        let (a, b) = (r.points[k], r.points[(k + 1) % n]);
+        let t = match a.distance(b) > 0.0 {
+            true => a.distance(q) / a.distance(b),
+            false => 0.0,
+        };
+        let (ta, tb) = (r.thickness[k], r.thickness[(k + 1) % n]);
+        Some((q, ta + t * (tb - ta)))
+    }
+}
+
+/// The rings of an offset `depth` below an area's border as lines, without
+/// what runs along ridges of the area.
+pub(super) fn cut(
+    rings: &Area,
+    ridges: &[Ridge],
+    depth: Mm,
+    width: Mm,
+) -> Vec<Line> {
+    let line = |points, closed| Line {
+        points,
+        closed,
+        width,
+        widths: Vec::new(),
+    };
+    if ridges.is_empty() {
+        return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
+    }
+    let thickest = ridges.iter().map(Ridge::thickest).fold(0.0, f64::max);
+    let reach = 0.5 * thickest - depth + 2.0 * SLACK;
+    if reach <= 0.0 {
+        return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
+    }
+    let index = RidgeIndex::new(ridges, reach);
+    let free = |p: DVec2| match index.nearest(p, reach) {
+        // A side of the thin place is half its thickness from the ridge, so
+        // the ring's side is that less its depth.
+        Some((q, t)) => p.distance(q) > 0.5 * t - depth + SLACK,
+        None => true,
+    };
+    let mut lines = Vec::new();
+    for ring in &rings.rings {
+        // Points, whether they are the ring's own, whether they stay.
+        let mut all: Vec<(DVec2, bool, bool)> = Vec::new();
+        for (a, b) in edges(ring) {
+            if index.grid.clear(a, b, reach) {
+                all.push((a, true, true));
+                continue;
+            }
+            let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
+            for k in 0..count as usize {
+                let p = a.lerp(b, k as f64 / count);
+                all.push((p, k == 0, free(p)));
+            }
+        }
+        let n = all.len();
+        let Some(start) = (0..n).find(|&i| !all[i].2) else {
+            lines.push(line(ring.clone(), true));
+            continue;
+        };
+        all.rotate_left(start);
+        for part in all.chunk_by(|a, b| a.2 == b.2).filter(|p| p[0].2) {
+            let last = part.len() - 1;
+            let points: Vec<DVec2> = part
+                .iter()
+                .enumerate()
+                .filter(|(i, p)| *i == 0 || *i == last || p.1)
+                .map(|(_, p)| p.0)
+                .collect();
+            let piece = line(points, false);
+            if piece.length() > width {
+                lines.push(piece);
+            }
+        }
+    }
+    lines
+}
+
+/// Widens the lines beside slivers: `away` is how far a line is from the
+/// border of the area whose ridges the slivers are.
+pub(super) fn absorb(
+    lines: Vec<Line>,
+    slivers: &[Ridge],
+    away: Mm,
+    tolerance: Mm,
+) -> Vec<Line> {
+    if slivers.is_empty() {
+        return lines;
+    }
+    let thickest = slivers.iter().map(Ridge::thickest).fold(0.0, f64::max);
+    let reach = away + 0.5 * thickest + SLACK;
+    let index = RidgeIndex::new(slivers, reach);
+    lines
+        .into_iter()
+        .map(|line| widen(line, &index, away, reach, tolerance))
+        .collect()
+}
+
+fn widen(
+    line: Line,
+    index: &RidgeIndex<'_>,
+    away: Mm,
+    reach: Mm,
+    tolerance: Mm,
+) -> Line {
+    let mut points = Vec::new();
+    let mut widths = Vec::new();
+    let mut changed = false;
+    let mut push = |p: DVec2| {
+        let sliver = index
+            .nearest(p, reach)
+            .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
+        match sliver {
+            Some((q, t)) => {
+                changed = true;
+                let inwards = (q - p).normalize_or_zero();
+                points.push(p + inwards * (0.25 * t));
+                widths.push(line.width + 0.5 * t);
+            }
+            None => {
+                points.push(p);
+                widths.push(line.width);
+            }
+        }
+    };
+    let n = line.points.len();
+    let segments = if line.closed { n } else { n.saturating_sub(1) };
+    for k in 0..segments {
+        let (a, b) = (line.points[k], line.points[(k + 1) % n]);
+        push(a);
+        if index.grid.clear(a, b, reach) {
+            continue;
+        }
+        let count = (a.distance(b) / (2.0 * STEP)).ceil().clamp(1.0, 1e6);
+        for i in 1..count as usize {
+            push(a.lerp(b, i as f64 / count));
+        }
+    }
+    if let (false, Some(&last)) = (line.closed, line.points.last()) {
+        push(last);
+    }
+    if !changed {
+        return line;
+    }
+    // The same thinning as a ridge's: the width is a third coordinate.
+    let mut ridge = Ridge {
+        points,
+        thickness: widths,
+        closed: line.closed,
+    };
+    if ridge.closed {
+        // Thinning keeps both ends: with the first point there again, the
+        // closing segment is thinned as well.
+        ridge.points.extend(ridge.points.first().copied());
+        ridge.thickness.extend(ridge.thickness.first().copied());
+    }
+    let mut thin = ridge.thinned(tolerance);
+    if thin.closed {
+        thin.points.pop();
+        thin.thickness.pop();
+    }
+    Line::along(&thin, 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ridge(points: &[(f64, f64)], thickness: f64) -> Ridge {
+        Ridge {
+            points: points.iter().map(|&(x, y)| DVec2::new(x, y)).collect(),
+            thickness: vec![thickness; points.len()],
+            closed: false,
+        }
+    }
+
+    fn rectangle(x: f64, y: f64) -> Area {
+        let ring = [(0.0, -y), (x, -y), (x, y), (0.0, y)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec();
+        Area { rings: vec![ring] }
+    }
+
+    #[test]
+    fn rings_are_cut_where_a_ridge_runs() {
+        // A ring of half width 0.1 at depth 0.2 in a strip 0.6 thick.
+        let rings = rectangle(20.0, 0.1);
+        let half = ridge(&[(0.0, 0.0), (10.0, 0.0)], 0.6);
+        let lines = cut(&rings, &[half], 0.2, 0.45);
+        assert_eq!(lines.len(), 1);
+        assert!(!lines[0].closed);
+        assert!((lines[0].length() - 20.2).abs() < 0.4);
+        let whole = ridge(&[(0.0, 0.0), (20.0, 0.0)], 0.6);
+        assert!(cut(&rings, &[whole], 0.2, 0.45).is_empty());
+        assert!(cut(&rings, &[], 0.2, 0.45)[0].closed);
+    }
+
+    #[test]
+    fn slivers_are_shared_by_the_walls_beside_them() {
+        let walls = rectangle(20.0, 0.3);
+        let lines = cut(&walls, &[], 0.2, 0.45);
+        // A sliver 0.2 thick in the middle: the walls are 0.2 from it.
+        let sliver = ridge(&[(5.0, 0.0), (15.0, 0.0)], 0.2);
+        let lines = absorb(lines, &[sliver], 0.2, 0.005);
+        let line = &lines[0];
+        assert!(line.closed);
+        let middle = line
+            .points
+            .iter()
+            .zip(&line.widths)
+            .filter(|(p, _)| (6.0..14.0).contains(&p.x));
+        for (p, w) in middle {
+            assert!((p.y.abs() - 0.25).abs() < 1e-9);
+            assert!((w - 0.55).abs() < 1e-9);
+        }
+        let widest = line.widths.iter().copied().fold(0.0, f64::max);
+        let narrowest = line.widths.iter().copied().fold(1.0, f64::min);
+        assert!((widest - 0.55).abs() < 1e-9);
+        assert!((narrowest - 0.45).abs() < 1e-9);
+    }
+}
