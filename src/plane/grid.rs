@@ -196,6 +196,13 @@ impl EdgeGrid {
         p: DVec2,
         reach: Mm,
     ) -> Option<(usize, DVec2)> {
+        let (edge, q) = self.nearest_edge(p, reach)?;
+        Some((self.rings[edge] as usize, q))
+    }
+
+    /// The point of the edges nearest to `p` and the number of its edge, if
+    /// it is within `reach`.
+    pub fn nearest_edge(&self, p: DVec2, reach: Mm) -> Option<(usize, DVec2)> {
         if self.edges.is_empty() {
             return None;
         }
@@ -218,7 +225,7 @@ impl EdgeGrid {
                 }
             }
         }
-        best.map(|(_, m, q)| (self.rings[m as usize] as usize, q))
+        best.map(|(_, m, q)| (m as usize, q))
     }
 
     /// True if no edge comes closer than `distance` to the segment.

@@ -10,7 +10,7 @@
 //!
 //! In: an area and the thickness below which a place is thin. Out: the
 //! ridge's lines there, with the thickness at each point. Both sides of a
-//! strip give the same line; it is kept once. Balls that touch two sides of a
+//! strip give the same line; one of them is asked. Balls that touch two sides of a
 //! corner, and not opposite sides, are left out: the ridge's branches into
 //! corners are not places for a bead.
 //!
@@ -24,7 +24,6 @@ use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, edges};
 use crate::units::Mm;
 use glam::DVec2;
-use rstar::RTree;
 
 /// A line along the middle of a thin place.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +43,12 @@ struct Ball {
     thickness: Mm,
 }
 
+/// Balls that follow each other along the border.
+struct Run {
+    balls: Vec<Ball>,
+    closed: bool,
+}
+
 /// Distance of the balls along the border, mm.
 const STEP: Mm = 0.1;
 
@@ -55,58 +60,45 @@ pub fn ridges(
     limit: Mm,
     tolerance: Mm,
 ) -> Vec<Ridge> {
-    let mut runs: Vec<(Vec<Ball>, bool)> = Vec::new();
+    let mut runs: Vec<Run> = Vec::new();
+    let mut first_edge = 0;
     for ring in &area.rings {
-        let balls = balls(ring, grid, limit);
+        let balls = balls(ring, first_edge, grid, limit);
         split_runs(&balls, limit, &mut runs);
+        first_edge += ring.len();
     }
-    // The longest first: it is the whole strip, others repeat parts of it.
-    runs.sort_by(|a, b| length(&b.0).total_cmp(&length(&a.0)));
-    let mut taken: RTree<[f64; 2]> = RTree::new();
-    let mut ridges = Vec::new();
-    for (run, closed) in runs {
-        let free = |b: &Ball| {
-            let apart = (0.3 * b.thickness).max(1.5 * STEP);
-            let centre = b.centre.to_array();
-            taken
-                .locate_within_distance(centre, apart * apart)
-                .next()
-                .is_none()
-        };
-        let open: Vec<bool> = run.iter().map(free).collect();
-        let whole = open.iter().all(|o| *o);
-        let parts: Vec<Vec<Ball>> = run
-            .iter()
-            .zip(&open)
-            .collect::<Vec<_>>()
-            .chunk_by(|a, b| a.1 == b.1)
-            .filter(|part| *part[0].1)
-            .map(|part| part.iter().map(|(b, _)| **b).collect())
-            .collect();
-        for part in parts {
-            let thick = part.iter().map(|b| b.thickness).fold(0.0, f64::max);
-            if length(&part) < 0.5 * thick {
-                continue;
-            }
-            for b in &part {
-                taken.insert(b.centre.to_array());
-            }
+    join(&mut runs);
+    runs.into_iter()
+        .filter(|run| {
+            let thick =
+                run.balls.iter().map(|b| b.thickness).fold(0.0, f64::max);
+            run.closed || run.length() >= 0.5 * thick
+        })
+        .map(|run| {
+            let balls = run.balls.iter();
             let ridge = Ridge {
-                points: part.iter().map(|b| b.centre).collect(),
-                thickness: part.iter().map(|b| b.thickness).collect(),
-                closed: closed && whole,
+                points: balls.clone().map(|b| b.centre).collect(),
+                thickness: balls.map(|b| b.thickness).collect(),
+                closed: run.closed,
             };
-            ridges.push(ridge.thinned(tolerance));
-        }
-    }
-    ridges
+            ridge.thinned(tolerance)
+        })
+        .collect()
 }
 
-/// A ball for points all along a ring; none where the area is thick.
-fn balls(ring: &[DVec2], grid: &EdgeGrid, limit: Mm) -> Vec<Option<Ball>> {
+/// A ball for points all along a ring; none where the area is thick, and none
+/// where the ball from the other side will do: of two edges that face each
+/// other the one with the lower number has the balls. The ring's edges are
+/// numbered from `first_edge`, as in the grid.
+fn balls(
+    ring: &[DVec2],
+    first_edge: usize,
+    grid: &EdgeGrid,
+    limit: Mm,
+) -> Vec<Option<Ball>> {
     let radius = 0.5 * limit;
     let mut balls = Vec::new();
-    for (a, b) in edges(ring) {
+    for (number, (a, b)) in (first_edge..).zip(edges(ring)) {
         let along = b - a;
         let length = along.length();
         if length == 0.0 {
@@ -124,14 +116,21 @@ fn balls(ring: &[DVec2], grid: &EdgeGrid, limit: Mm) -> Vec<Option<Ball>> {
         balls.extend((0..count as usize).map(|k| {
             let p = a.lerp(b, (k as f64 + 0.5) / count);
             ball(p, normal, grid, radius)
+                .filter(|(_, opposite)| number < *opposite)
+                .map(|(ball, _)| ball)
         }));
     }
     balls
 }
 
 /// The largest ball up to `radius` that touches the border at `p`, if it is
-/// smaller and touches the opposite side.
-fn ball(p: DVec2, normal: DVec2, grid: &EdgeGrid, radius: Mm) -> Option<Ball> {
+/// smaller and touches the opposite side, and the number of that side's edge.
+fn ball(
+    p: DVec2,
+    normal: DVec2,
+    grid: &EdgeGrid,
+    radius: Mm,
+) -> Option<(Ball, usize)> {
     /// Rounds after which a ball that still shrinks is given up: each brings
     /// it to touch a nearer edge, and few edges are near.
     const ROUNDS: usize = 16;
@@ -141,33 +140,30 @@ fn ball(p: DVec2, normal: DVec2, grid: &EdgeGrid, radius: Mm) -> Option<Ball> {
     for _ in 0..ROUNDS {
         let centre = p + normal * r;
         let near = grid
-            .nearest_within(centre, r - TOUCHING)
-            .map(|(_, q)| q)
-            .filter(|q| q.distance_squared(p) > TOUCHING * TOUCHING);
-        let Some(q) = near else { break };
+            .nearest_edge(centre, r - TOUCHING)
+            .filter(|(_, q)| q.distance_squared(p) > TOUCHING * TOUCHING);
+        let Some((edge, q)) = near else { break };
         let v = q - p;
         let up = normal.dot(v);
         if up <= 0.0 {
             return None;
         }
-        touch = Some(q);
+        touch = Some((edge, q));
         r = v.length_squared() / (2.0 * up);
     }
     let centre = p + normal * r;
     // Seen from the centre, p and q are more than 120° apart.
-    let opposite = (p - centre).dot(touch? - centre) < -0.5 * r * r;
-    opposite.then_some(Ball {
+    let (edge, q) = touch?;
+    let opposite = (p - centre).dot(q - centre) < -0.5 * r * r;
+    let ball = Ball {
         centre,
         thickness: 2.0 * r,
-    })
+    };
+    opposite.then_some((ball, edge))
 }
 
 /// Cuts a ring's balls into runs of neighbours.
-fn split_runs(
-    balls: &[Option<Ball>],
-    limit: Mm,
-    runs: &mut Vec<(Vec<Ball>, bool)>,
-) {
+fn split_runs(balls: &[Option<Ball>], limit: Mm, runs: &mut Vec<Run>) {
     let n = balls.len();
     let near = |a: &Ball, b: &Ball| {
         a.centre.distance(b.centre) < 4.0 * STEP + 0.25 * limit
@@ -180,7 +176,10 @@ fn split_runs(
     let Some(start) = (0..n).find(|&i| !follows(i)) else {
         let all: Vec<Ball> = balls.iter().copied().flatten().collect();
         if !all.is_empty() {
-            runs.push((all, true));
+            runs.push(Run {
+                balls: all,
+                closed: true,
+            });
         }
         return;
     };
@@ -188,15 +187,71 @@ fn split_runs(
     for i in start + 1..=start + n {
         run.extend(balls[i % n]);
         if !follows(i) && !run.is_empty() {
-            runs.push((std::mem::take(&mut run), false));
+            runs.push(Run {
+                balls: std::mem::take(&mut run),
+                closed: false,
+            });
         }
     }
 }
 
-fn length(run: &[Ball]) -> Mm {
-    run.windows(2)
-        .map(|w| w[0].centre.distance(w[1].centre))
-        .sum()
+/// Joins runs that end where another begins: along a strip the balls change
+/// sides where the border's numbering begins anew.
+fn join(runs: &mut Vec<Run>) {
+    /// Runs beyond which the few that could be joined are not worth it.
+    const MANY: usize = 2000;
+    let mut i = 0;
+    while i < runs.len() && runs.len() <= MANY {
+        let joined = (0..runs.len()).filter(|&j| j != i).find_map(|j| {
+            let (a, b) = (&runs[i], &runs[j]);
+            a.followed_by(b).map(|run| (j, run))
+        });
+        match joined {
+            Some((j, run)) => {
+                runs[i] = run;
+                runs.remove(j);
+                i = i.min(j);
+            }
+            None => i += 1,
+        }
+    }
+}
+
+impl Run {
+    fn length(&self) -> Mm {
+        self.balls
+            .windows(2)
+            .map(|w| w[0].centre.distance(w[1].centre))
+            .sum()
+    }
+
+    /// Both as one, if an end of the other is at this one's end.
+    fn followed_by(&self, other: &Run) -> Option<Run> {
+        if self.closed || other.closed {
+            return None;
+        }
+        let near = |a: &Ball, b: &Ball| {
+            a.centre.distance(b.centre) < 2.5 * STEP
+                && (a.thickness - b.thickness).abs() < STEP
+        };
+        let (end, first, last) = (
+            self.balls.last()?,
+            other.balls.first()?,
+            other.balls.last()?,
+        );
+        let mut balls = self.balls.clone();
+        if near(end, first) {
+            balls.extend(&other.balls);
+        } else if near(end, last) {
+            balls.extend(other.balls.iter().rev());
+        } else {
+            return None;
+        }
+        Some(Run {
+            balls,
+            closed: false,
+        })
+    }
 }
 
 impl Ridge {
