@@ -17,14 +17,19 @@ use std::path::{Path, PathBuf};
 /// not import one another.
 const ORDER: &[&[&str]] = &[
     &["units"],
+    // A stopwatch for every stage; it knows none of them.
+    &["timings"],
+    // Plain geometry: it knows neither settings nor fields.
     &["plane"],
     &["settings"],
     &["model"],
     &["layers"],
     &["field"],
     &["contour"],
-    &["region"],
+    // Before the regions: how far walls lie apart, and so what they leave
+    // for filling, follows from the cross-section of a bead.
     &["bead"],
+    &["region"],
     &["walls", "skin", "infill", "adhesion", "support"],
     &["order"],
     &["travel"],
