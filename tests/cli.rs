@@ -1,5 +1,8 @@
 //! The command line as a user meets it: the real program is run.
 
+// A test that cannot go on should say so and stop.
+#![allow(clippy::unwrap_used)]
+
 use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty, starts_with};

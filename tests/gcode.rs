@@ -1,6 +1,9 @@
 //! Pacing and the G-code writer together, on small jobs made by hand: the
 //! text itself, and what a machine that reads it would do.
 
+// A test that cannot go on should say so and stop.
+#![allow(clippy::unwrap_used)]
+
 use glam::{DVec2, DVec3};
 use isoslice::bead::{Bead, Role};
 use isoslice::gcode::{Header, Totals, WriteError, Writer};

@@ -1,5 +1,8 @@
 //! Models from text to placement, against shapes whose extent is known.
 
+// A test that cannot go on should say so and stop.
+#![allow(clippy::unwrap_used)]
+
 use fidget::context::Tree;
 use glam::DVec3;
 use isoslice::model::{

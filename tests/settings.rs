@@ -1,5 +1,8 @@
 //! The settings table as a whole, and what its users read when they err.
 
+// A test that cannot go on should say so and stop.
+#![allow(clippy::unwrap_used)]
+
 use isoslice::settings::{
     Builder, InfillPattern, Key, Settings, SettingsError, keys,
 };

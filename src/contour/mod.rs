@@ -5,16 +5,16 @@
 //! `accuracy` of the field's zero set.
 //!
 //! The lattice only finds the topology. Each vertex is then moved along its
-//! lattice edge onto f = 0 ([`refine`]), the corners that marching squares
-//! cuts off are put back ([`corner`]), the pieces of the leaves are joined
-//! at shared lattice edges ([`link`]), and last the rings are thinned.
+//! lattice edge onto f = 0 (`refine`), the corners that marching squares
+//! cuts off are put back (`corner`), the pieces of the leaves are joined
+//! at shared lattice edges (`link`), and last the rings are thinned.
 //!
 //! Inside is f < 0; a NaN is outside. Not guaranteed: that features smaller
 //! than the lattice's spacing are found.
 //!
 //! The `contour` crate is the oracle of the tests and not the engine: it
 //! stitches through hash maps and nested vectors over the whole grid handed
-//! to it, and decides ambiguous cells by convention, where [`march`] visits
+//! to it, and decides ambiguous cells by convention, where `march` visits
 //! sampled leaves only and asks the field.
 
 mod corner;

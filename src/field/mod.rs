@@ -16,7 +16,7 @@
 //! expression with all of them. A leaf that is left out has no sign change
 //! on its nodes, up to the rounding of fidget's interval arithmetic (which
 //! does not round outwards); `contour` notices such a leaf by the outline
-//! that stops at its border, and asks for it with [`Field::leaf`].
+//! that stops at its border, and asks for it with [`Field::leaves`].
 //!
 //! This is the one place where `f64` millimetres become fidget's `f32`.
 

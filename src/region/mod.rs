@@ -12,7 +12,7 @@
 //! Where the part, or what the walls leave of it, is too thin for two walls
 //! side by side, one bead along its middle ([`ridge`]) takes their place, as
 //! wide as the place is thick; what is too thin even for that widens the
-//! walls beside it ([`line`]). Extruded area per area of part stays the same.
+//! walls beside it ([`mod@line`]). Extruded area per area of part stays the same.
 
 pub mod exposure;
 pub mod line;
