@@ -144,11 +144,13 @@ fn describe(
         summary.filament_length / 1000.0,
         summary.filament_mass_g
     )?;
-    if summary.unfilled_area > 0.0 {
+    // Less is what rounding leaves at sharp corners.
+    if summary.unfilled_area >= 1.0 {
         writeln!(
             text,
-            "  gaps        {:.1} mm² between walls are left unfilled",
-            summary.unfilled_area
+            "  gaps        {:.1} mm² too thin for a line, of {:.0} mm² in \
+             all layers",
+            summary.unfilled_area, summary.solid_area
         )?;
     }
     writeln!(text, "  took        {:.1} s", took.as_secs_f64())?;
