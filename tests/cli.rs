@@ -6,6 +6,7 @@
 use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty, starts_with};
+use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -350,6 +351,126 @@ fn info_tells_what_would_be_printed() {
         .stdout(contains(" of 0.1 mm\n"))
         .stdout(contains("\n  expression  "));
     assert!(names(folder.path()).is_empty());
+}
+
+/// fidget's text for a ball of radius 1.
+const UNIT_BALL: &str = "_0 var-x\n_1 var-y\n_2 var-z\n_3 square _0\n\
+    _4 square _1\n_5 square _2\n_6 add _3 _4\n_7 add _6 _5\n_8 sqrt _7\n\
+    _9 const 1\n_a sub _8 _9\n";
+
+fn read(folder: &TempDir, name: &str) -> String {
+    fs::read_to_string(folder.path().join(name))
+        .unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+#[test]
+fn a_unit_model_is_brought_to_size() {
+    let folder = folder();
+    write(&folder, "unit.vm", UNIT_BALL);
+    let summary =
+        stdout(isoslice(&folder).args(["slice", "unit.vm", "--size", "6"]));
+    assert!(summary.starts_with("unit.gcode\n  size        6.00 × 6.00"));
+    assert!(summary.contains("\n  layers      30\n"), "{summary}");
+    let gcode = read(&folder, "unit.gcode");
+    assert_eq!(gcode.matches(";LAYER_CHANGE\n").count(), 30);
+    assert!(gcode.ends_with('\n'));
+}
+
+#[test]
+fn settings_reach_the_gcode() {
+    let folder = folder();
+    isoslice(&folder)
+        .args(["slice", "-q", "-e", "max(max(abs(x),abs(y)),abs(z)) - 5"])
+        .args(["--set", "infill_density=100%", "--set", "top_layers=0"])
+        .args(["--set", "bottom_layers=0", "--set", "layer_height=0.25"])
+        .args(["--set", "walls=1", "--set", "filament.flow=95%"])
+        .args(["--set", "gcode.flavour=klipper", "-o", "dense.gcode"])
+        .assert()
+        .success();
+    let gcode = read(&folder, "dense.gcode");
+    assert!(gcode.contains("\n;HEIGHT:0.25\n"));
+    assert!(gcode.contains("\nSET_PRINT_STATS_INFO TOTAL_LAYER=40\n"));
+    assert!(gcode.contains("\n;TYPE:External perimeter\n"));
+    assert!(!gcode.contains("\n;TYPE:Perimeter\n"));
+    assert!(gcode.contains("\n;TYPE:Solid infill\n"));
+    assert!(!gcode.contains("Internal infill"));
+    // All of the cube, at 95 % of the flow.
+    let used = gcode
+        .lines()
+        .find_map(|l| l.strip_prefix("; filament used [mm] = "))
+        .and_then(|mm| mm.parse::<f64>().ok())
+        .unwrap_or_default();
+    let skirt_and_cube = 0.95 * 1000.0 / (0.25 * PI * 1.75 * 1.75);
+    assert!((used / skirt_and_cube - 1.0).abs() < 0.04, "{used}");
+}
+
+const KNOB: &str = "let r = param(\"radius\", 4.0, \"radius, mm\");\n\
+    let flat = param(\"flat\", 1.5);\n\
+    (sqrt(x * x + y * y + z * z) - r).max(abs(z) - flat)\n";
+
+#[test]
+fn parameters_are_listed_and_set() {
+    let folder = folder();
+    write(&folder, "knob.rhai", KNOB);
+    let info = stdout(isoslice(&folder).args(["info", "knob.rhai"]));
+    assert!(info.starts_with("knob\n  size        8.00 × 8.00 × 3.00 mm\n"));
+    assert!(info.ends_with(
+        "\n  parameters (set with -D name=value)\n    \
+         radius = 4.0  radius, mm\n    flat   = 1.5\n"
+    ));
+    let info =
+        stdout(isoslice(&folder).args(["info", "knob.rhai", "-D", "radius=5"]));
+    assert!(info.contains("  size        10.00 × 10.00 × 3.00 mm\n"));
+    assert!(
+        info.contains("radius = 5.0 (default 4.0)  radius, mm\n"),
+        "{info}"
+    );
+    let summary = stdout(isoslice(&folder).args([
+        "slice",
+        "knob.rhai",
+        "-D",
+        "flat=0.5",
+        "-D",
+        "radius=3",
+    ]));
+    assert!(summary.contains("  size        6.00 × 6.00 × 1.00 mm\n"));
+    assert!(summary.contains("  layers      5\n"), "{summary}");
+    isoslice(&folder)
+        .args(["slice", "knob.rhai", "-D", "radios=3"])
+        .assert()
+        .code(1)
+        .stderr(contains("radios").and(contains("radius")));
+}
+
+#[test]
+fn every_layer_has_its_picture() {
+    let folder = folder();
+    isoslice(&folder)
+        .args(["slice", "-q", "-e", "max(sqrt(x^2+y^2) - 3, abs(z) - 0.5)"])
+        .args(["--svg", "new/pictures"])
+        .assert()
+        .success()
+        .stdout(is_empty());
+    let pictures = names(&folder.path().join("new/pictures"));
+    let expected: Vec<String> =
+        (0..5).map(|i| format!("layer-{i:05}.svg")).collect();
+    assert_eq!(pictures, expected);
+    let svg = read(&folder, "new/pictures/layer-00004.svg");
+    assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+    assert!(svg.contains("<polyline "));
+}
+
+#[test]
+fn threads_do_not_show_in_the_file() {
+    let folder = folder();
+    let slice = |threads: &str| {
+        isoslice(&folder)
+            .args(["slice", "-q", "-e", BALL, "--threads", threads])
+            .assert()
+            .success();
+        read(&folder, "formula.gcode")
+    };
+    assert!(slice("1") == slice("3"));
 }
 
 #[cfg(unix)]
