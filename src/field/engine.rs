@@ -3,7 +3,7 @@
 use super::{
     Batch, FieldError, LEAF, Lattice, Leaf, NODES, SLAB, Sampler, Visit,
 };
-use crate::model::{Prover, ProverScratch};
+use crate::model::{Prover, ProverScratch, Verdict};
 use crate::units::{Mm, Seconds};
 use fidget::eval::{BulkEvaluator, Function, MathFunction, TracingEvaluator};
 use fidget::types::{Grad, Interval};
@@ -60,6 +60,9 @@ struct Tapes<F: Function> {
     interval: Option<IntervalTape<F>>,
     float: Option<FloatTape<F>>,
     grad: Option<GradTape<F>>,
+    /// fidget's intervals may be used: nothing overflows where these tapes
+    /// are used.
+    safe: bool,
 }
 
 /// Evaluators and buffers of one thread.
@@ -119,6 +122,7 @@ impl<F: MathFunction> FidgetEngine<F> {
             interval: Some(self.interval.clone()),
             float: Some(self.float.clone()),
             grad: Some(self.grad.clone()),
+            safe: self.prover.is_none(),
         }
     }
 
@@ -149,12 +153,14 @@ impl<F: MathFunction> FidgetEngine<F> {
 }
 
 impl<F: Function> Tapes<F> {
-    fn of(f: F) -> Self {
+    /// Tapes for a box in which nothing overflows.
+    fn safe(f: F) -> Self {
         Tapes {
             f,
             interval: None,
             float: None,
             grad: None,
+            safe: true,
         }
     }
 }
@@ -167,13 +173,16 @@ impl<F: Function> Workspace<F> {
         boxed: [[f32; 2]; 3],
         simplify: bool,
     ) -> Result<Proof<F>, FieldError> {
-        if let Some((prover, scratch)) = &mut self.prover {
+        let mut newly_safe = false;
+        if let (false, Some((prover, scratch))) = (tapes.safe, &mut self.prover)
+        {
             let lo = boxed.map(|[lo, _]| f64::from(lo));
             let hi = boxed.map(|[_, hi]| f64::from(hi));
-            return Ok(match prover.uniform(lo, hi, scratch) {
-                true => Proof::Uniform,
-                false => Proof::Ambiguous(None),
-            });
+            match prover.prove(lo, hi, scratch) {
+                Verdict::Uniform => return Ok(Proof::Uniform),
+                Verdict::Wild => return Ok(Proof::Ambiguous(None)),
+                Verdict::Bounded => newly_safe = true,
+            }
         }
         let mut vars = [Interval::from(0.0); 3];
         for (slot, [lo, hi]) in self.slots.iter().zip(boxed) {
@@ -204,6 +213,8 @@ impl<F: Function> Workspace<F> {
                     .map_err(bug)?;
                 Some(f)
             }
+            // The same function, but from here on with fidget's intervals.
+            None if simplify && newly_safe => Some(tapes.f.clone()),
             _ => None,
         };
         Ok(Proof::Ambiguous(simpler))
@@ -400,7 +411,7 @@ impl<F: MathFunction> FidgetEngine<F> {
         let extent = tile.extent(lattice, z, 1);
         let mut own = match ws.prove(&mut root, extent, true)? {
             Proof::Uniform => return Ok(()),
-            Proof::Ambiguous(simpler) => simpler.map(Tapes::of),
+            Proof::Ambiguous(simpler) => simpler.map(Tapes::safe),
         };
         let tapes = own.as_mut().unwrap_or(&mut root);
         for block in tile.parts(lattice, BLOCK, BLOCK_LAYERS) {
@@ -426,7 +437,7 @@ impl<F: MathFunction> FidgetEngine<F> {
         let extent = block.extent(lattice, z, 1);
         let mut own = match ws.prove(parent, extent, true)? {
             Proof::Uniform => return Ok(()),
-            Proof::Ambiguous(simpler) => simpler.map(Tapes::of),
+            Proof::Ambiguous(simpler) => simpler.map(Tapes::safe),
         };
         let tapes = own.as_mut().unwrap_or(parent);
         buffers.leaves.clear();

@@ -40,7 +40,7 @@ pub use expand::{ExpandError, MAX_EXPANDED_NODES};
 pub use formula::{FormulaError, parse_formula};
 pub use param::{ParamError, Parameter};
 pub use placement::{BuildVolume, Model, PlaceError, Placement, place};
-pub use prover::{Prover, ProverScratch};
+pub use prover::{Prover, ProverScratch, Verdict};
 pub use script::{ScriptError, ScriptLimits};
 pub use source::{Loaded, Source, SourceKind, load, load_within};
 pub use vm::{VmError, parse_vm};

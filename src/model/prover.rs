@@ -9,6 +9,17 @@
 use super::program::{Cell, Program, Scratch};
 use fidget::context::{Context, Tree};
 
+/// What is known of a field in a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// A number everywhere, and negative everywhere or nowhere.
+    Uniform,
+    /// Nothing, but no operation comes near an overflow.
+    Bounded,
+    /// Nothing at all.
+    Wild,
+}
+
 /// Evaluates an expression over boxes without ever failing.
 #[derive(Clone)]
 pub struct Prover {
@@ -36,17 +47,22 @@ impl Prover {
         self.program.bounded(&scratch)
     }
 
-    /// True if the field is a number everywhere in the box, and negative
-    /// everywhere or nowhere.
-    pub fn uniform(
+    /// What can be said of the field in the box.
+    pub fn prove(
         &self,
         lo: [f64; 3],
         hi: [f64; 3],
         scratch: &mut ProverScratch,
-    ) -> bool {
+    ) -> Verdict {
         let found = self.program.enclose(&Cell { lo, hi }, &mut scratch.0);
         let range = found.range;
-        !range.nan && (range.lo >= 0.0 || range.hi < 0.0)
+        if !range.nan && (range.lo >= 0.0 || range.hi < 0.0) {
+            Verdict::Uniform
+        } else if self.program.bounded(&scratch.0) {
+            Verdict::Bounded
+        } else {
+            Verdict::Wild
+        }
     }
 }
 
@@ -61,15 +77,17 @@ mod tests {
         let prover = Prover::new(&tame).expect("x and y only");
         assert!(prover.bounded([-9.0; 3], [9.0; 3]));
         let mut scratch = ProverScratch::default();
-        assert!(prover.uniform([-1.0; 3], [1.0; 3], &mut scratch));
-        assert!(!prover.uniform([3.0; 3], [6.0; 3], &mut scratch));
-        assert!(prover.uniform([5.0; 3], [6.0; 3], &mut scratch));
+        let mut ask = |lo, hi| prover.prove([lo; 3], [hi; 3], &mut scratch);
+        assert_eq!(ask(-1.0, 1.0), Verdict::Uniform);
+        assert_eq!(ask(3.0, 6.0), Verdict::Bounded);
+        assert_eq!(ask(5.0, 6.0), Verdict::Uniform);
         let wild = (x.clone() * 1000.0).exp() - (y * 1000.0).exp();
         let prover = Prover::new(&wild).expect("x and y only");
         assert!(!prover.bounded([0.0; 3], [1.0; 3]));
+        // A pole is not an overflow: fidget gives up on it, and no more.
         let pole = x.recip();
         let prover = Prover::new(&pole).expect("x only");
-        assert!(!prover.bounded([-1.0; 3], [1.0; 3]));
-        assert!(prover.bounded([1.0; 3], [2.0; 3]));
+        assert!(prover.bounded([-1.0; 3], [1.0; 3]));
+        assert!(!prover.bounded([1e-35; 3], [2.0; 3]));
     }
 }

@@ -13,7 +13,7 @@
 
 use super::clip::positive;
 use super::grid::EdgeGrid;
-use super::{Area, Ring};
+use super::{Area, Rect, Ring, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -30,9 +30,18 @@ pub fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     let clear = |ring: &Ring| {
         super::edges(ring).all(|(a, b)| grid.clear(a, b, clearance))
     };
+    // A ring no wider than twice the distance vanishes when its inside
+    // shrinks. Turned inside out, all its edges would cross all others.
+    let vanishes = |ring: &Ring| {
+        let bounds = Rect::around(ring);
+        let inside_shrinks = (signed_area(ring) > 0.0) == (distance < 0.0);
+        let width = (bounds.max - bounds.min).min_element();
+        inside_shrinks && width <= 2.0 * distance.abs()
+    };
     let rings: Vec<Ring> = area
         .rings
         .iter()
+        .filter(|r| !vanishes(r))
         .map(|r| moved(r, -distance, tolerance))
         .filter(|r| r.len() >= 3)
         .collect();

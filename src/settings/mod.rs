@@ -60,8 +60,8 @@ table::settings! {
         /// Greatest distance between an outline and the true surface.
         accuracy: Mm = 0.005, in 0.0005..=0.1;
         /// Spacing of the lattice on which the field is sampled to find the
-        /// outlines; details smaller than this may be missed. It does not
-        /// limit the accuracy of what is found.
+        /// outlines. Details smaller than this may be missed, and curves
+        /// tighter than a few times this lose accuracy.
         sample_spacing: Mm = 0.1, in 0.01..=2.0;
 
         ["Walls"]
@@ -105,7 +105,7 @@ table::settings! {
         /// How far skin reaches into the sparse infill beside it, so that
         /// its lines are anchored.
         skin_overlap: Mm = 0.6, in 0.0..=20.0;
-        /// Separate pieces of skin smaller than this are not printed as
+        /// Pieces of sparse area smaller than this are filled solid, as
         /// skin.
         skin_min_area: Mm2 = 2.0, in 0.0..=1000.0;
 
@@ -118,8 +118,8 @@ table::settings! {
         infill_width: Mm = 0.45, in 0.05..=10.0;
         /// Direction of infill lines, counter-clockwise from the x axis.
         infill_angle: Degrees = 45.0, in -360.0..=360.0;
-        /// How far infill and skin reach into the innermost wall, as a share
-        /// of their line width.
+        /// How far sparse infill reaches into the wall or skin around it, as
+        /// a share of its line width.
         infill_overlap: Percent = 25.0, in 0.0..=100.0;
 
         ["Flow"]
