@@ -443,7 +443,14 @@ impl<F: MathFunction> FidgetEngine<F> {
         buffers.leaves.clear();
         for part in block.parts(lattice, LEAF, 1) {
             let extent = part.extent(lattice, z, 0);
-            if let Proof::Ambiguous(_) = ws.prove(tapes, extent, false)? {
+            // Where fidget's intervals are not safe a proof costs more than
+            // the samples it might save.
+            let sampled = !tapes.safe
+                || matches!(
+                    ws.prove(tapes, extent, false)?,
+                    Proof::Ambiguous(_)
+                );
+            if sampled {
                 buffers.leaves.push(Leaf {
                     layer: part.k,
                     i: part.i,
