@@ -113,10 +113,15 @@ mod tests {
 
     #[test]
     fn no_density_no_beads() {
-        let settings = Settings {
-            infill_density: 0.0,
+        let ring = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0), (0.0, 30.0)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec();
+        let area = Area { rings: vec![ring] };
+        let settings = |infill_density| Settings {
+            infill_density,
             ..Settings::default()
         };
-        assert!(beads(&Area::EMPTY, 0, 0.2, &settings).is_empty());
+        assert!(!beads(&area, 0, 0.2, &settings(5.0)).is_empty());
+        assert!(beads(&area, 0, 0.2, &settings(0.0)).is_empty());
     }
 }

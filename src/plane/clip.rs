@@ -126,7 +126,8 @@ fn cut(ring: &[DVec2], normal: DVec2, limit: f64) -> Ring {
 }
 
 /// The rings' union, whatever their winding.
-pub fn unite(area: &Area) -> Area {
+#[cfg(test)]
+pub(super) fn unite(area: &Area) -> Area {
     sweep(area, FillRule::NonZero)
 }
 

@@ -53,12 +53,6 @@ pub fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     }
 }
 
-/// The area without its parts narrower than 2·`radius`: what a disc of that
-/// radius can sweep without leaving it.
-pub fn opening(area: &Area, radius: Mm, tolerance: Mm) -> Area {
-    offset(&offset(area, -radius, tolerance), radius, tolerance)
-}
-
 /// The ring with every edge moved to its left by `by`. Not yet free of
 /// overlaps: where an edge is too short for the corners at its ends, the ring
 /// runs back to the corner itself, so that what overlaps winds negatively.
