@@ -205,8 +205,9 @@ pub fn place(
     };
     if found.slack_mm * scale > SLACK_WARNING_MM {
         warnings.push(format!(
-            "the part's extent is only known to {:.3} mm, so it may not rest \
-             exactly on the bed; --bounds x0,y0,z0:x1,y1,z1 says it exactly",
+            "the part's extent is only known to {:.3} mm on its least \
+             certain side: its size, and its place on the bed, may be off by \
+             as much",
             found.slack_mm * scale
         ));
     }
