@@ -20,19 +20,25 @@
 //!
 //! This is the one place where `f64` millimetres become fidget's `f32`.
 
+mod axis;
 mod engine;
+mod hoist;
+mod lanes;
 mod lattice;
+mod ranges;
+mod tapes;
 
 pub use lattice::Lattice;
 
-use crate::model::Prover;
 use crate::plane::Rect;
 use crate::units::Mm;
-use engine::{Engine, FidgetEngine};
+use engine::{Engine, FidgetEngine, Plane};
 use fidget::context::{Context, Tree};
-use fidget::eval::Function;
+use fidget::eval::{Function, MathFunction};
 use fidget::jit::JitFunction;
 use fidget::vm::VmFunction;
+use std::sync::Arc;
+use tapes::{Split, bug};
 
 /// Cells along a leaf's side.
 pub const LEAF: usize = 8;
@@ -121,7 +127,7 @@ pub type Visit<'a> = dyn FnMut(Batch<'_>) -> Result<(), FieldError> + 'a;
 /// which one is faster depends on the expression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
-    /// fidget's interpreter.
+    /// Interpretation of fidget's tape.
     Vm,
     /// fidget's native code.
     Jit,
@@ -156,31 +162,23 @@ impl Field {
         };
         let mut ctx = Context::new();
         let root = ctx.import(&tree);
-        let bad =
-            |e: &dyn std::fmt::Display| FieldError::Evaluator(e.to_string());
-        use fidget::eval::MathFunction;
-        let vm = VmFunction::new(&ctx, &[root]).map_err(|e| bad(&e))?;
-        if vm.vars().has_free_vars() {
+        let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
+        if f.vars().has_free_vars() {
             return Err(FieldError::Evaluator(
                 "it has variables besides x, y and z".into(),
             ));
         }
-        let jit = JitFunction::new(&ctx, &[root]).map_err(|e| bad(&e))?;
-        let (lo, hi) = lattice.corners();
-        let prover = Prover::new(&tree)
-            .filter(|p| !p.bounded([lo.x, lo.y, z[0]], [hi.x, hi.y, z[1]]));
-        let vm = FidgetEngine::new(vm, prover.clone());
-        let jit = FidgetEngine::new(jit, prover);
+        let plane = Arc::new(Plane::new(Split::new(&ctx, root)?, &lattice)?);
+        let vm = FidgetEngine::<VmFunction>::new(plane.clone())?;
+        let jit = FidgetEngine::<JitFunction>::new(plane)?;
         let z = 0.5 * (z[0] + z[1]);
         let backend = match backend {
             Some(b) => b,
-            None => {
-                // On x86-64 native code is up to 20 × slower than the
-                // interpreter where the expression calls sin or exp, and up
-                // to 20 × faster elsewhere: only a trial tells.
-                let (v, j) = (vm.trial(&lattice, z)?, jit.trial(&lattice, z)?);
-                if v < j { Backend::Vm } else { Backend::Jit }
-            }
+            // On x86-64 native code is up to 20 × slower than the
+            // interpreter where the expression calls sin or exp, and up to
+            // 20 × faster elsewhere: only a trial tells.
+            None if vm.trial(z)? < jit.trial(z)? => Backend::Vm,
+            None => Backend::Jit,
         };
         let engine: Box<dyn Engine> = match backend {
             Backend::Vm => Box::new(vm),
@@ -214,7 +212,7 @@ impl Field {
         visit: &mut Visit<'_>,
     ) -> Result<(), FieldError> {
         let z: Vec<f32> = z.iter().map(|&z| z as f32).collect();
-        self.engine.slab(&self.lattice, &z, visit)
+        self.engine.slab(&z, visit)
     }
 
     /// Visits given leaves, without asking whether they matter.
@@ -228,6 +226,6 @@ impl Field {
         visit: &mut Visit<'_>,
     ) -> Result<(), FieldError> {
         let z: Vec<f32> = z.iter().map(|&z| z as f32).collect();
-        self.engine.leaves(&self.lattice, &z, leaves, visit)
+        self.engine.leaves(&z, leaves, visit)
     }
 }

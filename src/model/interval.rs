@@ -1,4 +1,4 @@
-//! Interval arithmetic in f64 for the search for bounds.
+//! Interval arithmetic in f64, for the search for bounds and for proofs.
 //!
 //! In: boxes of values. Out: an interval that holds every number the
 //! operation can return, and whether it can return NaN.
@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 ///
 /// `lo > hi` (`EMPTY`) means that no number is possible.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Interval {
+pub(crate) struct Interval {
     pub lo: f64,
     pub hi: f64,
     pub nan: bool,

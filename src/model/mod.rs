@@ -27,7 +27,6 @@ mod param;
 mod placement;
 mod power;
 mod program;
-mod prover;
 mod script;
 mod source;
 mod vm;
@@ -38,9 +37,9 @@ pub use bounds::{
 pub use error::LoadError;
 pub use expand::{ExpandError, MAX_EXPANDED_NODES};
 pub use formula::{FormulaError, parse_formula};
+pub(crate) use interval::Interval;
 pub use param::{ParamError, Parameter};
 pub use placement::{BuildVolume, Model, PlaceError, Placement, place};
-pub use prover::{Prover, ProverScratch, Verdict};
 pub use script::{ScriptError, ScriptLimits};
 pub use source::{Loaded, Source, SourceKind, load, load_within};
 pub use vm::{VmError, parse_vm};

@@ -211,47 +211,6 @@ impl Program {
         }
     }
 
-    /// True if no operation's range, over the box of the last `enclose` (of
-    /// this program, with this scratch), comes near an overflow. Where
-    /// fidget's intervals give up (a divisor that may be zero, a root of what
-    /// may be negative) they say "not a number" and stay with it, which is
-    /// no overflow.
-    pub fn bounded(&self, scratch: &Scratch) -> bool {
-        const FAR_FROM_OVERFLOW: f64 = 1e30;
-        let slots = &scratch.slots;
-        if slots.len() != self.steps.len() {
-            return false;
-        }
-        let holds_zero = |r: Interval| r.lo <= 0.0 && r.hi >= 0.0;
-        let mut given_up: Vec<bool> = Vec::with_capacity(slots.len());
-        for (step, slot) in self.steps.iter().zip(slots) {
-            let range = |a: u32| slots[a as usize].range;
-            let lost = |a: u32| given_up[a as usize];
-            let gives_up = match *step {
-                Step::Axis(_) | Step::Const(_) => false,
-                Step::Unary(op, a) => {
-                    lost(a)
-                        || match op {
-                            UnaryOpcode::Recip => holds_zero(range(a)),
-                            UnaryOpcode::Sqrt => range(a).lo < 0.0,
-                            UnaryOpcode::Ln => range(a).lo <= 0.0,
-                            _ => false,
-                        }
-                }
-                Step::Binary(op, a, b) => {
-                    lost(a)
-                        || lost(b)
-                        || (op == BinaryOpcode::Div && holds_zero(range(b)))
-                }
-            };
-            if !gives_up && slot.range.magnitude() >= FAR_FROM_OVERFLOW {
-                return false;
-            }
-            given_up.push(gives_up);
-        }
-        true
-    }
-
     /// The program without the branches of `min` and `max` that the last
     /// `enclose` (of this program, with this scratch) proved never to be
     /// taken; `None` if that would save little.

@@ -1,0 +1,389 @@
+//! Tapes of an expression and its simpler forms, and the memory to run them.
+
+use super::axis::{self, Axis, Level, Located};
+use super::hoist::{Hoisted, hoist};
+use super::lanes::Lanes;
+use super::ranges::{Ranges, Readable, inputs};
+use super::{FieldError, Leaf, NODES};
+use crate::model::Interval;
+use fidget::context::{Context, Node};
+use fidget::eval::{BulkEvaluator, Function, MathFunction};
+use fidget::jit::JitFunction;
+use fidget::types::Grad;
+use fidget::var::Var;
+use fidget::vm::{VmFunction, VmTrace};
+use std::collections::HashMap;
+
+/// What fidget must offer of a back end.
+pub(super) trait Evaluable:
+    MathFunction<Trace = VmTrace> + Readable + Send + Sync
+{
+    /// Whether fidget compiles it; else [`Lanes`] interprets it.
+    const COMPILED: bool;
+}
+
+impl Evaluable for VmFunction {
+    const COMPILED: bool = false;
+}
+
+impl Evaluable for JitFunction {
+    const COMPILED: bool = true;
+}
+
+type FloatTape<F> = <<F as Function>::FloatSliceEval as BulkEvaluator>::Tape;
+type GradTape<F> = <<F as Function>::GradSliceEval as BulkEvaluator>::Tape;
+
+/// Leaves evaluated at once: what they need of memory fits a core's cache.
+const AT_ONCE: usize = 12;
+
+/// Where the value of a tape's input comes from.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    /// A coordinate.
+    Coordinate(usize),
+    /// A part that depends on one coordinate: the axis, its number there.
+    Part(usize, usize),
+}
+
+/// An expression split into what one coordinate decides and the rest.
+pub(super) struct Split {
+    /// Context and root of the rest.
+    pub context: Context,
+    pub root: Node,
+    /// The parts, by axis.
+    pub parts: [Vec<VmFunction>; 3],
+    sources: HashMap<Var, Source>,
+}
+
+impl Split {
+    /// Splits the expression `root`.
+    ///
+    /// # Errors
+    /// If fidget refuses a part, which is a bug.
+    pub(super) fn new(ctx: &Context, root: Node) -> Result<Split, FieldError> {
+        let Hoisted { tree, parts } = hoist(ctx, root);
+        let mut by_axis: [Vec<VmFunction>; 3] = Default::default();
+        let mut sources: HashMap<Var, Source> = [Var::X, Var::Y, Var::Z]
+            .into_iter()
+            .enumerate()
+            .map(|(axis, v)| (v, Source::Coordinate(axis)))
+            .collect();
+        for part in parts {
+            let f = VmFunction::new(ctx, &[part.node]).map_err(bug)?;
+            let of_axis = &mut by_axis[part.axis];
+            sources.insert(part.var, Source::Part(part.axis, of_axis.len()));
+            of_axis.push(f);
+        }
+        let mut context = Context::new();
+        let root = context.import(&tree);
+        Ok(Split {
+            context,
+            root,
+            parts: by_axis,
+            sources,
+        })
+    }
+}
+
+/// The axes of a slab: columns, rows, and its layers.
+#[derive(Clone, Copy)]
+pub(super) struct Axes<'a>(pub [&'a Axis; 3]);
+
+impl<'a> Axes<'a> {
+    /// What a source is at the nodes of its axis, which is number `.0`.
+    fn along(&self, source: Source) -> (usize, &'a [f32]) {
+        match source {
+            Source::Coordinate(a) => (a, self.0[a].nodes()),
+            Source::Part(a, p) => (a, self.0[a].values(p)),
+        }
+    }
+}
+
+/// A function and those of its tapes that were asked for.
+pub(super) struct Tapes<F: Function> {
+    pub f: F,
+    float: Option<FloatTape<F>>,
+    grad: Option<GradTape<F>>,
+    /// The inputs it reads, once known.
+    inputs: Option<Vec<usize>>,
+}
+
+impl<F: Function> Tapes<F> {
+    pub(super) fn new(f: F) -> Self {
+        Tapes {
+            f,
+            float: None,
+            grad: None,
+            inputs: None,
+        }
+    }
+}
+
+/// What interval arithmetic says of a box.
+pub(super) enum Proof<F: Function> {
+    /// No sign change in it.
+    Uniform,
+    /// May have one; the expression for use inside, if a simpler one exists.
+    Ambiguous(Option<Tapes<F>>),
+}
+
+/// Evaluators and buffers of one thread.
+pub(super) struct Workspace<'a, F: Function> {
+    parts: &'a [Vec<VmFunction>; 3],
+    /// By input of the tapes. Simplified tapes keep the order.
+    sources: Vec<Source>,
+    ranges: Ranges,
+    float: F::FloatSliceEval,
+    lanes: Lanes,
+    grad: F::GradSliceEval,
+    simplify: F::Workspace,
+    axis: axis::Scratch,
+    /// Memory of functions and tapes that are done with: mapping executable
+    /// memory anew for each tile would cost more than using it.
+    functions: Vec<F::Storage>,
+    tapes: Vec<F::TapeStorage>,
+    /// By input: what it is at each point.
+    values: Vec<Vec<f32>>,
+    grads: Vec<Vec<Grad>>,
+    /// By axis: the nodes the points are on.
+    located: [Located; 3],
+}
+
+impl<'a, F: Evaluable> Workspace<'a, F> {
+    pub(super) fn new(root: &F, split: &'a Split) -> Self {
+        let mut sources = vec![Source::Coordinate(0); root.vars().len()];
+        for (var, slot) in root.vars().iter() {
+            if let (Some(s), Some(known)) =
+                (sources.get_mut(slot), split.sources.get(&var))
+            {
+                *s = *known;
+            }
+        }
+        let slots = sources.len().max(1);
+        Workspace {
+            parts: &split.parts,
+            sources,
+            ranges: Ranges::default(),
+            float: F::new_float_slice_eval(),
+            lanes: Lanes::default(),
+            grad: F::new_grad_slice_eval(),
+            simplify: Default::default(),
+            axis: axis::Scratch::default(),
+            functions: Vec::new(),
+            tapes: Vec::new(),
+            values: vec![Vec::new(); slots],
+            grads: vec![Vec::new(); slots],
+            located: Default::default(),
+        }
+    }
+
+    /// Evaluates over the box number `at` of the axes' `level`s and, if
+    /// wished, simplifies for it.
+    pub(super) fn prove(
+        &mut self,
+        tapes: &Tapes<F>,
+        axes: Axes<'_>,
+        level: Level,
+        at: [usize; 3],
+        simplify: bool,
+    ) -> Result<Proof<F>, FieldError> {
+        let sources = &self.sources;
+        let input = |slot: usize| match sources.get(slot) {
+            Some(&Source::Coordinate(a)) => axes.0[a].extent(level, at[a]),
+            Some(&Source::Part(a, p)) => axes.0[a].range(p, level, at[a]),
+            None => Interval::ANYTHING,
+        };
+        let (range, trace) = self.ranges.eval(&tapes.f, input);
+        // A field that is nowhere below zero has no inside, even where it
+        // touches zero.
+        if !range.nan && (range.lo >= 0.0 || range.hi < 0.0) {
+            return Ok(Proof::Uniform);
+        }
+        let simpler = match trace {
+            Some(trace) if simplify => {
+                let storage = self.functions.pop().unwrap_or_default();
+                let f = tapes
+                    .f
+                    .simplify(trace, storage, &mut self.simplify)
+                    .map_err(bug)?;
+                Some(Tapes::new(f))
+            }
+            _ => None,
+        };
+        Ok(Proof::Ambiguous(simpler))
+    }
+
+    /// The field at the nodes of leaves, written over `out`.
+    pub(super) fn leaves(
+        &mut self,
+        tapes: &mut Tapes<F>,
+        axes: Axes<'_>,
+        leaves: &[Leaf],
+        out: &mut Vec<f32>,
+    ) -> Result<(), FieldError> {
+        out.clear();
+        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
+        for leaves in leaves.chunks(AT_ONCE) {
+            let count = leaves.len() * NODES * NODES;
+            for &slot in &*used {
+                let (axis, nodes) = axes.along(self.sources[slot]);
+                let values = &mut self.values[slot];
+                values.clear();
+                for leaf in leaves {
+                    match axis {
+                        0 => {
+                            let row = &nodes[leaf.i..leaf.i + NODES];
+                            for _ in 0..NODES {
+                                values.extend_from_slice(row);
+                            }
+                        }
+                        1 => {
+                            for &y in &nodes[leaf.j..leaf.j + NODES] {
+                                values.extend([y; NODES]);
+                            }
+                        }
+                        _ => values.extend([nodes[leaf.layer]; NODES * NODES]),
+                    }
+                }
+            }
+            // Inputs that are not read may be anything of the right length.
+            let any = used.first().copied().unwrap_or(0);
+            if used.is_empty() {
+                self.values[0].resize(count, 0.0);
+            }
+            let mut vars: Vec<&[f32]> =
+                vec![&self.values[any][..count]; self.values.len()];
+            for &slot in &*used {
+                vars[slot] = &self.values[slot];
+            }
+            if F::COMPILED {
+                let tape = tapes.float.get_or_insert_with(|| {
+                    let storage = self.tapes.pop().unwrap_or_default();
+                    tapes.f.float_slice_tape(storage)
+                });
+                let values = self.float.eval(tape, &vars).map_err(bug)?;
+                out.extend_from_slice(&values[0]);
+            } else {
+                self.lanes.eval(&tapes.f, &vars, count, out);
+            }
+        }
+        Ok(())
+    }
+
+    /// Which nodes the points are on, for the axes that have parts.
+    fn locate(&mut self, used: &[usize], axes: Axes<'_>, points: [&[f32]; 3]) {
+        let found = self.located.iter_mut().zip(points).enumerate();
+        for (a, (located, points)) in found {
+            let of_axis = |s: &usize| matches!(self.sources[*s], Source::Part(b, _) if a == b);
+            if used.iter().any(of_axis) {
+                axes.0[a].locate(points, located);
+            }
+        }
+    }
+
+    /// The field at any points, written over `out`.
+    pub(super) fn values(
+        &mut self,
+        tapes: &mut Tapes<F>,
+        axes: Axes<'_>,
+        points: [&[f32]; 3],
+        out: &mut Vec<f32>,
+    ) -> Result<(), FieldError> {
+        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
+        self.locate(used, axes, points);
+        for &slot in &*used {
+            if let Source::Part(a, p) = self.sources[slot] {
+                axes.0[a].values_at(
+                    p,
+                    &self.parts[a][p],
+                    &self.located[a],
+                    &mut self.axis,
+                    &mut self.values[slot],
+                );
+            }
+        }
+        let mut vars: Vec<&[f32]> = vec![points[0]; self.values.len()];
+        for &slot in &*used {
+            vars[slot] = match self.sources[slot] {
+                Source::Coordinate(a) => points[a],
+                Source::Part(..) => &self.values[slot],
+            };
+        }
+        out.clear();
+        if F::COMPILED {
+            let tape = tapes.float.get_or_insert_with(|| {
+                let storage = self.tapes.pop().unwrap_or_default();
+                tapes.f.float_slice_tape(storage)
+            });
+            let values = self.float.eval(tape, &vars).map_err(bug)?;
+            out.extend_from_slice(&values[0]);
+        } else {
+            self.lanes.eval(&tapes.f, &vars, points[0].len(), out);
+        }
+        Ok(())
+    }
+
+    /// The in-plane gradient at any points, written over `out`.
+    pub(super) fn gradients(
+        &mut self,
+        tapes: &mut Tapes<F>,
+        axes: Axes<'_>,
+        points: [&[f32]; 3],
+        out: &mut Vec<[f32; 2]>,
+    ) -> Result<(), FieldError> {
+        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
+        self.locate(used, axes, points);
+        for &slot in &*used {
+            let grads = &mut self.grads[slot];
+            match self.sources[slot] {
+                Source::Part(a, p) => axes.0[a].grads_at(
+                    p,
+                    &self.parts[a][p],
+                    a,
+                    &self.located[a],
+                    &mut self.axis,
+                    grads,
+                )?,
+                Source::Coordinate(a) => {
+                    let d: [f32; 3] =
+                        std::array::from_fn(|b| f32::from(a == b));
+                    grads.clear();
+                    let all = points[a].iter();
+                    grads.extend(all.map(|&v| Grad::new(v, d[0], d[1], d[2])));
+                }
+            }
+        }
+        let any = used.first().copied().unwrap_or(0);
+        let count = points[0].len();
+        if used.is_empty() {
+            self.grads[0].resize(count, Grad::from(0.0));
+        }
+        let mut vars: Vec<&[Grad]> =
+            vec![&self.grads[any][..count]; self.grads.len()];
+        for &slot in &*used {
+            vars[slot] = &self.grads[slot];
+        }
+        let tape = tapes.grad.get_or_insert_with(|| {
+            tapes
+                .f
+                .grad_slice_tape(self.tapes.pop().unwrap_or_default())
+        });
+        let grads = self.grad.eval(tape, &vars).map_err(bug)?;
+        out.clear();
+        out.extend(grads[0].iter().map(|g| [g.dx, g.dy]));
+        Ok(())
+    }
+
+    /// Takes back the memory of tapes that are done with.
+    pub(super) fn recycle(&mut self, tapes: Tapes<F>) {
+        use fidget::eval::Tape;
+        self.tapes.extend(tapes.float.and_then(Tape::recycle));
+        self.tapes.extend(tapes.grad.and_then(Tape::recycle));
+        self.functions.extend(tapes.f.recycle());
+    }
+}
+
+/// An error that only a mistake of ours or of fidget's can cause.
+pub(super) fn bug(e: impl std::fmt::Display) -> FieldError {
+    FieldError::Evaluator(e.to_string())
+}
