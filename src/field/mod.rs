@@ -14,9 +14,14 @@
 //!
 //! A tile that spans several layers shares its proof and its simplified
 //! expression with all of them. A leaf that is left out has no sign change
-//! on its nodes, up to the rounding of fidget's interval arithmetic (which
-//! does not round outwards); `contour` notices such a leaf by the outline
-//! that stops at its border, and asks for it with [`Field::leaves`].
+//! on its nodes, up to rounding (the proofs are in `f64`, the samples in
+//! `f32`); `contour` notices such a leaf by the outline that stops at its
+//! border, and asks for it with [`Field::leaves`].
+//!
+//! What one coordinate alone decides, like sin(k·x), is taken out of the
+//! expression (`hoist`) and evaluated once per column, row or layer (`axis`);
+//! `ranges` proves, `lanes` interprets, `tapes` brings them together for the
+//! walk in `engine`.
 //!
 //! This is the one place where `f64` millimetres become fidget's `f32`.
 
