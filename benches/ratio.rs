@@ -12,6 +12,7 @@ use cpu_time::ProcessTime;
 use fidget::context::Context;
 use fidget::eval::{BulkEvaluator, Function, MathFunction};
 use fidget::vm::VmFunction;
+use isoslice::layers::LayerRange;
 use isoslice::model::{self, BuildVolume, Placement, Source};
 use isoslice::pipeline::{Options, Summary, slice};
 use isoslice::settings::Settings;
@@ -79,6 +80,7 @@ fn whole(
 ) -> Result<(f64, Summary), Box<dyn Error>> {
     let options = Options {
         threads: Some(threads),
+        layers: LayerRange::ALL,
         svg_dir: None,
         on_layer: &|_, _| {},
     };
@@ -102,7 +104,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!(
             "Y {y:.2} s; {path}, {} layers: {one:.2} s on one thread \
              ({:.2} Y), {two:.2} s on two ({:.2} Y)",
-            summary.layers,
+            summary.layer_count,
             one / y,
             two / y
         );

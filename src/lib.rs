@@ -45,6 +45,7 @@
 //! # A ball
 //!
 //! ```
+//! use isoslice::layers::LayerRange;
 //! use isoslice::model::{
 //!     BuildVolume, Placement, Source, SourceKind, load, place,
 //! };
@@ -63,6 +64,7 @@
 //!
 //! let options = Options {
 //!     threads: None,
+//!     layers: LayerRange::ALL,
 //!     svg_dir: None,
 //!     on_layer: &|_done, _total| {},
 //! };
@@ -70,7 +72,7 @@
 //! let summary = slice(&ball, &settings, &options, &mut gcode)?;
 //!
 //! // A ball of 6 mm in layers of 0.2 mm.
-//! assert_eq!(summary.layers, 30);
+//! assert_eq!(summary.layers, 0..30);
 //! let text = String::from_utf8(gcode)?;
 //! assert_eq!(text.matches(";LAYER_CHANGE").count(), 30);
 //! # Ok(())

@@ -453,9 +453,9 @@ fn every_layer_has_its_picture() {
         .stdout(is_empty());
     let pictures = names(&folder.path().join("new/pictures"));
     let expected: Vec<String> =
-        (0..5).map(|i| format!("layer-{i:05}.svg")).collect();
+        (1..=5).map(|i| format!("layer-{i:05}.svg")).collect();
     assert_eq!(pictures, expected);
-    let svg = read(&folder, "new/pictures/layer-00004.svg");
+    let svg = read(&folder, "new/pictures/layer-00005.svg");
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
     assert!(svg.contains("<polyline "));
 }

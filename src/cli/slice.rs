@@ -6,6 +6,7 @@ use super::output::Output;
 use super::terminal;
 use anyhow::Context;
 use clap::Args;
+use isoslice::layers::LayerRange;
 use isoslice::pipeline::{self, Options, Summary};
 use isoslice::units::human_time;
 use std::fmt::Write as _;
@@ -39,6 +40,17 @@ pub(super) struct SliceArgs {
     /// it; formula.gcode for -e]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
+
+    /// Slice only these layers: A..B from A to B, both included, or A.., ..B
+    /// or a single number; the bed's layer is 1. Files of ranges that follow
+    /// one another hold, layer for layer, what one run would write
+    #[arg(
+        long,
+        value_name = "A..B",
+        allow_hyphen_values = true,
+        help_heading = "Output"
+    )]
+    layers: Option<LayerRange>,
 
     /// Also draw every layer, as an SVG picture in this folder
     #[arg(long, value_name = "DIR", help_heading = "Output")]
@@ -78,6 +90,7 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
     let bar = terminal::layer_progress(args.quiet);
     let options = Options {
         threads: args.threads.map(usize::from),
+        layers: args.layers.unwrap_or(LayerRange::ALL),
         svg_dir: args.svg.as_deref(),
         on_layer: &|done, total| {
             bar.set_length(total as u64);
@@ -136,7 +149,16 @@ fn describe(
     let mut text = String::new();
     writeln!(text, "{}", path.display())?;
     writeln!(text, "  size        {}", dimensions(summary.size))?;
-    writeln!(text, "  layers      {}", summary.layers)?;
+    let (layers, count) = (&summary.layers, summary.layer_count);
+    match *layers == (0..count) {
+        true => writeln!(text, "  layers      {count}")?,
+        false => writeln!(
+            text,
+            "  layers      {} to {} of {count}",
+            layers.start + 1,
+            layers.end
+        )?,
+    }
     writeln!(text, "  print time  {}", human_time(summary.time))?;
     writeln!(
         text,
