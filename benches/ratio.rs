@@ -82,6 +82,7 @@ fn whole(
         threads: Some(threads),
         layers: LayerRange::ALL,
         svg_dir: None,
+        report: false,
         on_layer: &|_, _| {},
     };
     let settings = Settings::default();

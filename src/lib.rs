@@ -36,7 +36,8 @@
 //! 8. [`travel`] connects them, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, slower where the hot end
 //!    or the cooling could not follow, and adds up the time.
-//! 10. [`gcode`] writes it down; [`preview`] draws it.
+//! 10. [`gcode`] writes it down; [`preview`] draws it; [`report`] measures how
+//!     far it is from f = 0.
 //!
 //! [`pipeline`] runs these stages over a window of layers that moves up the
 //! part, on as many threads as there are; the result is the same on any
@@ -66,6 +67,7 @@
 //!     threads: None,
 //!     layers: LayerRange::ALL,
 //!     svg_dir: None,
+//!     report: false,
 //!     on_layer: &|_done, _total| {},
 //! };
 //! let mut gcode = Vec::new();
@@ -128,6 +130,7 @@ pub mod pipeline;
 pub mod plane;
 pub mod preview;
 pub mod region;
+pub mod report;
 pub mod settings;
 pub mod skin;
 pub mod timings;

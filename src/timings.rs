@@ -24,13 +24,15 @@ pub enum Stage {
     Travel,
     /// Speeds and print time.
     Pace,
-    /// Text, and pictures if asked for.
+    /// Text.
     Gcode,
+    /// How far the layers are off, for the summary or the report.
+    Report,
 }
 
 impl Stage {
     /// All stages, in the order of the pipeline.
-    pub const ALL: [Stage; 8] = [
+    pub const ALL: [Stage; 9] = [
         Stage::Field,
         Stage::Contour,
         Stage::Walls,
@@ -39,6 +41,7 @@ impl Stage {
         Stage::Travel,
         Stage::Pace,
         Stage::Gcode,
+        Stage::Report,
     ];
 
     /// Name in reports.
@@ -52,6 +55,7 @@ impl Stage {
             Stage::Travel => "travel",
             Stage::Pace => "pace",
             Stage::Gcode => "gcode",
+            Stage::Report => "report",
         }
     }
 }

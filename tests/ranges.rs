@@ -20,6 +20,7 @@ fn slice(
         threads: Some(threads),
         layers: layers.parse::<LayerRange>().unwrap(),
         svg_dir: None,
+        report: false,
         on_layer: &|_, _| {},
     };
     let mut bytes = Vec::new();
@@ -145,6 +146,7 @@ fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
         threads: Some(1),
         layers: "51..".parse().unwrap(),
         svg_dir: None,
+        report: false,
         on_layer: &|_, _| {},
     };
     let error =

@@ -12,6 +12,7 @@ use crate::order::{Head, LayerBeads, order};
 use crate::pace::Pacer;
 use crate::plane::Rect;
 use crate::preview::Pictures;
+use crate::report::{self, LayerFigures};
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Move, connect};
@@ -37,6 +38,21 @@ pub(super) struct Exit<'a, 'w> {
     timings: &'a Timings,
     beads: usize,
     warnings: Vec<String>,
+    figures: report::Tally,
+    /// Keep the figures of each layer.
+    listed: bool,
+}
+
+/// What came of it.
+pub(super) struct Done {
+    /// Beads printed.
+    pub beads: usize,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// What the print takes.
+    pub totals: Totals,
+    /// How far it is off.
+    pub figures: report::Tally,
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
@@ -50,6 +66,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         pictures: Option<Pictures>,
         writer: Writer<'a, &'w mut dyn io::Write>,
         settings: &'a Settings,
+        listed: bool,
     ) -> Self {
         Exit {
             settings,
@@ -64,6 +81,8 @@ impl<'a, 'w> Exit<'a, 'w> {
             timings,
             beads: 0,
             warnings: Vec::new(),
+            figures: report::Tally::default(),
+            listed,
         }
     }
 
@@ -72,9 +91,9 @@ impl<'a, 'w> Exit<'a, 'w> {
         self.next
     }
 
-    /// Index after the last layer's.
-    pub fn end(&self) -> usize {
-        self.layers.end
+    /// Indices of the layers to be written.
+    pub fn layers(&self) -> Range<usize> {
+        self.layers.clone()
     }
 
     /// Takes the next layer.
@@ -82,6 +101,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         &mut self,
         shell: &Shell,
         mut beads: LayerBeads,
+        figures: Option<LayerFigures>,
     ) -> Result<(), SliceError> {
         let index = shell.span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {
@@ -124,6 +144,9 @@ impl<'a, 'w> Exit<'a, 'w> {
             true => self.writer.layer(&paced),
             false => self.writer.rehearse(&paced),
         })?;
+        if let Some(figures) = figures {
+            self.figures.add(&figures, self.listed);
+        }
         self.next += 1;
         if written {
             (self.on_layer)(self.next - self.layers.start, self.layers.len());
@@ -139,9 +162,14 @@ impl<'a, 'w> Exit<'a, 'w> {
         self.writer.restart();
     }
 
-    /// Ends the file. Out: beads printed, warnings, what the print takes.
-    pub fn finish(self) -> Result<(usize, Vec<String>, Totals), SliceError> {
-        Ok((self.beads, self.warnings, self.writer.finish()?))
+    /// Ends the file.
+    pub fn finish(self) -> Result<Done, SliceError> {
+        Ok(Done {
+            beads: self.beads,
+            warnings: self.warnings,
+            totals: self.writer.finish()?,
+            figures: self.figures,
+        })
     }
 
     fn drop_skirt_off_the_bed(&mut self, beads: &mut LayerBeads, layer: usize) {

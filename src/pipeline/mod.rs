@@ -35,6 +35,7 @@ use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
 use crate::model::Model;
 use crate::plane::Rect;
 use crate::preview::Pictures;
+use crate::report::{Figures, Gauge, Report, ReportError};
 use crate::settings::Settings;
 use crate::timings::Stage;
 use crate::units::{Mm, Mm2, Seconds};
@@ -56,6 +57,8 @@ pub struct Options<'a> {
     pub layers: LayerRange,
     /// Folder for a picture of each layer.
     pub svg_dir: Option<&'a Path>,
+    /// Measure everything, for a report, and not only a few points.
+    pub report: bool,
     /// Told about progress: layers written, layers in all.
     pub on_layer: &'a (dyn Fn(usize, usize) + Sync),
 }
@@ -79,6 +82,13 @@ pub struct Summary {
     pub unfilled_area: Mm2,
     /// Area of all layers' outlines together.
     pub solid_area: Mm2,
+    /// Distance of the outlines from f = 0, µm, if there are any; of a few
+    /// points, unless there is a report.
+    pub outline_error: Option<Figures>,
+    /// Distance of the outer wall from where it should be, µm.
+    pub wall_error: Option<Figures>,
+    /// The report, if it was asked for.
+    pub report: Option<Report>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// Where the time went, added up over all threads.
@@ -106,6 +116,9 @@ pub enum SliceError {
     /// The layers' pictures cannot be written.
     #[error("cannot write the pictures in {}", .0.display())]
     Picture(PathBuf, #[source] io::Error),
+    /// The layers cannot be measured.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// The threads cannot be started.
     #[error("cannot start the worker threads; try --threads 1")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -134,7 +147,8 @@ pub fn slice(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads.unwrap_or(0))
         .build()?;
-    let stages = Stages::new(model, settings)?;
+    let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
+    let stages = Stages::new(model, settings, gauge)?;
     let header = Header {
         model_name: model.name.clone(),
         layer_count: spans.len(),
@@ -162,6 +176,7 @@ pub fn slice(
         pictures,
         writer,
         settings,
+        options.report,
     );
     let mut tally = Tally::default();
 
@@ -210,15 +225,34 @@ pub fn slice(
             result?;
         }
     }
-    let (beads, mut warnings, totals) = exit.finish()?;
+    let done = exit.finish()?;
+    let mut warnings = done.warnings;
     let all = layers == (0..spans.len());
-    if beads == 0 && all {
+    if done.beads == 0 && all {
         return Err(SliceError::NothingToPrint);
     }
-    if beads == 0 {
+    if done.beads == 0 {
         warnings.push("there is nothing to print in these layers".into());
     }
     tally.warn(&mut warnings);
+    let totals = done.totals;
+    let (outline_error, wall_error) = done.figures.accuracy();
+    let report = match (spans.get(layers.start), spans.get(layers.end - 1)) {
+        (Some(first), Some(last)) if options.report => {
+            let z = [first.bottom, last.top].map(|z| z - model.offset.z);
+            let volume = pool.install(|| {
+                stages.timings.time(Stage::Report, || stages.gauge.volume(z))
+            })?;
+            let extruded = totals.filament_volume;
+            Some(done.figures.report(
+                &stages.gauge,
+                spans.len(),
+                volume,
+                extruded,
+            ))
+        }
+        _ => None,
+    };
     Ok(Summary {
         size: bounds.size(),
         layers,
@@ -228,6 +262,9 @@ pub fn slice(
         filament_mass_g: totals.filament_mass_g,
         unfilled_area: tally.gap,
         solid_area: tally.solid,
+        outline_error,
+        wall_error,
+        report,
         warnings,
         timings: stages.timings.report(),
     })

@@ -16,6 +16,7 @@ use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
 use crate::region::exposure::split;
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
+use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
@@ -33,6 +34,9 @@ pub(super) struct Shell {
     pub walls: Walls,
 }
 
+/// A layer's beads, and how far it is off if it was measured.
+type Done = (LayerBeads, Option<LayerFigures>);
+
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
@@ -44,10 +48,15 @@ pub(super) struct Stages<'a> {
     top_layers: usize,
     bottom_layers: usize,
     pub timings: Timings,
+    pub gauge: Gauge<'a>,
 }
 
 impl<'a> Stages<'a> {
-    pub fn new(model: &Model, settings: &'a Settings) -> Result<Self, FieldError> {
+    pub fn new(
+        model: &Model,
+        settings: &'a Settings,
+        gauge: Gauge<'a>,
+    ) -> Result<Self, FieldError> {
         let rect = Rect {
             min: model.bounds.min.truncate(),
             max: model.bounds.max.truncate(),
@@ -85,6 +94,7 @@ impl<'a> Stages<'a> {
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
             timings: Timings::default(),
+            gauge,
         })
     }
 
@@ -160,24 +170,53 @@ impl<'a> Stages<'a> {
             // Roles look at the next layer, whatever the skin's thickness.
             false => window.len().saturating_sub(self.top_layers.max(1)),
         };
-        let end = end.min(exit.end().saturating_sub(first));
+        let end = end.min(exit.layers().end.saturating_sub(first));
         let ready = exit.next() - first..end;
         let shells: &VecDeque<Shell> = window;
-        let beads: Vec<LayerBeads> = pool.install(|| {
+        let of_run = exit.layers();
+        let done: Vec<Result<Done, ReportError>> = pool.install(|| {
             ready
                 .clone()
                 .into_par_iter()
-                .map(|i| self.beads(shells, i))
+                .map(|i| {
+                    let index = shells[i].span.index;
+                    let figures = match of_run.contains(&index) {
+                        true => {
+                            let k = index - of_run.start;
+                            self.figures(&shells[i], k)?
+                        }
+                        false => None,
+                    };
+                    Ok((self.beads(shells, i), figures))
+                })
                 .collect()
         });
-        for (i, beads) in ready.zip(beads) {
-            exit.layer(&window[i], beads)?;
+        for (i, done) in ready.zip(done) {
+            let (beads, figures) = done?;
+            exit.layer(&window[i], beads, figures)?;
         }
         let keep = exit.next().saturating_sub(self.bottom_layers.max(1));
         while window.front().is_some_and(|s| s.span.index < keep) {
             window.pop_front();
         }
         Ok(())
+    }
+
+    /// How far the `k`th layer of the run is off, if it is to be measured.
+    fn figures(
+        &self,
+        shell: &Shell,
+        k: usize,
+    ) -> Result<Option<LayerFigures>, ReportError> {
+        let parts = LayerParts {
+            span: shell.span,
+            z: shell.span.sample_z() + self.bed,
+            outline: &shell.outline,
+            edges: &shell.solid,
+            walls: &shell.walls,
+        };
+        self.timings
+            .time(Stage::Report, || self.gauge.layer(parts, k))
     }
 
     /// Everything there is to print in layer `i` of the window.

@@ -67,6 +67,7 @@ pub fn slice(
         threads: Some(threads),
         layers: LayerRange::ALL,
         svg_dir: None,
+        report: false,
         on_layer: &|_, _| {},
     };
     let mut bytes = Vec::new();
