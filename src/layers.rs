@@ -105,12 +105,13 @@ impl FromStr for LayerRange {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let number = |text: &str, otherwise: usize| match text.trim() {
-            "" => Ok(otherwise),
-            text => text.parse::<usize>().ok().filter(|&n| n > 0).ok_or(
-                "write it as 10..20, 10.. or ..20; layers count from 1",
-            ),
-        };
+        let number =
+            |text: &str, otherwise: usize| match text.trim() {
+                "" => Ok(otherwise),
+                text => text.parse::<usize>().ok().filter(|&n| n > 0).ok_or(
+                    "write it as 10..20, 10.. or ..20; layers count from 1",
+                ),
+            };
         let range = match text.split_once("..") {
             Some((first, last)) => LayerRange {
                 first: number(first, 1)?,

@@ -47,9 +47,7 @@ const ORDER: &[&[&str]] = &[
 const CONFINED: &[Confined] = &[
     Confined {
         name: "fidget",
-        modules: &[
-            "model", "layers", "field", "contour", "preview", "report",
-        ],
+        modules: &["model", "layers", "field", "contour", "preview", "report"],
         in_tests: true,
     },
     Confined {

@@ -496,7 +496,10 @@ fn pictures_of_an_earlier_longer_run_are_removed() {
     left.remove(0);
     assert_eq!(pictures("2", &["--layers", "2..3"]), left);
     let second = read(&folder, "pictures/layer-00002.svg");
-    assert!(second.contains("<title>layer 2 at z = 2.000 mm"), "{second}");
+    assert!(
+        second.contains("<title>layer 2 at z = 2.000 mm"),
+        "{second}"
+    );
 }
 
 #[test]
@@ -528,7 +531,9 @@ fn a_report_says_how_accurate_the_print_is() {
     let folder = folder();
     let slice = |report: &str, more: &[&str]| {
         let mut command = isoslice(&folder);
-        command.args(["slice", "-e", BALL, "--report", report]).args(more);
+        command
+            .args(["slice", "-e", BALL, "--report", report])
+            .args(more);
         command
     };
     slice("r.json", &["--threads", "1"])

@@ -61,7 +61,9 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
         let threads = if k % 2 == 0 { 3 } else { 1 };
         let (part, of_part) = slice(model, settings, &range, threads);
         assert_eq!(of_part.layers, from..to);
-        assert!(part.contains(&format!("; total layers count = {}", to - from)));
+        assert!(
+            part.contains(&format!("; total layers count = {}", to - from))
+        );
         joined.push_str(body(&part));
         time += of_part.time;
         filament += of_part.filament_length;
@@ -149,8 +151,7 @@ fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
         report: false,
         on_layer: &|_, _| {},
     };
-    let error =
-        pipeline::slice(&model, &settings, &options, &mut Vec::new())
-            .unwrap_err();
+    let error = pipeline::slice(&model, &settings, &options, &mut Vec::new())
+        .unwrap_err();
     assert!(error.to_string().contains("has 50 layers"), "{error}");
 }

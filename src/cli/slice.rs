@@ -71,7 +71,8 @@ pub(super) struct SliceArgs {
     )]
     threads: Option<u16>,
 
-    /// Also tell where the time went, by stage, added up over all threads
+    /// Also tell where the processor time went, by stage, added up over all
+    /// threads
     #[arg(long, help_heading = "Output")]
     timings: bool,
 
@@ -209,9 +210,8 @@ fn describe(
         summary.filament_length / 1000.0,
         summary.filament_mass_g
     )?;
-    let p99 = |f: Option<Figures>| {
-        f.map(|f| format!("{:.1} µm", f.p99.max(0.1)))
-    };
+    let p99 =
+        |f: Option<Figures>| f.map(|f| format!("{:.1} µm", f.p99.max(0.1)));
     if let Some(outline) = p99(summary.outline_error) {
         write!(text, "  accuracy    outline within {outline}")?;
         if let Some(walls) = p99(summary.wall_error) {

@@ -4,8 +4,8 @@
 //! layer hands to the next passes through here, and is forgotten at the
 //! beginning of every block: see [`Exit::restart`].
 
-use super::{BLOCK, SliceError};
 use super::stages::Shell;
+use super::{BLOCK, SliceError};
 use crate::gcode::{Totals, Writer};
 use crate::layers::LayerSpan;
 use crate::order::{Head, LayerBeads, order};

@@ -91,7 +91,7 @@ pub struct Summary {
     pub report: Option<Report>,
     /// What the user should know.
     pub warnings: Vec<String>,
-    /// Where the time went, added up over all threads.
+    /// Where the processor time went, added up over all threads.
     pub timings: Vec<(Stage, Seconds)>,
 }
 
@@ -190,8 +190,10 @@ pub fn slice(
         slabs.chunks(pool.current_num_threads()).collect();
     let make = |chunk: &[&[LayerSpan]]| -> Result<Vec<Shell>, FieldError> {
         pool.install(|| {
-            let slabs: Result<Vec<Vec<Shell>>, FieldError> =
-                chunk.par_iter().map(|s| stages.shells(s, &needed)).collect();
+            let slabs: Result<Vec<Vec<Shell>>, FieldError> = chunk
+                .par_iter()
+                .map(|s| stages.shells(s, &needed))
+                .collect();
             Ok(slabs?.into_iter().flatten().collect())
         })
     };
@@ -240,9 +242,8 @@ pub fn slice(
     let report = match (spans.get(layers.start), spans.get(layers.end - 1)) {
         (Some(first), Some(last)) if options.report => {
             let z = [first.bottom, last.top].map(|z| z - model.offset.z);
-            let volume = pool.install(|| {
-                stages.timings.time(Stage::Report, || stages.gauge.volume(z))
-            })?;
+            let volume =
+                pool.install(|| stages.gauge.volume(z, &stages.timings))?;
             let extruded = totals.filament_volume;
             Some(done.figures.report(
                 &stages.gauge,

@@ -11,6 +11,7 @@
 use super::ReportError;
 use super::probe::Probe;
 use crate::plane::Rect;
+use crate::timings::{Stage, Timings};
 use crate::units::{Mm, Mm2, Mm3};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -88,7 +89,7 @@ pub fn content(
 }
 
 /// Volume inside the box from `low` to `high`, by about so many lines, and
-/// its uncertainty.
+/// its uncertainty; its time goes to `timings`.
 ///
 /// # Errors
 /// If the evaluator fails, which is a bug.
@@ -98,6 +99,7 @@ pub fn volume(
     high: DVec3,
     lines: usize,
     pitch: Mm,
+    timings: &Timings,
 ) -> Result<(Mm3, Mm3), ReportError> {
     // An additive sequence by the powers of the plastic number, which fills
     // the plane evenly however far it is taken.
@@ -108,14 +110,16 @@ pub fn volume(
     let groups: Result<Vec<f64>, ReportError> = (0..GROUPS)
         .into_par_iter()
         .map(|group| {
-            let mut sum = 0.0;
-            for k in 0..per_group {
-                let k = (group * per_group + k) as f64 + 0.5;
-                let y = low.y + size.y * (k / PLASTIC).fract();
-                let z = low.z + size.z * (k / PLASTIC.powi(2)).fract();
-                sum += inside(probe, (low.x, high.x), (y, z), pitch)?;
-            }
-            Ok(sum / per_group as f64 * size.y * size.z)
+            timings.time(Stage::Report, || {
+                let mut sum = 0.0;
+                for k in 0..per_group {
+                    let k = (group * per_group + k) as f64 + 0.5;
+                    let y = low.y + size.y * (k / PLASTIC).fract();
+                    let z = low.z + size.z * (k / PLASTIC.powi(2)).fract();
+                    sum += inside(probe, (low.x, high.x), (y, z), pitch)?;
+                }
+                Ok(sum / per_group as f64 * size.y * size.z)
+            })
         })
         .collect();
     Ok(mean_of_groups(&groups?))
@@ -141,7 +145,10 @@ mod tests {
         assert!((area - PI * 16.0).abs() < error, "{area} ± {error}");
         assert!(error < 0.003 * area, "{error}");
         let (low, high) = (DVec3::splat(-5.0), DVec3::splat(5.0));
-        let (v, error) = volume(&probe, low, high, 2000, 0.1).unwrap();
+        let (v, error) = {
+            let timings = Timings::default();
+            volume(&probe, low, high, 2000, 0.1, &timings).unwrap()
+        };
         let truth = PI * 4.0 / 3.0 * 125.0;
         assert!((v - truth).abs() < error, "{v} ± {error}, {truth}");
         assert!(error < 0.01 * truth, "{error}");

@@ -256,12 +256,10 @@ fn walls(
     let height = layer.span.height();
     let (depths, _) = wall_depths(height, settings);
     let constant = |l: &&Line| l.widths.is_empty();
-    let depth = |p: DVec2| {
-        edges.nearest(p).map_or(f64::NAN, |(_, q)| p.distance(q))
-    };
-    let points = |of: &[&Line]| -> usize {
-        of.iter().map(|l| 2 * l.points.len()).sum()
-    };
+    let depth =
+        |p: DVec2| edges.nearest(p).map_or(f64::NAN, |(_, q)| p.distance(q));
+    let points =
+        |of: &[&Line]| -> usize { of.iter().map(|l| 2 * l.points.len()).sum() };
     let (Some(outer), Some(&outer_depth)) = (lines.first(), depths.first())
     else {
         return;

@@ -27,6 +27,7 @@ pub use spread::{Figures, Spread};
 use crate::model::Model;
 use crate::plane::Rect;
 use crate::settings::{Settings, WallOffset};
+use crate::timings::Timings;
 use crate::units::{Mm2, Mm3};
 use glam::DVec3;
 use serde::Serialize;
@@ -116,12 +117,16 @@ impl<'a> Gauge<'a> {
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
-    pub fn volume(&self, z: [f64; 2]) -> Result<(Mm3, Mm3), ReportError> {
+    pub fn volume(
+        &self,
+        z: [f64; 2],
+        timings: &Timings,
+    ) -> Result<(Mm3, Mm3), ReportError> {
         let (low, high) = (self.model.bounds.min, self.model.bounds.max);
         let low = DVec3::new(low.x, low.y, low.z.max(z[0]));
         let high = DVec3::new(high.x, high.y, high.z.min(z[1]).max(low.z));
         let pitch = self.settings.sample_spacing;
-        area::volume(&self.probe, low, high, VOLUME_LINES, pitch)
+        area::volume(&self.probe, low, high, VOLUME_LINES, pitch, timings)
     }
 }
 
@@ -201,8 +206,11 @@ impl Tally {
             self.layers.iter().map(of).sum()
         };
         let size = |l: &Layer| l.worst_at.map_or(0.0, |w| w.um.abs());
-        let mut worst: Vec<&Layer> =
-            self.layers.iter().filter(|l| l.worst_at.is_some()).collect();
+        let mut worst: Vec<&Layer> = self
+            .layers
+            .iter()
+            .filter(|l| l.worst_at.is_some())
+            .collect();
         worst.sort_by(|a, b| size(b).total_cmp(&size(a)));
         worst.truncate(WORST);
         let worst_layers = worst.iter().map(|l| l.layer).collect();
@@ -246,10 +254,7 @@ impl Tally {
             volume: Volume {
                 layers_mm3: tidy(self.volume, 2),
                 field_mm3: tidy(volume.0, 2),
-                excess_percent: tidy(
-                    (self.volume / volume.0 - 1.0) * 100.0,
-                    4,
-                ),
+                excess_percent: tidy((self.volume / volume.0 - 1.0) * 100.0, 4),
                 uncertainty_percent: tidy(volume.1 / volume.0 * 100.0, 4),
                 extruded_mm3: tidy(extruded, 2),
             },

@@ -226,10 +226,7 @@ mod tests {
         let out = DVec2::X;
         let far = [DVec2::ZERO, DVec2::new(9.0, 0.0)];
         let spots = far.map(|at| Spot { at, out });
-        assert_eq!(
-            circle().distances(&spots, 3.0).unwrap(),
-            [None, None]
-        );
+        assert_eq!(circle().distances(&spots, 3.0).unwrap(), [None, None]);
         assert_eq!(circle().distances(&[], 3.0).unwrap(), []);
     }
 

@@ -52,7 +52,11 @@ impl Spread {
         }
         let first = self.count == 0;
         self.least = if first { value } else { self.least.min(value) };
-        self.greatest = if first { value } else { self.greatest.max(value) };
+        self.greatest = if first {
+            value
+        } else {
+            self.greatest.max(value)
+        };
         self.count += 1;
         self.sum += value;
         // Casts of what is out of range give the nearest that is in it.
