@@ -507,7 +507,7 @@ fn what_is_no_number_is_an_error() {
             error,
             Err(WriteError::BadNumber {
                 what: "x",
-                layer: 7,
+                layer: 8,
                 ..
             })
         ));

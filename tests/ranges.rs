@@ -32,19 +32,7 @@ fn slice(
 /// What lies between a file's head and its end.
 fn body(gcode: &str) -> &str {
     let from = gcode.find(";LAYER_CHANGE\n").unwrap();
-    let last = gcode.rfind(";LAYER_CHANGE\n").unwrap();
-    // The end begins with the last retraction, the fan or the template.
-    let end = gcode.rfind(";TYPE:Custom\n").unwrap();
-    assert!(last < end);
-    let mut to = end;
-    for _ in 0..2 {
-        let line = gcode[..to - 1].rfind('\n').unwrap() + 1;
-        let text = &gcode[line..to];
-        let fed = text.starts_with("G1 E");
-        if fed || text == "M107\n" {
-            to = line;
-        }
-    }
+    let to = gcode.find("; end of layers\n").unwrap();
     &gcode[from..to]
 }
 
@@ -80,7 +68,7 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
 
 /// Coarse enough to be quick, with several slabs of layers.
 const COARSE: [&str; 3] =
-    ["sample_spacing=0.4", "accuracy=0.05", "retract.z_hop=0.3"];
+    ["sample_spacing=0.6", "accuracy=0.1", "retract.z_hop=0.3"];
 
 fn check_example(name: &str, layer_height: &str, cuts: &[usize]) {
     let examples = common::examples();
@@ -94,22 +82,22 @@ fn check_example(name: &str, layer_height: &str, cuts: &[usize]) {
 
 #[test]
 fn a_blend_with_holes() {
-    check_example("blended-bracket", "0.2", &[1, 32, 40]);
+    check_example("blended-bracket", "0.25", &[1, 32, 129]);
 }
 
 #[test]
 fn a_twist() {
-    check_example("twisted-vase", "0.2", &[31, 33, 34, 128, 129, 200]);
+    check_example("twisted-vase", "0.3", &[33, 128, 140]);
 }
 
 #[test]
 fn several_bodies() {
-    check_example("box-with-lid", "0.3", &[5, 50, 64]);
+    check_example("box-with-lid", "0.3", &[5, 50]);
 }
 
 #[test]
 fn a_lattice() {
-    check_example("lattice-part", "0.12", &[33, 131]);
+    check_example("lattice-part", "0.3", &[45]);
 }
 
 /// Layers without anything in them, before the part and between its pieces;

@@ -372,6 +372,7 @@ impl<'a, W: Write> Writer<'a, W> {
     /// # Errors
     /// If the output cannot be written.
     pub fn finish(mut self) -> Result<Totals, WriteError> {
+        self.line(comments::END_OF_LAYERS);
         let retract = &self.settings.retract;
         if self.totals.layers > 0 && !self.retracted && retract.length > 0.0 {
             self.retract(retract.length, retract.speed)?;
