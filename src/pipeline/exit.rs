@@ -5,7 +5,7 @@
 //! beginning of every block: see [`Exit::restart`].
 
 use super::stages::Shell;
-use super::{BLOCK, SliceError};
+use super::{BLOCK, Options, SliceError};
 use crate::gcode::{Totals, Writer};
 use crate::layers::LayerSpan;
 use crate::order::{Head, LayerBeads, order};
@@ -23,8 +23,7 @@ use std::ops::Range;
 /// The stages that run in order.
 pub(super) struct Exit<'a, 'w> {
     settings: &'a Settings,
-    /// Told how many layers are written, and how many there will be.
-    on_layer: &'a (dyn Fn(usize, usize) + Sync),
+    options: &'a Options<'a>,
     pictures: Option<Pictures>,
     /// From the model's coordinates to the bed's.
     offset: DVec2,
@@ -39,8 +38,6 @@ pub(super) struct Exit<'a, 'w> {
     beads: usize,
     warnings: Vec<String>,
     figures: report::Tally,
-    /// Keep the figures of each layer.
-    listed: bool,
 }
 
 /// What came of it.
@@ -62,15 +59,14 @@ impl<'a, 'w> Exit<'a, 'w> {
         timings: &'a Timings,
         offset: DVec2,
         layers: Range<usize>,
-        on_layer: &'a (dyn Fn(usize, usize) + Sync),
+        options: &'a Options<'a>,
         pictures: Option<Pictures>,
         writer: Writer<'a, &'w mut dyn io::Write>,
         settings: &'a Settings,
-        listed: bool,
     ) -> Self {
         Exit {
             settings,
-            on_layer,
+            options,
             pictures,
             offset,
             head: Head::default(),
@@ -82,7 +78,6 @@ impl<'a, 'w> Exit<'a, 'w> {
             beads: 0,
             warnings: Vec::new(),
             figures: report::Tally::default(),
-            listed,
         }
     }
 
@@ -145,11 +140,12 @@ impl<'a, 'w> Exit<'a, 'w> {
             false => self.writer.rehearse(&paced),
         })?;
         if let Some(figures) = figures {
-            self.figures.add(&figures, self.listed);
+            self.figures.add(&figures, self.options.report);
         }
         self.next += 1;
         if written {
-            (self.on_layer)(self.next - self.layers.start, self.layers.len());
+            let done = self.next - self.layers.start;
+            (self.options.on_layer)(done, self.layers.len());
         }
         Ok(())
     }

@@ -172,11 +172,10 @@ pub fn slice(
         &stages.timings,
         model.offset.truncate(),
         layers.clone(),
-        options.on_layer,
+        options,
         pictures,
         writer,
         settings,
-        options.report,
     );
     let mut tally = Tally::default();
 
