@@ -6,6 +6,8 @@
 //! half a layer of the part's top.
 
 use crate::units::Mm;
+use std::ops::Range;
+use std::str::FromStr;
 
 /// One layer: the slab of space between `bottom` and `top`, in print
 /// coordinates (z = 0 is the bed).
@@ -57,6 +59,77 @@ pub enum PlanError {
         /// Layer height, mm.
         layer: Mm,
     },
+    /// A range of layers that lies above the part.
+    #[error(
+        "layers from {first} on were asked for, but the part has {count} \
+         layers"
+    )]
+    Beyond {
+        /// First layer of the range, counted from 1.
+        first: usize,
+        /// Layers of the part.
+        count: usize,
+    },
+}
+
+/// Some of a part's layers, counted from 1 as people do, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LayerRange {
+    first: usize,
+    last: usize,
+}
+
+impl LayerRange {
+    /// All layers of any part.
+    pub const ALL: LayerRange = LayerRange {
+        first: 1,
+        last: usize::MAX,
+    };
+
+    /// The range as indices into a plan of `count` layers. An end above the
+    /// part's top is the top.
+    ///
+    /// # Errors
+    /// If all of the range lies above the part.
+    pub fn indices(self, count: usize) -> Result<Range<usize>, PlanError> {
+        let first = self.first;
+        if first > count {
+            return Err(PlanError::Beyond { first, count });
+        }
+        Ok(first - 1..self.last.min(count))
+    }
+}
+
+/// Reads `A..B`, `A..`, `..B` or a single number.
+impl FromStr for LayerRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number =
+            |text: &str, otherwise: usize| match text.trim() {
+                "" => Ok(otherwise),
+                text => text.parse::<usize>().ok().filter(|&n| n > 0).ok_or(
+                    "write it as 10..20, 10.. or ..20; layers count from 1",
+                ),
+            };
+        let range = match text.split_once("..") {
+            Some((first, last)) => LayerRange {
+                first: number(first, 1)?,
+                last: number(last, usize::MAX)?,
+            },
+            None => {
+                let only = number(text, 0)?;
+                LayerRange {
+                    first: only,
+                    last: only,
+                }
+            }
+        };
+        if range.first == 0 || range.first > range.last {
+            return Err("it has no layers in it".into());
+        }
+        Ok(range)
+    }
 }
 
 /// A metre of the thinnest layers anybody prints (0.02 mm).
@@ -120,6 +193,25 @@ mod tests {
     fn a_whole_number_of_layers_is_kept() {
         assert_eq!(plan(20.00004, 0.2, 0.2).map(|s| s.len()), Ok(100));
         assert_eq!(plan(19.99996, 0.2, 0.2).map(|s| s.len()), Ok(100));
+    }
+
+    #[test]
+    fn ranges_count_from_one_and_include_both_ends() {
+        let indices = |text: &str| {
+            text.parse::<LayerRange>().unwrap().indices(20).unwrap()
+        };
+        assert_eq!(indices("1..20"), 0..20);
+        assert_eq!(indices("3..5"), 2..5);
+        assert_eq!(indices("7"), 6..7);
+        assert_eq!(indices(" .. 4"), 0..4);
+        assert_eq!(indices("18..99"), 17..20);
+        assert_eq!(indices(".."), 0..20);
+        assert_eq!(LayerRange::ALL.indices(20), Ok(0..20));
+        for bad in ["", "0", "0..3", "5..4", "a..b", "1..2..3", "-1..", "..0"] {
+            assert!(bad.parse::<LayerRange>().is_err(), "{bad}");
+        }
+        let beyond = "21..30".parse::<LayerRange>().unwrap().indices(20);
+        assert!(matches!(beyond, Err(PlanError::Beyond { .. })));
     }
 
     #[test]

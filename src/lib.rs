@@ -36,7 +36,8 @@
 //! 8. [`travel`] connects them, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, slower where the hot end
 //!    or the cooling could not follow, and adds up the time.
-//! 10. [`gcode`] writes it down; [`preview`] draws it.
+//! 10. [`gcode`] writes it down; [`preview`] draws it; [`report`] measures how
+//!     far it is from f = 0.
 //!
 //! [`pipeline`] runs these stages over a window of layers that moves up the
 //! part, on as many threads as there are; the result is the same on any
@@ -45,6 +46,7 @@
 //! # A ball
 //!
 //! ```
+//! use isoslice::layers::LayerRange;
 //! use isoslice::model::{
 //!     BuildVolume, Placement, Source, SourceKind, load, place,
 //! };
@@ -63,14 +65,16 @@
 //!
 //! let options = Options {
 //!     threads: None,
+//!     layers: LayerRange::ALL,
 //!     svg_dir: None,
+//!     report: false,
 //!     on_layer: &|_done, _total| {},
 //! };
 //! let mut gcode = Vec::new();
 //! let summary = slice(&ball, &settings, &options, &mut gcode)?;
 //!
 //! // A ball of 6 mm in layers of 0.2 mm.
-//! assert_eq!(summary.layers, 30);
+//! assert_eq!(summary.layers, 0..30);
 //! let text = String::from_utf8(gcode)?;
 //! assert_eq!(text.matches(";LAYER_CHANGE").count(), 30);
 //! # Ok(())
@@ -126,6 +130,7 @@ pub mod pipeline;
 pub mod plane;
 pub mod preview;
 pub mod region;
+pub mod report;
 pub mod settings;
 pub mod skin;
 pub mod timings;

@@ -37,7 +37,7 @@ const ORDER: &[&[&str]] = &[
     &["order"],
     &["travel"],
     &["pace"],
-    &["gcode", "preview"],
+    &["gcode", "preview", "report"],
     &["pipeline"],
     &["cli"],
     &["main"],
@@ -47,7 +47,7 @@ const ORDER: &[&[&str]] = &[
 const CONFINED: &[Confined] = &[
     Confined {
         name: "fidget",
-        modules: &["model", "layers", "field", "contour", "preview"],
+        modules: &["model", "layers", "field", "contour", "preview", "report"],
         in_tests: true,
     },
     Confined {

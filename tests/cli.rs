@@ -453,11 +453,130 @@ fn every_layer_has_its_picture() {
         .stdout(is_empty());
     let pictures = names(&folder.path().join("new/pictures"));
     let expected: Vec<String> =
-        (0..5).map(|i| format!("layer-{i:05}.svg")).collect();
+        (1..=5).map(|i| format!("layer-{i:05}.svg")).collect();
     assert_eq!(pictures, expected);
-    let svg = read(&folder, "new/pictures/layer-00004.svg");
+    let svg = read(&folder, "new/pictures/layer-00005.svg");
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
     assert!(svg.contains("<polyline "));
+}
+
+#[test]
+fn pictures_of_an_earlier_longer_run_are_removed() {
+    let folder = folder();
+    let pictures = |height: &str, more: &[&str]| {
+        let ball = format!("max(sqrt(x^2 + y^2) - 3, abs(z) - {height})");
+        isoslice(&folder)
+            .args(["slice", "-q", "-e", &ball, "--svg", "pictures"])
+            .args(["--set", "layer_height=1", "--set", "infill_density=0"])
+            .args(["--set", "first_layer_height=1"])
+            .args(["--set", "printer.nozzle_diameter=1.4"])
+            .args(["--set", "outer_wall_width=1.5"])
+            .args(["--set", "inner_wall_width=1.5"])
+            .args(["--set", "skin_width=1.5", "--set", "infill_width=1.5"])
+            .args(more)
+            .assert()
+            .success();
+        names(&folder.path().join("pictures"))
+    };
+    let of = |layers: std::ops::RangeInclusive<usize>| -> Vec<String> {
+        layers.map(|i| format!("layer-{i:05}.svg")).collect()
+    };
+    assert_eq!(pictures("4", &[]), of(1..=8));
+    let foreign = ["layer-00007.svg.txt", "layer-7.svg", "my-layer-00007.svg"];
+    for name in foreign {
+        write(&folder, &format!("pictures/{name}"), "mine");
+    }
+    let mut left = of(1..=4);
+    left.extend(foreign.map(String::from));
+    left.sort();
+    assert_eq!(pictures("2", &[]), left);
+    // A range replaces its own and leaves those of the part's other layers.
+    fs::remove_file(folder.path().join("pictures/layer-00001.svg")).unwrap();
+    write(&folder, "pictures/layer-00002.svg", "old");
+    left.remove(0);
+    assert_eq!(pictures("2", &["--layers", "2..3"]), left);
+    let second = read(&folder, "pictures/layer-00002.svg");
+    assert!(
+        second.contains("<title>layer 2 at z = 2.000 mm"),
+        "{second}"
+    );
+}
+
+#[test]
+fn layers_can_be_chosen() {
+    let folder = folder();
+    let slice = |layers: &str| {
+        let mut command = isoslice(&folder);
+        command.args(["slice", "-e", BALL, "--layers", layers]);
+        command
+    };
+    slice("4..")
+        .assert()
+        .success()
+        .stdout(contains("  layers      4 to 30 of 30\n"));
+    let gcode = read(&folder, "formula.gcode");
+    assert_eq!(gcode.matches(";LAYER_CHANGE").count(), 27);
+    assert!(gcode.contains(";LAYER_CHANGE\n;Z:0.8\n"), "{gcode:.300}");
+    slice("31..40")
+        .assert()
+        .code(1)
+        .stderr(contains("layers from 31 on were asked for"));
+    for bad in ["5..4", "0..3", "x", "-1..2"] {
+        slice(bad).assert().code(2);
+    }
+}
+
+#[test]
+fn a_report_says_how_accurate_the_print_is() {
+    let folder = folder();
+    let slice = |report: &str, more: &[&str]| {
+        let mut command = isoslice(&folder);
+        command
+            .args(["slice", "-e", BALL, "--report", report])
+            .args(more);
+        command
+    };
+    slice("r.json", &["--threads", "1"])
+        .assert()
+        .success()
+        .stdout(contains("\n  accuracy    outline within "));
+    let text = read(&folder, "r.json");
+    let report: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let number = |path: &str| {
+        let found = report.pointer(path).and_then(|v| v.as_f64());
+        found.unwrap_or_else(|| panic!("{path} of {text:.2000}"))
+    };
+    // 3.5 µm of the accuracy are the outline's, 1.5 µm the walls'.
+    assert!(number("/outline_um/points") > 1000.0);
+    assert!((-5.0..-0.5).contains(&number("/outline_um/min")));
+    assert!((0.5..5.0).contains(&number("/outline_um/max")));
+    assert!(number("/outline_um/p99") >= number("/outline_um/p50"));
+    for walls in ["outer_wall_um", "wall_spacing_um"] {
+        assert!(number(&format!("/{walls}/p99")) < 3.0);
+    }
+    assert_eq!(number("/outline_lost"), 0.0);
+    // The ball's volume is 36π; its layers' are less by the chords.
+    let ball = 36.0 * PI;
+    let uncertain = number("/volume/uncertainty_percent") / 100.0;
+    assert!(uncertain < 0.02);
+    let by_field = number("/volume/field_mm3");
+    assert!((by_field / ball - 1.0).abs() < uncertain, "{by_field}");
+    assert!((number("/volume/layers_mm3") / ball - 1.0).abs() < 0.003);
+    assert!(number("/area/excess_percent").abs() < 0.5);
+    assert_eq!(report["layers"].as_array().map(Vec::len), Some(30));
+    assert_eq!(report["layers"][29]["layer"], 30);
+
+    // The same on more threads; and neither a file where there was an error
+    // nor one over another.
+    slice("r2.json", &["--threads", "3"]).assert().success();
+    assert_eq!(text, read(&folder, "r2.json"));
+    slice("r3.json", &["--layers", "99.."]).assert().code(1);
+    slice("./formula.gcode", &[])
+        .assert()
+        .code(1)
+        .stderr(contains("the report and the G-code would both be"));
+    let left = ["formula.gcode", "r.json", "r2.json"];
+    assert_eq!(names(folder.path()), left);
 }
 
 #[test]

@@ -133,6 +133,7 @@ fn header(layer_count: usize) -> Header {
     Header {
         model_name: "tiny".to_owned(),
         layer_count,
+        layers: 0..layer_count,
         part_min: DVec3::new(100.0, 100.0, 0.0),
         part_max: DVec3::new(112.0, 110.0, 0.2 * layer_count as f64),
     }
@@ -506,7 +507,7 @@ fn what_is_no_number_is_an_error() {
             error,
             Err(WriteError::BadNumber {
                 what: "x",
-                layer: 7,
+                layer: 8,
                 ..
             })
         ));

@@ -128,6 +128,24 @@ impl Write for Output {
     }
 }
 
+/// Whether two names, of files that may not be there yet, are one file's.
+pub(super) fn same_file(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| {
+        fs::canonicalize(path).or_else(|_| {
+            let folder = match path.parent() {
+                Some(folder) if folder != Path::new("") => folder,
+                _ => Path::new("."),
+            };
+            let name = path.file_name().unwrap_or_default();
+            fs::canonicalize(folder).map(|folder| folder.join(name))
+        })
+    };
+    match (resolved(a), resolved(b)) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    }
+}
+
 fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".isoslice-").suffix(".tmp");

@@ -2,11 +2,13 @@
 
 use super::args::{FORMULA, ModelArgs, SettingsSource};
 use super::info::dimensions;
-use super::output::Output;
+use super::output::{Output, same_file};
 use super::terminal;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
+use isoslice::layers::LayerRange;
 use isoslice::pipeline::{self, Options, Summary};
+use isoslice::report::Figures;
 use isoslice::units::human_time;
 use std::fmt::Write as _;
 use std::io::{Write, stderr, stdout};
@@ -40,9 +42,25 @@ pub(super) struct SliceArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
 
+    /// Slice only these layers: A..B from A to B, both included, or A.., ..B
+    /// or a single number; the bed's layer is 1. Files of ranges that follow
+    /// one another hold, layer for layer, what one run would write
+    #[arg(
+        long,
+        value_name = "A..B",
+        allow_hyphen_values = true,
+        help_heading = "Output"
+    )]
+    layers: Option<LayerRange>,
+
     /// Also draw every layer, as an SVG picture in this folder
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     svg: Option<PathBuf>,
+
+    /// Also measure every outline and wall against the model, and write how
+    /// far they are off, as JSON; the README says what is in it
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    report: Option<PathBuf>,
 
     /// Number of threads [default: all processors]; the result is the same
     #[arg(
@@ -53,7 +71,8 @@ pub(super) struct SliceArgs {
     )]
     threads: Option<u16>,
 
-    /// Also tell where the time went, by stage, added up over all threads
+    /// Also tell where the processor time went, by stage, added up over all
+    /// threads
     #[arg(long, help_heading = "Output")]
     timings: bool,
 
@@ -68,6 +87,7 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
     let path = args.output_path();
     // Before the work, so that a mistaken name costs none.
     let mut output = Output::create(&path, &args.inputs())?;
+    let report = args.report_output(&path)?;
     let model = args.model.load(&settings)?;
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| {
@@ -78,7 +98,9 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
     let bar = terminal::layer_progress(args.quiet);
     let options = Options {
         threads: args.threads.map(usize::from),
+        layers: args.layers.unwrap_or(LayerRange::ALL),
         svg_dir: args.svg.as_deref(),
+        report: report.is_some(),
         on_layer: &|done, total| {
             bar.set_length(total as u64);
             bar.set_position(done as u64);
@@ -89,9 +111,26 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
     let summary =
         sliced.with_context(|| format!("cannot slice {}", model.name))?;
     let streamed = output.is_stream();
+    // Both are complete before either is put in its place.
+    let report = match (report, &summary.report) {
+        (Some((mut file, path)), Some(report)) => {
+            let no_report = || format!("cannot write {}", path.display());
+            serde_json::to_writer_pretty(&mut file, report)
+                .map_err(std::io::Error::from)
+                .and_then(|()| file.write_all(b"\n"))
+                .and_then(|()| file.flush())
+                .with_context(no_report)?;
+            Some((file, path))
+        }
+        _ => None,
+    };
     output
         .finish()
         .with_context(|| format!("cannot write {}", path.display()))?;
+    if let Some((file, path)) = report {
+        file.finish()
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
 
     terminal::warn(&[&model.warnings[..], &summary.warnings].concat());
     if !args.quiet {
@@ -119,6 +158,24 @@ impl SliceArgs {
         }
     }
 
+    /// The report's file, which must be neither an input nor the G-code.
+    fn report_output(
+        &self,
+        gcode: &Path,
+    ) -> anyhow::Result<Option<(Output, &Path)>> {
+        let Some(path) = &self.report else {
+            return Ok(None);
+        };
+        if same_file(path, gcode) {
+            bail!(
+                "the report and the G-code would both be {}; choose another \
+                 name with --report",
+                path.display()
+            );
+        }
+        Ok(Some((Output::create(path, &self.inputs())?, path)))
+    }
+
     fn inputs(&self) -> Vec<&Path> {
         let model = self.model.model.iter();
         model
@@ -136,7 +193,16 @@ fn describe(
     let mut text = String::new();
     writeln!(text, "{}", path.display())?;
     writeln!(text, "  size        {}", dimensions(summary.size))?;
-    writeln!(text, "  layers      {}", summary.layers)?;
+    let (layers, count) = (&summary.layers, summary.layer_count);
+    match *layers == (0..count) {
+        true => writeln!(text, "  layers      {count}")?,
+        false => writeln!(
+            text,
+            "  layers      {} to {} of {count}",
+            layers.start + 1,
+            layers.end
+        )?,
+    }
     writeln!(text, "  print time  {}", human_time(summary.time))?;
     writeln!(
         text,
@@ -144,6 +210,15 @@ fn describe(
         summary.filament_length / 1000.0,
         summary.filament_mass_g
     )?;
+    let p99 =
+        |f: Option<Figures>| f.map(|f| format!("{:.1} µm", f.p99.max(0.1)));
+    if let Some(outline) = p99(summary.outline_error) {
+        write!(text, "  accuracy    outline within {outline}")?;
+        if let Some(walls) = p99(summary.wall_error) {
+            write!(text, ", outer wall within {walls}")?;
+        }
+        writeln!(text, " (99 % of the points measured)")?;
+    }
     // Less is what rounding leaves at sharp corners.
     if summary.unfilled_area >= 1.0 {
         writeln!(

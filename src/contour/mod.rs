@@ -25,11 +25,11 @@ mod refine;
 use crate::field::{Batch, Field, FieldError, Leaf};
 use crate::plane::Area;
 use crate::plane::simplify::simplify;
-use crate::timings::{Stage, Timings};
+use crate::timings::{Stage, Stopwatch, Timings};
 use crate::units::Mm;
 use link::Chains;
 use march::Marcher;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Outlines of one layer and what was met on the way.
 #[derive(Clone, Debug, Default)]
@@ -59,7 +59,7 @@ pub fn outlines(
     let mut marching = Duration::ZERO;
     timings.time(Stage::Field, || {
         field.slab(z, &mut |batch: Batch<'_>| {
-            let start = Instant::now();
+            let start = Stopwatch::start();
             let marched = marcher.march(batch, &mut layers);
             marching += start.elapsed();
             marched

@@ -12,6 +12,10 @@ use crate::bead::Role;
 /// What a start or end template prints is not the part.
 pub(super) const CUSTOM: &str = "Custom";
 
+/// Stands after the last layer: from the first `;LAYER_CHANGE` to here a file
+/// can be joined with those of the part's other layers.
+pub(super) const END_OF_LAYERS: &str = "; end of layers";
+
 /// The role's name in PrusaSlicer's dialect.
 pub fn role_name(role: Role) -> &'static str {
     match role {

@@ -320,6 +320,7 @@ mod tests {
         Header {
             model_name: "gyroid\nball".to_owned(),
             layer_count: 12,
+            layers: 0..1,
             part_min: DVec3::new(95.0, 95.0, 0.0),
             part_max: DVec3::new(125.0, 125.0, 30.0),
         }

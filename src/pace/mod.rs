@@ -9,9 +9,11 @@
 //!   the first layer, no faster than the filament can be melted
 //!   (`filament.max_flow`), slower if the layer would take less than
 //!   `cooling.min_layer_time`, but not below `cooling.min_speed` for that;
-//! - a retraction is primed before the next bead, and never repeated;
+//! - a retraction is primed before the next bead, at the latest at the
+//!   layer's end, and never repeated;
 //! - z rises before the head travels, and is the layer's top while it prints;
 //! - the head stands at a bead's first point when the bead begins;
+//! - after [`Pacer::restart`] nothing depends on the layers before;
 //! - the same layers give the same numbers.
 //!
 //! Not guaranteed: that a layer takes `cooling.min_layer_time`; with all beads
@@ -131,6 +133,14 @@ impl<'a> Pacer<'a> {
         }
     }
 
+    /// Forgets where the head is: the next layer starts from anywhere in the
+    /// plane, one at `z`. The way to its first point is in no layer's time.
+    pub fn restart(&mut self, z: Mm) {
+        self.xy = None;
+        self.z = Some(z);
+        self.lifted = false;
+    }
+
     /// Gives the next layer its speeds. Layers must come in print order.
     pub fn layer(&mut self, path: LayerPath) -> PacedLayer {
         let LayerPath { span, moves } = path;
@@ -148,6 +158,7 @@ impl<'a> Pacer<'a> {
                 }
             }
         }
+        self.prime(&mut out);
         let (slowing, time) = self.cool();
         for step in &mut out {
             if let PacedMove::Print { speed, .. } = step {

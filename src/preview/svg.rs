@@ -51,7 +51,7 @@ pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
         size.y,
         10.0 * size.x,
         10.0 * size.y,
-        path.span.index,
+        path.span.index + 1,
         path.span.top,
     );
     let place = |p: DVec2| (p.x - lo.x, hi.y - p.y);

@@ -10,7 +10,7 @@
 use glam::{DVec2, DVec3};
 use isoslice::contour::{Outline, outlines};
 use isoslice::field::{Backend, Field, SLAB};
-use isoslice::layers::{LayerSpan, plan};
+use isoslice::layers::{LayerRange, LayerSpan, plan};
 use isoslice::model::{
     BuildVolume, Model, Placement, Source, SourceKind, load, place,
 };
@@ -65,7 +65,9 @@ pub fn slice(
 ) -> (String, Summary) {
     let options = Options {
         threads: Some(threads),
+        layers: LayerRange::ALL,
         svg_dir: None,
+        report: false,
         on_layer: &|_, _| {},
     };
     let mut bytes = Vec::new();

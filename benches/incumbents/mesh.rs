@@ -1,0 +1,43 @@
+//! Meshes a model with fidget's own mesher, as an STL file.
+//!
+//!     cargo run --release --example mesh MODEL OUT.stl DEPTH
+//!
+//! What isoslice does without, for `incumbents.py` to compare with. The mesh
+//! has 2^DEPTH cells along a cube a fifth larger than the model's largest
+//! side.
+
+use fidget::jit::JitShape;
+use fidget_mesh::{Octree, Settings};
+use isoslice::model::{self, BuildVolume, Placement, Source};
+use nalgebra::{Matrix4, Vector3};
+use std::error::Error;
+use std::fs::File;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let [path, out, depth] = args.as_slice() else {
+        return Err("usage: mesh MODEL OUT.stl DEPTH".into());
+    };
+    let volume = BuildVolume {
+        x: 220.0,
+        y: 220.0,
+        z: 250.0,
+    };
+    let loaded = model::load(&Source::File(path.into()), &[])?;
+    let model = model::place(&loaded, &Placement::default(), volume)?;
+    let half = 0.6 * model.bounds.size().max_element();
+    let middle = 0.5 * (model.bounds.min + model.bounds.max);
+    let middle = Vector3::from(middle.as_vec3().to_array());
+    let shape = JitShape::from(model.tree).try_into()?;
+    let settings = Settings {
+        depth: depth.parse()?,
+        world_to_model: Matrix4::new_translation(&middle)
+            * Matrix4::new_scaling(half as f32),
+        ..Default::default()
+    };
+    let octree = Octree::build(&shape, &settings).ok_or("cancelled")?;
+    let mesh = octree.walk_dual();
+    mesh.write_stl(&mut File::create(out)?)?;
+    println!("{} triangles", mesh.triangles.len());
+    Ok(())
+}

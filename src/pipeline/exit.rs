@@ -1,0 +1,193 @@
+//! What is done in order: from a layer's beads to its text.
+//!
+//! In: layers from below. Out: their G-code and pictures. Everything that one
+//! layer hands to the next passes through here, and is forgotten at the
+//! beginning of every block: see [`Exit::restart`].
+
+use super::stages::Shell;
+use super::{BLOCK, Options, SliceError};
+use crate::gcode::{Totals, Writer};
+use crate::layers::LayerSpan;
+use crate::order::{Head, LayerBeads, order};
+use crate::pace::Pacer;
+use crate::plane::Rect;
+use crate::preview::Pictures;
+use crate::report::{self, LayerFigures};
+use crate::settings::Settings;
+use crate::timings::{Stage, Timings};
+use crate::travel::{Move, connect};
+use glam::DVec2;
+use std::io;
+use std::ops::Range;
+
+/// The stages that run in order.
+pub(super) struct Exit<'a, 'w> {
+    settings: &'a Settings,
+    options: &'a Options<'a>,
+    pictures: Option<Pictures>,
+    /// From the model's coordinates to the bed's.
+    offset: DVec2,
+    head: Head,
+    pacer: Pacer<'a>,
+    writer: Writer<'a, &'w mut dyn io::Write>,
+    /// The layers to be written.
+    layers: Range<usize>,
+    /// The one that comes next.
+    next: usize,
+    timings: &'a Timings,
+    beads: usize,
+    warnings: Vec<String>,
+    figures: report::Tally,
+}
+
+/// What came of it.
+pub(super) struct Done {
+    /// Beads printed.
+    pub beads: usize,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// What the print takes.
+    pub totals: Totals,
+    /// How far it is off.
+    pub figures: report::Tally,
+}
+
+impl<'a, 'w> Exit<'a, 'w> {
+    /// For writing `layers`; those of the same block before them have to be
+    /// given, too.
+    pub fn new(
+        timings: &'a Timings,
+        offset: DVec2,
+        layers: Range<usize>,
+        options: &'a Options<'a>,
+        pictures: Option<Pictures>,
+        writer: Writer<'a, &'w mut dyn io::Write>,
+        settings: &'a Settings,
+    ) -> Self {
+        Exit {
+            settings,
+            options,
+            pictures,
+            offset,
+            head: Head::default(),
+            pacer: Pacer::new(settings),
+            writer,
+            next: layers.start - layers.start % BLOCK,
+            layers,
+            timings,
+            beads: 0,
+            warnings: Vec::new(),
+            figures: report::Tally::default(),
+        }
+    }
+
+    /// Index of the layer that comes next.
+    pub fn next(&self) -> usize {
+        self.next
+    }
+
+    /// Indices of the layers to be written.
+    pub fn layers(&self) -> Range<usize> {
+        self.layers.clone()
+    }
+
+    /// Takes the next layer.
+    pub fn layer(
+        &mut self,
+        shell: &Shell,
+        mut beads: LayerBeads,
+        figures: Option<LayerFigures>,
+    ) -> Result<(), SliceError> {
+        let index = shell.span.index;
+        if index > 0 && index.is_multiple_of(BLOCK) {
+            self.restart(&shell.span);
+        }
+        self.drop_skirt_off_the_bed(&mut beads, index);
+        let written = self.layers.contains(&index);
+        let from = self.head.at;
+        let outline = &shell.outline.area;
+        let path = self.timings.time(Stage::Travel, || {
+            let beads = order(beads, outline, &mut self.head, self.settings);
+            if written {
+                self.beads += beads.len();
+            }
+            let mut path = connect(
+                shell.span,
+                beads,
+                &shell.solid,
+                from,
+                self.offset,
+                self.settings,
+            );
+            // From an unknown place the way may lead over anything.
+            if from.is_none()
+                && index >= BLOCK
+                && let Some(Move::Travel { retract, .. }) =
+                    path.moves.first_mut()
+            {
+                *retract = true;
+            }
+            path
+        });
+        if written && let Some(pictures) = &self.pictures {
+            pictures.draw(&path).map_err(|e| {
+                SliceError::Picture(pictures.folder().to_owned(), e)
+            })?;
+        }
+        let paced = self.timings.time(Stage::Pace, || self.pacer.layer(path));
+        self.timings.time(Stage::Gcode, || match written {
+            true => self.writer.layer(&paced),
+            false => self.writer.rehearse(&paced),
+        })?;
+        if let Some(figures) = figures {
+            self.figures.add(&figures, self.options.report);
+        }
+        self.next += 1;
+        if written {
+            let done = self.next - self.layers.start;
+            (self.options.on_layer)(done, self.layers.len());
+        }
+        Ok(())
+    }
+
+    /// Forgets what the layers below have left, so that what follows depends
+    /// on nothing but the part. It costs a travel from wherever the head is.
+    fn restart(&mut self, span: &LayerSpan) {
+        self.head = Head::default();
+        self.pacer.restart(span.bottom);
+        self.writer.restart();
+    }
+
+    /// Ends the file.
+    pub fn finish(self) -> Result<Done, SliceError> {
+        Ok(Done {
+            beads: self.beads,
+            warnings: self.warnings,
+            totals: self.writer.finish()?,
+            figures: self.figures,
+        })
+    }
+
+    fn drop_skirt_off_the_bed(&mut self, beads: &mut LayerBeads, layer: usize) {
+        let printer = &self.settings.printer;
+        let bed = Rect {
+            min: DVec2::ZERO,
+            max: DVec2::new(printer.bed_x, printer.bed_y),
+        };
+        let before = beads.skirt.len();
+        beads.skirt.retain(|b| {
+            let half = DVec2::splat(0.5 * b.width);
+            b.points.iter().all(|&p| {
+                let p = p + self.offset;
+                bed.contains(p - half) && bed.contains(p + half)
+            })
+        });
+        if beads.skirt.len() < before && layer == 0 {
+            self.warnings.push(
+                "the skirt does not fit on the bed and is left out; lower \
+                 skirt.distance or set skirt.loops = 0"
+                    .into(),
+            );
+        }
+    }
+}

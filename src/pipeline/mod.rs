@@ -1,0 +1,271 @@
+//! The stages, over a window of layers that moves up the part.
+//!
+//! ```text
+//!   slabs of layers, in parallel     layers, in parallel      in order
+//!   field → contour → walls      ──► skin, infill         ──► order, travel,
+//!                                    (needs neighbours)       pace, G-code
+//! ```
+//!
+//! While one chunk of layers is ordered and written, the next one's outlines
+//! are made. What is kept is the window and nothing of what has been written,
+//! so memory does not grow with the part's height. The result does not depend
+//! on the number of threads: every layer is computed the same way whoever
+//! does it, and everything that passes from layer to layer (the head's place,
+//! seams, filament) does so in the ordered stages.
+//!
+//! Nor does a layer's text depend on which layers a run is asked for: what
+//! passes from layer to layer is forgotten at the beginning of every block of
+//! slabs, so that a run which begins in the middle of a part gets to the same
+//! state by rehearsing, at most, the layers of one block. Parts too large for one
+//! machine are sliced in ranges of layers whose texts are then joined.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `stages` | what can be done for many layers at a time |
+//! | `exit` | what is done in order |
+//! | `tally` | counts over all layers, and warnings that follow from them |
+
+mod exit;
+mod stages;
+mod tally;
+
+use crate::field::{FieldError, SLAB};
+use crate::gcode::{Header, WriteError, Writer};
+use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
+use crate::model::Model;
+use crate::plane::Rect;
+use crate::preview::Pictures;
+use crate::report::{Figures, Gauge, Report, ReportError};
+use crate::settings::Settings;
+use crate::timings::Stage;
+use crate::units::{Mm, Mm2, Seconds};
+use exit::Exit;
+use glam::DVec3;
+use rayon::prelude::*;
+use stages::{Shell, Stages};
+use std::collections::VecDeque;
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use tally::Tally;
+
+/// How a run is made, as opposed to what is printed.
+pub struct Options<'a> {
+    /// Threads to use; all of the machine's if not given.
+    pub threads: Option<usize>,
+    /// Which of the part's layers to write.
+    pub layers: LayerRange,
+    /// Folder for a picture of each layer.
+    pub svg_dir: Option<&'a Path>,
+    /// Measure everything, for a report, and not only a few points.
+    pub report: bool,
+    /// Told about progress: layers written, layers in all.
+    pub on_layer: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// Extent of the part.
+    pub size: DVec3,
+    /// Indices of the layers printed.
+    pub layers: Range<usize>,
+    /// How many layers the part has.
+    pub layer_count: usize,
+    /// Estimated print time, without heating and homing.
+    pub time: Seconds,
+    /// Filament used.
+    pub filament_length: Mm,
+    /// Filament used, grams.
+    pub filament_mass_g: f64,
+    /// Area of gaps between walls that nothing fills, all layers together.
+    pub unfilled_area: Mm2,
+    /// Area of all layers' outlines together.
+    pub solid_area: Mm2,
+    /// Distance of the outlines from f = 0, µm, if there are any; of a few
+    /// points, unless there is a report.
+    pub outline_error: Option<Figures>,
+    /// Distance of the outer wall from where it should be, µm.
+    pub wall_error: Option<Figures>,
+    /// The report, if it was asked for.
+    pub report: Option<Report>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// Where the processor time went, added up over all threads.
+    pub timings: Vec<(Stage, Seconds)>,
+}
+
+/// Why a run failed.
+#[derive(Debug, thiserror::Error)]
+pub enum SliceError {
+    /// No layers can be made of the part.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The field cannot be evaluated.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The G-code cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// No layer has anything in it that a nozzle could print.
+    #[error(
+        "nothing to print: the part is thinner than a line everywhere; scale \
+         it up with --size or --scale, or lower outer_wall_width"
+    )]
+    NothingToPrint,
+    /// The layers' pictures cannot be written.
+    #[error("cannot write the pictures in {}", .0.display())]
+    Picture(PathBuf, #[source] io::Error),
+    /// The layers cannot be measured.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// The threads cannot be started.
+    #[error("cannot start the worker threads; try --threads 1")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+/// Layers whose seams and travels hang together. At a block's beginning seams
+/// may jump and there is a travel from anywhere, so blocks should be few; a
+/// run of a range has to rehearse up to a block.
+const BLOCK: usize = 4 * SLAB;
+
+/// Slices a placed model and writes its G-code.
+///
+/// # Errors
+/// If there is nothing to print, or it cannot be evaluated or written.
+pub fn slice(
+    model: &Model,
+    settings: &Settings,
+    options: &Options<'_>,
+    out: &mut dyn io::Write,
+) -> Result<Summary, SliceError> {
+    let bounds = model.bounds;
+    let (low, high) = (bounds.min + model.offset, bounds.max + model.offset);
+    let spans =
+        plan(high.z, settings.first_layer_height, settings.layer_height)?;
+    let layers = options.layers.indices(spans.len())?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.unwrap_or(0))
+        .build()?;
+    let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
+    let stages = Stages::new(model, settings, gauge)?;
+    let header = Header {
+        model_name: model.name.clone(),
+        layer_count: spans.len(),
+        layers: layers.clone(),
+        part_min: low,
+        part_max: high,
+    };
+    let frame = Rect {
+        min: low.truncate(),
+        max: high.truncate(),
+    };
+    let pictures = options
+        .svg_dir
+        .map(|dir| {
+            Pictures::new(dir, frame, &layers, spans.len())
+                .map_err(|e| SliceError::Picture(dir.to_owned(), e))
+        })
+        .transpose()?;
+    let writer = Writer::new(out, settings, &header)?;
+    let mut exit = Exit::new(
+        &stages.timings,
+        model.offset.truncate(),
+        layers.clone(),
+        options,
+        pictures,
+        writer,
+        settings,
+    );
+    let mut tally = Tally::default();
+
+    // As many slabs at a time as there are threads. A slab is the unit in
+    // which the field is walked, so the division must depend neither on them
+    // nor on the range.
+    let needed = stages.needed(&layers, spans.len());
+    let slabs: Vec<&[LayerSpan]> = spans.chunks(SLAB).collect();
+    let slabs = &slabs[needed.start / SLAB..needed.end.div_ceil(SLAB)];
+    let chunks: Vec<&[&[LayerSpan]]> =
+        slabs.chunks(pool.current_num_threads()).collect();
+    let make = |chunk: &[&[LayerSpan]]| -> Result<Vec<Shell>, FieldError> {
+        pool.install(|| {
+            let slabs: Result<Vec<Vec<Shell>>, FieldError> = chunk
+                .par_iter()
+                .map(|s| stages.shells(s, &needed))
+                .collect();
+            Ok(slabs?.into_iter().flatten().collect())
+        })
+    };
+    let mut window: VecDeque<Shell> = VecDeque::new();
+    let mut next = Some(match chunks.first() {
+        Some(chunk) => make(chunk),
+        None => Ok(Vec::new()),
+    });
+    for k in 0..chunks.len() {
+        let Some(shells) = next.take() else { break };
+        for shell in shells? {
+            if layers.contains(&shell.span.index) {
+                tally.add(&shell);
+            }
+            window.push_back(shell);
+        }
+        let last = k + 1 == chunks.len();
+        let mut write =
+            || stages.write_ready(&pool, &mut window, last, &mut exit);
+        if last {
+            write()?;
+        } else if pool.current_num_threads() == 1 {
+            write()?;
+            next = Some(make(chunks[k + 1]));
+        } else {
+            let mut result = Ok(());
+            pool.in_place_scope(|scope| {
+                scope.spawn(|_| next = Some(make(chunks[k + 1])));
+                result = write();
+            });
+            result?;
+        }
+    }
+    let done = exit.finish()?;
+    let mut warnings = done.warnings;
+    let all = layers == (0..spans.len());
+    if done.beads == 0 && all {
+        return Err(SliceError::NothingToPrint);
+    }
+    if done.beads == 0 {
+        warnings.push("there is nothing to print in these layers".into());
+    }
+    tally.warn(&mut warnings);
+    let totals = done.totals;
+    let (outline_error, wall_error) = done.figures.accuracy();
+    let report = match (spans.get(layers.start), spans.get(layers.end - 1)) {
+        (Some(first), Some(last)) if options.report => {
+            let z = [first.bottom, last.top].map(|z| z - model.offset.z);
+            let volume =
+                pool.install(|| stages.gauge.volume(z, &stages.timings))?;
+            let extruded = totals.filament_volume;
+            Some(done.figures.report(
+                &stages.gauge,
+                spans.len(),
+                volume,
+                extruded,
+            ))
+        }
+        _ => None,
+    };
+    Ok(Summary {
+        size: bounds.size(),
+        layers,
+        layer_count: spans.len(),
+        time: totals.time,
+        filament_length: totals.filament_length,
+        filament_mass_g: totals.filament_mass_g,
+        unfilled_area: tally.gap,
+        solid_area: tally.solid,
+        outline_error,
+        wall_error,
+        report,
+        warnings,
+        timings: stages.timings.report(),
+    })
+}

@@ -1,0 +1,67 @@
+//! Counts over all layers, and the warnings that follow from them.
+
+use super::stages::Shell;
+use crate::units::Mm2;
+
+/// What is counted over all layers.
+#[derive(Default)]
+pub(super) struct Tally {
+    pub gap: Mm2,
+    pub solid: Mm2,
+    nan_samples: usize,
+    nan_layers: usize,
+    forced_rings: usize,
+    /// Layers seen, those without anything in them since the last one that
+    /// had, and those that something comes after.
+    layers: usize,
+    empty: usize,
+    bridged: usize,
+}
+
+impl Tally {
+    pub fn add(&mut self, shell: &Shell) {
+        self.gap += shell.walls.gap;
+        self.solid += shell.outline.area.content();
+        self.nan_samples += shell.outline.nan_samples;
+        self.nan_layers += usize::from(shell.outline.nan_samples > 0);
+        self.forced_rings += shell.outline.forced_rings;
+        self.layers += 1;
+        if shell.outline.area.is_empty() {
+            self.empty += 1;
+        } else {
+            self.bridged += std::mem::take(&mut self.empty);
+        }
+    }
+
+    pub fn warn(&self, warnings: &mut Vec<String>) {
+        if self.bridged > 0 {
+            warnings.push(format!(
+                "{} of {} layers are empty and others follow above them: the \
+                 part is not in one piece, or does not stand on the bed",
+                self.bridged, self.layers
+            ));
+        }
+        if self.gap > 0.02 * self.solid {
+            warnings.push(format!(
+                "{:.0} % of the part is thinner than any line and is left \
+                 out; scale it up, or lower outer_wall_width or thin_min",
+                100.0 * self.gap / self.solid
+            ));
+        }
+        if self.nan_samples > 0 {
+            warnings.push(format!(
+                "the field is not a number at {} samples in {} layers; they \
+                 count as outside (look for a root or logarithm of a negative \
+                 number, or 0/0, in the model)",
+                self.nan_samples, self.nan_layers
+            ));
+        }
+        if self.forced_rings > 0 {
+            warnings.push(format!(
+                "{} outlines did not close and were closed by straight \
+                 lines: please report this with the model",
+                self.forced_rings
+            ));
+        }
+    }
+}

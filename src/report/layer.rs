@@ -1,0 +1,422 @@
+//! What is measured on one layer.
+//!
+//! In: a layer's outline and walls, as they will be printed. Out: how far
+//! the outline is from f = 0, and the walls from where they should be.
+//!
+//! ```text
+//!   outline ┃    measured: ├─ depth of the outer wall's centre line,
+//!           ┃               ├─ distance of each wall's from the one before
+//!           ┃   ┊    ┊
+//!             wall 1  2
+//! ```
+//!
+//! Both are distances in the plane. A bead whose width varies has no place of
+//! its own; counted apart is how far its edge is from the outline, d − w/2,
+//! for those that should touch it.
+
+use super::ReportError;
+use super::area::content;
+use super::probe::{Probe, Spot};
+use super::spread::Spread;
+use crate::contour::Outline;
+use crate::layers::LayerSpan;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::{Area, Rect};
+use crate::region::line::Line;
+use crate::region::{Walls, wall_depths};
+use crate::settings::Settings;
+use crate::units::{Mm, Mm2};
+use glam::DVec2;
+use std::f64::consts::PI;
+
+/// Micrometres in a millimetre.
+const MICRONS: f64 = 1e3;
+/// Greatest distance of points that are measured on a line, mm.
+const STEP: Mm = 0.5;
+/// Farther apart than this many spacings two walls are no neighbours.
+const NEIGHBOURS: f64 = 1.5;
+
+/// A layer as it will be printed.
+#[derive(Clone, Copy)]
+pub struct LayerParts<'a> {
+    /// Which layer.
+    pub span: LayerSpan,
+    /// Its sample plane in the model's frame.
+    pub z: Mm,
+    /// Its outline.
+    pub outline: &'a Outline,
+    /// The outline's edges.
+    pub edges: &'a EdgeGrid,
+    /// Its walls.
+    pub walls: &'a Walls,
+}
+
+/// How thoroughly a layer is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effort {
+    /// About so many points of the outline and of the walls, nothing else.
+    Points(usize),
+    /// Every vertex and points between them; the area by so many lines.
+    Full {
+        /// Lines through the layer, at least 2, or 0 for no area.
+        area_lines: usize,
+    },
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default)]
+pub struct LayerFigures {
+    /// Number of the layer, from 0.
+    pub index: usize,
+    /// Its upper face.
+    pub top: Mm,
+    /// Its height.
+    pub height: Mm,
+    /// Deviation of the outline, µm: positive outside.
+    pub outline: Spread,
+    /// Where it is greatest, in the model's frame.
+    pub worst: Option<(f64, DVec2)>,
+    /// Points of the outline with no border within a millimetre.
+    pub lost: u64,
+    /// Depth of the outer wall, less what it should be, µm.
+    pub outer_wall: Spread,
+    /// Distance of walls from those outside them, less the spacing, µm.
+    pub spacing: Spread,
+    /// Distance from the outline of the edges of beads of varying width, µm.
+    pub varying: Spread,
+    /// Area of the outline.
+    pub area: Mm2,
+    /// Area by the field itself, and its own uncertainty.
+    pub area_by_field: Option<(Mm2, Mm2)>,
+    /// Rings of the outline.
+    pub rings: usize,
+    /// Their vertices.
+    pub vertices: usize,
+    /// Samples that were not a number.
+    pub nan_samples: usize,
+    /// Rings closed by force.
+    pub forced_rings: usize,
+    /// Area that nothing fills.
+    pub unfilled: Mm2,
+}
+
+/// Measures a layer. `frame` is the part's box in the plane.
+///
+/// # Errors
+/// If the field cannot be evaluated, which is a bug.
+pub fn measure(
+    layer: LayerParts<'_>,
+    probe: &Probe,
+    frame: Rect,
+    effort: Effort,
+    settings: &Settings,
+) -> Result<LayerFigures, ReportError> {
+    let area = &layer.outline.area;
+    let mut found = LayerFigures {
+        index: layer.span.index,
+        top: layer.span.top,
+        height: layer.span.height(),
+        area: area.content(),
+        rings: area.rings.len(),
+        vertices: area.rings.iter().map(Vec::len).sum(),
+        nan_samples: layer.outline.nan_samples,
+        forced_rings: layer.outline.forced_rings,
+        unfilled: layer.walls.gap,
+        ..LayerFigures::default()
+    };
+    outline(area, layer.z, probe, effort, &mut found)?;
+    walls(&layer, effort, settings, &mut found);
+    if let Effort::Full { area_lines } = effort
+        && area_lines > 0
+    {
+        let pitch = settings.sample_spacing;
+        let by_field = content(probe, frame, layer.z, area_lines, pitch)?;
+        found.area_by_field = Some(by_field);
+    }
+    Ok(found)
+}
+
+/// Every how manieth of `count` points is taken.
+fn stride(effort: Effort, count: usize) -> usize {
+    match effort {
+        Effort::Points(wanted) => count.div_ceil(wanted.max(1)).max(1),
+        Effort::Full { .. } => 1,
+    }
+}
+
+fn outline(
+    area: &Area,
+    z: Mm,
+    probe: &Probe,
+    effort: Effort,
+    found: &mut LayerFigures,
+) -> Result<(), ReportError> {
+    // About a point on each edge besides its end.
+    let stride = stride(effort, 2 * found.vertices);
+    let mut spots: Vec<Spot> = Vec::new();
+    let mut count = 0;
+    let mut taken = || {
+        count += 1;
+        (count - 1) % stride == 0
+    };
+    for ring in &area.rings {
+        let n = ring.len();
+        // The solid lies to the left.
+        let out = |i: usize| {
+            let edge = ring[(i + 1) % n] - ring[i % n];
+            -edge.perp().normalize_or_zero()
+        };
+        for (i, &a) in ring.iter().enumerate() {
+            let b = ring[(i + 1) % n];
+            if taken() {
+                let out = (out(i + n - 1) + out(i)).normalize_or(DVec2::X);
+                spots.push(Spot { at: a, out });
+            }
+            let steps = (a.distance(b) / STEP).ceil().clamp(1.0, 1e4);
+            for k in 0..steps as usize {
+                if taken() {
+                    let at = a.lerp(b, (k as f64 + 0.5) / steps);
+                    spots.push(Spot { at, out: out(i) });
+                }
+            }
+        }
+    }
+    for (spot, d) in spots.iter().zip(nearest(&spots, z, probe)?) {
+        let Some(d) = d else {
+            found.lost += 1;
+            continue;
+        };
+        let d = d * MICRONS;
+        found.outline.add(d);
+        if found.worst.is_none_or(|w| d.abs() > w.0.abs()) {
+            found.worst = Some((d, spot.at));
+        }
+    }
+    Ok(())
+}
+
+/// How far the spots lie out of the part: along their directions, and where
+/// that is far, in others as well, as the border may turn there.
+fn nearest(
+    spots: &[Spot],
+    z: Mm,
+    probe: &Probe,
+) -> Result<Vec<Option<Mm>>, ReportError> {
+    /// Distance that is far, mm.
+    const FAR: Mm = 0.006;
+    /// Other lines through a spot.
+    const LINES: usize = 11;
+    let mut distances = probe.distances(spots, z)?;
+    let far: Vec<usize> = (0..spots.len())
+        .filter(|&i| distances[i].is_none_or(|d| d.abs() > FAR))
+        .collect();
+    let turned: Vec<Spot> = far
+        .iter()
+        .flat_map(|&i| {
+            let Spot { at, out } = spots[i];
+            (1..=LINES).map(move |k| {
+                let angle = PI * k as f64 / (LINES + 1) as f64;
+                let out = DVec2::from_angle(angle).rotate(out);
+                Spot { at, out }
+            })
+        })
+        .collect();
+    let others = probe.distances(&turned, z)?;
+    for (&i, others) in far.iter().zip(others.chunks(LINES)) {
+        let all = others.iter().flatten().copied().chain(distances[i]);
+        distances[i] = all.min_by(|a, b| a.abs().total_cmp(&b.abs()));
+    }
+    Ok(distances)
+}
+
+/// Points along a line, with the bead's width there.
+fn along(line: &Line) -> impl Iterator<Item = (DVec2, Mm)> + '_ {
+    let n = line.points.len();
+    let width = |i: usize| line.widths.get(i).copied().unwrap_or(line.width);
+    let edges = if line.closed { n } else { n.saturating_sub(1) };
+    (0..edges).flat_map(move |i| {
+        let j = (i + 1) % n;
+        let (a, b) = (line.points[i], line.points[j]);
+        let steps = (a.distance(b) / STEP).ceil().clamp(1.0, 1e4);
+        (0..2 * steps as usize).map(move |k| {
+            let t = k as f64 / (2.0 * steps);
+            (a.lerp(b, t), width(i) + t * (width(j) - width(i)))
+        })
+    })
+}
+
+fn walls(
+    layer: &LayerParts<'_>,
+    effort: Effort,
+    settings: &Settings,
+    found: &mut LayerFigures,
+) {
+    let Walls { lines, thin, .. } = layer.walls;
+    let edges = layer.edges;
+    let height = layer.span.height();
+    let (depths, _) = wall_depths(height, settings);
+    let constant = |l: &&Line| l.widths.is_empty();
+    let depth =
+        |p: DVec2| edges.nearest(p).map_or(f64::NAN, |(_, q)| p.distance(q));
+    let points =
+        |of: &[&Line]| -> usize { of.iter().map(|l| 2 * l.points.len()).sum() };
+    let (Some(outer), Some(&outer_depth)) = (lines.first(), depths.first())
+    else {
+        return;
+    };
+    let same: Vec<&Line> = outer.iter().filter(constant).collect();
+    let every = stride(effort, points(&same));
+    for (p, _) in same.iter().flat_map(|l| along(l)).step_by(every) {
+        found.outer_wall.add((depth(p) - outer_depth) * MICRONS);
+    }
+    // All beads along the middle of a thin part touch its outline.
+    let thin = thin.first().into_iter().flatten();
+    let varying = outer.iter().filter(|l| !constant(l));
+    let varying: Vec<&Line> = varying.chain(thin).collect();
+    let every = stride(effort, points(&varying));
+    for (p, w) in varying.iter().flat_map(|l| along(l)).step_by(every) {
+        found.varying.add((depth(p) - 0.5 * w) * MICRONS);
+    }
+    if matches!(effort, Effort::Points(_)) {
+        return;
+    }
+    for k in 1..lines.len().min(depths.len()) {
+        let apart = depths[k] - depths[k - 1];
+        let before = &lines[k - 1];
+        let edges = before.iter().enumerate().flat_map(|(i, l)| {
+            let n = l.points.len();
+            let last = if l.closed { n } else { n.saturating_sub(1) };
+            let edge = move |e| (l.points[e], l.points[(e + 1) % n]);
+            (0..last).map(move |e| (i, edge(e)))
+        });
+        let grid = EdgeGrid::of(edges, NEIGHBOURS * apart);
+        for (p, _) in lines[k].iter().filter(constant).flat_map(along) {
+            let near = grid.nearest_within(p, NEIGHBOURS * apart);
+            if let Some((_, q)) = near.filter(|(i, _)| constant(&&before[*i])) {
+                found.spacing.add((p.distance(q) - apart) * MICRONS);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::region;
+    use fidget::context::Tree;
+
+    fn disc() -> Probe {
+        let (x, y) = (Tree::x(), Tree::y());
+        let f = (x.clone() * x + y.clone() * y).sqrt() - 5.0;
+        Probe::new(&f).unwrap()
+    }
+
+    /// A ring of 720 points, its chords within 0.05 µm.
+    fn ring(centre: DVec2, radius: Mm) -> Area {
+        let at = |k: i32| DVec2::from_angle(f64::from(k).to_radians() * 0.5);
+        let ring = (0..720).map(|k| centre + radius * at(k)).collect();
+        Area { rings: vec![ring] }
+    }
+
+    fn figures(outline: &Area, walls: &Walls, effort: Effort) -> LayerFigures {
+        let settings = Settings::default();
+        let outline = Outline {
+            area: outline.clone(),
+            ..Outline::default()
+        };
+        let span = LayerSpan {
+            index: 7,
+            bottom: 1.4,
+            top: 1.6,
+        };
+        let parts = LayerParts {
+            span,
+            z: 0.0,
+            outline: &outline,
+            edges: &EdgeGrid::new(&outline.area, 1.0),
+            walls,
+        };
+        let frame = Rect {
+            min: DVec2::splat(-6.0),
+            max: DVec2::splat(6.0),
+        };
+        measure(parts, &disc(), frame, effort, &settings).unwrap()
+    }
+
+    const FULL: Effort = Effort::Full { area_lines: 200 };
+
+    #[test]
+    fn a_true_outline_has_no_errors() {
+        let area = ring(DVec2::ZERO, 5.0);
+        let walls = region::walls(&area, 0.2, &Settings::default());
+        let found = figures(&area, &walls, FULL);
+        // Chords of half a degree are 48 nm inside at their middle.
+        let d = found.outline.figures().unwrap();
+        assert_eq!((d.points, found.lost), (1440, 0));
+        assert!(d.max.abs() < 0.02 && (d.min + 0.048).abs() < 0.02, "{d:?}");
+        for walls in [&found.outer_wall, &found.spacing] {
+            // The walls' share of the accuracy is 1.5 µm, half for each.
+            let e = walls.figures().unwrap();
+            assert!(e.points > 100 && walls.worst() < 2.0, "{e:?}");
+        }
+        let (area, error) = found.area_by_field.unwrap();
+        let truth = std::f64::consts::PI * 25.0;
+        assert!((area - truth).abs() < error.max(1e-3 * truth), "{area}");
+        assert!(error < 2e-3 * truth, "{error}");
+    }
+
+    #[test]
+    fn a_shifted_outline_shows_in_full_and_in_samples() {
+        let area = ring(DVec2::new(0.02, 0.0), 5.0);
+        let none = Walls::default();
+        for effort in [FULL, Effort::Points(200)] {
+            let found = figures(&area, &none, effort);
+            let d = found.outline.figures().unwrap();
+            // 20 µm out at one side, 20 µm in at the other.
+            assert!((d.max - 20.0).abs() < 0.2, "{effort:?} {d:?}");
+            assert!((d.min + 20.0).abs() < 0.2, "{effort:?} {d:?}");
+            assert!(d.mean.abs() < 0.2 && d.p99 > 19.0, "{effort:?} {d:?}");
+            let (size, at) = found.worst.unwrap();
+            assert!((size.abs() - 20.0).abs() < 0.2 && at.y.abs() < 1.0);
+        }
+    }
+
+    #[test]
+    fn an_outline_too_large_and_one_out_of_reach_show() {
+        let none = Walls::default();
+        let found = figures(&ring(DVec2::ZERO, 5.03), &none, FULL);
+        let d = found.outline.figures().unwrap();
+        assert!((d.mean - 30.0).abs() < 0.1, "{d:?}");
+        let (by_field, error) = found.area_by_field.unwrap();
+        // Larger by 1.2 % than the field says.
+        assert!(found.area - by_field > 0.8 + error, "{by_field} {error}");
+        let far = figures(&ring(DVec2::ZERO, 9.0), &none, FULL);
+        assert_eq!((far.lost, far.outline.figures()), (1440, None));
+    }
+
+    #[test]
+    fn misplaced_walls_show() {
+        let settings = Settings::default();
+        let area = ring(DVec2::ZERO, 5.0);
+        let good = region::walls(&area, 0.2, &settings);
+        let mut walls = good.clone();
+        for p in &mut walls.lines[0][0].points {
+            // The outer wall 30 µm too far in: nearer to the next one.
+            *p *= 1.0 - 0.03 / p.length();
+        }
+        let found = figures(&area, &walls, FULL);
+        let outer = found.outer_wall.figures().unwrap();
+        let next = found.spacing.figures().unwrap();
+        assert!((outer.mean - 30.0).abs() < 1.0, "{outer:?}");
+        assert!((next.mean + 30.0).abs() < 1.5, "{next:?}");
+        assert_eq!(found.varying.figures(), None);
+        // The same line as one of varying width, 40 µm too wide.
+        let mut walls = good;
+        let line = &mut walls.lines[0][0];
+        line.widths = vec![line.width + 0.04; line.points.len()];
+        let found = figures(&area, &walls, FULL);
+        let varying = found.varying.figures().unwrap();
+        assert!((varying.mean + 20.0).abs() < 1.0, "{varying:?}");
+        assert_eq!(found.outer_wall.figures(), None);
+    }
+}

@@ -1,0 +1,413 @@
+//! How accurate a run was, measured against the field itself.
+//!
+//! In: layers as they will be printed. Out: a [`Report`], for a file, or the
+//! two figures of it that a summary shows. What is measured and how is said
+//! where it is done:
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `probe` | distance of a point from f = 0, by the expression alone |
+//! | `layer` | outline and walls of a layer |
+//! | `area` | areas and volumes by the field alone |
+//! | `spread` | quantiles |
+//!
+//! The figures do not depend on the number of threads: layers are measured
+//! each for itself and added up in order. Not measured: skin, infill, and
+//! what the G-code's rounding to a micrometre adds.
+
+mod area;
+mod layer;
+mod probe;
+mod spread;
+
+pub use layer::{Effort, LayerFigures, LayerParts, measure};
+pub use probe::{Probe, Spot};
+pub use spread::{Figures, Spread};
+
+use crate::model::Model;
+use crate::plane::Rect;
+use crate::settings::{Settings, WallOffset};
+use crate::timings::Timings;
+use crate::units::{Mm2, Mm3};
+use glam::DVec3;
+use serde::Serialize;
+
+/// Why there is no report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// fidget refuses the expression.
+    #[error("cannot evaluate the field for the report: {0}")]
+    Evaluator(String),
+}
+
+/// Layers that a summary is made of.
+const SUMMARY_LAYERS: usize = 40;
+/// Points on each of them, of the outline and of the outer wall: few enough
+/// to cost next to nothing.
+const SUMMARY_POINTS: usize = 50;
+/// Layers whose area is compared with the field's.
+const AREA_LAYERS: usize = 24;
+/// Lines through each of them.
+const AREA_LINES: usize = 400;
+/// Lines through the part for its volume.
+const VOLUME_LINES: usize = 4000;
+/// How many of the worst layers are listed.
+const WORST: usize = 10;
+
+/// Measures the layers of one run.
+pub struct Gauge<'a> {
+    model: &'a Model,
+    settings: &'a Settings,
+    probe: Probe,
+    /// Layers of the run.
+    count: usize,
+    full: bool,
+}
+
+impl<'a> Gauge<'a> {
+    /// For a run of `count` layers; `full` if there will be a report.
+    ///
+    /// # Errors
+    /// If fidget refuses the expression.
+    pub fn new(
+        model: &'a Model,
+        settings: &'a Settings,
+        count: usize,
+        full: bool,
+    ) -> Result<Self, ReportError> {
+        Ok(Gauge {
+            model,
+            settings,
+            probe: Probe::new(&model.tree)?,
+            count,
+            full,
+        })
+    }
+
+    /// Measures a layer, the `k`th of the run, if its turn has come.
+    ///
+    /// # Errors
+    /// If the evaluator fails, which is a bug.
+    pub fn layer(
+        &self,
+        parts: LayerParts<'_>,
+        k: usize,
+    ) -> Result<Option<LayerFigures>, ReportError> {
+        let bounds = &self.model.bounds;
+        let frame = Rect {
+            min: bounds.min.truncate(),
+            max: bounds.max.truncate(),
+        };
+        let among = |chosen: usize| {
+            let every = self.count.div_ceil(chosen).max(1);
+            k % every == every / 2
+        };
+        let effort = match self.full {
+            true => Effort::Full {
+                area_lines: if among(AREA_LAYERS) { AREA_LINES } else { 0 },
+            },
+            false if among(SUMMARY_LAYERS) => Effort::Points(SUMMARY_POINTS),
+            false => return Ok(None),
+        };
+        measure(parts, &self.probe, frame, effort, self.settings).map(Some)
+    }
+
+    /// Volume of the part between the heights `z` of its own frame, and how
+    /// far it may be off.
+    ///
+    /// # Errors
+    /// If the evaluator fails, which is a bug.
+    pub fn volume(
+        &self,
+        z: [f64; 2],
+        timings: &Timings,
+    ) -> Result<(Mm3, Mm3), ReportError> {
+        let (low, high) = (self.model.bounds.min, self.model.bounds.max);
+        let low = DVec3::new(low.x, low.y, low.z.max(z[0]));
+        let high = DVec3::new(high.x, high.y, high.z.min(z[1]).max(low.z));
+        let pitch = self.settings.sample_spacing;
+        area::volume(&self.probe, low, high, VOLUME_LINES, pitch, timings)
+    }
+}
+
+/// The figures of all layers so far.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    outline: Spread,
+    outer_wall: Spread,
+    spacing: Spread,
+    varying: Spread,
+    lost: u64,
+    layers: Vec<Layer>,
+    volume: Mm3,
+    unfilled: Mm2,
+    /// Of the layers whose area was compared.
+    compared: Option<Area>,
+    uncertainty: Mm2,
+}
+
+impl Tally {
+    /// Takes in a layer's figures; `listed` if each layer is to be listed.
+    pub fn add(&mut self, found: &LayerFigures, listed: bool) {
+        self.outline.merge(&found.outline);
+        self.outer_wall.merge(&found.outer_wall);
+        self.spacing.merge(&found.spacing);
+        self.varying.merge(&found.varying);
+        self.lost += found.lost;
+        self.volume += found.area * found.height;
+        self.unfilled += found.unfilled;
+        if let Some((by_field, uncertainty)) = found.area_by_field {
+            let sum = self.compared.get_or_insert_default();
+            sum.layers += 1;
+            sum.outline_mm2 += found.area;
+            sum.field_mm2 += by_field;
+            // Layers' errors have nothing to do with one another.
+            self.uncertainty = self.uncertainty.hypot(uncertainty);
+        }
+        if listed {
+            self.layers.push(Layer {
+                layer: found.index + 1,
+                z_mm: tidy(found.top, 4),
+                outline_um: found.outline.figures(),
+                worst_at: found.worst.map(|(um, p)| Place {
+                    um: tidy(um, 3),
+                    x: tidy(p.x, 3),
+                    y: tidy(p.y, 3),
+                }),
+                area_mm2: tidy(found.area, 3),
+                area_by_field_mm2: found.area_by_field.map(|a| tidy(a.0, 3)),
+                uncertainty_mm2: found.area_by_field.map(|a| tidy(a.1, 3)),
+                rings: found.rings,
+                vertices: found.vertices,
+                nan_samples: found.nan_samples,
+                forced_rings: found.forced_rings,
+                unfilled_mm2: tidy(found.unfilled, 3),
+            });
+        }
+    }
+
+    /// How far outlines and outer walls are off, µm, if there are any:
+    /// quantiles for a summary.
+    pub fn accuracy(&self) -> (Option<Figures>, Option<Figures>) {
+        (self.outline.figures(), self.outer_wall.figures())
+    }
+
+    /// The whole report. `volume` is the field's and its uncertainty,
+    /// `extruded` what is printed, skirt included.
+    pub fn report(
+        self,
+        gauge: &Gauge<'_>,
+        layer_count: usize,
+        volume: (Mm3, Mm3),
+        extruded: Mm3,
+    ) -> Report {
+        let settings = gauge.settings;
+        let sum = |of: fn(&Layer) -> usize| -> usize {
+            self.layers.iter().map(of).sum()
+        };
+        let size = |l: &Layer| l.worst_at.map_or(0.0, |w| w.um.abs());
+        let mut worst: Vec<&Layer> = self
+            .layers
+            .iter()
+            .filter(|l| l.worst_at.is_some())
+            .collect();
+        worst.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        worst.truncate(WORST);
+        let worst_layers = worst.iter().map(|l| l.layer).collect();
+        Report {
+            format: 1,
+            generator: concat!("isoslice ", env!("CARGO_PKG_VERSION")),
+            model: gauge.model.name.clone(),
+            size_mm: gauge.model.bounds.size().to_array().map(|v| tidy(v, 3)),
+            part_layers: layer_count,
+            settings: Used {
+                layer_height: settings.layer_height,
+                first_layer_height: settings.first_layer_height,
+                accuracy: settings.accuracy,
+                sample_spacing: settings.sample_spacing,
+                walls: settings.walls,
+                wall_offset: match settings.wall_offset {
+                    WallOffset::Distance => "distance",
+                    WallOffset::Field => "field",
+                },
+                outer_wall_width: settings.outer_wall_width,
+                inner_wall_width: settings.inner_wall_width,
+                thin_min: settings.thin_min,
+                thin_max: settings.thin_max,
+            },
+            outline_um: self.outline.figures(),
+            outline_lost: self.lost,
+            outer_wall_um: self.outer_wall.figures(),
+            wall_spacing_um: self.spacing.figures(),
+            varying_edge_um: self.varying.figures(),
+            area: self.compared.map(|a| {
+                let excess = (a.outline_mm2 / a.field_mm2 - 1.0) * 100.0;
+                let own = self.uncertainty / a.field_mm2 * 100.0;
+                Area {
+                    outline_mm2: tidy(a.outline_mm2, 3),
+                    field_mm2: tidy(a.field_mm2, 3),
+                    excess_percent: tidy(excess, 4),
+                    uncertainty_percent: tidy(own, 4),
+                    ..a
+                }
+            }),
+            volume: Volume {
+                layers_mm3: tidy(self.volume, 2),
+                field_mm3: tidy(volume.0, 2),
+                excess_percent: tidy((self.volume / volume.0 - 1.0) * 100.0, 4),
+                uncertainty_percent: tidy(volume.1 / volume.0 * 100.0, 4),
+                extruded_mm3: tidy(extruded, 2),
+            },
+            rings: sum(|l| l.rings),
+            vertices: sum(|l| l.vertices),
+            nan_samples: sum(|l| l.nan_samples),
+            forced_rings: sum(|l| l.forced_rings),
+            unfilled_mm2: tidy(self.unfilled, 3),
+            worst_layers,
+            layers: self.layers,
+        }
+    }
+}
+
+/// What `--report` writes. Names ending in `_um` are micrometres; a missing
+/// measurement is `null`; layers count from 1.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Version of this format; keys are only ever added to one.
+    pub format: u32,
+    /// The program and its version.
+    pub generator: &'static str,
+    /// Name of the model.
+    pub model: String,
+    /// Sides of the part's box, mm.
+    pub size_mm: [f64; 3],
+    /// Layers of the whole part.
+    pub part_layers: usize,
+    /// The settings that matter to accuracy, by their names.
+    pub settings: Used,
+    /// Distance of the outlines from f = 0 in the layers' planes, positive
+    /// outside: at each vertex and at points between them.
+    pub outline_um: Option<Figures>,
+    /// Points of the outlines within a millimetre of which there is no
+    /// border; they are in no other figure.
+    pub outline_lost: u64,
+    /// Depth of the outer wall's centre line below the outline, less half its
+    /// width.
+    pub outer_wall_um: Option<Figures>,
+    /// Distance of the inner walls' centre lines from those of the walls
+    /// outside them, less the spacing they should have.
+    pub wall_spacing_um: Option<Figures>,
+    /// Distance of the edges of outer beads whose width varies from the
+    /// outline, negative outside.
+    pub varying_edge_um: Option<Figures>,
+    /// Areas, of some of the layers.
+    pub area: Option<Area>,
+    /// Volumes, of all layers of the run.
+    pub volume: Volume,
+    /// Rings of all outlines.
+    pub rings: usize,
+    /// Their vertices.
+    pub vertices: usize,
+    /// Samples at which the field was not a number.
+    pub nan_samples: usize,
+    /// Rings closed by a straight line because the field contradicted itself.
+    pub forced_rings: usize,
+    /// Area that nothing fills because it is thinner than any bead.
+    pub unfilled_mm2: Mm2,
+    /// The layers with the greatest deviation of the outline, worst first.
+    pub worst_layers: Vec<usize>,
+    /// Every layer.
+    pub layers: Vec<Layer>,
+}
+
+/// Settings in a [`Report`].
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "these are the settings of the same names")]
+pub struct Used {
+    pub layer_height: f64,
+    pub first_layer_height: f64,
+    pub accuracy: f64,
+    pub sample_spacing: f64,
+    pub walls: u32,
+    pub wall_offset: &'static str,
+    pub outer_wall_width: f64,
+    pub inner_wall_width: f64,
+    pub thin_min: f64,
+    pub thin_max: f64,
+}
+
+/// Areas in a [`Report`].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Area {
+    /// Number of layers compared.
+    pub layers: usize,
+    /// Area of their outlines.
+    pub outline_mm2: Mm2,
+    /// Area by the field itself.
+    pub field_mm2: Mm2,
+    /// By how much the outlines' is larger.
+    pub excess_percent: f64,
+    /// How far the field's may be off: two standard errors.
+    pub uncertainty_percent: f64,
+}
+
+/// Volumes in a [`Report`].
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Volume {
+    /// Outlines times heights of their layers.
+    pub layers_mm3: Mm3,
+    /// By the field itself, within the layers' heights.
+    pub field_mm3: Mm3,
+    /// By how much the layers' is larger; stairs included.
+    pub excess_percent: f64,
+    /// How far the field's may be off: two standard errors.
+    pub uncertainty_percent: f64,
+    /// Filament, skirt included.
+    pub extruded_mm3: Mm3,
+}
+
+/// A layer in a [`Report`].
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Layer {
+    /// Its number.
+    pub layer: usize,
+    /// Its upper face.
+    pub z_mm: f64,
+    /// Distance of its outline from f = 0.
+    pub outline_um: Option<Figures>,
+    /// Where that is greatest.
+    pub worst_at: Option<Place>,
+    /// Area of its outline.
+    pub area_mm2: Mm2,
+    /// Area by the field itself, if compared.
+    pub area_by_field_mm2: Option<Mm2>,
+    /// How far that may be off.
+    pub uncertainty_mm2: Option<Mm2>,
+    /// Rings of its outline.
+    pub rings: usize,
+    /// Their vertices.
+    pub vertices: usize,
+    /// Samples at which the field was not a number.
+    pub nan_samples: usize,
+    /// Rings closed by force.
+    pub forced_rings: usize,
+    /// Area that nothing fills.
+    pub unfilled_mm2: Mm2,
+}
+
+/// A place on a layer in a [`Report`], in the model's coordinates, mm.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Place {
+    /// Deviation there.
+    pub um: f64,
+    /// Where.
+    pub x: f64,
+    /// Where.
+    pub y: f64,
+}
+
+/// Rounds for the report; never to a negative zero.
+fn tidy(value: f64, decimals: i32) -> f64 {
+    let scale = 10f64.powi(decimals);
+    (value * scale).round() / scale + 0.0
+}

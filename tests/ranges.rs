@@ -1,0 +1,145 @@
+//! A part sliced in ranges of layers is the part sliced in one run.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+mod common;
+
+use isoslice::layers::LayerRange;
+use isoslice::model::Model;
+use isoslice::pipeline::{self, Options, Summary};
+use isoslice::settings::Settings;
+
+/// The G-code of some layers.
+fn slice(
+    model: &Model,
+    settings: &Settings,
+    layers: &str,
+    threads: usize,
+) -> (String, Summary) {
+    let options = Options {
+        threads: Some(threads),
+        layers: layers.parse::<LayerRange>().unwrap(),
+        svg_dir: None,
+        report: false,
+        on_layer: &|_, _| {},
+    };
+    let mut bytes = Vec::new();
+    let summary =
+        pipeline::slice(model, settings, &options, &mut bytes).unwrap();
+    (String::from_utf8(bytes).unwrap(), summary)
+}
+
+/// What lies between a file's head and its end.
+fn body(gcode: &str) -> &str {
+    let from = gcode.find(";LAYER_CHANGE\n").unwrap();
+    let to = gcode.find("; end of layers\n").unwrap();
+    &gcode[from..to]
+}
+
+/// Slices whole and in pieces that end before the given layers (from 0).
+#[track_caller]
+fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
+    let (whole, summary) = slice(model, settings, "..", 1);
+    let count = summary.layer_count;
+    let mut joined = String::new();
+    let (mut time, mut filament) = (0.0, 0.0);
+    let mut from = 0;
+    for (k, &to) in cuts.iter().chain([&count]).enumerate() {
+        let range = format!("{}..{to}", from + 1);
+        let threads = if k % 2 == 0 { 3 } else { 1 };
+        let (part, of_part) = slice(model, settings, &range, threads);
+        assert_eq!(of_part.layers, from..to);
+        assert!(
+            part.contains(&format!("; total layers count = {}", to - from))
+        );
+        joined.push_str(body(&part));
+        time += of_part.time;
+        filament += of_part.filament_length;
+        from = to;
+    }
+    let whole = body(&whole);
+    let differs = whole.lines().zip(joined.lines()).position(|(a, b)| a != b);
+    assert_eq!(differs, None, "lines of {cuts:?} that are not the same");
+    assert_eq!(whole.len(), joined.len(), "{cuts:?}");
+    assert!((time - summary.time).abs() < 1e-6 * summary.time);
+    let length = summary.filament_length;
+    assert!((filament - length).abs() < 1e-9 * length);
+}
+
+/// Coarse enough to be quick, with several slabs of layers.
+const COARSE: [&str; 3] =
+    ["sample_spacing=0.6", "accuracy=0.1", "retract.z_hop=0.3"];
+
+fn check_example(name: &str, layer_height: &str, cuts: &[usize]) {
+    let examples = common::examples();
+    let example = examples.iter().find(|e| e.name == name).unwrap();
+    let height = format!("layer_height={layer_height}");
+    let mut all = COARSE.to_vec();
+    all.push(&height);
+    let (model, settings) = example.place(&all);
+    assert_same_in_ranges(&model, &settings, cuts);
+}
+
+#[test]
+fn a_blend_with_holes() {
+    check_example("blended-bracket", "0.25", &[1, 32, 129]);
+}
+
+#[test]
+fn a_twist() {
+    check_example("twisted-vase", "0.3", &[33, 128, 140]);
+}
+
+#[test]
+fn several_bodies() {
+    check_example("box-with-lid", "0.3", &[5, 50]);
+}
+
+#[test]
+fn a_lattice() {
+    check_example("lattice-part", "0.3", &[45]);
+}
+
+/// Layers without anything in them, before the part and between its pieces;
+/// the second piece begins in the middle of a block, the third with one.
+#[test]
+fn islands_in_the_air() {
+    for flavour in ["gcode.flavour=marlin", "gcode.flavour=klipper"] {
+        let relative = format!("gcode.relative_e={}", flavour.contains('k'));
+        let mut all = COARSE.to_vec();
+        all.extend(["layer_height=0.1", "first_layer_height=0.1"]);
+        all.extend([flavour, &relative, "filament.nozzle_temperature=215"]);
+        let settings = common::settings(&all);
+        let model = common::formula(
+            "max(max(abs(x) - 4, abs(y) - 4), min(min(abs(z) - 1, \
+             abs(z - 9.5) - 1), abs(z - 12.8) - 1))",
+            &settings,
+        );
+        let cuts = [2, 30, 32, 90, 96, 127, 128, 133];
+        assert_same_in_ranges(&model, &settings, &cuts);
+    }
+}
+
+#[test]
+fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
+    let settings = common::settings(&COARSE);
+    let model = common::formula(
+        "max(max(abs(x) - 4, abs(y) - 4), abs(abs(z) - 4) - 1)",
+        &settings,
+    );
+    let (gcode, summary) = slice(&model, &settings, "20..25", 1);
+    assert_eq!(gcode.matches(";LAYER_CHANGE").count(), 6);
+    assert!(gcode.contains("\n; layers 20 to 25 of 50\n"));
+    assert_eq!(summary.filament_length, 0.0);
+    assert!(summary.warnings[0].contains("nothing to print"));
+    let options = Options {
+        threads: Some(1),
+        layers: "51..".parse().unwrap(),
+        svg_dir: None,
+        report: false,
+        on_layer: &|_, _| {},
+    };
+    let error = pipeline::slice(&model, &settings, &options, &mut Vec::new())
+        .unwrap_err();
+    assert!(error.to_string().contains("has 50 layers"), "{error}");
+}
