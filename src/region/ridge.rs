@@ -49,8 +49,14 @@ struct Run {
     closed: bool,
 }
 
-/// Distance of the balls along the border, mm.
-const STEP: Mm = 0.1;
+/// Distance of the balls along the border, mm: shorter edges get one each.
+const STEP: Mm = 0.2;
+/// How exactly the end of a ridge is looked for along the border, mm.
+const END: Mm = 0.005;
+/// Turn of the border at a corner, and between balls that touch the corner.
+const FAN: f64 = 0.35;
+/// Distance of ball and border below which they touch, mm.
+const TOUCHING: Mm = 1e-5;
 
 /// The ridges of an area where it is thinner than `limit`. `grid` holds the
 /// area's edges. Lines are thinned to `tolerance`, in place and thickness.
@@ -60,20 +66,28 @@ pub fn ridges(
     limit: Mm,
     tolerance: Mm,
 ) -> Vec<Ridge> {
+    let mut border = Border {
+        grid,
+        radius: 0.5 * limit,
+        seen: Seen::new(area.rings.iter().map(Vec::len).sum()),
+        next: Vec::new(),
+    };
+    for ring in &area.rings {
+        let first = border.next.len() as u32;
+        let n = ring.len() as u32;
+        border.next.extend((1..n).map(|k| first + k));
+        border.next.extend((n > 0).then_some(first));
+    }
     let mut runs: Vec<Run> = Vec::new();
     let mut first_edge = 0;
     for ring in &area.rings {
-        let balls = balls(ring, first_edge, grid, limit);
-        split_runs(&balls, limit, &mut runs);
+        let balls = border.balls(ring, first_edge);
+        split_runs(&balls, grid, &mut runs);
         first_edge += ring.len();
     }
-    join(&mut runs);
+    join(&mut runs, grid);
     runs.into_iter()
-        .filter(|run| {
-            let thick =
-                run.balls.iter().map(|b| b.thickness).fold(0.0, f64::max);
-            run.closed || run.length() >= 0.5 * thick
-        })
+        .filter(|run| run.closed || run.balls.len() > 1)
         .map(|run| {
             let balls = run.balls.iter();
             let ridge = Ridge {
@@ -86,91 +100,319 @@ pub fn ridges(
         .collect()
 }
 
-/// A ball for points all along a ring; none where the area is thick, and none
-/// where the ball from the other side will do: of two edges that face each
-/// other the one with the lower number has the balls. The ring's edges are
-/// numbered from `first_edge`, as in the grid.
-fn balls(
-    ring: &[DVec2],
-    first_edge: usize,
-    grid: &EdgeGrid,
-    limit: Mm,
-) -> Vec<Option<Ball>> {
-    let radius = 0.5 * limit;
-    let mut balls = Vec::new();
-    for (number, (a, b)) in (first_edge..).zip(edges(ring)) {
-        let along = b - a;
-        let length = along.length();
-        if length == 0.0 {
-            continue;
-        }
-        let normal = along.perp() / length;
-        // Nothing within reach of the whole edge's centres: no ball shrinks.
-        // A little less than the radius, or every edge would meet the next.
-        let (c, d) = (a + normal * radius, b + normal * radius);
-        if grid.clear(c, d, 0.98 * radius) {
-            balls.push(None);
-            continue;
-        }
-        let count = (length / STEP).ceil().clamp(1.0, 1e6);
-        balls.extend((0..count as usize).map(|k| {
-            let p = a.lerp(b, (k as f64 + 0.5) / count);
-            ball(p, normal, grid, radius)
-                .filter(|(_, opposite)| number < *opposite)
-                .map(|(ball, _)| ball)
-        }));
-    }
-    balls
+/// The stretches of edges that balls from the other side touch: asked again
+/// from this side, they would give the same ridge.
+struct Seen {
+    /// Each edge's last entry in `stretches`; `NONE` without one.
+    last: Vec<u32>,
+    /// From where to where along an edge, and the entry before it.
+    stretches: Vec<(Mm, Mm, u32)>,
 }
 
-/// The largest ball up to `radius` that touches the border at `p`, if it is
-/// smaller and touches the opposite side, and the number of that side's edge.
-fn ball(
-    p: DVec2,
-    normal: DVec2,
-    grid: &EdgeGrid,
-    radius: Mm,
-) -> Option<(Ball, usize)> {
-    /// Rounds after which a ball that still shrinks is given up: each brings
-    /// it to touch a nearer edge, and few edges are near.
-    const ROUNDS: usize = 16;
-    const TOUCHING: Mm = 1e-5;
-    let mut r = radius;
-    let mut touch = None;
-    for _ in 0..ROUNDS {
-        let centre = p + normal * r;
-        let near = grid
-            .nearest_edge(centre, r - TOUCHING)
-            .filter(|(_, q)| q.distance_squared(p) > TOUCHING * TOUCHING);
-        let Some((edge, q)) = near else { break };
-        let v = q - p;
-        let up = normal.dot(v);
-        if up <= 0.0 {
-            return None;
+const NONE: u32 = u32::MAX;
+
+impl Seen {
+    fn new(edges: usize) -> Seen {
+        Seen {
+            last: vec![NONE; edges],
+            stretches: Vec::new(),
         }
-        touch = Some((edge, q));
-        r = v.length_squared() / (2.0 * up);
     }
-    let centre = p + normal * r;
-    // Seen from the centre, p and q are more than 120° apart.
-    let (edge, q) = touch?;
-    let opposite = (p - centre).dot(q - centre) < -0.5 * r * r;
-    let ball = Ball {
-        centre,
-        thickness: 2.0 * r,
-    };
-    opposite.then_some((ball, edge))
+
+    fn add(&mut self, edge: usize, from: Mm, to: Mm) {
+        let entry = self.stretches.len() as u32;
+        self.stretches
+            .push((from.min(to), from.max(to), self.last[edge]));
+        self.last[edge] = entry;
+    }
+
+    fn has(&self, edge: usize, at: Mm) -> bool {
+        let mut entry = self.last[edge];
+        while let Some(&(from, to, before)) = self.stretches.get(entry as usize)
+        {
+            if (from..=to).contains(&at) {
+                return true;
+            }
+            entry = before;
+        }
+        false
+    }
+}
+
+/// What balls are grown from.
+struct Border<'a> {
+    grid: &'a EdgeGrid,
+    /// Largest radius that matters.
+    radius: Mm,
+    /// The edge that follows each edge on its ring.
+    next: Vec<u32>,
+    seen: Seen,
+}
+
+/// A ball and where it touches the other side.
+#[derive(Clone, Copy)]
+struct Grown {
+    ball: Ball,
+    edge: usize,
+    touch: DVec2,
+}
+
+impl Border<'_> {
+    /// Balls of points all along a ring, in order; none where the area is
+    /// thick, and none where another ball has come from the other side. The
+    /// ring's edges are numbered from `first_edge`, as in the grid.
+    fn balls(
+        &mut self,
+        ring: &[DVec2],
+        first_edge: usize,
+    ) -> Vec<Option<Ball>> {
+        let mut balls = Vec::with_capacity(ring.len());
+        // The last ball, its edge, and how far along the edge it is.
+        let mut before: Option<(usize, Mm, Option<Grown>)> = None;
+        // The first one, if there was one right away.
+        let mut very_first = None;
+        let mut last_along = (0..ring.len()).rev().find_map(|i| {
+            let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
+            (b - a).try_normalize()
+        });
+        for (number, (a, b)) in (first_edge..).zip(edges(ring)) {
+            let along = b - a;
+            let length = along.length();
+            if length == 0.0 {
+                continue;
+            }
+            let along = along / length;
+            let normal = along.perp();
+            let turn = match last_along {
+                Some(last) => DVec2::angle_to(last, along),
+                None => 0.0,
+            };
+            last_along = Some(along);
+            if turn < -FAN {
+                let first = self.fan(a, number, normal, -turn, &mut balls);
+                before = first.map(|g| (number, 0.0, Some(g)));
+            }
+            // Nothing within reach of the whole edge's centres: no ball
+            // shrinks. A little less than the radius, or every edge would
+            // meet the next.
+            let up = normal * self.radius;
+            if self.grid.clear(a + up, b + up, 0.98 * self.radius) {
+                balls.push(None);
+                before = None;
+                continue;
+            }
+            let count = (length / STEP).ceil().clamp(1.0, 1e6);
+            for k in 0..count as usize {
+                let at = (k as f64 + 0.5) / count * length;
+                if self.seen.has(number, at) {
+                    balls.push(None);
+                    before = None;
+                    continue;
+                }
+                let guess = match before {
+                    Some((_, _, Some(g))) => g.ball.thickness,
+                    _ => 0.0,
+                };
+                let here = self.grow(a + along * at, normal, 0.55 * guess);
+                let on_edge = |at: Mm, border: &Border<'_>| {
+                    border.grow(a + along * at, normal, 0.55 * guess)
+                };
+                match (before, here) {
+                    (Some((edge, from, Some(g))), None) if edge == number => {
+                        let end = self.end(from, g, at, on_edge);
+                        balls.push(Some(end.ball));
+                        self.mark(g, end);
+                    }
+                    (Some((edge, from, None)), Some(g)) if edge == number => {
+                        let begin = self.end(at, g, from, on_edge);
+                        balls.push(Some(begin.ball));
+                        self.mark(begin, g);
+                    }
+                    (Some((_, _, Some(f))), Some(g)) => self.mark(f, g),
+                    _ => {}
+                }
+                if balls.is_empty() {
+                    very_first = here;
+                }
+                balls.push(here.map(|g| g.ball));
+                before = Some((number, at, here));
+            }
+        }
+        if let (Some((_, _, Some(last))), Some(first)) = (before, very_first) {
+            self.mark(last, first);
+        }
+        balls
+    }
+
+    /// Balls that touch the corner at the start of an edge with this
+    /// `normal`, where the border turns by `turn` away from the area: the last
+    /// of them.
+    fn fan(
+        &mut self,
+        corner: DVec2,
+        number: usize,
+        normal: DVec2,
+        turn: f64,
+        balls: &mut Vec<Option<Ball>>,
+    ) -> Option<Grown> {
+        let count = (turn / FAN).ceil();
+        let mut before: Option<Grown> = None;
+        for k in 0..count as usize {
+            let angle = turn * (1.0 - (k as f64 + 0.5) / count);
+            let normal = DVec2::from_angle(angle).rotate(normal);
+            let here = self.grow(corner, normal, 0.0).filter(|g| {
+                // Of two corners the first one has the balls, and of a corner
+                // and an edge as well.
+                let (a, b) = self.grid.edge(g.edge);
+                match g.touch {
+                    q if q.distance(a) < TOUCHING => number < g.edge,
+                    q if q.distance(b) < TOUCHING => {
+                        number < self.next[g.edge] as usize
+                    }
+                    _ => number < g.edge,
+                }
+            });
+            if let (Some(f), Some(g)) = (before, here) {
+                self.mark(f, g);
+            }
+            balls.push(here.map(|g| g.ball));
+            before = here;
+        }
+        before
+    }
+
+    /// The last ball on the way from where there is one to where there is
+    /// none.
+    fn end(
+        &self,
+        mut from: Mm,
+        mut last: Grown,
+        mut to: Mm,
+        grow: impl Fn(Mm, &Border<'_>) -> Option<Grown>,
+    ) -> Grown {
+        while (to - from).abs() > END {
+            let middle = 0.5 * (from + to);
+            match grow(middle, self) {
+                Some(g) => (from, last) = (middle, g),
+                None => to = middle,
+            }
+        }
+        last
+    }
+
+    /// Notes what lies between the touches of two balls that follow each
+    /// other: the border runs the other way there.
+    fn mark(&mut self, first: Grown, second: Grown) {
+        /// Edges and length beyond which the two touch different parts of
+        /// the border.
+        const FEW: usize = 8;
+        const LONG: Mm = 5.0 * STEP;
+        if !first.ball.near(&second.ball) {
+            return;
+        }
+        let mut stretch = [(0, 0.0, 0.0); FEW];
+        let mut length = 0.0;
+        let mut edge = second.edge;
+        for k in 0..FEW {
+            let (a, b) = self.grid.edge(edge);
+            let low = match edge == second.edge {
+                true => second.touch.distance(a),
+                false => 0.0,
+            };
+            let last = edge == first.edge;
+            let high = match last {
+                true => first.touch.distance(a),
+                false => a.distance(b),
+            };
+            stretch[k] = (edge, low, high);
+            length += (high - low).abs();
+            if length > LONG {
+                return;
+            }
+            if last {
+                for (edge, low, high) in stretch.into_iter().take(k + 1) {
+                    self.seen.add(edge, low, high);
+                }
+                return;
+            }
+            edge = self.next[edge] as usize;
+        }
+    }
+
+    /// The largest ball that touches the border at `p`, if it is smaller
+    /// than all that matter and touches the opposite side as well. `guess` is
+    /// a radius to begin with.
+    fn grow(&self, p: DVec2, normal: DVec2, guess: Mm) -> Option<Grown> {
+        let within = |r: Mm| self.shrink(p, normal, r);
+        let (r, touch) = match guess > 0.0 && guess < self.radius {
+            // A ball that need not shrink was guessed too small.
+            true => match within(guess)? {
+                (_, None) => within(self.radius)?,
+                found => found,
+            },
+            false => within(self.radius)?,
+        };
+        let (edge, q) = touch?;
+        let centre = p + normal * r;
+        // Seen from the centre, p and q are more than 120° apart.
+        let opposite = (p - centre).dot(q - centre) < -0.5 * r * r;
+        let ball = Ball {
+            centre,
+            thickness: 2.0 * r,
+        };
+        opposite.then_some(Grown {
+            ball,
+            edge,
+            touch: q,
+        })
+    }
+
+    /// The ball of radius `r` at `p` shrunk until nothing of the border is in
+    /// it: its radius, and the point of the border that it touches last.
+    fn shrink(
+        &self,
+        p: DVec2,
+        normal: DVec2,
+        mut r: Mm,
+    ) -> Option<(Mm, Option<(usize, DVec2)>)> {
+        /// Rounds after which a ball that still shrinks is given up: each
+        /// brings it to touch a nearer edge, and few edges are near.
+        const ROUNDS: usize = 16;
+        let mut touch = None;
+        for _ in 0..ROUNDS {
+            let centre = p + normal * r;
+            let near = self
+                .grid
+                .nearest_edge(centre, r - TOUCHING)
+                .filter(|(_, q)| q.distance_squared(p) > TOUCHING * TOUCHING);
+            let Some((edge, q)) = near else { break };
+            let v = q - p;
+            let up = normal.dot(v);
+            if up <= 0.0 {
+                return None;
+            }
+            touch = Some((edge, q));
+            r = v.length_squared() / (2.0 * up);
+        }
+        Some((r, touch))
+    }
+}
+
+impl Ball {
+    /// True if the two can follow each other on a ridge.
+    fn near(&self, other: &Ball) -> bool {
+        let apart = self.centre.distance_squared(other.centre);
+        apart
+            < (2.0 * STEP + 0.25 * self.thickness.min(other.thickness)).powi(2)
+    }
 }
 
 /// Cuts a ring's balls into runs of neighbours.
-fn split_runs(balls: &[Option<Ball>], limit: Mm, runs: &mut Vec<Run>) {
+fn split_runs(balls: &[Option<Ball>], grid: &EdgeGrid, runs: &mut Vec<Run>) {
     let n = balls.len();
-    let near = |a: &Ball, b: &Ball| {
-        a.centre.distance(b.centre) < 4.0 * STEP + 0.25 * limit
-    };
     let follows = |i: usize| {
         let (a, b) = (&balls[i % n], &balls[(i + 1) % n]);
-        matches!((a, b), (Some(a), Some(b)) if near(a, b))
+        matches!((a, b), (Some(a), Some(b)) if a.near(b) && a.leads_to(b, grid))
     };
     // Begin behind a break; without one the run is closed.
     let Some(start) = (0..n).find(|&i| !follows(i)) else {
@@ -197,23 +439,63 @@ fn split_runs(balls: &[Option<Ball>], limit: Mm, runs: &mut Vec<Run>) {
 
 /// Joins runs that end where another begins: along a strip the balls change
 /// sides where the border's numbering begins anew.
-fn join(runs: &mut Vec<Run>) {
+fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
     /// Runs beyond which the few that could be joined are not worth it.
     const MANY: usize = 2000;
     let mut i = 0;
     while i < runs.len() && runs.len() <= MANY {
-        let joined = (0..runs.len()).filter(|&j| j != i).find_map(|j| {
-            let (a, b) = (&runs[i], &runs[j]);
-            a.followed_by(b).map(|run| (j, run))
-        });
-        match joined {
-            Some((j, run)) => {
-                runs[i] = run;
-                runs.remove(j);
-                i = i.min(j);
-            }
-            None => i += 1,
+        let next = (0..runs.len())
+            .filter(|&j| j != i)
+            .find_map(|j| Some((j, runs[i].meets(&runs[j], grid)?)));
+        let Some((j, meeting)) = next else {
+            i += 1;
+            continue;
+        };
+        let mut other = runs[j].balls.clone();
+        if meeting.turn_other {
+            other.reverse();
         }
+        let run = &mut runs[i].balls;
+        if meeting.turn_this {
+            run.reverse();
+        }
+        run.extend(other);
+        runs.remove(j);
+        i = i.min(j);
+    }
+    for run in runs {
+        let ends = (run.balls.first(), run.balls.last());
+        let meet = matches!(ends, (Some(a), Some(b)) if a.meets(b, grid));
+        run.closed |= meet && run.length() > 8.0 * STEP;
+    }
+}
+
+/// What has to be turned for one run to go on in another.
+struct Meeting {
+    turn_this: bool,
+    turn_other: bool,
+}
+
+impl Ball {
+    /// True if runs that end with these two are one.
+    fn meets(&self, other: &Ball, grid: &EdgeGrid) -> bool {
+        let far = (1.5 * STEP).max(1.1 * self.thickness);
+        self.centre.distance_squared(other.centre) < far * far
+            && (self.thickness - other.thickness).abs() < 0.4 * STEP
+            && self.leads_to(other, grid)
+    }
+
+    /// True if a bead from one to the other stays inside the border.
+    fn leads_to(&self, other: &Ball, grid: &EdgeGrid) -> bool {
+        /// By how much it may stick out, mm.
+        const OUT: Mm = 0.01;
+        let apart = self.centre.distance_squared(other.centre);
+        let radius = 0.25 * (self.thickness + other.thickness) - OUT;
+        apart < (0.5 * STEP).powi(2)
+            || radius <= 0.0
+            || grid
+                .nearest_edge(self.centre.midpoint(other.centre), radius)
+                .is_none()
     }
 }
 
@@ -225,32 +507,29 @@ impl Run {
             .sum()
     }
 
-    /// Both as one, if an end of the other is at this one's end.
-    fn followed_by(&self, other: &Run) -> Option<Run> {
+    fn meets(&self, other: &Run, grid: &EdgeGrid) -> Option<Meeting> {
         if self.closed || other.closed {
             return None;
         }
-        let near = |a: &Ball, b: &Ball| {
-            a.centre.distance(b.centre) < 2.5 * STEP
-                && (a.thickness - b.thickness).abs() < STEP
+        let mine = (self.balls.first()?, self.balls.last()?);
+        let theirs = (other.balls.first()?, other.balls.last()?);
+        let turned = |turn_this, turn_other| {
+            Some(Meeting {
+                turn_this,
+                turn_other,
+            })
         };
-        let (end, first, last) = (
-            self.balls.last()?,
-            other.balls.first()?,
-            other.balls.last()?,
-        );
-        let mut balls = self.balls.clone();
-        if near(end, first) {
-            balls.extend(&other.balls);
-        } else if near(end, last) {
-            balls.extend(other.balls.iter().rev());
+        if mine.1.meets(theirs.0, grid) {
+            turned(false, false)
+        } else if mine.1.meets(theirs.1, grid) {
+            turned(false, true)
+        } else if mine.0.meets(theirs.0, grid) {
+            turned(true, false)
+        } else if mine.0.meets(theirs.1, grid) {
+            turned(true, true)
         } else {
-            return None;
+            None
         }
-        Some(Run {
-            balls,
-            closed: false,
-        })
     }
 }
 
@@ -337,6 +616,35 @@ impl Ridge {
         }
         parts.push(part);
         parts
+    }
+
+    /// Length of the line.
+    pub(super) fn length(&self) -> Mm {
+        let open: Mm =
+            self.points.windows(2).map(|p| p[0].distance(p[1])).sum();
+        match (self.closed, self.points.first(), self.points.last()) {
+            (true, Some(a), Some(b)) => open + b.distance(*a),
+            _ => open,
+        }
+    }
+
+    /// The thickness half way through its points.
+    pub(super) fn middle_thickness(&self) -> Mm {
+        let n = self.thickness.len();
+        let (a, b) = (n.saturating_sub(1) / 2, n / 2);
+        let at = |i: usize| self.thickness.get(i).copied().unwrap_or(0.0);
+        0.5 * (at(a) + at(b))
+    }
+
+    /// Goes on with another ridge, which begins where this one ends.
+    pub(super) fn append(&mut self, other: Ridge) {
+        self.points.extend(other.points.into_iter().skip(1));
+        self.thickness.extend(other.thickness.into_iter().skip(1));
+    }
+
+    /// The thickness of the thinnest place.
+    pub(super) fn thinnest(&self) -> Mm {
+        self.thickness.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// The thickness of the thickest place.
