@@ -20,7 +20,7 @@
 //! Not guaranteed: that lines meet where three strips do; they end within
 //! about a third of the thickness of each other.
 
-use crate::plane::grid::EdgeGrid;
+use crate::plane::grid::{EdgeGrid, nearest_on};
 use crate::plane::{Area, edges};
 use crate::units::Mm;
 use glam::DVec2;
@@ -71,12 +71,17 @@ pub fn ridges(
         radius: 0.5 * limit,
         seen: Seen::new(area.rings.iter().map(Vec::len).sum()),
         next: Vec::new(),
+        last: Vec::new(),
     };
     for ring in &area.rings {
         let first = border.next.len() as u32;
         let n = ring.len() as u32;
         border.next.extend((1..n).map(|k| first + k));
         border.next.extend((n > 0).then_some(first));
+        border
+            .last
+            .extend((n > 0).then_some(first + n.wrapping_sub(1)));
+        border.last.extend((1..n).map(|k| first + k - 1));
     }
     let mut runs: Vec<Run> = Vec::new();
     let mut first_edge = 0;
@@ -146,6 +151,8 @@ struct Border<'a> {
     radius: Mm,
     /// The edge that follows each edge on its ring.
     next: Vec<u32>,
+    /// The edge before it.
+    last: Vec<u32>,
     seen: Seen,
 }
 
@@ -196,7 +203,8 @@ impl Border<'_> {
             // shrinks. A little less than the radius, or every edge would
             // meet the next.
             let up = normal * self.radius;
-            if self.grid.clear(a + up, b + up, 0.98 * self.radius) {
+            let beside = before.is_some_and(|b| b.2.is_some());
+            if !beside && self.grid.clear(a + up, b + up, 0.98 * self.radius) {
                 balls.push(None);
                 before = None;
                 continue;
@@ -209,13 +217,10 @@ impl Border<'_> {
                     before = None;
                     continue;
                 }
-                let guess = match before {
-                    Some((_, _, Some(g))) => g.ball.thickness,
-                    _ => 0.0,
-                };
-                let here = self.grow(a + along * at, normal, 0.55 * guess);
+                let hint = before.and_then(|b| b.2);
+                let here = self.grow(a + along * at, normal, hint);
                 let on_edge = |at: Mm, border: &Border<'_>| {
-                    border.grow(a + along * at, normal, 0.55 * guess)
+                    border.grow(a + along * at, normal, hint)
                 };
                 match (before, here) {
                     (Some((edge, from, Some(g))), None) if edge == number => {
@@ -260,7 +265,7 @@ impl Border<'_> {
         for k in 0..count as usize {
             let angle = turn * (1.0 - (k as f64 + 0.5) / count);
             let normal = DVec2::from_angle(angle).rotate(normal);
-            let here = self.grow(corner, normal, 0.0).filter(|g| {
+            let here = self.grow(corner, normal, None).filter(|g| {
                 // Of two corners the first one has the balls, and of a corner
                 // and an edge as well.
                 let (a, b) = self.grid.edge(g.edge);
@@ -340,17 +345,21 @@ impl Border<'_> {
     }
 
     /// The largest ball that touches the border at `p`, if it is smaller
-    /// than all that matter and touches the opposite side as well. `guess` is
-    /// a radius to begin with.
-    fn grow(&self, p: DVec2, normal: DVec2, guess: Mm) -> Option<Grown> {
-        let within = |r: Mm| self.shrink(p, normal, r);
-        let (r, touch) = match guess > 0.0 && guess < self.radius {
-            // A ball that need not shrink was guessed too small.
-            true => match within(guess)? {
-                (_, None) => within(self.radius)?,
-                found => found,
-            },
-            false => within(self.radius)?,
+    /// than all that matter and touches the opposite side as well. `hint` is
+    /// one from nearby.
+    fn grow(
+        &self,
+        p: DVec2,
+        normal: DVec2,
+        hint: Option<Grown>,
+    ) -> Option<Grown> {
+        let guess = hint.and_then(|h| self.beside(p, normal, h));
+        let (r, touch) = match guess {
+            Some((r, touch)) => {
+                let (r, nearer) = self.shrink(p, normal, r)?;
+                (r, nearer.or(Some(touch)))
+            }
+            None => self.shrink(p, normal, self.radius)?,
         };
         let (edge, q) = touch?;
         let centre = p + normal * r;
@@ -365,6 +374,45 @@ impl Border<'_> {
             edge,
             touch: q,
         })
+    }
+
+    /// The radius of a ball at `p` that touches the border where another did,
+    /// or beside that: nothing larger fits there.
+    fn beside(
+        &self,
+        p: DVec2,
+        normal: DVec2,
+        hint: Grown,
+    ) -> Option<(Mm, (usize, DVec2))> {
+        /// Rounds after which it is near enough to be looked after.
+        const ROUNDS: usize = 6;
+        let (before, after) = (self.last[hint.edge], self.next[hint.edge]);
+        let beside = [hint.edge, before as usize, after as usize];
+        let mut r = (0.75 * hint.ball.thickness).min(self.radius);
+        let mut touch = None;
+        for _ in 0..ROUNDS {
+            let centre = p + normal * r;
+            let near = |edge: usize| {
+                let (a, b) = self.grid.edge(edge);
+                let q = nearest_on(centre, a, b);
+                (q.distance_squared(centre), edge, q)
+            };
+            let (d, edge, q) = beside
+                .map(near)
+                .into_iter()
+                .min_by(|a, b| a.0.total_cmp(&b.0))?;
+            if d >= (r - TOUCHING).max(0.0).powi(2) {
+                break;
+            }
+            let v = q - p;
+            let up = normal.dot(v);
+            if up <= TOUCHING {
+                return None;
+            }
+            touch = Some((edge, q));
+            r = v.length_squared() / (2.0 * up);
+        }
+        touch.map(|t| (r, t))
     }
 
     /// The ball of radius `r` at `p` shrunk until nothing of the border is in
@@ -412,7 +460,13 @@ fn split_runs(balls: &[Option<Ball>], grid: &EdgeGrid, runs: &mut Vec<Run>) {
     let n = balls.len();
     let follows = |i: usize| {
         let (a, b) = (&balls[i % n], &balls[(i + 1) % n]);
-        matches!((a, b), (Some(a), Some(b)) if a.near(b) && a.leads_to(b, grid))
+        match (a, b) {
+            // Close together, they have turned with the border.
+            (Some(a), Some(b)) => {
+                a.near(b) && (a.close(b) || a.leads_to(b, grid))
+            }
+            _ => false,
+        }
     };
     // Begin behind a break; without one the run is closed.
     let Some(start) = (0..n).find(|&i| !follows(i)) else {
@@ -483,6 +537,11 @@ impl Ball {
         self.centre.distance_squared(other.centre) < far * far
             && (self.thickness - other.thickness).abs() < 0.4 * STEP
             && self.leads_to(other, grid)
+    }
+
+    fn close(&self, other: &Ball) -> bool {
+        let apart = self.centre.distance_squared(other.centre);
+        apart < (1.5 * STEP).powi(2)
     }
 
     /// True if a bead from one to the other stays inside the border.
