@@ -14,9 +14,11 @@
 //! wide as the place is thick; what is too thin even for that widens the
 //! walls beside it ([`mod@line`]). Extruded area per area of part stays the same.
 
+mod ball;
 pub mod exposure;
 pub mod line;
 pub mod ridge;
+mod run;
 mod thin;
 mod tip;
 

@@ -94,7 +94,7 @@ pub(super) fn parts(
         .filter(|(room, _)| matches!(room, Room::Sliver | Room::Bead))
         .map(|(room, mut part)| {
             let bounds = match room {
-                Room::Bead => (least * (1.0 + 1e-9), f64::INFINITY),
+                Room::Bead => (least / STRETCH, f64::INFINITY),
                 _ => (0.0, limit),
             };
             for t in &mut part.thickness {
