@@ -125,10 +125,18 @@ impl Bead {
     }
 
     /// The bead as beads of constant width, each beginning where the one
-    /// before ends. Between two points the width is the mean of theirs.
+    /// before ends. Where the width changes between two points the segment is
+    /// cut so short that no piece is more than 10 µm wider to a side than the
+    /// bead is meant to be there.
     pub fn pieces(self) -> Vec<Bead> {
         /// Widths closer than this are the same, mm.
         const SAME: Mm = 1e-3;
+        /// By how much the width may change along a piece, whose own is the
+        /// mean: a quarter of it to a side.
+        const CHANGE: Mm = 0.04;
+        /// Pieces are not made shorter than this, mm: their ends are round,
+        /// and a printer sees no difference.
+        const SHORT: Mm = 0.05;
         if self.widths.len() != self.points.len() {
             return vec![self];
         }
@@ -136,18 +144,36 @@ impl Bead {
         let n = self.points.len();
         let mut pieces: Vec<Bead> = Vec::new();
         for (i, pair) in ends.windows(2).enumerate() {
-            let width = 0.5 * (self.widths[i] + self.widths[(i + 1) % n]);
-            match pieces.last_mut() {
-                Some(last) if (last.width - width).abs() < SAME => {
-                    last.points.push(pair[1]);
+            let (from, to) = (self.widths[i], self.widths[(i + 1) % n]);
+            let cuts = ((to - from).abs() / CHANGE)
+                .min(pair[0].distance(pair[1]) / SHORT)
+                .ceil()
+                .max(1.0);
+            for k in 0..cuts as usize {
+                let at = |k: usize| match k as f64 / cuts {
+                    t if t < 1.0 => pair[0].lerp(pair[1], t),
+                    _ => pair[1],
+                };
+                // Its wide end lies under the round end of the piece beside
+                // it: the narrow end matters, if the piece had to be long.
+                let change = ((to - from).abs() / cuts).min(CHANGE);
+                let narrow = match to > from {
+                    true => k as f64,
+                    false => (k + 1) as f64,
+                };
+                let width = from + narrow / cuts * (to - from) + 0.5 * change;
+                match pieces.last_mut() {
+                    Some(last) if (last.width - width).abs() < SAME => {
+                        last.points.push(at(k + 1));
+                    }
+                    _ => pieces.push(Bead {
+                        points: vec![at(k), at(k + 1)],
+                        width,
+                        widths: Vec::new(),
+                        closed: false,
+                        ..self
+                    }),
                 }
-                _ => pieces.push(Bead {
-                    points: pair.to_vec(),
-                    width,
-                    widths: Vec::new(),
-                    closed: false,
-                    ..self
-                }),
             }
         }
         pieces
@@ -211,9 +237,13 @@ mod tests {
         b.widths = vec![0.4, 0.4, 0.6];
         let pieces = b.clone().pieces();
         let widths: Vec<f64> = pieces.iter().map(|p| p.width).collect();
-        assert_eq!(widths, [0.4, 0.5]);
+        // 3 mm of 0.4, then 4 mm to 0.6 and 5 mm back, five steps each.
+        assert_eq!(widths.len(), 1 + 5 + 4, "{widths:?}");
+        assert_eq!(widths[0], 0.4);
+        let steps = widths[1..].windows(2).map(|w| (w[1] - w[0]).abs());
+        assert!(steps.fold(0.0, f64::max) < 0.0401, "{widths:?}");
         let length: f64 = pieces.iter().map(Bead::length).sum();
-        assert_eq!(length, 12.0);
+        assert!((length - 12.0).abs() < 1e-12);
         b.closed = false;
         assert_eq!(b.length(), 7.0);
         assert_eq!(b.path().count(), 3);

@@ -87,6 +87,11 @@ impl EdgeGrid {
         grid
     }
 
+    /// The ends of an edge.
+    pub fn edge(&self, number: usize) -> (DVec2, DVec2) {
+        self.edges[number]
+    }
+
     fn column(&self, x: f64) -> usize {
         let c = (x - self.origin.x) / self.cell;
         (c.max(0.0) as usize).min(self.columns - 1)
@@ -206,22 +211,51 @@ impl EdgeGrid {
         if self.edges.is_empty() {
             return None;
         }
+        let mut best: Option<(f64, u32, DVec2)> = None;
+        // Square of the distance beyond which nothing is of interest.
+        let mut limit = reach * reach;
+        let mut look = |cell: usize, limit: &mut f64| {
+            for &m in self.members(cell) {
+                let (a, b) = self.edges[m as usize];
+                let q = nearest_on(p, a, b);
+                let d = p.distance_squared(q);
+                // Of equally near edges the first one, however cells and
+                // edges are laid out.
+                let better =
+                    best.is_none_or(|(e, n, _)| d < e || (d == e && m < n));
+                if d <= *limit && better {
+                    best = Some((d, m, q));
+                    *limit = d;
+                }
+            }
+        };
         let (lo, hi) = (p - reach, p + reach);
         let (c0, c1) = (self.column(lo.x), self.column(hi.x));
-        let mut best: Option<(f64, u32, DVec2)> = None;
+        // The cell with the point first: it may settle all others.
+        let own = self.row(p.y) * self.columns + self.column(p.x);
+        look(own, &mut limit);
+        // How far the point is from a cell's range, in one direction. What
+        // is outside the grid belongs to the cells at its edge.
+        let off = |at: f64, origin: f64, number: usize, count: usize| {
+            let low = origin + number as f64 * self.cell;
+            let above = if number == 0 { 0.0 } else { low - at };
+            let below = match number + 1 == count {
+                true => 0.0,
+                false => at - low - self.cell,
+            };
+            above.max(below).max(0.0)
+        };
         for row in self.row(lo.y)..=self.row(hi.y) {
+            let dy = off(p.y, self.origin.y, row, self.rows);
+            if dy * dy > limit {
+                continue;
+            }
             for column in c0..=c1 {
-                for &m in self.members(row * self.columns + column) {
-                    let (a, b) = self.edges[m as usize];
-                    let q = nearest_on(p, a, b);
-                    let d = p.distance_squared(q);
-                    // Of equally near edges the first one, however cells
-                    // and edges are laid out.
-                    let better =
-                        best.is_none_or(|(e, n, _)| d < e || (d == e && m < n));
-                    if d <= reach * reach && better {
-                        best = Some((d, m, q));
-                    }
+                let cell = row * self.columns + column;
+                let dx = off(p.x, self.origin.x, column, self.columns);
+                // A hair more: the cell's sides are rounded.
+                if cell != own && dx * dx + dy * dy <= limit + 1e-9 {
+                    look(cell, &mut limit);
                 }
             }
         }

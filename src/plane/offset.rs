@@ -24,7 +24,24 @@ pub fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     if area.is_empty() || distance == 0.0 {
         return area.clone();
     }
-    let grid = EdgeGrid::new(area, distance.abs());
+    offset_with(
+        area,
+        &EdgeGrid::new(area, distance.abs()),
+        distance,
+        tolerance,
+    )
+}
+
+/// The same, with a grid of the area's edges that is there already.
+pub fn offset_with(
+    area: &Area,
+    grid: &EdgeGrid,
+    distance: Mm,
+    tolerance: Mm,
+) -> Area {
+    if area.is_empty() || distance == 0.0 {
+        return area.clone();
+    }
     // Arcs are cut short by the tolerance, and coordinates are rounded.
     let clearance = (distance.abs() - 1.5 * tolerance - 1e-6).max(0.0);
     let clear = |ring: &Ring| {
@@ -57,65 +74,176 @@ pub fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
 /// overlaps: where an edge is too short for the corners at its ends, the ring
 /// runs back to the corner itself, so that what overlaps winds negatively.
 fn moved(ring: &[DVec2], by: f64, tolerance: Mm) -> Ring {
-    let n = ring.len();
+    let sides = Sides::new(ring, by);
+    let n = sides.all.len();
     let mut out = Ring::with_capacity(n + n / 4);
     let step = {
         let c = 1.0 - (tolerance / by.abs()).min(1.0);
         2.0 * c.acos()
     };
-    let edge = |i: usize| {
-        let (a, b) = (ring[i % n], ring[(i + 1) % n]);
-        let along = b - a;
-        let length = along.length();
-        (along / length, length)
-    };
-    let (mut u, mut length_u) = edge(n - 1);
-    for (i, &p) in ring.iter().enumerate() {
-        let (v, length_v) = edge(i);
-        if length_v == 0.0 {
+    for i in 0..n {
+        let side = &sides.all[i];
+        if side.gone {
             continue;
         }
-        if length_u == 0.0 {
-            (u, length_u) = (v, length_v);
-        }
+        let before = &sides.all[side.before];
+        let (u, v) = (before.along, side.along);
         let (nu, nv) = (u.perp(), v.perp());
-        let (sine, cosine) = (u.perp_dot(v), u.dot(v));
-        // Both normals' sum has the bisector's direction; scaled by this it
-        // reaches the point where the moved edges' lines meet.
-        let reach = 1.0 / (1.0 + cosine);
-        let meet = p + (nu + nv) * (by * reach);
-        let into = sine * by > 0.0;
-        if into {
-            // tan(turn / 2): how much of each edge the corner takes.
-            let half_tan = sine.abs() * reach;
-            let taken = by.abs() * half_tan;
-            if taken <= 0.5 * length_u.min(length_v) {
+        let p = side.from;
+        if let Some(meet) = sides.meet(side.before, i) {
+            if sides.has_room(side.before) && sides.has_room(i) {
                 out.push(meet);
             } else {
                 out.extend([p + nu * by, p, p + nv * by]);
             }
-        } else {
-            let excess = by.abs() * ((2.0 * reach).sqrt() - 1.0);
-            if excess <= tolerance {
-                out.push(meet);
-            } else {
-                let turn = sine.atan2(cosine);
-                let turn = match turn == 0.0 || turn * by > 0.0 {
-                    // Straight back on itself: around the outside.
-                    true => -std::f64::consts::PI * by.signum(),
-                    false => turn,
-                };
-                let steps = (turn.abs() / step).ceil().max(1.0);
-                for k in 0..=steps as usize {
-                    let angle = turn * k as f64 / steps;
-                    let normal = DVec2::from_angle(angle).rotate(nu);
-                    out.push(p + normal * by);
+            continue;
+        }
+        let (sine, cosine) = (u.perp_dot(v), u.dot(v));
+        let reach = 1.0 / (1.0 + cosine);
+        let excess = by.abs() * ((2.0 * reach).sqrt() - 1.0);
+        if excess <= tolerance {
+            // Both normals' sum has the bisector's direction; scaled by this
+            // it reaches the point where the moved edges' lines meet.
+            out.push(p + (nu + nv) * (by * reach));
+            continue;
+        }
+        let turn = sine.atan2(cosine);
+        let turn = match turn == 0.0 || turn * by > 0.0 {
+            // Straight back on itself: around the outside.
+            true => -std::f64::consts::PI * by.signum(),
+            false => turn,
+        };
+        let steps = (turn.abs() / step).ceil().max(1.0);
+        for k in 0..=steps as usize {
+            let angle = turn * k as f64 / steps;
+            let normal = DVec2::from_angle(angle).rotate(nu);
+            out.push(p + normal * by);
+        }
+    }
+    out
+}
+
+/// A ring's edge that is to be moved.
+struct Side {
+    from: DVec2,
+    along: DVec2,
+    length: Mm,
+    /// Its neighbours, as long as they have not gone.
+    before: usize,
+    after: usize,
+    /// Shrunk to nothing between its neighbours.
+    gone: bool,
+}
+
+/// A ring's edges, those left out that vanish on the way.
+struct Sides {
+    all: Vec<Side>,
+    by: f64,
+}
+
+impl Sides {
+    fn new(ring: &[DVec2], by: f64) -> Sides {
+        let mut all: Vec<Side> = super::edges(ring)
+            .filter(|(a, b)| a != b)
+            .map(|(a, b)| Side {
+                from: a,
+                along: (b - a) / a.distance(b),
+                length: a.distance(b),
+                before: 0,
+                after: 0,
+                gone: false,
+            })
+            .collect();
+        let n = all.len();
+        for (i, side) in all.iter_mut().enumerate() {
+            side.before = (i + n - 1) % n;
+            side.after = (i + 1) % n;
+        }
+        let mut sides = Sides { all, by };
+        sides.drop_vanishing();
+        sides.restore_crowded();
+        sides
+    }
+
+    /// Where two sides' lines meet when they have moved, if the border moves
+    /// into the corner between them.
+    fn meet(&self, i: usize, j: usize) -> Option<DVec2> {
+        let (a, b) = (&self.all[i], &self.all[j]);
+        let (sine, cosine) = (a.along.perp_dot(b.along), a.along.dot(b.along));
+        // Nearly straight back, they meet nowhere near.
+        if sine * self.by <= 0.0 || cosine < -0.999 {
+            return None;
+        }
+        let p = a.from + a.along.perp() * self.by;
+        let q = b.from + b.along.perp() * self.by;
+        Some(p + a.along * ((q - p).perp_dot(b.along) / sine))
+    }
+
+    /// How long the side is when it has moved; negative if its ends have
+    /// passed each other.
+    fn room(&self, i: usize) -> Mm {
+        let side = &self.all[i];
+        let moved = side.from + side.along.perp() * self.by;
+        let at = |p: DVec2| (p - moved).dot(side.along);
+        let start = self.meet(side.before, i).map_or(0.0, at);
+        let end = self.meet(i, side.after).map_or(side.length, at);
+        end - start
+    }
+
+    fn has_room(&self, i: usize) -> bool {
+        self.room(i) >= 0.0
+    }
+
+    /// A side without room between two corners that the border moves into
+    /// bounds nothing any more: its neighbours meet before they reach it.
+    fn drop_vanishing(&mut self) {
+        let mut left = self.all.len();
+        let mut todo: Vec<usize> = (0..left).collect();
+        while let Some(i) = todo.pop() {
+            let (before, after) = (self.all[i].before, self.all[i].after);
+            if self.all[i].gone || left <= 3 {
+                continue;
+            }
+            let between = self.meet(before, i).is_some()
+                && self.meet(i, after).is_some()
+                && self.meet(before, after).is_some();
+            if between && self.room(i) < 0.0 {
+                self.all[i].gone = true;
+                self.all[before].after = after;
+                self.all[after].before = before;
+                left -= 1;
+                todo.extend([before, after]);
+            }
+        }
+    }
+
+    /// Brings sides back where their neighbours have no room either: their
+    /// lines meet anywhere, and only a sweep can tell what is left.
+    fn restore_crowded(&mut self) {
+        let n = self.all.len();
+        let mut crowded = true;
+        while crowded {
+            crowded = false;
+            for i in 0..n {
+                let before = self.all[i].before;
+                if self.all[i].gone || (before + 1) % n == i {
+                    continue;
+                }
+                if self.has_room(before) && self.has_room(i) {
+                    continue;
+                }
+                crowded = true;
+                let mut k = i;
+                while k != before {
+                    let next = (k + n - 1) % n;
+                    self.all[k].before = next;
+                    self.all[next].after = k;
+                    self.all[k].gone = false;
+                    k = next;
                 }
             }
         }
-        (u, length_u) = (v, length_v);
     }
-    out
 }
 
 #[cfg(test)]

@@ -26,7 +26,11 @@ pub struct Line {
 }
 
 /// Distance of the places at which a line near a ridge is looked at, mm.
-const STEP: Mm = 0.05;
+const STEP: Mm = 0.2;
+/// How exactly the place is found at which it has to end, mm.
+const END: Mm = 0.005;
+/// Distance of the places at which a line's width is looked at, mm.
+const WIDEN_STEP: Mm = 0.1;
 /// Slack in distances that are equal but for rounding and thinning, mm.
 const SLACK: Mm = 0.05;
 
@@ -142,34 +146,63 @@ pub(super) fn cut(
     };
     let mut lines = Vec::new();
     for ring in &rings.rings {
-        // Points, whether they are the ring's own, whether they stay.
-        let mut all: Vec<(DVec2, bool, bool)> = Vec::new();
+        // Points, and whether the line goes on from there.
+        let mut all: Vec<(DVec2, bool)> = Vec::with_capacity(ring.len());
+        let mut changes = false;
+        let mut at_b = None;
         for (a, b) in edges(ring) {
             if index.grid.clear(a, b, reach) {
-                all.push((a, true, true));
+                at_b = Some(true);
+                all.push((a, true));
                 continue;
             }
             let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
-            for k in 0..count as usize {
-                let p = a.lerp(b, k as f64 / count);
-                all.push((p, k == 0, free(p)));
+            let mut from = (a, at_b.unwrap_or_else(|| free(a)));
+            all.push(from);
+            for k in 1..=count as usize {
+                let p = match k as f64 / count {
+                    t if t < 1.0 => a.lerp(b, t),
+                    _ => b,
+                };
+                let to = (p, free(p));
+                if from.1 != to.1 {
+                    changes = true;
+                    let (mut p, mut q) = (from.0, to.0);
+                    while p.distance(q) > END {
+                        let middle = p.midpoint(q);
+                        match free(middle) == from.1 {
+                            true => p = middle,
+                            false => q = middle,
+                        }
+                    }
+                    // The point that is free ends or begins a line.
+                    all.push((if from.1 { p } else { q }, to.1));
+                }
+                from = to;
+            }
+            at_b = Some(from.1);
+        }
+        if !changes {
+            if all.iter().any(|p| p.1) {
+                lines.push(line(ring.clone(), true));
+            }
+            continue;
+        }
+        // Begin with a point at which a line ends.
+        let n = all.len();
+        let end = (0..n).find(|&i| all[(i + n - 1) % n].1 && !all[i].1);
+        all.rotate_left(end.unwrap_or(0));
+        let mut points: Vec<DVec2> = Vec::new();
+        let mut pieces = Vec::new();
+        for &(p, on) in all.iter().chain(all.first()) {
+            if on || !points.is_empty() {
+                points.push(p);
+            }
+            if !on && !points.is_empty() {
+                pieces.push(line(std::mem::take(&mut points), false));
             }
         }
-        let n = all.len();
-        let Some(start) = (0..n).find(|&i| !all[i].2) else {
-            lines.push(line(ring.clone(), true));
-            continue;
-        };
-        all.rotate_left(start);
-        for part in all.chunk_by(|a, b| a.2 == b.2).filter(|p| p[0].2) {
-            let last = part.len() - 1;
-            let points: Vec<DVec2> = part
-                .iter()
-                .enumerate()
-                .filter(|(i, p)| *i == 0 || *i == last || p.1)
-                .map(|(_, p)| p.0)
-                .collect();
-            let piece = line(points, false);
+        for piece in pieces {
             if piece.length() > width {
                 lines.push(piece);
             }
@@ -208,16 +241,19 @@ fn widen(
     let mut points = Vec::new();
     let mut widths = Vec::new();
     let mut changed = false;
-    let mut push = |p: DVec2| {
+    // A point, and the direction of the line there.
+    let mut push = |p: DVec2, along: DVec2| {
         let sliver = index
             .nearest(p, reach)
             .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
         match sliver {
             Some((q, t)) => {
                 changed = true;
-                let inwards = (q - p).normalize_or_zero();
-                points.push(p + inwards * (0.25 * t));
-                widths.push(line.width + 0.5 * t);
+                // Only straight inwards, lest the outer side moves.
+                let across = along.perp().normalize_or_zero();
+                let share = across.dot((q - p).normalize_or_zero());
+                points.push(p + across * (0.25 * t * share));
+                widths.push(line.width + 0.5 * t * share.abs());
             }
             None => {
                 points.push(p);
@@ -229,17 +265,22 @@ fn widen(
     let segments = if line.closed { n } else { n.saturating_sub(1) };
     for k in 0..segments {
         let (a, b) = (line.points[k], line.points[(k + 1) % n]);
-        push(a);
+        let back = match (line.closed, k) {
+            (false, 0) => a,
+            _ => line.points[(k + n - 1) % n],
+        };
+        let along = (b - a).normalize_or_zero();
+        push(a, along + (a - back).normalize_or_zero());
         if index.grid.clear(a, b, reach) {
             continue;
         }
-        let count = (a.distance(b) / (2.0 * STEP)).ceil().clamp(1.0, 1e6);
+        let count = (a.distance(b) / WIDEN_STEP).ceil().clamp(1.0, 1e6);
         for i in 1..count as usize {
-            push(a.lerp(b, i as f64 / count));
+            push(a.lerp(b, i as f64 / count), along);
         }
     }
-    if let (false, Some(&last)) = (line.closed, line.points.last()) {
-        push(last);
+    if let (false, [.., a, b]) = (line.closed, line.points.as_slice()) {
+        push(*b, *b - *a);
     }
     if !changed {
         return line;

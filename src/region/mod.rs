@@ -14,13 +14,17 @@
 //! wide as the place is thick; what is too thin even for that widens the
 //! walls beside it ([`mod@line`]). Extruded area per area of part stays the same.
 
+mod ball;
 pub mod exposure;
 pub mod line;
 pub mod ridge;
+mod run;
+mod thin;
+mod tip;
 
 use crate::bead::spacing;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::offset::offset;
+use crate::plane::offset::offset_with;
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, signed_area};
 use crate::settings::Settings;
@@ -105,38 +109,80 @@ pub(crate) struct Laid {
     pub thin: Vec<Line>,
     /// The rings, whole.
     pub rings: Area,
+    /// The ridges of these beads.
+    ridges: Vec<Ridge>,
     /// Ridges of places too thin for any bead.
     slivers: Vec<Ridge>,
 }
 
 /// Lays one wall along the border of an area.
 pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
-    let rings = shrink(area, lay.centre, tolerance);
-    let (beads, slivers) = thin_places(area, lay.limit, lay.least, tolerance);
-    Laid {
-        lines: cut(&rings, &beads, lay.centre, lay.width),
-        thin: beads.iter().map(|r| Line::along(r, lay.extra)).collect(),
-        rings,
-        slivers,
-    }
+    let grid = EdgeGrid::new(area, CELL);
+    let skeleton = Skeleton::new(area, &grid, lay.limit, tolerance);
+    let rings = shrink_with(area, &grid, lay.centre, tolerance);
+    skeleton.lay(rings, 0.0, lay)
 }
 
-/// Ridges of an area's places thinner than `limit`, apart in those of at
-/// least the thickness `least` and those below it.
-fn thin_places(
-    area: &Area,
-    limit: Mm,
-    least: Mm,
-    tolerance: Mm,
-) -> (Vec<Ridge>, Vec<Ridge>) {
-    if area.is_empty() || limit <= 0.0 {
-        return (Vec::new(), Vec::new());
+/// Size of a grid's cells, mm: about the length of an outline's edges.
+const CELL: Mm = 0.3;
+
+/// The ridges of an area, as far as they matter to some walls.
+///
+/// What is left of the area when it has shrunk by d has the same ridges where
+/// the area is thicker than 2·d, and is thinner there by that: all walls can
+/// be laid by the ridges of the outline.
+struct Skeleton {
+    ridges: Vec<Ridge>,
+}
+
+impl Skeleton {
+    fn new(area: &Area, grid: &EdgeGrid, limit: Mm, tolerance: Mm) -> Skeleton {
+        let ridges = match area.is_empty() || limit <= 0.0 {
+            true => Vec::new(),
+            false => ridges(area, grid, limit, tolerance),
+        };
+        Skeleton { ridges }
     }
-    let grid = EdgeGrid::new(area, 0.5 * limit);
-    ridges(area, &grid, limit, tolerance)
-        .into_iter()
-        .flat_map(|r| r.split_at(least))
-        .partition(|r| r.thickest() > least)
+
+    /// Cuts the rings of a wall of what is left at `depth`, and lays the
+    /// beads of places too thin for it.
+    fn lay(&self, rings: Area, depth: Mm, lay: Lay) -> Laid {
+        let (beads, slivers) = self.thin_places(depth, lay.limit, lay.least);
+        Laid {
+            lines: cut(&rings, &beads, lay.centre, lay.width),
+            thin: beads.iter().map(|r| Line::along(r, lay.extra)).collect(),
+            rings,
+            ridges: beads,
+            slivers,
+        }
+    }
+
+    /// Ridges, where what is left at `depth` is thinner than `limit`: apart
+    /// in those of at least the thickness `least`, which get a bead, and
+    /// those below it.
+    fn thin_places(
+        &self,
+        depth: Mm,
+        limit: Mm,
+        least: Mm,
+    ) -> (Vec<Ridge>, Vec<Ridge>) {
+        let mut beads = Vec::new();
+        let mut slivers = Vec::new();
+        // A post's ridge is a point.
+        let lines = self
+            .ridges
+            .iter()
+            .filter(|r| r.length() > 0.25 * r.thickest());
+        for ridge in lines {
+            for (part, fits) in thin::parts(ridge, 2.0 * depth, least, limit) {
+                match fits {
+                    true => beads.push(part),
+                    false => slivers.push(part),
+                }
+            }
+        }
+        (beads, slivers)
+    }
 }
 
 /// Depths of the walls' centre lines below the outline, outermost first, and
@@ -163,32 +209,63 @@ pub fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
 /// is shrinking by a + b, exactly, and the rings become simpler on the way.
 pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
     let tolerance = 0.5 * (1.0 - OUTLINE_SHARE) * settings.accuracy;
+    let last = Lay::inside(settings.skin_width, height, settings);
+    let away = 0.5 * spacing_to_inner(height, settings);
     let mut area = outline.clone();
     let mut lines: Vec<Vec<Line>> = Vec::new();
     let mut thin = Vec::new();
-    let mut plan = Lay::outer(height, settings);
-    for k in 0..settings.walls {
-        if k == 1 {
-            plan = Lay::inside(settings.inner_wall_width, height, settings);
+    let plans: Vec<Lay> = (0..settings.walls)
+        .map(|k| match k {
+            0 => Lay::outer(height, settings),
+            _ => Lay::inside(settings.inner_wall_width, height, settings),
+        })
+        .collect();
+    for pair in plans.chunks(2) {
+        // One search for two walls and what they leave: for more of them it
+        // would have to look too far around.
+        let mut depth = 0.0;
+        let mut limit: Mm = 0.0;
+        for plan in pair {
+            limit = limit.max(2.0 * depth + plan.limit);
+            depth += plan.inner;
         }
-        let laid = lay(&area, plan, tolerance);
-        if let Some(before) = lines.last_mut() {
-            let away = 0.5 * spacing_to_inner(height, settings);
+        limit = limit.max(2.0 * depth + last.least);
+        let grid = EdgeGrid::new(&area, CELL);
+        let skeleton = Skeleton::new(&area, &grid, limit, settings.accuracy);
+        depth = 0.0;
+        for (k, &plan) in pair.iter().enumerate() {
+            let rings = match k {
+                0 => shrink_with(&area, &grid, plan.centre, tolerance),
+                _ => shrink(&area, plan.centre, tolerance),
+            };
+            let mut laid = skeleton.lay(rings, depth, plan);
+            laid.thin = laid
+                .ridges
+                .drain(..)
+                .map(|r| tip::square_ends(r, &grid, depth, plan.least))
+                .map(|r| Line::along(&r, plan.extra))
+                .collect();
+            if lines.is_empty() {
+                tip::fill_posts(&mut laid, outline, &grid, plan, tolerance);
+            }
+            if let Some(before) = lines.last_mut() {
+                let wide = std::mem::take(before);
+                *before = absorb(wide, &laid.slivers, away, settings.accuracy);
+            }
+            area = shrink(&laid.rings, plan.inner - plan.centre, tolerance);
+            depth += plan.inner;
+            lines.push(laid.lines);
+            thin.push(laid.thin);
+        }
+        // What the last walls leave and no bead can fill is theirs as well.
+        if lines.len() == plans.len()
+            && let Some(before) = lines.last_mut()
+        {
+            let (_, slivers) =
+                skeleton.thin_places(depth, last.least, last.least);
             let wide = std::mem::take(before);
-            *before = absorb(wide, &laid.slivers, away, tolerance);
+            *before = absorb(wide, &slivers, away, settings.accuracy);
         }
-        area = shrink(&laid.rings, plan.inner - plan.centre, tolerance);
-        lines.push(laid.lines);
-        thin.push(laid.thin);
-    }
-    // What the walls leave and no bead can fill is theirs as well.
-    if let Some(before) = lines.last_mut() {
-        let inside = Lay::inside(settings.skin_width, height, settings);
-        let (_, slivers) =
-            thin_places(&area, inside.least, inside.least, tolerance);
-        let away = 0.5 * spacing_to_inner(height, settings);
-        let wide = std::mem::take(before);
-        *before = absorb(wide, &slivers, away, tolerance);
     }
     let mut walls = Walls {
         lines,
@@ -239,10 +316,21 @@ pub fn field_walls(
 
 /// The area shrunk by `distance` and thinned.
 pub(crate) fn shrink(area: &Area, distance: Mm, tolerance: Mm) -> Area {
-    if distance == 0.0 {
+    if distance == 0.0 || area.is_empty() {
         return area.clone();
     }
-    let mut shrunk = offset(area, -distance, tolerance);
+    let grid = EdgeGrid::new(area, distance);
+    shrink_with(area, &grid, distance, tolerance)
+}
+
+/// The same, with a grid of the area's edges.
+fn shrink_with(
+    area: &Area,
+    grid: &EdgeGrid,
+    distance: Mm,
+    tolerance: Mm,
+) -> Area {
+    let mut shrunk = offset_with(area, grid, -distance, tolerance);
     shrunk.rings = shrunk
         .rings
         .iter()

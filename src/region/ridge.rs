@@ -9,19 +9,17 @@
 //! ```
 //!
 //! In: an area and the thickness below which a place is thin. Out: the
-//! ridge's lines there, with the thickness at each point. Both sides of a
-//! strip give the same line; one of them is asked. Balls that touch two sides of a
-//! corner, and not opposite sides, are left out: the ridge's branches into
-//! corners are not places for a bead.
-//!
-//! The balls shrink as in Ma, Bae and Choi, 3D medial axis point
-//! approximation using nearest neighbors and the normal field (2012).
+//! ridge's lines there, with the thickness at each point. Balls that touch two
+//! sides of a corner, and not opposite sides, are left out: the ridge's
+//! branches into corners are not places for a bead.
 //!
 //! Not guaranteed: that lines meet where three strips do; they end within
 //! about a third of the thickness of each other.
 
+use super::ball::Border;
+use super::run::{Run, join, split_runs};
+use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, edges};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -35,23 +33,6 @@ pub struct Ridge {
     /// The line returns to its first point: a thin ring.
     pub closed: bool,
 }
-
-/// A point of the ridge and the thickness there.
-#[derive(Clone, Copy, Debug)]
-struct Ball {
-    centre: DVec2,
-    thickness: Mm,
-}
-
-/// Balls that follow each other along the border.
-struct Run {
-    balls: Vec<Ball>,
-    closed: bool,
-}
-
-/// Distance of the balls along the border, mm.
-const STEP: Mm = 0.1;
-
 /// The ridges of an area where it is thinner than `limit`. `grid` holds the
 /// area's edges. Lines are thinned to `tolerance`, in place and thickness.
 pub fn ridges(
@@ -60,20 +41,17 @@ pub fn ridges(
     limit: Mm,
     tolerance: Mm,
 ) -> Vec<Ridge> {
+    let mut border = Border::new(area, grid, 0.5 * limit);
     let mut runs: Vec<Run> = Vec::new();
     let mut first_edge = 0;
     for ring in &area.rings {
-        let balls = balls(ring, first_edge, grid, limit);
-        split_runs(&balls, limit, &mut runs);
+        let balls = border.balls(ring, first_edge);
+        split_runs(&balls, grid, &mut runs);
         first_edge += ring.len();
     }
-    join(&mut runs);
+    join(&mut runs, grid);
     runs.into_iter()
-        .filter(|run| {
-            let thick =
-                run.balls.iter().map(|b| b.thickness).fold(0.0, f64::max);
-            run.closed || run.length() >= 0.5 * thick
-        })
+        .filter(|run| run.closed || run.balls.len() > 1)
         .map(|run| {
             let balls = run.balls.iter();
             let ridge = Ridge {
@@ -84,174 +62,6 @@ pub fn ridges(
             ridge.thinned(tolerance)
         })
         .collect()
-}
-
-/// A ball for points all along a ring; none where the area is thick, and none
-/// where the ball from the other side will do: of two edges that face each
-/// other the one with the lower number has the balls. The ring's edges are
-/// numbered from `first_edge`, as in the grid.
-fn balls(
-    ring: &[DVec2],
-    first_edge: usize,
-    grid: &EdgeGrid,
-    limit: Mm,
-) -> Vec<Option<Ball>> {
-    let radius = 0.5 * limit;
-    let mut balls = Vec::new();
-    for (number, (a, b)) in (first_edge..).zip(edges(ring)) {
-        let along = b - a;
-        let length = along.length();
-        if length == 0.0 {
-            continue;
-        }
-        let normal = along.perp() / length;
-        // Nothing within reach of the whole edge's centres: no ball shrinks.
-        // A little less than the radius, or every edge would meet the next.
-        let (c, d) = (a + normal * radius, b + normal * radius);
-        if grid.clear(c, d, 0.98 * radius) {
-            balls.push(None);
-            continue;
-        }
-        let count = (length / STEP).ceil().clamp(1.0, 1e6);
-        balls.extend((0..count as usize).map(|k| {
-            let p = a.lerp(b, (k as f64 + 0.5) / count);
-            ball(p, normal, grid, radius)
-                .filter(|(_, opposite)| number < *opposite)
-                .map(|(ball, _)| ball)
-        }));
-    }
-    balls
-}
-
-/// The largest ball up to `radius` that touches the border at `p`, if it is
-/// smaller and touches the opposite side, and the number of that side's edge.
-fn ball(
-    p: DVec2,
-    normal: DVec2,
-    grid: &EdgeGrid,
-    radius: Mm,
-) -> Option<(Ball, usize)> {
-    /// Rounds after which a ball that still shrinks is given up: each brings
-    /// it to touch a nearer edge, and few edges are near.
-    const ROUNDS: usize = 16;
-    const TOUCHING: Mm = 1e-5;
-    let mut r = radius;
-    let mut touch = None;
-    for _ in 0..ROUNDS {
-        let centre = p + normal * r;
-        let near = grid
-            .nearest_edge(centre, r - TOUCHING)
-            .filter(|(_, q)| q.distance_squared(p) > TOUCHING * TOUCHING);
-        let Some((edge, q)) = near else { break };
-        let v = q - p;
-        let up = normal.dot(v);
-        if up <= 0.0 {
-            return None;
-        }
-        touch = Some((edge, q));
-        r = v.length_squared() / (2.0 * up);
-    }
-    let centre = p + normal * r;
-    // Seen from the centre, p and q are more than 120° apart.
-    let (edge, q) = touch?;
-    let opposite = (p - centre).dot(q - centre) < -0.5 * r * r;
-    let ball = Ball {
-        centre,
-        thickness: 2.0 * r,
-    };
-    opposite.then_some((ball, edge))
-}
-
-/// Cuts a ring's balls into runs of neighbours.
-fn split_runs(balls: &[Option<Ball>], limit: Mm, runs: &mut Vec<Run>) {
-    let n = balls.len();
-    let near = |a: &Ball, b: &Ball| {
-        a.centre.distance(b.centre) < 4.0 * STEP + 0.25 * limit
-    };
-    let follows = |i: usize| {
-        let (a, b) = (&balls[i % n], &balls[(i + 1) % n]);
-        matches!((a, b), (Some(a), Some(b)) if near(a, b))
-    };
-    // Begin behind a break; without one the run is closed.
-    let Some(start) = (0..n).find(|&i| !follows(i)) else {
-        let all: Vec<Ball> = balls.iter().copied().flatten().collect();
-        if !all.is_empty() {
-            runs.push(Run {
-                balls: all,
-                closed: true,
-            });
-        }
-        return;
-    };
-    let mut run = Vec::new();
-    for i in start + 1..=start + n {
-        run.extend(balls[i % n]);
-        if !follows(i) && !run.is_empty() {
-            runs.push(Run {
-                balls: std::mem::take(&mut run),
-                closed: false,
-            });
-        }
-    }
-}
-
-/// Joins runs that end where another begins: along a strip the balls change
-/// sides where the border's numbering begins anew.
-fn join(runs: &mut Vec<Run>) {
-    /// Runs beyond which the few that could be joined are not worth it.
-    const MANY: usize = 2000;
-    let mut i = 0;
-    while i < runs.len() && runs.len() <= MANY {
-        let joined = (0..runs.len()).filter(|&j| j != i).find_map(|j| {
-            let (a, b) = (&runs[i], &runs[j]);
-            a.followed_by(b).map(|run| (j, run))
-        });
-        match joined {
-            Some((j, run)) => {
-                runs[i] = run;
-                runs.remove(j);
-                i = i.min(j);
-            }
-            None => i += 1,
-        }
-    }
-}
-
-impl Run {
-    fn length(&self) -> Mm {
-        self.balls
-            .windows(2)
-            .map(|w| w[0].centre.distance(w[1].centre))
-            .sum()
-    }
-
-    /// Both as one, if an end of the other is at this one's end.
-    fn followed_by(&self, other: &Run) -> Option<Run> {
-        if self.closed || other.closed {
-            return None;
-        }
-        let near = |a: &Ball, b: &Ball| {
-            a.centre.distance(b.centre) < 2.5 * STEP
-                && (a.thickness - b.thickness).abs() < STEP
-        };
-        let (end, first, last) = (
-            self.balls.last()?,
-            other.balls.first()?,
-            other.balls.last()?,
-        );
-        let mut balls = self.balls.clone();
-        if near(end, first) {
-            balls.extend(&other.balls);
-        } else if near(end, last) {
-            balls.extend(other.balls.iter().rev());
-        } else {
-            return None;
-        }
-        Some(Run {
-            balls,
-            closed: false,
-        })
-    }
 }
 
 impl Ridge {
@@ -337,6 +147,35 @@ impl Ridge {
         }
         parts.push(part);
         parts
+    }
+
+    /// Length of the line.
+    pub(super) fn length(&self) -> Mm {
+        let open: Mm =
+            self.points.windows(2).map(|p| p[0].distance(p[1])).sum();
+        match (self.closed, self.points.first(), self.points.last()) {
+            (true, Some(a), Some(b)) => open + b.distance(*a),
+            _ => open,
+        }
+    }
+
+    /// The thickness half way through its points.
+    pub(super) fn middle_thickness(&self) -> Mm {
+        let n = self.thickness.len();
+        let (a, b) = (n.saturating_sub(1) / 2, n / 2);
+        let at = |i: usize| self.thickness.get(i).copied().unwrap_or(0.0);
+        0.5 * (at(a) + at(b))
+    }
+
+    /// Goes on with another ridge, which begins where this one ends.
+    pub(super) fn append(&mut self, other: Ridge) {
+        self.points.extend(other.points.into_iter().skip(1));
+        self.thickness.extend(other.thickness.into_iter().skip(1));
+    }
+
+    /// The thickness of the thinnest place.
+    pub(super) fn thinnest(&self) -> Mm {
+        self.thickness.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// The thickness of the thickest place.

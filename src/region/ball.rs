@@ -1,0 +1,404 @@
+//! Balls that touch a border from within at two opposite places.
+//!
+//! In: an area's border. Out: by points all along it, the largest balls that
+//! touch it there, where they are smaller than what matters and touch the
+//! opposite side: their centres are on the ridge. Of two sides that face each
+//! other one has the balls. Where the border turns away from the area, balls
+//! touch the corner from all directions between its sides.
+//!
+//! The balls shrink as in Ma, Bae and Choi, 3D medial axis point
+//! approximation using nearest neighbors and the normal field (2012); each
+//! begins beside the one before.
+
+use crate::plane::grid::{EdgeGrid, nearest_on};
+use crate::plane::{Area, edges};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// A point of the ridge and the thickness there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    pub centre: DVec2,
+    pub thickness: Mm,
+}
+
+/// Distance of the balls along the border, mm: shorter edges get one each.
+pub(super) const STEP: Mm = 0.2;
+/// How exactly the end of a ridge is looked for along the border, mm.
+const END: Mm = 0.005;
+/// Turn of the border at a corner, and between balls that touch the corner.
+const FAN: f64 = 0.35;
+/// Distance of ball and border below which they touch, mm.
+const TOUCHING: Mm = 1e-5;
+
+/// The stretches of edges that balls from the other side touch: asked again
+/// from this side, they would give the same ridge.
+struct Seen {
+    /// Each edge's last entry in `stretches`; `NONE` without one.
+    last: Vec<u32>,
+    /// From where to where along an edge, and the entry before it.
+    stretches: Vec<(Mm, Mm, u32)>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Seen {
+    fn new(edges: usize) -> Seen {
+        Seen {
+            last: vec![NONE; edges],
+            stretches: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, edge: usize, from: Mm, to: Mm) {
+        let entry = self.stretches.len() as u32;
+        self.stretches
+            .push((from.min(to), from.max(to), self.last[edge]));
+        self.last[edge] = entry;
+    }
+
+    fn has(&self, edge: usize, at: Mm) -> bool {
+        let mut entry = self.last[edge];
+        while let Some(&(from, to, before)) = self.stretches.get(entry as usize)
+        {
+            if (from..=to).contains(&at) {
+                return true;
+            }
+            entry = before;
+        }
+        false
+    }
+}
+
+/// What balls are grown from.
+pub(super) struct Border<'a> {
+    grid: &'a EdgeGrid,
+    /// Largest radius that matters.
+    radius: Mm,
+    /// The edge that follows each edge on its ring.
+    next: Vec<u32>,
+    /// The edge before it.
+    last: Vec<u32>,
+    seen: Seen,
+}
+
+/// A ball and where it touches the other side.
+#[derive(Clone, Copy)]
+struct Grown {
+    ball: Ball,
+    edge: usize,
+    touch: DVec2,
+}
+
+impl<'a> Border<'a> {
+    /// The border of an area, of which `grid` has the edges.
+    pub fn new(area: &Area, grid: &'a EdgeGrid, radius: Mm) -> Border<'a> {
+        let mut border = Border {
+            grid,
+            radius,
+            seen: Seen::new(area.rings.iter().map(Vec::len).sum()),
+            next: Vec::new(),
+            last: Vec::new(),
+        };
+        for ring in &area.rings {
+            let first = border.next.len() as u32;
+            let n = ring.len() as u32;
+            border.next.extend((1..n).map(|k| first + k));
+            border.next.extend((n > 0).then_some(first));
+            border
+                .last
+                .extend((n > 0).then_some(first + n.wrapping_sub(1)));
+            border.last.extend((1..n).map(|k| first + k - 1));
+        }
+        border
+    }
+
+    /// Balls of points all along a ring, in order; none where the area is
+    /// thick, and none where another ball has come from the other side. The
+    /// ring's edges are numbered from `first_edge`, as in the grid.
+    pub fn balls(
+        &mut self,
+        ring: &[DVec2],
+        first_edge: usize,
+    ) -> Vec<Option<Ball>> {
+        let mut balls = Vec::with_capacity(ring.len());
+        // The last ball, its edge, and how far along the edge it is.
+        let mut before: Option<(usize, Mm, Option<Grown>)> = None;
+        // The first one, if there was one right away.
+        let mut very_first = None;
+        let mut last_along = (0..ring.len()).rev().find_map(|i| {
+            let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
+            (b - a).try_normalize()
+        });
+        for (number, (a, b)) in (first_edge..).zip(edges(ring)) {
+            let along = b - a;
+            let length = along.length();
+            if length == 0.0 {
+                continue;
+            }
+            let along = along / length;
+            let normal = along.perp();
+            let turn = match last_along {
+                Some(last) => DVec2::angle_to(last, along),
+                None => 0.0,
+            };
+            last_along = Some(along);
+            if turn < -FAN {
+                let first = self.fan(a, number, normal, -turn, &mut balls);
+                before = first.map(|g| (number, 0.0, Some(g)));
+            }
+            // Nothing within reach of the whole edge's centres: no ball
+            // shrinks. A little less than the radius, or every edge would
+            // meet the next.
+            let up = normal * self.radius;
+            let beside = before.is_some_and(|b| b.2.is_some());
+            if !beside && self.grid.clear(a + up, b + up, 0.98 * self.radius) {
+                balls.push(None);
+                before = None;
+                continue;
+            }
+            let count = (length / STEP).ceil().clamp(1.0, 1e6);
+            for k in 0..count as usize {
+                let at = (k as f64 + 0.5) / count * length;
+                if self.seen.has(number, at) {
+                    balls.push(None);
+                    before = None;
+                    continue;
+                }
+                let hint = before.and_then(|b| b.2);
+                let here = self.grow(a + along * at, normal, hint);
+                let on_edge = |at: Mm, border: &Border<'_>| {
+                    border.grow(a + along * at, normal, hint)
+                };
+                match (before, here) {
+                    (Some((edge, from, Some(g))), None) if edge == number => {
+                        let end = self.end(from, g, at, on_edge);
+                        balls.push(Some(end.ball));
+                        self.mark(g, end);
+                    }
+                    (Some((edge, from, None)), Some(g)) if edge == number => {
+                        let begin = self.end(at, g, from, on_edge);
+                        balls.push(Some(begin.ball));
+                        self.mark(begin, g);
+                    }
+                    (Some((_, _, Some(f))), Some(g)) => self.mark(f, g),
+                    _ => {}
+                }
+                if balls.is_empty() {
+                    very_first = here;
+                }
+                balls.push(here.map(|g| g.ball));
+                before = Some((number, at, here));
+            }
+        }
+        if let (Some((_, _, Some(last))), Some(first)) = (before, very_first) {
+            self.mark(last, first);
+        }
+        balls
+    }
+
+    /// Balls that touch the corner at the start of an edge with this
+    /// `normal`, where the border turns by `turn` away from the area: the last
+    /// of them.
+    fn fan(
+        &mut self,
+        corner: DVec2,
+        number: usize,
+        normal: DVec2,
+        turn: f64,
+        balls: &mut Vec<Option<Ball>>,
+    ) -> Option<Grown> {
+        let count = (turn / FAN).ceil();
+        let mut before: Option<Grown> = None;
+        for k in 0..count as usize {
+            let angle = turn * (1.0 - (k as f64 + 0.5) / count);
+            let normal = DVec2::from_angle(angle).rotate(normal);
+            let here = self.grow(corner, normal, None).filter(|g| {
+                // Of two corners the first one has the balls, and of a corner
+                // and an edge as well.
+                let (a, b) = self.grid.edge(g.edge);
+                match g.touch {
+                    q if q.distance(a) < TOUCHING => number < g.edge,
+                    q if q.distance(b) < TOUCHING => {
+                        number < self.next[g.edge] as usize
+                    }
+                    _ => number < g.edge,
+                }
+            });
+            if let (Some(f), Some(g)) = (before, here) {
+                self.mark(f, g);
+            }
+            balls.push(here.map(|g| g.ball));
+            before = here;
+        }
+        before
+    }
+
+    /// The last ball on the way from where there is one to where there is
+    /// none.
+    fn end(
+        &self,
+        mut from: Mm,
+        mut last: Grown,
+        mut to: Mm,
+        grow: impl Fn(Mm, &Border<'_>) -> Option<Grown>,
+    ) -> Grown {
+        while (to - from).abs() > END {
+            let middle = 0.5 * (from + to);
+            match grow(middle, self) {
+                Some(g) => (from, last) = (middle, g),
+                None => to = middle,
+            }
+        }
+        last
+    }
+
+    /// Notes what lies between the touches of two balls that follow each
+    /// other: the border runs the other way there.
+    fn mark(&mut self, first: Grown, second: Grown) {
+        /// Edges and length beyond which the two touch different parts of
+        /// the border.
+        const FEW: usize = 8;
+        const LONG: Mm = 5.0 * STEP;
+        if !first.ball.near(&second.ball) {
+            return;
+        }
+        let mut stretch = [(0, 0.0, 0.0); FEW];
+        let mut length = 0.0;
+        let mut edge = second.edge;
+        for k in 0..FEW {
+            let (a, b) = self.grid.edge(edge);
+            let low = match edge == second.edge {
+                true => second.touch.distance(a),
+                false => 0.0,
+            };
+            let last = edge == first.edge;
+            let high = match last {
+                true => first.touch.distance(a),
+                false => a.distance(b),
+            };
+            stretch[k] = (edge, low, high);
+            length += (high - low).abs();
+            if length > LONG {
+                return;
+            }
+            if last {
+                for (edge, low, high) in stretch.into_iter().take(k + 1) {
+                    self.seen.add(edge, low, high);
+                }
+                return;
+            }
+            edge = self.next[edge] as usize;
+        }
+    }
+
+    /// The largest ball that touches the border at `p`, if it is smaller
+    /// than all that matter and touches the opposite side as well. `hint` is
+    /// one from nearby.
+    fn grow(
+        &self,
+        p: DVec2,
+        normal: DVec2,
+        hint: Option<Grown>,
+    ) -> Option<Grown> {
+        let guess = hint.and_then(|h| self.beside(p, normal, h));
+        let (r, touch) = match guess {
+            Some((r, touch)) => {
+                let (r, nearer) = self.shrink(p, normal, r)?;
+                (r, nearer.or(Some(touch)))
+            }
+            None => self.shrink(p, normal, self.radius)?,
+        };
+        let (edge, q) = touch?;
+        let centre = p + normal * r;
+        // Seen from the centre, p and q are more than 120° apart.
+        let opposite = (p - centre).dot(q - centre) < -0.5 * r * r;
+        let ball = Ball {
+            centre,
+            thickness: 2.0 * r,
+        };
+        opposite.then_some(Grown {
+            ball,
+            edge,
+            touch: q,
+        })
+    }
+
+    /// The radius of a ball at `p` that touches the border where another did,
+    /// or beside that: nothing larger fits there.
+    fn beside(
+        &self,
+        p: DVec2,
+        normal: DVec2,
+        hint: Grown,
+    ) -> Option<(Mm, (usize, DVec2))> {
+        /// Rounds after which it is near enough to be looked after.
+        const ROUNDS: usize = 6;
+        let (before, after) = (self.last[hint.edge], self.next[hint.edge]);
+        let beside = [hint.edge, before as usize, after as usize];
+        let mut r = (0.75 * hint.ball.thickness).min(self.radius);
+        let mut touch = None;
+        for _ in 0..ROUNDS {
+            let centre = p + normal * r;
+            let near = |edge: usize| {
+                let (a, b) = self.grid.edge(edge);
+                let q = nearest_on(centre, a, b);
+                (q.distance_squared(centre), edge, q)
+            };
+            let (d, edge, q) = beside
+                .map(near)
+                .into_iter()
+                .min_by(|a, b| a.0.total_cmp(&b.0))?;
+            if d >= (r - TOUCHING).max(0.0).powi(2) {
+                break;
+            }
+            let v = q - p;
+            let up = normal.dot(v);
+            if up <= TOUCHING {
+                return None;
+            }
+            touch = Some((edge, q));
+            r = v.length_squared() / (2.0 * up);
+        }
+        touch.map(|t| (r, t))
+    }
+
+    /// The ball of radius `r` at `p` shrunk until nothing of the border is in
+    /// it: its radius, and the point of the border that it touches last.
+    fn shrink(
+        &self,
+        p: DVec2,
+        normal: DVec2,
+        mut r: Mm,
+    ) -> Option<(Mm, Option<(usize, DVec2)>)> {
+        /// Rounds after which a ball that still shrinks is given up: each
+        /// brings it to touch a nearer edge, and few edges are near.
+        const ROUNDS: usize = 16;
+        let mut touch = None;
+        for _ in 0..ROUNDS {
+            let centre = p + normal * r;
+            let near = self
+                .grid
+                .nearest_edge(centre, r - TOUCHING)
+                .filter(|(_, q)| q.distance_squared(p) > TOUCHING * TOUCHING);
+            let Some((edge, q)) = near else { break };
+            let v = q - p;
+            let up = normal.dot(v);
+            if up <= 0.0 {
+                return None;
+            }
+            touch = Some((edge, q));
+            r = v.length_squared() / (2.0 * up);
+        }
+        Some((r, touch))
+    }
+}
+
+impl Ball {
+    /// True if the two can follow each other on a ridge.
+    pub fn near(&self, other: &Ball) -> bool {
+        let apart = self.centre.distance_squared(other.centre);
+        apart
+            < (2.0 * STEP + 0.25 * self.thickness.min(other.thickness)).powi(2)
+    }
+}

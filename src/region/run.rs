@@ -1,0 +1,155 @@
+//! Balls in a row: what becomes a ridge.
+//!
+//! In: the balls of a ring of the border, in order. Out: runs of neighbours,
+//! joined where one ends and another begins.
+
+use super::ball::{Ball, STEP};
+use crate::plane::grid::EdgeGrid;
+use crate::units::Mm;
+
+/// Balls that follow each other along the border.
+pub(super) struct Run {
+    pub balls: Vec<Ball>,
+    pub closed: bool,
+}
+
+/// Cuts a ring's balls into runs of neighbours.
+pub(super) fn split_runs(
+    balls: &[Option<Ball>],
+    grid: &EdgeGrid,
+    runs: &mut Vec<Run>,
+) {
+    let n = balls.len();
+    let follows = |i: usize| {
+        let (a, b) = (&balls[i % n], &balls[(i + 1) % n]);
+        match (a, b) {
+            // Close together, they have turned with the border.
+            (Some(a), Some(b)) => {
+                a.near(b) && (a.close(b) || a.leads_to(b, grid))
+            }
+            _ => false,
+        }
+    };
+    // Begin behind a break; without one the run is closed.
+    let Some(start) = (0..n).find(|&i| !follows(i)) else {
+        let all: Vec<Ball> = balls.iter().copied().flatten().collect();
+        if !all.is_empty() {
+            runs.push(Run {
+                balls: all,
+                closed: true,
+            });
+        }
+        return;
+    };
+    let mut run = Vec::new();
+    for i in start + 1..=start + n {
+        run.extend(balls[i % n]);
+        if !follows(i) && !run.is_empty() {
+            runs.push(Run {
+                balls: std::mem::take(&mut run),
+                closed: false,
+            });
+        }
+    }
+}
+
+/// Joins runs that end where another begins: along a strip the balls change
+/// sides where the border's numbering begins anew.
+pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
+    /// Runs beyond which the few that could be joined are not worth it.
+    const MANY: usize = 2000;
+    let mut i = 0;
+    while i < runs.len() && runs.len() <= MANY {
+        let next = (0..runs.len())
+            .filter(|&j| j != i)
+            .find_map(|j| Some((j, runs[i].meets(&runs[j], grid)?)));
+        let Some((j, meeting)) = next else {
+            i += 1;
+            continue;
+        };
+        let mut other = runs[j].balls.clone();
+        if meeting.turn_other {
+            other.reverse();
+        }
+        let run = &mut runs[i].balls;
+        if meeting.turn_this {
+            run.reverse();
+        }
+        run.extend(other);
+        runs.remove(j);
+        i = i.min(j);
+    }
+    for run in runs {
+        let ends = (run.balls.first(), run.balls.last());
+        let meet = matches!(ends, (Some(a), Some(b)) if a.meets(b, grid));
+        run.closed |= meet && run.length() > 8.0 * STEP;
+    }
+}
+
+/// What has to be turned for one run to go on in another.
+struct Meeting {
+    turn_this: bool,
+    turn_other: bool,
+}
+
+impl Ball {
+    /// True if runs that end with these two are one.
+    fn meets(&self, other: &Ball, grid: &EdgeGrid) -> bool {
+        let far = (1.5 * STEP).max(1.1 * self.thickness);
+        self.centre.distance_squared(other.centre) < far * far
+            && (self.thickness - other.thickness).abs() < 0.4 * STEP
+            && self.leads_to(other, grid)
+    }
+
+    fn close(&self, other: &Ball) -> bool {
+        let apart = self.centre.distance_squared(other.centre);
+        apart < (1.5 * STEP).powi(2)
+    }
+
+    /// True if a bead from one to the other stays inside the border.
+    fn leads_to(&self, other: &Ball, grid: &EdgeGrid) -> bool {
+        /// By how much it may stick out, mm.
+        const OUT: Mm = 0.01;
+        let apart = self.centre.distance_squared(other.centre);
+        let radius = 0.25 * (self.thickness + other.thickness) - OUT;
+        apart < (0.5 * STEP).powi(2)
+            || radius <= 0.0
+            || grid
+                .nearest_edge(self.centre.midpoint(other.centre), radius)
+                .is_none()
+    }
+}
+
+impl Run {
+    fn length(&self) -> Mm {
+        self.balls
+            .windows(2)
+            .map(|w| w[0].centre.distance(w[1].centre))
+            .sum()
+    }
+
+    fn meets(&self, other: &Run, grid: &EdgeGrid) -> Option<Meeting> {
+        if self.closed || other.closed {
+            return None;
+        }
+        let mine = (self.balls.first()?, self.balls.last()?);
+        let theirs = (other.balls.first()?, other.balls.last()?);
+        let turned = |turn_this, turn_other| {
+            Some(Meeting {
+                turn_this,
+                turn_other,
+            })
+        };
+        if mine.1.meets(theirs.0, grid) {
+            turned(false, false)
+        } else if mine.1.meets(theirs.1, grid) {
+            turned(false, true)
+        } else if mine.0.meets(theirs.0, grid) {
+            turned(true, false)
+        } else if mine.0.meets(theirs.1, grid) {
+            turned(true, true)
+        } else {
+            None
+        }
+    }
+}

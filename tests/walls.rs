@@ -1,0 +1,327 @@
+//! Walls of parts whose thickness is known: what they leave open, what they
+//! paint outside of the part, and how much they extrude.
+
+use glam::DVec2;
+use isoslice::bead::Bead;
+use isoslice::plane::Area;
+use isoslice::plane::grid::EdgeGrid;
+use isoslice::region::walls;
+use isoslice::settings::Settings;
+use isoslice::walls::beads;
+use std::f64::consts::{PI, TAU};
+
+const HEIGHT: f64 = 0.2;
+/// Side of the raster's cells.
+const CELL: f64 = 0.02;
+
+/// What beads make of a part.
+#[derive(Debug)]
+struct Print {
+    /// Share of the part that no bead covers.
+    open: f64,
+    /// Content of the largest connected place that no bead covers, mm².
+    hole: f64,
+    /// How far beads reach out of the part, mm.
+    out: f64,
+    /// Extruded volume over the part's.
+    volume: f64,
+}
+
+/// The walls of a part that is thin all over, as they are printed.
+fn print(part: &Area) -> Print {
+    let settings = Settings::default();
+    let laid = walls(part, HEIGHT, &settings);
+    let pieces: Vec<Bead> = beads(&laid, HEIGHT)
+        .into_iter()
+        .flat_map(Bead::pieces)
+        .collect();
+    let bounds = part.bounds();
+    let origin = bounds.min - 0.5;
+    let size = (bounds.max - bounds.min + 1.0) / CELL;
+    let (columns, rows) = (size.x as usize + 1, size.y as usize + 1);
+    let centre = |i: usize, j: usize| {
+        origin + CELL * (DVec2::new(i as f64, j as f64) + 0.5)
+    };
+    // What is to be filled otherwise counts as covered.
+    let filled = EdgeGrid::new(&laid.fill, 0.3);
+    let edges = EdgeGrid::new(part, 0.3);
+    let mut covered = vec![false; columns * rows];
+    let mut out: f64 = 0.0;
+    for bead in &pieces {
+        let r = 0.5 * bead.width;
+        for (a, b) in bead.segments() {
+            let (lo, hi) = (a.min(b) - r - origin, a.max(b) + r - origin);
+            let range = |lo: f64, hi: f64, n: usize| {
+                let from = (lo / CELL).floor().max(0.0) as usize;
+                from..((hi / CELL).ceil().max(0.0) as usize).min(n)
+            };
+            for j in range(lo.y, hi.y, rows) {
+                for i in range(lo.x, hi.x, columns) {
+                    let p = centre(i, j);
+                    let q = isoslice::plane::grid::nearest_on(p, a, b);
+                    if p.distance(q) > r || covered[j * columns + i] {
+                        continue;
+                    }
+                    covered[j * columns + i] = true;
+                    if !edges.contains(p)
+                        && let Some((_, q)) = edges.nearest(p)
+                    {
+                        out = out.max(p.distance(q));
+                    }
+                }
+            }
+        }
+    }
+    let mut open = vec![false; columns * rows];
+    let mut inside = 0;
+    for j in 0..rows {
+        for i in 0..columns {
+            let p = centre(i, j);
+            if edges.contains(p) {
+                inside += 1;
+                let k = j * columns + i;
+                open[k] = !covered[k] && !filled.contains(p);
+            }
+        }
+    }
+    let count = open.iter().filter(|o| **o).count();
+    let mut largest = 0;
+    for k in 0..open.len() {
+        let mut todo = vec![k];
+        let mut content = 0;
+        while let Some(k) = todo.pop() {
+            if std::mem::take(&mut open[k]) {
+                content += 1;
+                todo.extend([k - 1, k + 1, k - columns, k + columns]);
+            }
+        }
+        largest = largest.max(content);
+    }
+    let volume: f64 = pieces.iter().map(|b| b.area() * b.length()).sum();
+    let rest = laid.fill.content() * HEIGHT;
+    Print {
+        open: count as f64 / inside as f64,
+        hole: largest as f64 * CELL * CELL,
+        out,
+        volume: (volume + rest) / (part.content() * HEIGHT),
+    }
+}
+
+/// Collects what is wrong, to show all of it.
+#[derive(Default)]
+struct Faults(Vec<String>);
+
+impl Faults {
+    fn check(&mut self, right: bool, what: &str, part: &str, p: &Print) {
+        if !right {
+            self.0.push(format!("{what}: {part}: {p:?}"));
+        }
+    }
+}
+
+impl Drop for Faults {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            assert!(self.0.is_empty(), "{}", self.0.join("\n"));
+        }
+    }
+}
+
+fn ring(points: &[(f64, f64)], turn: f64) -> Vec<DVec2> {
+    let by = DVec2::from_angle(turn);
+    points
+        .iter()
+        .map(|&(x, y)| by.rotate(DVec2::new(x, y)))
+        .collect()
+}
+
+fn area(points: &[(f64, f64)], turn: f64) -> Area {
+    Area {
+        rings: vec![ring(points, turn)],
+    }
+}
+
+fn circle(r: f64, n: usize) -> Vec<DVec2> {
+    (0..n)
+        .map(|i| DVec2::from_angle(TAU * i as f64 / n as f64) * r)
+        .collect()
+}
+
+/// Thicknesses from the narrowest bead to five walls, and an angle each.
+fn thicknesses() -> impl Iterator<Item = (f64, f64)> {
+    (0..44).map(|i| (0.28 + 0.04 * f64::from(i), 0.37 * f64::from(i)))
+}
+
+#[test]
+fn strips_are_covered_to_their_corners() {
+    let mut faults = Faults::default();
+    for (t, turn) in thicknesses() {
+        let strip = area(&[(0.0, 0.0), (12.0, 0.0), (12.0, t), (0.0, t)], turn);
+        let p = print(&strip);
+        // Four corners of beads with a radius of up to half a wall's width.
+        let corners = 4.0 * (1.0 - PI / 4.0) * 0.24_f64.powi(2);
+        faults.check(
+            p.open * 12.0 * t < corners + 0.02,
+            "open",
+            &format!("{t:.2} mm"),
+            &p,
+        );
+        faults.check(p.hole < 0.03, "hole", &format!("{t:.2} mm"), &p);
+        faults.check(p.out < 0.015, "out", &format!("{t:.2} mm"), &p);
+        // The round edges of the surface, h·(1 − π/4), stay open.
+        let edges = 0.043 / t;
+        let range = 0.97 - edges..1.12 - 0.5 * edges;
+        faults.check(
+            range.contains(&p.volume),
+            "volume",
+            &format!("{t:.2} mm"),
+            &p,
+        );
+    }
+}
+
+#[test]
+fn wedges_are_covered_from_the_narrowest_bead_on() {
+    let mut faults = Faults::default();
+    for (length, turn) in [(30.0, 0.3), (15.0, 1.7), (6.0, 4.0)] {
+        let wedge = area(&[(0.0, 0.0), (length, -1.0), (length, 1.0)], turn);
+        let p = print(&wedge);
+        let tip = 0.5 * 0.28 * 0.28 * 0.5 * length;
+        let content = length;
+        faults.check(p.hole < tip + 0.02, "hole", &format!("{length}"), &p);
+        faults.check(
+            p.open * content < tip + 0.16,
+            "open",
+            &format!("{length}"),
+            &p,
+        );
+        faults.check(p.out < 0.02, "out", &format!("{length}"), &p);
+    }
+}
+
+#[test]
+fn rings_are_covered() {
+    let mut faults = Faults::default();
+    for (t, _) in thicknesses() {
+        let mut hole = circle(4.0 - t, 400);
+        hole.reverse();
+        let p = print(&Area {
+            rings: vec![circle(4.0, 400), hole],
+        });
+        faults.check(
+            p.open < 0.002 + 0.003 / t,
+            "open",
+            &format!("{t:.2} mm"),
+            &p,
+        );
+        faults.check(p.out < 0.015, "out", &format!("{t:.2} mm"), &p);
+        let edges = 0.043 / t;
+        let range = 0.97 - edges..1.12 - 0.5 * edges;
+        faults.check(
+            range.contains(&p.volume),
+            "volume",
+            &format!("{t:.2} mm"),
+            &p,
+        );
+    }
+}
+
+#[test]
+fn crosses_and_junctions_are_covered() {
+    let mut faults = Faults::default();
+    for (t, turn) in thicknesses() {
+        let h = 0.5 * t;
+        let cross = area(
+            &[
+                (-6.0, -h),
+                (-h, -h),
+                (-h, -5.0),
+                (h, -5.0),
+                (h, -h),
+                (6.0, -h),
+                (6.0, h),
+                (h, h),
+                (h, 5.0),
+                (-h, 5.0),
+                (-h, h),
+                (-6.0, h),
+            ],
+            turn,
+        );
+        let tee = area(
+            &[
+                (-6.0, -h),
+                (-h, -h),
+                (-h, -5.0),
+                (h, -5.0),
+                (h, -h),
+                (6.0, -h),
+                (6.0, h),
+                (-6.0, h),
+            ],
+            turn,
+        );
+        for (name, part) in [("cross", cross), ("tee", tee)] {
+            let p = print(&part);
+            faults.check(
+                p.open < 0.01,
+                "open",
+                &format!("{name} {t:.2} mm"),
+                &p,
+            );
+            faults.check(
+                p.hole < 0.06,
+                "hole",
+                &format!("{name} {t:.2} mm"),
+                &p,
+            );
+            faults.check(p.out < 0.02, "out", &format!("{name} {t:.2} mm"), &p);
+        }
+    }
+}
+
+#[test]
+fn stars_are_covered_but_for_their_points() {
+    let mut faults = Faults::default();
+    for points in [5, 7, 12] {
+        let star: Vec<(f64, f64)> = (0..2 * points)
+            .map(|i| {
+                let r = if i % 2 == 0 { 8.0 } else { 3.0 };
+                let p =
+                    DVec2::from_angle(PI * f64::from(i) / f64::from(points));
+                (p.x * r, p.y * r)
+            })
+            .collect();
+        let star = area(&star, 0.1);
+        let p = print(&star);
+        let content = star.content();
+        // Each point is left open where it is thinner than a bead.
+        faults.check(p.hole < 0.15, "hole", &format!("{points}"), &p);
+        faults.check(
+            p.open * content < 0.3 * f64::from(points),
+            "open",
+            &format!("{points}"),
+            &p,
+        );
+        faults.check(p.out < 0.02, "out", &format!("{points}"), &p);
+    }
+}
+
+#[test]
+fn no_post_vanishes() {
+    let mut faults = Faults::default();
+    for i in 0..40 {
+        let d = 0.3 + 0.05 * f64::from(i);
+        let p = print(&Area {
+            rings: vec![circle(0.5 * d, 120)],
+        });
+        faults.check(p.open < 0.12, "open", &format!("{d:.2} mm"), &p);
+        faults.check(p.out < 0.015, "out", &format!("{d:.2} mm"), &p);
+        faults.check(
+            (if d < 0.4 { 0.25 } else { 0.6 }..1.3).contains(&p.volume),
+            "volume",
+            &format!("{d:.2} mm"),
+            &p,
+        );
+    }
+}
