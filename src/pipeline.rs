@@ -14,7 +14,7 @@
 //! seams, filament) does so in the ordered stages.
 
 use crate::adhesion::skirt;
-use crate::contour::{Outline, outlines};
+use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Field, FieldError, SLAB};
 use crate::gcode::{Header, WriteError, Writer};
 use crate::layers::{LayerSpan, PlanError, plan};
@@ -36,6 +36,10 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::io;
 use std::path::{Path, PathBuf};
+
+/// Extent below which an island or a hole is left out, as a share of the
+/// outer wall's width.
+const PRINTABLE: f64 = 0.25;
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
@@ -265,8 +269,11 @@ impl<'a> Stages<'a> {
     fn shells(&self, spans: &[LayerSpan]) -> Result<Vec<Shell>, FieldError> {
         let z: Vec<Mm> =
             spans.iter().map(|s| s.sample_z() + self.bed).collect();
-        let accuracy = self.settings.accuracy * OUTLINE_SHARE;
-        let make = |f: &Field| outlines(f, &z, accuracy, &self.timings);
+        let detail = Detail {
+            accuracy: self.settings.accuracy * OUTLINE_SHARE,
+            smallest: PRINTABLE * self.settings.outer_wall_width,
+        };
+        let make = |f: &Field| outlines(f, &z, detail, &self.timings);
         let outlines_of_slab = make(&self.field)?;
         // For walls that are offsets of the expression: by depth, by layer.
         let mut offset_outlines = self
@@ -468,6 +475,7 @@ struct Tally {
     nan_samples: usize,
     nan_layers: usize,
     forced_rings: usize,
+    dropped_rings: usize,
     /// Layers seen, those without anything in them since the last one that
     /// had, and those that something comes after.
     layers: usize,
@@ -482,6 +490,7 @@ impl Tally {
         self.nan_samples += shell.outline.nan_samples;
         self.nan_layers += usize::from(shell.outline.nan_samples > 0);
         self.forced_rings += shell.outline.forced_rings;
+        self.dropped_rings += shell.outline.dropped_rings;
         self.layers += 1;
         if shell.outline.area.is_empty() {
             self.empty += 1;
@@ -511,6 +520,13 @@ impl Tally {
                  count as outside (look for a root or logarithm of a negative \
                  number, or 0/0, in the model)",
                 self.nan_samples, self.nan_layers
+            ));
+        }
+        if self.dropped_rings > 0 {
+            warnings.push(format!(
+                "{} islands and holes smaller than a quarter of a line's \
+                 width are left out",
+                self.dropped_rings
             ));
         }
         if self.forced_rings > 0 {

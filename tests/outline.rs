@@ -5,12 +5,16 @@
 
 use fidget::context::Tree;
 use glam::DVec2;
-use isoslice::contour::{Outline, outlines};
+use isoslice::contour::{Detail, Outline, outlines};
 use isoslice::field::{Backend, Field};
 use isoslice::plane::{Area, Rect, edges, ring_length};
 use isoslice::timings::Timings;
 
 const ACCURACY: f64 = 0.005;
+const DETAIL: Detail = Detail {
+    accuracy: ACCURACY,
+    smallest: 0.11,
+};
 const HEIGHTS: [f64; 2] = [-25.0, 25.0];
 
 fn slice_with(
@@ -25,7 +29,7 @@ fn slice_with(
     };
     let field =
         Field::new(tree, 0.0, bounds, 0.1, HEIGHTS, Some(backend)).unwrap();
-    outlines(&field, z, ACCURACY, &Timings::default()).unwrap()
+    outlines(&field, z, DETAIL, &Timings::default()).unwrap()
 }
 
 fn slice(tree: &Tree, half: f64, z: f64) -> Area {
@@ -191,7 +195,11 @@ fn rings_are_those_of_the_contour_crate() {
     // The crate cuts ambiguous cells by convention, which leaves the nodes
     // at the tips of thin wedges as rings of their own; the field joins them.
     oracle.retain(|r| r.len() > 5);
-    let ours = outlines(&field, &[f64::from(h)], 1e-4, &Timings::default())
+    let detail = Detail {
+        accuracy: 1e-4,
+        smallest: 0.0,
+    };
+    let ours = outlines(&field, &[f64::from(h)], detail, &Timings::default())
         .unwrap()
         .remove(0);
     assert_eq!(ours.area.rings.len(), oracle.len());
