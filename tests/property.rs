@@ -76,3 +76,24 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn survey() {
+    use proptest::strategy::ValueTree;
+    use proptest::test_runner::TestRunner;
+    let mut r = TestRunner::new(config(1));
+    let st = (
+        solid(),
+        prop_oneof![Just(0.1), Just(0.2), Just(0.4)],
+        -0.7..0.7,
+    );
+    for n in 0..400 {
+        let (s, h, z) = st.new_tree(&mut r).unwrap().current();
+        if let Err(e) = judge(&s, h, z) {
+            println!("CASE {n} {h} {z:.3} {e}");
+            if std::env::var("SHOW") == Ok(n.to_string()) {
+                println!("{s:?} {z}");
+            }
+        }
+    }
+}

@@ -342,6 +342,8 @@ fn connect(
                         from: ends[0],
                         to: ends[1],
                         cell: p.cell(a, b),
+                        // The tip of a corner may reach between the nodes.
+                        beyond: 1.0,
                         z: z[cell.layer],
                     });
                 }

@@ -296,6 +296,8 @@ impl<'a> Marcher<'a> {
                     min: node(i, j),
                     max: node(i + 1, j + 1),
                 },
+                // What goes on there is for the cell's division to find.
+                beyond: 0.0,
                 z: self.z[s.layer],
             });
         }

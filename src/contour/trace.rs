@@ -16,8 +16,9 @@
 //! none is used: the pieces across a corner are then halved until they are
 //! shorter than the tolerance.
 //!
-//! Everything found lies in the chord's own cell; only a corner may lie in a
-//! cell beside it, through which no outline passes. All chords of a batch are
+//! Everything found lies in the chord's own cell, or as far beyond it as its
+//! caller allows; only a corner may always lie in a cell beside it, through
+//! which no outline passes. All chords of a batch are
 //! followed together, a round of bulk evaluations at a time.
 //!
 //! Not guaranteed: that the outline has no bends between points at which
@@ -55,8 +56,10 @@ pub(super) struct End {
 pub(super) struct Chord {
     pub from: End,
     pub to: End,
-    /// The cell, which the outline does not leave.
+    /// The cell.
     pub cell: Rect,
+    /// How far beyond the cell the outline is followed, in cells.
+    pub beyond: f64,
     /// Height.
     pub z: f32,
 }
@@ -87,6 +90,8 @@ struct Asked {
     o: Open,
     reach: Mm,
     flat: f64,
+    /// Points along it, with one in the middle, at which to ask.
+    count: usize,
 }
 
 /// What a chord's ends say of it.
@@ -193,7 +198,20 @@ pub(super) fn trace(
                     traced[o.chord].points.push((place, p));
                 }
                 Look::Ask(reach, flat) if o.depth < DEPTH => {
-                    asked.push(Asked { o, reach, flat });
+                    let length = o.a.point.distance(o.b.point);
+                    let mut parts = 2;
+                    while flat > 0.0
+                        && parts < 64
+                        && length > trusted * parts as f64
+                    {
+                        parts *= 2;
+                    }
+                    asked.push(Asked {
+                        o,
+                        reach,
+                        flat,
+                        count: parts - 1,
+                    });
                 }
                 Look::Ask(..) => {}
             }
@@ -286,9 +304,13 @@ impl Round<'_> {
             .iter()
             .map(|Asked { o, .. }| candidate(o, self.chords[o.chord].cell))
             .collect();
-        for (Asked { o, .. }, candidate) in asked.iter().zip(&candidates) {
+        for (Asked { o, count, .. }, candidate) in asked.iter().zip(&candidates)
+        {
             let Chord { z, cell, .. } = self.chords[o.chord];
-            self.scratch.push(0.5 * (o.a.point + o.b.point), z);
+            for k in 1..=*count {
+                let t = k as f64 / (count + 1) as f64;
+                self.scratch.push(o.a.point.lerp(o.b.point, t), z);
+            }
             let Some(c) = candidate else { continue };
             self.scratch.push(c.point, z);
             self.scratch.push(0.5 * (o.a.point + c.point), z);
@@ -308,7 +330,8 @@ impl Round<'_> {
         let mut next = || values.next().unwrap_or(f64::NAN);
         let (mut middles, mut rest) = (Vec::new(), Vec::new());
         for (asked, candidate) in asked.into_iter().zip(candidates) {
-            let middle = next();
+            let along: Vec<f64> = (0..asked.count).map(|_| next()).collect();
+            let middle = along[asked.count / 2];
             let mut accepted = None;
             if let Some(c) = candidate {
                 let [f, a, b] = [next(), next(), next()];
@@ -332,7 +355,7 @@ impl Round<'_> {
                     t.points.push((0.5 * (o.span[0] + o.span[1]), c.point));
                     t.beside = t.beside.or(c.beside);
                 }
-                None if middle.abs() <= asked.flat => {}
+                None if along.iter().all(|f| f.abs() <= asked.flat) => {}
                 None => {
                     middles.push(middle);
                     rest.push(asked);
@@ -357,7 +380,12 @@ impl Round<'_> {
             let middle = 0.5 * (o.a.point + o.b.point);
             let out = -(o.b.point - o.a.point).perp().normalize_or_zero();
             let way = if f < 0.0 { out } else { -out };
-            let limit = 0.999 * leaves_cell(middle, way, chord.cell);
+            let pad = chord.beyond * (chord.cell.max - chord.cell.min);
+            let room = Rect {
+                min: chord.cell.min - pad,
+                max: chord.cell.max + pad,
+            };
+            let limit = 0.999 * leaves_cell(middle, way, room);
             let from = self.scratch.x.len();
             let mut steps = Vec::new();
             let mut d = *reach;

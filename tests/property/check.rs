@@ -88,10 +88,10 @@ pub fn accuracy(
                 }
                 let mut off = accuracy;
                 while off < 1.0 && !border_within(p, off, inside) {
-                    off *= 1.3;
+                    off *= 1.03;
                 }
                 return Err(format!(
-                    "ring {n} at {p} is {:.1} µm off",
+                    "ring {n} at {p}, {t} from {a} to {b}, is {:.1} µm off",
                     1000.0 * off
                 ));
             }

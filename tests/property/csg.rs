@@ -26,6 +26,10 @@ pub enum Solid {
     Scaled(Box<Solid>, f64),
 }
 
+fn c(v: f64) -> f32 {
+    v as f32
+}
+
 impl Solid {
     pub fn tree(&self) -> Tree {
         let (x, y, z) = Tree::axes();
@@ -35,25 +39,25 @@ impl Solid {
     fn at(&self, x: &Tree, y: &Tree, z: &Tree) -> Tree {
         let both = |a: &Solid, b: &Solid| (a.at(x, y, z), b.at(x, y, z));
         match self {
-            Solid::Cuboid(h) => {
-                (x.abs() - h.x).max(y.abs() - h.y).max(z.abs() - h.z)
-            }
+            Solid::Cuboid(h) => (x.abs() - c(h.x))
+                .max(y.abs() - c(h.y))
+                .max(z.abs() - c(h.z)),
             Solid::Ball(r) => {
-                (x.square() + y.square() + z.square()).sqrt() - *r
+                (x.square() + y.square() + z.square()).sqrt() - c(*r)
             }
             Solid::Cylinder(r, h) => {
-                ((x.square() + y.square()).sqrt() - *r).max(z.abs() - *h)
+                ((x.square() + y.square()).sqrt() - c(*r)).max(z.abs() - c(*h))
             }
             Solid::Moved(s, by) => s.at(
-                &(x.clone() - by.x),
-                &(y.clone() - by.y),
-                &(z.clone() - by.z),
+                &(x.clone() - c(by.x)),
+                &(y.clone() - c(by.y)),
+                &(z.clone() - c(by.z)),
             ),
             Solid::Turned(s, axis, angle) => {
                 let m = DMat3::from_axis_angle(*axis, -angle);
                 let row = |k: usize| {
                     let r = m.row(k);
-                    x.clone() * r.x + y.clone() * r.y + z.clone() * r.z
+                    x.clone() * c(r.x) + y.clone() * c(r.y) + z.clone() * c(r.z)
                 };
                 s.at(&row(0), &row(1), &row(2))
             }
@@ -71,12 +75,12 @@ impl Solid {
             }
             Solid::Blend(a, b, k) => {
                 let (a, b) = both(a, b);
-                let h = (Tree::constant(*k) - (a.clone() - b.clone()).abs())
+                let h = (Tree::constant(c(*k)) - (a.clone() - b.clone()).abs())
                     .max(0.0);
-                a.min(b) - h.square() * (0.25 / k)
+                a.min(b) - h.square() * c(0.25 / k)
             }
             Solid::Jump(s) => s.at(x, y, z).compare(0.0),
-            Solid::Scaled(s, k) => s.at(x, y, z) * *k,
+            Solid::Scaled(s, k) => s.at(x, y, z) * c(*k),
         }
     }
 
