@@ -87,7 +87,7 @@ fn survey() {
         prop_oneof![Just(0.1), Just(0.2), Just(0.4)],
         -0.7..0.7,
     );
-    for n in 0..400 {
+    for n in 0..3000 {
         let (s, h, z) = st.new_tree(&mut r).unwrap().current();
         if let Err(e) = judge(&s, h, z) {
             println!("CASE {n} {h} {z:.3} {e}");

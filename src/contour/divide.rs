@@ -343,7 +343,7 @@ fn connect(
                         to: ends[1],
                         cell: p.cell(a, b),
                         // The tip of a corner may reach between the nodes.
-                        beyond: 1.0,
+                        beyond: 3.0,
                         z: z[cell.layer],
                     });
                 }

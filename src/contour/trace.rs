@@ -302,7 +302,7 @@ impl Round<'_> {
         self.scratch.clear();
         let candidates: Vec<Option<Candidate>> = asked
             .iter()
-            .map(|Asked { o, .. }| candidate(o, self.chords[o.chord].cell))
+            .map(|Asked { o, .. }| candidate(o, &self.chords[o.chord]))
             .collect();
         for (Asked { o, count, .. }, candidate) in asked.iter().zip(&candidates)
         {
@@ -487,8 +487,10 @@ pub(super) fn gradients(
 }
 
 /// The corner that the gradients at a chord's ends speak of, if it lies in
-/// its cell or in one that shares an edge with it.
-fn candidate(o: &Open, cell: Rect) -> Option<Candidate> {
+/// its cell, in one that shares an edge with it, or as far beyond as the chord
+/// may be followed.
+fn candidate(o: &Open, chord: &Chord) -> Option<Candidate> {
+    let Chord { cell, beyond, .. } = *chord;
     let (p, q) = (o.a, o.b);
     let u = p.gradient.try_normalize()?;
     let v = q.gradient.try_normalize()?;
@@ -503,12 +505,14 @@ fn candidate(o: &Open, cell: Rect) -> Option<Candidate> {
     let height = chord.perp_dot(point - p.point).abs() / chord.length();
     let size = cell.max - cell.min;
     let at = ((point - cell.min) / size).floor();
-    let near = at.abs().element_sum() <= 1.0;
+    let free = at.abs().max_element() <= beyond;
+    let near = free || at.abs().element_sum() <= 1.0;
     (near && height.is_finite() && height > 1e-6).then(|| Candidate {
         point,
         height,
         slope: [p.gradient.length(), q.gradient.length()],
-        beside: (at != DVec2::ZERO).then(|| [at.x as i32, at.y as i32]),
+        beside: (at != DVec2::ZERO && !free)
+            .then(|| [at.x as i32, at.y as i32]),
     })
 }
 

@@ -3,7 +3,7 @@
 //! Straight lines between vertices on the lattice's edges cannot cross; what
 //! was put between them, and what thinning made of it, can, where outlines
 //! come closer to each other than the tolerance. Rings that do are taken back
-//! step by step: thinned less, not at all, and last to the lattice's vertices.
+//! step by step: thinned less, hardly at all, and last to the lattice's vertices.
 
 use super::link::Joined;
 use super::trace::cross;
@@ -38,21 +38,14 @@ pub(super) fn thin(rings: &[Joined], tolerance: Mm) -> Vec<Ring> {
 }
 
 fn back(ring: &Joined, tolerance: Mm, step: u8) -> Ring {
-    let mut points = match step {
-        1 => return simplify(&ring.points, 0.1 * tolerance),
-        2 => ring.points.clone(),
+    match step {
+        1 => simplify(&ring.points, 0.1 * tolerance),
+        2 => simplify(&ring.points, 1e-3 * tolerance),
         _ => {
             let fixed = ring.points.iter().zip(&ring.fixed);
-            fixed.filter(|p| *p.1).map(|p| *p.0).collect()
+            let points: Ring = fixed.filter(|p| *p.1).map(|p| *p.0).collect();
+            simplify(&points, 1e-3 * tolerance)
         }
-    };
-    points.dedup();
-    while points.len() > 1 && points.first() == points.last() {
-        points.pop();
-    }
-    match points.len() {
-        0..3 => Ring::new(),
-        _ => points,
     }
 }
 

@@ -215,7 +215,7 @@ fn halve_misfits(
 /// nothing, mm.
 const STRAIGHT: f64 = 1e-7;
 
-/// Takes out the points at which a ring goes on straight.
+/// Takes out the points at which a ring goes on straight, or straight back.
 fn drop_straight(ring: &mut Ring) {
     ring.dedup();
     while ring.len() > 1 && ring.first() == ring.last() {
@@ -230,8 +230,9 @@ fn drop_straight(ring: &mut Ring) {
         let a = out.last().copied().unwrap_or(ring[n - 1]);
         let (b, c) = (ring[k], ring[(k + 1) % n]);
         let (u, v) = (b - a, c - b);
-        let off = u.perp_dot(v).abs();
-        if off > STRAIGHT * (c - a).length() || u.dot(v) < 0.0 {
+        // Also a spike that has no width.
+        let longest = u.length().max(v.length());
+        if u.perp_dot(v).abs() > STRAIGHT * longest {
             out.push(b);
         }
     }
