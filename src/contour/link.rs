@@ -206,7 +206,10 @@ impl Chains {
             node(i, j) + 1,
             node(i + 1, j) + 1,
         ];
-        let own = |c: Crossing| edges.contains(&c.edge);
+        // A cell that was not divided knows whole edges only; parts of them
+        // are the next cell's, which may turn back on the same edge.
+        let own =
+            |c: Crossing| c.part == Crossing::WHOLE && edges.contains(&c.edge);
         for first in 0..self.links.len() {
             if !own(self.links[first].crossing) {
                 continue;

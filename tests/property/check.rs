@@ -73,17 +73,36 @@ pub fn border_within(
     })
 }
 
+/// True if the part on whose side a point lies is no wider than `width` there.
+fn narrow(p: DVec2, width: f64, inside: &impl Fn(DVec2) -> bool) -> bool {
+    let own = inside(p);
+    let reach = |way: DVec2| {
+        (1..=20)
+            .map(|k| width * f64::from(k) / 20.0)
+            .find(|&d| inside(p + way * d) != own)
+            .unwrap_or(f64::INFINITY)
+    };
+    (0..16).any(|k| {
+        let way = DVec2::from_angle(TAU * f64::from(k) / 32.0);
+        reach(way) + reach(-way) <= width
+    })
+}
+
 /// Points of the outline that are farther than `accuracy` from the border.
+/// Points in slivers thinner than `sliver` are passed over.
 pub fn accuracy(
     area: &Area,
     accuracy: f64,
+    sliver: f64,
     inside: &impl Fn(DVec2) -> bool,
 ) -> Result<(), String> {
     for (n, ring) in area.rings.iter().enumerate() {
         for (a, b) in edges(ring) {
             for t in [0.0, 0.12, 0.37, 0.5, 0.63, 0.88] {
                 let p = a.lerp(b, t);
-                if border_within(p, accuracy, inside) {
+                if border_within(p, accuracy, inside)
+                    || narrow(p, sliver, inside)
+                {
                     continue;
                 }
                 let mut off = accuracy;
