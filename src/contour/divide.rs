@@ -342,8 +342,9 @@ fn connect(
                         from: ends[0],
                         to: ends[1],
                         cell: p.cell(a, b),
-                        // The tip of a corner may reach between the nodes.
-                        beyond: 3.0,
+                        // The tip of a corner may reach between the nodes,
+                        // a whole cell of the lattice far.
+                        beyond: parts as f64,
                         z: z[cell.layer],
                     });
                 }
