@@ -5,12 +5,16 @@
 
 use fidget::context::Tree;
 use glam::DVec2;
-use isoslice::contour::{Outline, outlines};
+use isoslice::contour::{Detail, Outline, outlines};
 use isoslice::field::{Backend, Field};
 use isoslice::plane::{Area, Rect, edges, ring_length};
 use isoslice::timings::Timings;
 
 const ACCURACY: f64 = 0.005;
+const DETAIL: Detail = Detail {
+    accuracy: ACCURACY,
+    smallest: 0.11,
+};
 const HEIGHTS: [f64; 2] = [-25.0, 25.0];
 
 fn slice_with(
@@ -19,13 +23,23 @@ fn slice_with(
     z: &[f64],
     backend: Backend,
 ) -> Vec<Outline> {
+    spaced(tree, half, z, 0.1, backend)
+}
+
+fn spaced(
+    tree: &Tree,
+    half: f64,
+    z: &[f64],
+    spacing: f64,
+    backend: Backend,
+) -> Vec<Outline> {
     let bounds = Rect {
         min: DVec2::splat(-half),
         max: DVec2::splat(half),
     };
     let field =
-        Field::new(tree, 0.0, bounds, 0.1, HEIGHTS, Some(backend)).unwrap();
-    outlines(&field, z, ACCURACY, &Timings::default()).unwrap()
+        Field::new(tree, 0.0, bounds, spacing, HEIGHTS, Some(backend)).unwrap();
+    outlines(&field, z, DETAIL, &Timings::default()).unwrap()
 }
 
 fn slice(tree: &Tree, half: f64, z: f64) -> Area {
@@ -191,7 +205,11 @@ fn rings_are_those_of_the_contour_crate() {
     // The crate cuts ambiguous cells by convention, which leaves the nodes
     // at the tips of thin wedges as rings of their own; the field joins them.
     oracle.retain(|r| r.len() > 5);
-    let ours = outlines(&field, &[f64::from(h)], 1e-4, &Timings::default())
+    let detail = Detail {
+        accuracy: 1e-4,
+        smallest: 0.0,
+    };
+    let ours = outlines(&field, &[f64::from(h)], detail, &Timings::default())
         .unwrap()
         .remove(0);
     assert_eq!(ours.area.rings.len(), oracle.len());
@@ -232,4 +250,101 @@ fn jumps_are_found_by_halving() {
     let (worst, mean) = deviation(&area, |p| p.length() - 6.2);
     assert!(worst <= ACCURACY + 1e-4, "{worst}");
     assert!(mean.abs() < 0.001, "{mean}");
+}
+
+#[test]
+fn small_circles_are_round_on_any_lattice() {
+    let (x, y, _) = Tree::axes();
+    for spacing in [0.1, 0.4, 2.0] {
+        for r in [0.15_f32, 0.3, 1.0] {
+            let f = (x.square() + y.square()).sqrt() - r;
+            let o = spaced(&f, 4.0, &[0.0], spacing, Backend::Vm).remove(0);
+            assert_eq!(o.area.rings.len(), 1, "{spacing} {r}");
+            let (worst, mean) =
+                deviation(&o.area, |p| p.length() - f64::from(r));
+            assert!(worst <= ACCURACY + 1e-4, "{spacing} {r}: {worst}");
+            assert!(mean.abs() < 0.001, "{spacing} {r}: {mean}");
+        }
+    }
+}
+
+/// The corners of a field that says nothing but inside and outside.
+#[test]
+fn corners_of_jumping_fields_are_exact() {
+    let (x, y, _) = Tree::axes();
+    for degrees in [0.0_f64, 17.0, 45.0] {
+        let (s, c) = degrees.to_radians().sin_cos();
+        let u = x.clone() * c as f32 + y.clone() * s as f32;
+        let v = y.clone() * c as f32 - x.clone() * s as f32;
+        let f = (u.abs() - 3.0).max(v.abs() - 2.0).compare(0.0);
+        let area = slice(&f, 4.0, 0.0);
+        assert_eq!(area.rings.len(), 1);
+        let turn = DVec2::from_angle(degrees.to_radians());
+        for (a, b) in [(3.0, 2.0), (-3.0, 2.0), (3.0, -2.0), (-3.0, -2.0)] {
+            let corner = DVec2::new(a, b).rotate(turn);
+            let near = area.rings[0]
+                .iter()
+                .map(|p| p.distance(corner))
+                .fold(f64::INFINITY, f64::min);
+            assert!(near < ACCURACY, "{degrees}: {near}");
+        }
+    }
+}
+
+/// Tips of less than 30°, which end between the nodes of the lattice.
+#[test]
+fn sharp_tips_reach_their_ends() {
+    let (x, y, _) = Tree::axes();
+    for degrees in [10.0_f64, 20.0, 28.0] {
+        let (s, c) = (0.5 * degrees).to_radians().sin_cos();
+        for turn in [0.0_f64, 0.4, 1.1] {
+            let (k, l) = (turn.sin() as f32, turn.cos() as f32);
+            let u = x.clone() * l + y.clone() * k;
+            let v = y.clone() * l - x.clone() * k;
+            let f = (v.abs() * c as f32 + (u.clone() - 3.0) * s as f32)
+                .max(-u - 1.0);
+            let area = slice(&f, 4.0, 0.0);
+            assert_eq!(area.rings.len(), 1, "{degrees} {turn}");
+            let tip = DVec2::from_angle(turn) * 3.0;
+            let near = area.rings[0]
+                .iter()
+                .map(|p| p.distance(tip))
+                .fold(f64::INFINITY, f64::min);
+            assert!(near < ACCURACY, "{degrees} {turn}: {near}");
+        }
+    }
+}
+
+/// A wall, a slit and a pin thinner than the lattice's spacing.
+#[test]
+fn what_is_thinner_than_the_lattice_is_found() {
+    let (x, y, _) = Tree::axes();
+    for spacing in [0.4, 1.0] {
+        for turn in [0.0_f32, 0.3] {
+            let u = x.clone() * turn.cos() + y.clone() * turn.sin();
+            let v = y.clone() * turn.cos() - x.clone() * turn.sin();
+            let wall = (u.abs() - 0.1).max(v.abs() - 6.0);
+            let slit = ((u.abs() - 6.0).max(v.abs() - 6.0))
+                .max(0.1 - (u.clone() - 0.3).abs());
+            let pin = (u.square() + v.square()).sqrt() - 0.1;
+            let slice =
+                |f| spaced(f, 9.0, &[0.0], spacing, Backend::Vm).remove(0);
+            for (f, rings, content) in [
+                (&wall, 1, 2.4),
+                (&slit, 2, 144.0 - 2.4),
+                (&pin, 1, 0.01 * std::f64::consts::PI),
+            ] {
+                let o = slice(f);
+                let found = o.area.content();
+                assert_eq!(o.forced_rings, 0);
+                assert_eq!(o.area.rings.len(), rings, "{spacing} {turn}");
+                // The perimeter's length times the accuracy.
+                let tolerance = ACCURACY * o.area.perimeter();
+                assert!(
+                    (found - content).abs() < tolerance,
+                    "{spacing} {turn}: {found}"
+                );
+            }
+        }
+    }
 }

@@ -219,6 +219,14 @@ fn describe(
         }
         writeln!(text, " (99 % of the points measured)")?;
     }
+    if summary.dropped_rings > 0 {
+        writeln!(
+            text,
+            "  left out    {} islands and holes smaller than a quarter of a \
+             line's width",
+            summary.dropped_rings
+        )?;
+    }
     // Less is what rounding leaves at sharp corners.
     if summary.unfilled_area >= 1.0 {
         writeln!(

@@ -3,26 +3,77 @@
 //! Within a leaf the pieces are connected as they are found. A vertex on the
 //! border of two leaves exists once in each, at the same place (both refined
 //! it on the same lattice edge): where one leaf's chain ends, the other's
-//! goes on.
+//! goes on. So it is between a cell that was divided (`divide`) and the next:
+//! a crossing has the number of its lattice edge, and one that only a divided
+//! cell knows of has the number of the edge's part besides.
 
 use crate::field::{LEAF, Lattice, Leaf};
 use crate::plane::Ring;
 use glam::DVec2;
 
-/// No vertex, or no lattice edge.
+/// No vertex.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A lattice edge and the vertex on it at which a chain breaks off.
-type Loose = (u32, u32);
+/// A crossing of a lattice edge: the edge's number and the part of it, or
+/// [`Crossing::WHOLE`] if the edge has one crossing that its ends show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Crossing {
+    pub edge: u32,
+    pub part: u32,
+}
+
+impl Crossing {
+    /// For the part: the edge as a whole.
+    pub(super) const WHOLE: u32 = u32::MAX;
+    /// Of a vertex that lies within a cell.
+    pub(super) const NONE: Crossing = Crossing {
+        edge: u32::MAX,
+        part: 0,
+    };
+
+    pub(super) fn whole(edge: u32) -> Crossing {
+        let part = Self::WHOLE;
+        Crossing { edge, part }
+    }
+}
+
+/// A crossing and the vertex there at which a chain breaks off.
+type Loose = (Crossing, u32);
+
+/// What is missing from a layer whose chains do not close.
+#[derive(Default)]
+pub(super) struct Missing {
+    /// Leaves beside loose ends that were not sampled.
+    pub leaves: Vec<Leaf>,
+    /// Cells beside crossings that only the next cell knows of, by column
+    /// and row.
+    pub cells: Vec<[usize; 2]>,
+}
+
+/// A closed ring.
+#[derive(Default)]
+pub(super) struct Joined {
+    pub points: Ring,
+    /// Which of its points lie on edges of the lattice or of a divided cell.
+    pub fixed: Vec<bool>,
+}
+
+/// A vertex and what follows it.
+struct Link {
+    point: DVec2,
+    crossing: Crossing,
+    next: u32,
+    has_previous: bool,
+    fixed: bool,
+}
 
 /// One layer's vertices and how they follow each other.
 #[derive(Default)]
 pub(super) struct Chains {
-    points: Vec<DVec2>,
-    edges: Vec<u32>,
-    next: Vec<u32>,
-    has_previous: Vec<bool>,
+    links: Vec<Link>,
     leaves: Vec<(u32, u32)>,
+    /// Cells that were divided, by column and row.
+    divided: Vec<[usize; 2]>,
 }
 
 impl Chains {
@@ -31,29 +82,62 @@ impl Chains {
         self.leaves.push((leaf.i as u32, leaf.j as u32));
     }
 
-    /// Adds a vertex; returns its number.
-    pub(super) fn add(&mut self, point: DVec2, edge: u32) -> u32 {
-        self.points.push(point);
-        self.edges.push(edge);
-        self.next.push(NONE);
-        self.has_previous.push(false);
-        self.points.len() as u32 - 1
+    /// Notes that a cell has been divided.
+    pub(super) fn divided(&mut self, cell: [usize; 2]) {
+        self.divided.push(cell);
+    }
+
+    /// Adds a vertex; returns its number. `fixed` are those on the edges of
+    /// the lattice or of a divided cell, between which straight lines do not
+    /// cross.
+    pub(super) fn add(
+        &mut self,
+        point: DVec2,
+        crossing: Crossing,
+        fixed: bool,
+    ) -> u32 {
+        self.links.push(Link {
+            point,
+            crossing,
+            next: NONE,
+            has_previous: false,
+            fixed,
+        });
+        self.links.len() as u32 - 1
     }
 
     /// Lets `to` follow `from`.
     pub(super) fn connect(&mut self, from: u32, to: u32) {
-        self.next[from as usize] = to;
-        self.has_previous[to as usize] = true;
+        self.links[from as usize].next = to;
+        self.links[to as usize].has_previous = true;
+    }
+
+    /// Lets `to` follow `from`, with new vertices between them.
+    pub(super) fn connect_through(
+        &mut self,
+        from: u32,
+        points: impl Iterator<Item = DVec2>,
+        to: u32,
+    ) {
+        let mut last = from;
+        for p in points {
+            let next = self.add(p, Crossing::NONE, false);
+            self.connect(last, next);
+            last = next;
+        }
+        self.connect(last, to);
     }
 
     /// Vertices at which a chain ends and those at which one begins, by
     /// lattice edge.
     fn loose(&self) -> (Vec<Loose>, Vec<Loose>) {
         let (mut ends, mut starts) = (Vec::new(), Vec::new());
-        for i in 0..self.points.len() {
-            match (self.has_previous[i], self.next[i] != NONE) {
-                (true, false) => ends.push((self.edges[i], i as u32)),
-                (false, true) => starts.push((self.edges[i], i as u32)),
+        for i in 0..self.links.len() {
+            match (self.links[i].has_previous, self.links[i].next != NONE) {
+                (true, false) => ends.push((self.links[i].crossing, i as u32)),
+                (false, true) => {
+                    starts.push((self.links[i].crossing, i as u32))
+                }
                 _ => {}
             }
         }
@@ -62,85 +146,123 @@ impl Chains {
         (ends, starts)
     }
 
-    /// Leaves beside loose ends that were not sampled.
-    pub(super) fn missing_leaves(
-        &self,
-        layer: usize,
-        lattice: &Lattice,
-    ) -> Vec<Leaf> {
+    /// What must be sampled for the chains to close.
+    pub(super) fn missing(&self, layer: usize, lattice: &Lattice) -> Missing {
         let (ends, starts) = self.loose();
-        let mut missing: Vec<(u32, u32)> = Vec::new();
-        let width = lattice.width() + 1;
-        let mut look = |edge: u32| {
-            let (node, dir) = ((edge / 2) as usize, (edge % 2) as usize);
-            let (i, j) = (node % width, node / width);
-            // The cells on both sides of the edge.
-            for back in [0, 1] {
-                let ci = i.checked_sub(if dir == 1 { back } else { 0 });
-                let cj = j.checked_sub(if dir == 0 { back } else { 0 });
-                if let (Some(ci), Some(cj)) = (ci, cj)
-                    && ci < lattice.width()
-                    && cj < lattice.height()
-                {
-                    let leaf = (ci / LEAF * LEAF, cj / LEAF * LEAF);
-                    missing.push((leaf.0 as u32, leaf.1 as u32));
-                }
-            }
+        let paired = |a: &[Loose], c: Crossing| {
+            a.binary_search_by_key(&c, |x| x.0).is_ok()
         };
-        let paired =
-            |a: &[Loose], e: u32| a.binary_search_by_key(&e, |x| x.0).is_ok();
-        for &(e, _) in ends.iter().filter(|x| !paired(&starts, x.0)) {
-            look(e);
-        }
-        for &(e, _) in starts.iter().filter(|x| !paired(&ends, x.0)) {
-            look(e);
-        }
-        if missing.is_empty() {
-            return Vec::new();
+        let lone = |a: &[Loose], b: &[Loose]| -> Vec<Crossing> {
+            let a = a.iter().map(|x| x.0);
+            a.filter(|&c| !paired(b, c)).collect()
+        };
+        let mut lonely = lone(&ends, &starts);
+        lonely.extend(lone(&starts, &ends));
+        if lonely.is_empty() {
+            return Missing::default();
         }
         let mut sampled = self.leaves.clone();
         sampled.sort_unstable();
-        missing.sort_unstable();
-        missing.dedup();
-        missing.retain(|l| sampled.binary_search(l).is_err());
-        missing
-            .into_iter()
-            .map(|(i, j)| Leaf {
-                layer,
-                i: i as usize,
-                j: j as usize,
-            })
-            .collect()
+        let mut divided = self.divided.clone();
+        divided.sort_unstable();
+        let mut leaves: Vec<(u32, u32)> = Vec::new();
+        let mut cells: Vec<[usize; 2]> = Vec::new();
+        for c in lonely {
+            for [i, j] in beside(c.edge, lattice) {
+                let leaf = (i / LEAF * LEAF, j / LEAF * LEAF);
+                let leaf = (leaf.0 as u32, leaf.1 as u32);
+                if sampled.binary_search(&leaf).is_err() {
+                    leaves.push(leaf);
+                } else if c.part != Crossing::WHOLE
+                    && divided.binary_search(&[i, j]).is_err()
+                {
+                    cells.push([i, j]);
+                }
+            }
+        }
+        leaves.sort_unstable();
+        leaves.dedup();
+        cells.sort_unstable();
+        cells.dedup();
+        let leaves = leaves.into_iter().map(|(i, j)| Leaf {
+            layer,
+            i: i as usize,
+            j: j as usize,
+        });
+        Missing {
+            leaves: leaves.collect(),
+            cells,
+        }
+    }
+
+    /// Takes out the outline's pieces across a cell that is to be divided.
+    pub(super) fn clear(&mut self, cell: [usize; 2], lattice: &Lattice) {
+        let [i, j] = cell;
+        let width = lattice.width() + 1;
+        let node = |i: usize, j: usize| 2 * (j * width + i) as u32;
+        let edges = [
+            node(i, j),
+            node(i, j + 1),
+            node(i, j) + 1,
+            node(i + 1, j) + 1,
+        ];
+        // A cell that was not divided knows whole edges only; parts of them
+        // are the next cell's, which may turn back on the same edge.
+        let own =
+            |c: Crossing| c.part == Crossing::WHOLE && edges.contains(&c.edge);
+        for first in 0..self.links.len() {
+            if !own(self.links[first].crossing) {
+                continue;
+            }
+            // To where the outline leaves the cell it enters here.
+            let mut path = vec![first];
+            let mut at = self.links[first].next;
+            while at != NONE {
+                path.push(at as usize);
+                if self.links[at as usize].crossing != Crossing::NONE {
+                    break;
+                }
+                at = self.links[at as usize].next;
+            }
+            if at == NONE || !own(self.links[at as usize].crossing) {
+                continue;
+            }
+            for pair in path.windows(2) {
+                self.links[pair[0]].next = NONE;
+                self.links[pair[1]].has_previous = false;
+            }
+        }
     }
 
     /// The closed rings, and how many had to be closed by force.
-    pub(super) fn into_rings(mut self) -> (Vec<Ring>, usize) {
+    pub(super) fn into_rings(mut self) -> (Vec<Joined>, usize) {
         let (ends, starts) = self.loose();
-        for (edge, end) in ends {
-            let at = starts.partition_point(|s| s.0 < edge);
-            if let Some(&(e, start)) = starts.get(at)
-                && e == edge
+        for (crossing, end) in ends {
+            let at = starts.partition_point(|s| s.0 < crossing);
+            if let Some(&(c, start)) = starts.get(at)
+                && c == crossing
             {
                 self.connect(end, start);
             }
         }
-        let mut seen = vec![false; self.points.len()];
+        let mut seen = vec![false; self.links.len()];
         let mut rings = Vec::new();
         let mut forced = 0;
         // Open chains first, from their beginnings; then the closed ones.
-        let open = (0..seen.len()).filter(|&i| !self.has_previous[i]);
+        let open = (0..seen.len()).filter(|&i| !self.links[i].has_previous);
         for first in open.chain(0..seen.len()) {
-            if seen[first] || self.next[first] == NONE {
+            if seen[first] || self.links[first].next == NONE {
                 continue;
             }
-            let mut ring = Ring::new();
+            let mut ring = Joined::default();
             let mut i = first;
             loop {
                 seen[i] = true;
-                if ring.last() != Some(&self.points[i]) {
-                    ring.push(self.points[i]);
+                if ring.points.last() != Some(&self.links[i].point) {
+                    ring.points.push(self.links[i].point);
+                    ring.fixed.push(self.links[i].fixed);
                 }
-                match self.next[i] {
+                match self.links[i].next {
                     NONE => {
                         forced += 1;
                         break;
@@ -153,4 +275,20 @@ impl Chains {
         }
         (rings, forced)
     }
+}
+
+/// Column and row of the cells on both sides of a lattice edge.
+fn beside(
+    edge: u32,
+    lattice: &Lattice,
+) -> impl Iterator<Item = [usize; 2]> + '_ {
+    let width = lattice.width() + 1;
+    let (node, dir) = ((edge / 2) as usize, (edge % 2) as usize);
+    let (i, j) = (node % width, node / width);
+    [0, 1].into_iter().filter_map(move |back| {
+        let ci = i.checked_sub(if dir == 1 { back } else { 0 })?;
+        let cj = j.checked_sub(if dir == 0 { back } else { 0 })?;
+        let within = ci < lattice.width() && cj < lattice.height();
+        within.then_some([ci, cj])
+    })
 }

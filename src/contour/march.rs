@@ -10,11 +10,18 @@
 //!
 //! The two cells in which opposite corners are inside and the others are not
 //! are decided by the field at the cell's centre.
+//!
+//! Where the straight pieces do not explain the outline, it is followed within
+//! its cell (`trace`); where that fails, where a saddle's pieces bend, and
+//! where a cell may hide something (`doubt`), the cell is divided (`divide`).
 
-use super::corner;
-use super::link::{Chains, NONE};
+use super::divide::{Cell, Divided, Fineness, divide};
+use super::doubt::doubts;
+use super::link::{Chains, Crossing, NONE};
 use super::refine::{Bracket, refine};
-use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES};
+use super::trace::{Chord, End, Look, Traced, gradients, look, trace};
+use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
+use crate::plane::Rect;
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -30,7 +37,7 @@ const W: u8 = 3;
 
 /// Segments of each case; the ambiguous ones (5 and 10) as if the cell's
 /// centre were outside.
-const CASES: [&[(u8, u8)]; 16] = [
+pub(super) const CASES: [&[(u8, u8)]; 16] = [
     &[],
     &[(S, W)],
     &[(E, S)],
@@ -50,35 +57,68 @@ const CASES: [&[(u8, u8)]; 16] = [
 ];
 
 /// The ambiguous cases with the centre inside.
-const JOINED_5: &[(u8, u8)] = &[(N, W), (S, E)];
-const JOINED_10: &[(u8, u8)] = &[(W, S), (E, N)];
+pub(super) const JOINED_5: &[(u8, u8)] = &[(N, W), (S, E)];
+pub(super) const JOINED_10: &[(u8, u8)] = &[(W, S), (E, N)];
 
 /// A vertex of the outline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
-    /// Place, mm.
-    pub point: DVec2,
-    /// In-plane gradient of the field, of no particular length.
-    pub gradient: DVec2,
-    /// The lattice edge it lies on; `NONE` for an inserted corner.
-    pub edge: u32,
+    pub end: End,
+    /// Of the lattice edge it lies on, if it does.
+    pub crossing: Crossing,
 }
 
 /// A piece of outline across one cell.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
+struct Segment {
     /// Layer of the slab.
-    pub layer: usize,
+    layer: usize,
+    /// The leaf, counted within the batch.
+    leaf: usize,
     /// Lattice column and row of the cell.
-    pub cell: [usize; 2],
+    cell: [usize; 2],
     /// Vertices, counted within the batch.
-    pub from: u32,
-    pub to: u32,
+    from: u32,
+    to: u32,
+    /// There is another one in the cell.
+    saddle: bool,
+}
+
+/// How outlines are found; lengths in mm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Precision {
+    /// Greatest distance of a chord from the outline.
+    pub chord: Mm,
+    /// Size of the least feature that is to be found.
+    pub smallest: Mm,
+}
+
+/// Parts at least that a cell is divided into, along its side.
+const PARTS: usize = 8;
+/// Parts at most: a million samples would be too many for a cell.
+const MOST_PARTS: usize = 64;
+
+impl Precision {
+    /// How cells of a given size are divided: finely enough that a feature is
+    /// hit by at least one node.
+    fn fineness(&self, spacing: Mm) -> Fineness {
+        let mut parts = PARTS;
+        while parts < MOST_PARTS && spacing / parts as f64 > 0.6 * self.smallest
+        {
+            parts *= 2;
+        }
+        Fineness {
+            parts,
+            tolerance: self.chord,
+            trusted: 1.5 * self.smallest,
+        }
+    }
 }
 
 /// Walks batches of leaves and adds their pieces to the layers' chains.
 pub(super) struct Marcher<'a> {
     lattice: &'a Lattice,
+    precision: Precision,
     z: Vec<f32>,
     nan: Vec<usize>,
     /// Rows of inside bits of the batch's leaves.
@@ -93,6 +133,8 @@ pub(super) struct Marcher<'a> {
     segments: Vec<Segment>,
     /// Ambiguous cells: (leaf, cell in the leaf), centre inside.
     saddles: Vec<(usize, usize, bool)>,
+    /// Segments that bend, and the points they bend through.
+    bends: Vec<(usize, DVec2)>,
     scratch: Scratch,
 }
 
@@ -121,9 +163,14 @@ impl Scratch {
 }
 
 impl<'a> Marcher<'a> {
-    pub(super) fn new(lattice: &'a Lattice, z: &[Mm]) -> Self {
+    pub(super) fn new(
+        lattice: &'a Lattice,
+        z: &[Mm],
+        precision: Precision,
+    ) -> Self {
         Marcher {
             lattice,
+            precision,
             z: z.iter().map(|&z| z as f32).collect(),
             nan: vec![0; z.len()],
             rows: Vec::new(),
@@ -134,6 +181,7 @@ impl<'a> Marcher<'a> {
             vertices: Vec::new(),
             segments: Vec::new(),
             saddles: Vec::new(),
+            bends: Vec::new(),
             scratch: Scratch::default(),
         }
     }
@@ -146,44 +194,210 @@ impl<'a> Marcher<'a> {
     /// Adds a batch's pieces of outline to the layers.
     pub(super) fn march(
         &mut self,
-        batch: Batch<'_>,
+        mut batch: Batch<'_>,
         layers: &mut [Chains],
     ) -> Result<(), FieldError> {
-        self.find_edges(&batch, layers);
-        self.decide_saddles(batch.leaves, &mut *batch.sampler)?;
-        let heights: Vec<f32> =
-            self.layers.iter().map(|&k| self.z[k]).collect();
-        refine(
-            &mut self.brackets,
-            &heights,
-            self.lattice.spacing,
-            batch.sampler,
-            &mut self.scratch,
-        )?;
-        self.vertices.clear();
-        for (b, &edge) in self.brackets.iter().zip(&self.edges) {
-            self.vertices.push(Vertex {
-                point: b.point(),
-                gradient: DVec2::ZERO,
-                edge,
-            });
+        for (leaf, values) in
+            batch.leaves.iter().zip(batch.values.chunks_exact(COUNT))
+        {
+            layers[leaf.layer].visited(leaf);
+            let nan = values.iter().filter(|f| f.is_nan()).count();
+            self.nan[leaf.layer] += nan;
         }
-        self.gradients(&heights, batch.sampler)?;
+        self.vertices(&mut batch)?;
         self.find_segments(batch.leaves);
-        let corners = corner::corners(
-            &self.segments,
-            &self.vertices,
+        let (chords, traced) = self.trace(&mut *batch.sampler)?;
+        let mut divide = doubts(
+            batch.leaves,
+            batch.values,
             &self.z,
             self.lattice,
+            self.lattice.spacing <= self.precision.smallest,
             batch.sampler,
             &mut self.scratch,
         )?;
-        self.append(layers, &corners);
+        divide.extend(self.unexplained(batch.leaves, &chords, &traced));
+        let divided = self.divide(divide, true, &mut batch)?;
+        self.append(layers, &chords, traced, &divided);
         Ok(())
     }
 
+    /// Divides given cells of a batch's leaves, whose outline has been taken
+    /// out of the chains.
+    pub(super) fn redivide(
+        &mut self,
+        mut batch: Batch<'_>,
+        cells: &[(usize, [usize; 2])],
+        layers: &mut [Chains],
+    ) -> Result<(), FieldError> {
+        self.vertices(&mut batch)?;
+        self.segments.clear();
+        self.bends.clear();
+        let divided = self.divide(cells.to_vec(), false, &mut batch)?;
+        self.vertices.clear();
+        self.append(layers, &[], Vec::new(), &divided);
+        Ok(())
+    }
+
+    /// Finds the batch's vertices.
+    fn vertices(&mut self, batch: &mut Batch<'_>) -> Result<(), FieldError> {
+        self.find_edges(batch);
+        self.decide_saddles(batch.leaves, &mut *batch.sampler)?;
+        let heights: Vec<f32> =
+            self.layers.iter().map(|&k| self.z[k]).collect();
+        let (sampler, scratch) = (&mut *batch.sampler, &mut self.scratch);
+        refine(&mut self.brackets, &heights, sampler, scratch)?;
+        let gradients = gradients(&self.brackets, &heights, sampler, scratch)?;
+        self.vertices.clear();
+        let found = self.brackets.iter().zip(&self.edges).zip(gradients);
+        self.vertices
+            .extend(found.map(|((b, &edge), gradient)| Vertex {
+                end: End {
+                    point: b.point(),
+                    gradient,
+                },
+                crossing: Crossing::whole(edge),
+            }));
+        Ok(())
+    }
+
+    /// Follows the outline where the segments are not within tolerance of it.
+    /// Returns their numbers, and what became of them.
+    fn trace(
+        &mut self,
+        sampler: &mut dyn Sampler,
+    ) -> Result<(Vec<usize>, Vec<Traced>), FieldError> {
+        let Fineness {
+            tolerance, trusted, ..
+        } = self.precision.fineness(self.lattice.spacing);
+        let (mut numbers, mut chords) = (Vec::new(), Vec::new());
+        self.bends.clear();
+        for (n, s) in self.segments.iter().enumerate() {
+            let [from, to] =
+                [s.from, s.to].map(|v| self.vertices[v as usize].end);
+            match look(from, to, tolerance, trusted) {
+                Look::Straight => continue,
+                Look::Bent(point) if !s.saddle => {
+                    self.bends.push((n, point));
+                    continue;
+                }
+                _ => {}
+            }
+            let [i, j] = s.cell;
+            let node = |i: usize, j: usize| {
+                let (x, y) = (self.lattice.x[i], self.lattice.y[j]);
+                DVec2::new(f64::from(x), f64::from(y))
+            };
+            numbers.push(n);
+            chords.push(Chord {
+                from,
+                to,
+                cell: Rect {
+                    min: node(i, j),
+                    max: node(i + 1, j + 1),
+                },
+                // What goes on there is for the cell's division to find.
+                beyond: 0.0,
+                z: self.z[s.layer],
+            });
+        }
+        let scratch = &mut self.scratch;
+        let traced = trace(&chords, tolerance, trusted, sampler, scratch)?;
+        Ok((numbers, traced))
+    }
+
+    /// Cells whose outline could not be followed, or might cross itself.
+    fn unexplained(
+        &self,
+        leaves: &[Leaf],
+        chords: &[usize],
+        traced: &[Traced],
+    ) -> Vec<(usize, [usize; 2])> {
+        let mut found = Vec::new();
+        // Corners in cells beside their own: those cells, and the owners.
+        let mut guests: Vec<([i64; 3], (usize, [usize; 2]))> = Vec::new();
+        for (&n, t) in chords.iter().zip(traced) {
+            let s = &self.segments[n];
+            let leaf = &leaves[s.leaf];
+            let own = (s.leaf, [s.cell[0] - leaf.i, s.cell[1] - leaf.j]);
+            if t.lost || (s.saddle && !t.points.is_empty()) {
+                found.push(own);
+            } else if let Some(by) = t.beside {
+                let [i, j] =
+                    [0, 1].map(|d| s.cell[d] as i64 + i64::from(by[d]));
+                guests.push(([s.layer as i64, i, j], own));
+            }
+        }
+        guests.sort_unstable();
+        for pair in guests.windows(2).filter(|p| p[0].0 == p[1].0) {
+            found.extend([pair[0].1, pair[1].1]);
+        }
+        found
+    }
+
+    /// Divides cells, given by leaf and place in it; if `spread`, also those
+    /// beside them where the outline turns out to pass between the two.
+    fn divide(
+        &mut self,
+        mut wanted: Vec<(usize, [usize; 2])>,
+        spread: bool,
+        batch: &mut Batch<'_>,
+    ) -> Result<Vec<(Vec<Cell>, Divided)>, FieldError> {
+        let fineness = self.precision.fineness(self.lattice.spacing);
+        let mut done: Vec<(usize, [usize; 2])> = Vec::new();
+        let mut rounds = Vec::new();
+        loop {
+            wanted.sort_unstable();
+            wanted.dedup();
+            wanted.retain(|c| done.binary_search(c).is_err());
+            if wanted.is_empty() {
+                return Ok(rounds);
+            }
+            let cells: Vec<Cell> =
+                wanted.iter().map(|&c| self.cell(batch.leaves, c)).collect();
+            let divided = divide(
+                &cells,
+                self.lattice,
+                &self.z,
+                fineness,
+                &mut *batch.sampler,
+                &mut self.scratch,
+            )?;
+            let mut next = Vec::new();
+            if spread {
+                for (cell, wrong) in cells.iter().zip(&divided.wrong) {
+                    let [i, j] = cell.at.map(|k| k as i64);
+                    let beside =
+                        [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j]];
+                    for (at, _) in beside.iter().zip(wrong).filter(|x| *x.1) {
+                        next.extend(find(batch.leaves, cell.layer, *at));
+                    }
+                }
+            }
+            done.append(&mut wanted);
+            done.sort_unstable();
+            rounds.push((cells, divided));
+            wanted = next;
+        }
+    }
+
+    /// A cell with what the lattice knows of it.
+    fn cell(&self, leaves: &[Leaf], (n, [i, j]): (usize, [usize; 2])) -> Cell {
+        let slots = &self.slots[n];
+        let vertical = NODES * LEAF + j * NODES + i;
+        let sides = [j * LEAF + i, vertical + 1, (j + 1) * LEAF + i, vertical];
+        Cell {
+            layer: leaves[n].layer,
+            at: [leaves[n].i + i, leaves[n].j + j],
+            vertices: sides.map(|slot| match slots[slot] {
+                NONE => None,
+                v => Some(self.vertices[v as usize]),
+            }),
+        }
+    }
+
     /// Finds the edges with a sign change and numbers their vertices.
-    fn find_edges(&mut self, batch: &Batch<'_>, layers: &mut [Chains]) {
+    fn find_edges(&mut self, batch: &Batch<'_>) {
         self.rows.clear();
         self.brackets.clear();
         self.edges.clear();
@@ -191,17 +405,12 @@ impl<'a> Marcher<'a> {
         self.slots.clear();
         let width = self.lattice.width() + 1;
         for (n, leaf) in batch.leaves.iter().enumerate() {
-            layers[leaf.layer].visited(leaf);
             let values = &batch.values[n * COUNT..(n + 1) * COUNT];
             let mut rows = [0u16; NODES];
             for (row, v) in rows.iter_mut().zip(values.chunks_exact(NODES)) {
                 for (i, &f) in v.iter().enumerate() {
                     *row |= u16::from(f < 0.0) << i;
                 }
-            }
-            if values.iter().any(|f| f.is_nan()) {
-                self.nan[leaf.layer] +=
-                    values.iter().filter(|f| f.is_nan()).count();
             }
             let mut slots = [NONE; EDGES];
             let mut add = |i: usize, j: usize, dir: usize| {
@@ -279,26 +488,6 @@ impl<'a> Marcher<'a> {
         Ok(())
     }
 
-    fn gradients(
-        &mut self,
-        heights: &[f32],
-        sampler: &mut dyn crate::field::Sampler,
-    ) -> Result<(), FieldError> {
-        let s = &mut self.scratch;
-        s.clear();
-        for (v, &z) in self.vertices.iter().zip(heights) {
-            s.push(v.point, z);
-        }
-        if self.vertices.is_empty() {
-            return Ok(());
-        }
-        sampler.gradients(&s.x, &s.y, &s.z, &mut s.gradients)?;
-        for (v, g) in self.vertices.iter_mut().zip(&s.gradients) {
-            v.gradient = DVec2::new(f64::from(g[0]), f64::from(g[1]));
-        }
-        Ok(())
-    }
-
     /// Connects the vertices across the cells.
     fn find_segments(&mut self, leaves: &[Leaf]) {
         self.segments.clear();
@@ -335,9 +524,11 @@ impl<'a> Marcher<'a> {
                     for &(from, to) in list {
                         self.segments.push(Segment {
                             layer: leaf.layer,
+                            leaf: n,
                             cell: [leaf.i + i, leaf.j + j],
                             from: slot(from),
                             to: slot(to),
+                            saddle: list.len() > 1,
                         });
                     }
                 }
@@ -345,33 +536,75 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// Hands vertices and segments over to their layers.
-    fn append(&mut self, layers: &mut [Chains], corners: &[(usize, DVec2)]) {
+    /// Hands vertices and segments over to their layers; `traced` are those
+    /// of the segments in `chords`. Divided cells stand for themselves.
+    fn append(
+        &mut self,
+        layers: &mut [Chains],
+        chords: &[usize],
+        traced: Vec<Traced>,
+        divided: &[(Vec<Cell>, Divided)],
+    ) {
+        let mut skip: Vec<(usize, [usize; 2])> = Vec::new();
+        for cell in divided.iter().flat_map(|d| &d.0) {
+            skip.push((cell.layer, cell.at));
+            layers[cell.layer].divided(cell.at);
+        }
+        skip.sort_unstable();
         // Batch-wide vertex number → number in the vertex's layer.
         let own: Vec<u32> = self
             .vertices
             .iter()
             .zip(&self.layers)
-            .map(|(v, &k)| layers[k].add(v.point, v.edge))
+            .map(|(v, &k)| layers[k].add(v.end.point, v.crossing, true))
             .collect();
-        let mut corners = corners.iter().peekable();
+        let mut traced = chords.iter().zip(traced).peekable();
+        let mut bends = self.bends.iter().peekable();
         for (n, s) in self.segments.iter().enumerate() {
+            let points = traced.next_if(|t| *t.0 == n).map(|t| t.1.points);
+            let bend = bends.next_if(|b| b.0 == n).map(|b| b.1);
+            if skip.binary_search(&(s.layer, s.cell)).is_ok() {
+                continue;
+            }
+            let points = points.iter().flatten().map(|p| p.1).chain(bend);
             let (from, to) = (own[s.from as usize], own[s.to as usize]);
-            let chains = &mut layers[s.layer];
-            match corners.next_if(|c| c.0 == n) {
-                Some(&(_, point)) => {
-                    let middle = chains.add(point, NONE);
-                    chains.connect(from, middle);
-                    chains.connect(middle, to);
+            layers[s.layer].connect_through(from, points, to);
+        }
+        for (_, d) in divided {
+            let mut own = vec![NONE; d.vertices.len()];
+            for piece in &d.pieces {
+                let chains = &mut layers[piece.layer];
+                for v in [piece.from, piece.to].map(|v| v as usize) {
+                    if own[v] == NONE {
+                        let Vertex { end, crossing } = d.vertices[v];
+                        own[v] = chains.add(end.point, crossing, true);
+                    }
                 }
-                None => chains.connect(from, to),
+                let [from, to] =
+                    [piece.from, piece.to].map(|v| own[v as usize]);
+                let points = piece.points.iter().copied();
+                chains.connect_through(from, points, to);
             }
         }
     }
 }
 
+/// The leaf of a batch that a cell lies in, and its place there.
+fn find(
+    leaves: &[Leaf],
+    layer: usize,
+    [i, j]: [i64; 2],
+) -> Option<(usize, [usize; 2])> {
+    leaves.iter().enumerate().find_map(|(n, leaf)| {
+        let (a, b) = (i - leaf.i as i64, j - leaf.j as i64);
+        let within = |k: i64| (0..LEAF as i64).contains(&k);
+        (leaf.layer == layer && within(a) && within(b))
+            .then_some((n, [a as usize, b as usize]))
+    })
+}
+
 /// The numbers of the bits that are set.
-fn bits(mut mask: u16) -> impl Iterator<Item = usize> {
+pub(super) fn bits(mut mask: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         if mask == 0 {
             return None;

@@ -4,31 +4,39 @@
 //! outer rings counter-clockwise, holes clockwise, as polygons within
 //! `accuracy` of the field's zero set.
 //!
-//! The lattice only finds the topology. Each vertex is then moved along its
-//! lattice edge onto f = 0 (`refine`), the corners that marching squares
-//! cuts off are put back (`corner`), the pieces of the leaves are joined
-//! at shared lattice edges (`link`), and last the rings are thinned.
+//! The lattice only finds the topology (`march`). Each vertex is then moved
+//! along its lattice edge onto f = 0 (`refine`), the outline followed between
+//! them where it bends or has a corner (`trace`), and cells that this does not
+//! explain, or that may hide what is thinner than the lattice is wide
+//! (`doubt`), are sampled more finely (`divide`). The pieces are joined at
+//! shared lattice edges (`link`), and last the rings are thinned so that they
+//! do not cross (`untangle`).
 //!
-//! Inside is f < 0; a NaN is outside. Not guaranteed: that features smaller
-//! than the lattice's spacing are found.
+//! Inside is f < 0; a NaN is outside. Where the field jumps from one to the
+//! other, that is the outline. Rings smaller than a given size are left out
+//! and counted. Not guaranteed: that a feature thinner than the lattice's
+//! spacing is found where the field of another one hides it from the nodes.
 //!
 //! The `contour` crate is the oracle of the tests and not the engine: it
 //! stitches through hash maps and nested vectors over the whole grid handed
 //! to it, and decides ambiguous cells by convention, where `march` visits
 //! sampled leaves only and asks the field.
 
-mod corner;
+mod divide;
+mod doubt;
 mod link;
 mod march;
 mod refine;
+mod trace;
+mod untangle;
 
-use crate::field::{Batch, Field, FieldError, Leaf};
-use crate::plane::Area;
-use crate::plane::simplify::simplify;
+use crate::field::{Batch, Field, FieldError, LEAF, Leaf};
+use crate::plane::{Area, Rect, Ring};
 use crate::timings::{Stage, Stopwatch, Timings};
 use crate::units::Mm;
-use link::Chains;
-use march::Marcher;
+use glam::DVec2;
+use link::{Chains, Joined};
+use march::{Marcher, Precision};
 use std::time::Duration;
 
 /// Outlines of one layer and what was met on the way.
@@ -41,7 +49,22 @@ pub struct Outline {
     /// Rings that had to be closed by a straight line because the field
     /// contradicted itself where they broke off.
     pub forced_rings: usize,
+    /// Islands and holes smaller than what was asked for, which are left out.
+    pub dropped_rings: usize,
 }
+
+/// What is asked of outlines.
+#[derive(Clone, Copy, Debug)]
+pub struct Detail {
+    /// Greatest distance from f = 0, mm.
+    pub accuracy: Mm,
+    /// Extent below which islands and holes are left out, mm.
+    pub smallest: Mm,
+}
+
+/// Share of the accuracy that is left to the chords between the points found
+/// on the outline; thinning gets the rest.
+const CHORD_SHARE: f64 = 0.15;
 
 /// Outlines of the layers at heights `z`, at most a slab of them; the time
 /// it takes goes to `timings`.
@@ -51,11 +74,15 @@ pub struct Outline {
 pub fn outlines(
     field: &Field,
     z: &[Mm],
-    accuracy: Mm,
+    detail: Detail,
     timings: &Timings,
 ) -> Result<Vec<Outline>, FieldError> {
     let mut layers: Vec<Chains> = z.iter().map(|_| Chains::default()).collect();
-    let mut marcher = Marcher::new(field.lattice(), z);
+    let precision = Precision {
+        chord: CHORD_SHARE * detail.accuracy,
+        smallest: detail.smallest,
+    };
+    let mut marcher = Marcher::new(field.lattice(), z, precision);
     let mut marching = Duration::ZERO;
     timings.time(Stage::Field, || {
         field.slab(z, &mut |batch: Batch<'_>| {
@@ -67,33 +94,53 @@ pub fn outlines(
     })?;
     let nanos = marching.as_nanos() as u64;
     timings.reassign(Stage::Field, Stage::Contour, nanos);
-    timings.time(Stage::Contour, || {
-        close(field, z, accuracy, layers, marcher)
-    })
+    timings.time(Stage::Contour, || close(field, z, detail, layers, marcher))
 }
 
 /// Joins the layers' pieces into rings, sampling what is missing.
 fn close(
     field: &Field,
     z: &[Mm],
-    accuracy: Mm,
+    detail: Detail,
     mut layers: Vec<Chains>,
     mut marcher: Marcher<'_>,
 ) -> Result<Vec<Outline>, FieldError> {
     // A proof that was wrong by a rounding error shows as an outline that
-    // stops at the border of a leaf nobody sampled: sample it now. Each
-    // round adds at least a leaf, and few ever need one.
+    // stops at the border of a leaf nobody sampled, and an outline between two
+    // nodes of a cell as one that stops at the border of its leaf: sample it
+    // now. Each round adds at least a leaf or divides a cell, and few ever
+    // need many.
     for _ in 0..64 {
-        let missing: Vec<Leaf> = layers
-            .iter()
-            .enumerate()
-            .flat_map(|(k, c)| c.missing_leaves(k, field.lattice()))
-            .collect();
-        if missing.is_empty() {
+        let mut missing: Vec<Leaf> = Vec::new();
+        let mut cells: Vec<(Leaf, [usize; 2])> = Vec::new();
+        for (layer, chains) in layers.iter_mut().enumerate() {
+            let lack = chains.missing(layer, field.lattice());
+            missing.extend(lack.leaves);
+            for at in lack.cells {
+                chains.clear(at, field.lattice());
+                let [i, j] = at.map(|k| k / LEAF * LEAF);
+                let leaf = Leaf { layer, i, j };
+                cells.push((leaf, [at[0] - i, at[1] - j]));
+            }
+        }
+        if missing.is_empty() && cells.is_empty() {
             break;
         }
         field.leaves(z, &missing, &mut |batch: Batch<'_>| {
             marcher.march(batch, &mut layers)
+        })?;
+        let mut leaves: Vec<Leaf> = cells.iter().map(|c| c.0).collect();
+        leaves.sort_unstable_by_key(|l| (l.layer, l.j, l.i));
+        leaves.dedup();
+        field.leaves(z, &leaves, &mut |batch: Batch<'_>| {
+            let own: Vec<(usize, [usize; 2])> = cells
+                .iter()
+                .filter_map(|(leaf, at)| {
+                    let n = batch.leaves.iter().position(|l| l == leaf)?;
+                    Some((n, *at))
+                })
+                .collect();
+            marcher.redivide(batch, &own, &mut layers)
         })?;
     }
     let nan = marcher.nan_samples();
@@ -102,16 +149,28 @@ fn close(
         .zip(nan)
         .map(|(chains, nan_samples)| {
             let (rings, forced_rings) = chains.into_rings();
-            let rings = rings
-                .iter()
-                .map(|r| simplify(r, accuracy))
+            let all = rings.len();
+            let rings: Vec<Joined> = rings
+                .into_iter()
+                .filter(|r| extent(&r.points) >= detail.smallest)
+                .collect();
+            let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;
+            let rings: Vec<Ring> = untangle::thin(&rings, tolerance)
+                .into_iter()
                 .filter(|r| !r.is_empty())
                 .collect();
             Outline {
-                area: Area { rings },
                 nan_samples,
                 forced_rings,
+                dropped_rings: all - rings.len(),
+                area: Area { rings },
             }
         })
         .collect())
+}
+
+/// The longer side of the box around a ring.
+fn extent(ring: &[DVec2]) -> Mm {
+    let r = Rect::around(ring);
+    (r.max - r.min).max_element()
 }

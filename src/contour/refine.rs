@@ -4,6 +4,8 @@
 //! (Illinois variant of the regula falsi: Dowell and Jarratt 1971), so a
 //! vertex never leaves its edge and neighbouring ones never change places.
 //! Where the field jumps, has a kink or is not a number, halving takes over.
+//! A bracket remembers whether the field jumps in it: what its gradient says
+//! there is then no one's business.
 
 use super::march::Scratch;
 use crate::field::{FieldError, Sampler};
@@ -21,6 +23,12 @@ pub(super) struct Bracket {
     /// Field at `lo` (negative) and `hi`, the latter possibly halved.
     f_lo: f64,
     f_hi: f64,
+    /// Field at the ends as it was found, for telling a jump from a root.
+    ends: [f64; 2],
+    /// |f| at both ends of the whole, together.
+    whole: f64,
+    /// Distance from the inside node to the outside one, mm.
+    length: Mm,
     /// Best estimate so far.
     t: f64,
     /// Which end moved last: −1 `lo`, 1 `hi`.
@@ -29,13 +37,19 @@ pub(super) struct Bracket {
 }
 
 /// Evaluations after which a vertex stays where it is: halving alone brings
-/// a 0.1 mm edge down to a nanometre in fewer.
-const MAX_STEPS: usize = 24;
+/// a 2 mm edge down to a nanometre in fewer.
+const MAX_STEPS: usize = 30;
 /// Steps by interpolation before the bracket is halved instead.
 const FREE_STEPS: usize = 6;
 /// A vertex has arrived when it moves by less than this, mm: ten times less
 /// than G-code can say.
 const ARRIVED: f64 = 1e-6;
+/// A last step below this, mm, need not be checked when the field fell so
+/// steeply before it that the next one would arrive.
+const NEAR: f64 = 3e-4;
+/// Where the field jumps, its ends still differ by this share of what they
+/// did, however close they have come.
+const JUMP: f64 = 0.02;
 
 impl Bracket {
     pub(super) fn new(
@@ -51,6 +65,9 @@ impl Bracket {
             hi: 1.0,
             f_lo: f64::from(f_inside),
             f_hi: f64::from(f_outside),
+            ends: [f64::from(f_inside), f64::from(f_outside)],
+            whole: f64::from(f_inside).abs() + f64::from(f_outside).abs(),
+            length: inside.distance(outside),
             t: 0.0,
             last: 0,
             done: false,
@@ -61,6 +78,14 @@ impl Bracket {
 
     pub(super) fn point(&self) -> DVec2 {
         self.inside.lerp(self.outside, self.t)
+    }
+
+    /// True if the field does not come down to zero on both sides.
+    pub(super) fn jumps(&self) -> bool {
+        let rest = self.ends[0].abs() + self.ends[1].abs();
+        let open = (self.hi - self.lo) * self.length;
+        // Also if either is not a number.
+        open < ARRIVED && !(rest <= JUMP * self.whole)
     }
 
     /// Where the line through the bracket's ends is zero; its middle if an
@@ -76,7 +101,7 @@ impl Bracket {
     }
 
     /// Takes in the field's value at the estimate and makes a new one.
-    fn step(&mut self, f: f64, count: usize, edge: Mm) {
+    fn step(&mut self, f: f64, count: usize) {
         let end = if f < 0.0 { self.f_lo } else { self.f_hi };
         // At a jump the estimate creeps along one side in tiny steps, but
         // the field there does not go down.
@@ -84,6 +109,7 @@ impl Bracket {
         if f < 0.0 {
             self.lo = self.t;
             self.f_lo = f;
+            self.ends[0] = f;
             if self.last == -1 {
                 self.f_hi *= 0.5;
             }
@@ -91,6 +117,7 @@ impl Bracket {
         } else {
             self.hi = self.t;
             self.f_hi = f;
+            self.ends[1] = f;
             if self.last == 1 {
                 self.f_lo *= 0.5;
             }
@@ -106,9 +133,11 @@ impl Bracket {
         } else {
             self.estimate()
         };
-        let moved = (self.t - before).abs() * edge;
-        let open = (self.hi - self.lo) * edge;
-        self.done = open < ARRIVED || (falls && moved < ARRIVED);
+        let moved = (self.t - before).abs() * self.length;
+        let open = (self.hi - self.lo) * self.length;
+        let next = moved * (f / end).abs();
+        self.done = open < ARRIVED
+            || (falls && (moved < ARRIVED || (moved < NEAR && next < ARRIVED)));
     }
 }
 
@@ -117,7 +146,6 @@ impl Bracket {
 pub(super) fn refine(
     brackets: &mut [Bracket],
     z: &[f32],
-    edge: Mm,
     sampler: &mut dyn Sampler,
     scratch: &mut Scratch,
 ) -> Result<(), FieldError> {
@@ -134,7 +162,7 @@ pub(super) fn refine(
         let s = &mut *scratch;
         sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
         for (&i, &f) in active.iter().zip(&s.values) {
-            brackets[i as usize].step(f64::from(f), count, edge);
+            brackets[i as usize].step(f64::from(f), count);
         }
     }
     Ok(())
@@ -179,9 +207,25 @@ mod tests {
             f(0.1),
         )];
         let mut line = Line(f);
-        refine(&mut b, &[0.0], 0.1, &mut line, &mut Scratch::default())
-            .unwrap();
+        refine(&mut b, &[0.0], &mut line, &mut Scratch::default()).unwrap();
         b[0].point().x
+    }
+
+    #[test]
+    fn jumps_are_told_from_roots() {
+        let jumps = |f: fn(f32) -> f32| {
+            let (lo, hi) = (DVec2::ZERO, DVec2::new(0.1, 0.0));
+            let mut b = [Bracket::new(lo, hi, f(0.0), f(0.1))];
+            let mut s = Scratch::default();
+            refine(&mut b, &[0.0], &mut Line(f), &mut s).unwrap();
+            b[0].jumps()
+        };
+        assert!(!jumps(|x| x - 0.03));
+        assert!(!jumps(|x| 1e6 * (x - 0.05).powi(3)));
+        assert!(!jumps(|x| (x - 0.06).max(1e4 * (x - 0.061))));
+        assert!(jumps(|x| if x < 0.0123 { -1.0 } else { 1.0 }));
+        assert!(jumps(|x| if x < 0.0123 { x - 1.0 } else { x + 1e6 }));
+        assert!(jumps(|x| if x < 0.0777 { -1.0 } else { f32::NAN }));
     }
 
     #[test]

@@ -82,6 +82,9 @@ pub struct Summary {
     pub unfilled_area: Mm2,
     /// Area of all layers' outlines together.
     pub solid_area: Mm2,
+    /// Islands and holes left out because they are smaller than a quarter of
+    /// the outer wall's width.
+    pub dropped_rings: usize,
     /// Distance of the outlines from f = 0, µm, if there are any; of a few
     /// points, unless there is a report.
     pub outline_error: Option<Figures>,
@@ -262,6 +265,7 @@ pub fn slice(
         filament_mass_g: totals.filament_mass_g,
         unfilled_area: tally.gap,
         solid_area: tally.solid,
+        dropped_rings: tally.dropped_rings,
         outline_error,
         wall_error,
         report,

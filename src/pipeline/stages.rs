@@ -7,7 +7,7 @@
 use super::exit::Exit;
 use super::{BLOCK, SliceError};
 use crate::adhesion::skirt;
-use crate::contour::{Outline, outlines};
+use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Field, FieldError};
 use crate::layers::LayerSpan;
 use crate::model::Model;
@@ -24,6 +24,10 @@ use crate::{infill, skin, walls};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
+
+/// Extent below which an island or a hole is left out, as a share of the
+/// outer wall's width.
+const PRINTABLE: f64 = 0.25;
 
 /// A layer whose outline and walls are known.
 pub(super) struct Shell {
@@ -114,8 +118,11 @@ impl<'a> Stages<'a> {
     ) -> Result<Vec<Shell>, FieldError> {
         let z: Vec<Mm> =
             spans.iter().map(|s| s.sample_z() + self.bed).collect();
-        let accuracy = self.settings.accuracy * OUTLINE_SHARE;
-        let make = |f: &Field| outlines(f, &z, accuracy, &self.timings);
+        let detail = Detail {
+            accuracy: self.settings.accuracy * OUTLINE_SHARE,
+            smallest: PRINTABLE * self.settings.outer_wall_width,
+        };
+        let make = |f: &Field| outlines(f, &z, detail, &self.timings);
         let outlines_of_slab = make(&self.field)?;
         // For walls that are offsets of the expression: by depth, by layer.
         let mut offset_outlines = self

@@ -11,6 +11,8 @@ pub(super) struct Tally {
     nan_samples: usize,
     nan_layers: usize,
     forced_rings: usize,
+    /// Islands and holes left out as too small.
+    pub dropped_rings: usize,
     /// Layers seen, those without anything in them since the last one that
     /// had, and those that something comes after.
     layers: usize,
@@ -25,6 +27,7 @@ impl Tally {
         self.nan_samples += shell.outline.nan_samples;
         self.nan_layers += usize::from(shell.outline.nan_samples > 0);
         self.forced_rings += shell.outline.forced_rings;
+        self.dropped_rings += shell.outline.dropped_rings;
         self.layers += 1;
         if shell.outline.area.is_empty() {
             self.empty += 1;

@@ -8,7 +8,7 @@
 #![allow(dead_code, reason = "no test file uses everything")]
 
 use glam::{DVec2, DVec3};
-use isoslice::contour::{Outline, outlines};
+use isoslice::contour::{Detail, Outline, outlines};
 use isoslice::field::{Backend, Field, SLAB};
 use isoslice::layers::{LayerRange, LayerSpan, plan};
 use isoslice::model::{
@@ -102,13 +102,16 @@ pub fn layers(
     )
     .unwrap();
     let timings = Timings::default();
-    let accuracy = OUTLINE_SHARE * settings.accuracy;
+    let detail = Detail {
+        accuracy: OUTLINE_SHARE * settings.accuracy,
+        smallest: 0.25 * settings.outer_wall_width,
+    };
     let found = spans
         .chunks(SLAB)
         .flat_map(|slab| {
             let z: Vec<f64> =
                 slab.iter().map(|s| s.sample_z() - model.offset.z).collect();
-            outlines(&field, &z, accuracy, &timings).unwrap()
+            outlines(&field, &z, detail, &timings).unwrap()
         })
         .collect();
     (spans, found)

@@ -1,0 +1,210 @@
+//! Makes sure that a layer's thinned rings do not cross.
+//!
+//! Straight lines between vertices on the lattice's edges cannot cross; what
+//! was put between them, and what thinning made of it, can, where outlines
+//! come closer to each other than the tolerance. Rings that do are taken back
+//! step by step: thinned less, hardly at all, and last to the lattice's vertices.
+
+use super::link::Joined;
+use super::trace::cross;
+use crate::plane::simplify::simplify;
+use crate::plane::{Ring, edges};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// Steps back.
+const STEPS: u8 = 3;
+
+/// The rings, thinned within a tolerance; empty where nothing is left.
+pub(super) fn thin(rings: &[Joined], tolerance: Mm) -> Vec<Ring> {
+    let mut steps = vec![0_u8; rings.len()];
+    let mut out: Vec<Ring> = rings
+        .iter()
+        .map(|r| simplify(&r.points, tolerance))
+        .collect();
+    loop {
+        let mut worse = false;
+        for n in crossing(&out) {
+            if steps[n] < STEPS {
+                steps[n] += 1;
+                out[n] = back(&rings[n], tolerance, steps[n]);
+                worse = true;
+            }
+        }
+        if !worse {
+            return out;
+        }
+    }
+}
+
+fn back(ring: &Joined, tolerance: Mm, step: u8) -> Ring {
+    match step {
+        1 => simplify(&ring.points, 0.1 * tolerance),
+        2 => simplify(&ring.points, 1e-3 * tolerance),
+        _ => {
+            let fixed = ring.points.iter().zip(&ring.fixed);
+            let points: Ring = fixed.filter(|p| *p.1).map(|p| *p.0).collect();
+            simplify(&points, 1e-3 * tolerance)
+        }
+    }
+}
+
+/// Numbers of the rings that cross each other or themselves, in order.
+pub(super) fn crossing(rings: &[Ring]) -> Vec<usize> {
+    struct Edge {
+        ring: usize,
+        a: DVec2,
+        b: DVec2,
+        /// Number within the ring, and of edges in it.
+        place: usize,
+        count: usize,
+    }
+    let list: Vec<Edge> = rings
+        .iter()
+        .enumerate()
+        .flat_map(|(ring, r)| {
+            edges(r).enumerate().map(move |(place, (a, b))| Edge {
+                ring,
+                a,
+                b,
+                place,
+                count: r.len(),
+            })
+        })
+        .collect();
+    let mut found = vec![false; rings.len()];
+    let grid = Buckets::new(list.iter().map(|e| (e.a, e.b)));
+    for bucket in grid.buckets() {
+        for (k, &m) in bucket.iter().enumerate() {
+            let e = &list[m as usize];
+            let (lo, hi) = (e.a.min(e.b), e.a.max(e.b));
+            for &n in &bucket[k + 1..] {
+                let f = &list[n as usize];
+                let apart = f.a.min(f.b).cmpgt(hi).any()
+                    || f.a.max(f.b).cmplt(lo).any();
+                if apart {
+                    continue;
+                }
+                let meet = if e.ring != f.ring {
+                    cross(e.a, e.b, f.a, f.b)
+                } else if e.place + 1 == f.place {
+                    folds(e.a, e.b, f.b)
+                } else if e.place == 0 && f.place + 1 == f.count {
+                    folds(f.a, f.b, e.b)
+                } else {
+                    cross(e.a, e.b, f.a, f.b)
+                };
+                if meet {
+                    found[e.ring] = true;
+                    found[f.ring] = true;
+                }
+            }
+        }
+    }
+    (0..rings.len()).filter(|&n| found[n]).collect()
+}
+
+/// True if the way from a to b goes straight back to c.
+fn folds(a: DVec2, b: DVec2, c: DVec2) -> bool {
+    (b - a).perp_dot(c - b) == 0.0 && (b - a).dot(c - b) <= 0.0
+}
+
+/// Edges by the square they pass through.
+struct Buckets {
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Buckets {
+    fn new(edges: impl Iterator<Item = (DVec2, DVec2)> + Clone) -> Buckets {
+        let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let (mut count, mut length) = (0_usize, 0.0);
+        for (a, b) in edges.clone() {
+            lo = lo.min(a.min(b));
+            hi = hi.max(a.max(b));
+            length += a.distance(b);
+            count += 1;
+        }
+        // About as large as the edges are long, and not many more squares
+        // than edges.
+        let extent = (hi - lo).max(DVec2::ZERO);
+        let even = (extent.element_product() / count.max(1) as f64).sqrt();
+        let size = even.max(length / count.max(1) as f64).max(1e-6);
+        let cells = |x: f64| (x / size) as usize + 1;
+        let (nx, ny) = (cells(extent.x), cells(extent.y));
+        let span = |a: DVec2, b: DVec2| {
+            let at = |p: DVec2| {
+                let k = (p - lo) / size;
+                ((k.x as usize).min(nx - 1), (k.y as usize).min(ny - 1))
+            };
+            let (from, to) = (at(a.min(b)), at(a.max(b)));
+            (from.1..=to.1)
+                .flat_map(move |j| (from.0..=to.0).map(move |i| j * nx + i))
+        };
+        let mut starts = vec![0_u32; nx * ny + 1];
+        for (a, b) in edges.clone() {
+            for k in span(a, b) {
+                starts[k + 1] += 1;
+            }
+        }
+        for k in 0..nx * ny {
+            starts[k + 1] += starts[k];
+        }
+        let mut items = vec![0_u32; starts[nx * ny] as usize];
+        let mut free = starts.clone();
+        for (n, (a, b)) in edges.enumerate() {
+            for k in span(a, b) {
+                items[free[k] as usize] = n as u32;
+                free[k] += 1;
+            }
+        }
+        Buckets { starts, items }
+    }
+
+    fn buckets(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts
+            .windows(2)
+            .map(|w| &self.items[w[0] as usize..w[1] as usize])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(points: &[(f64, f64)]) -> Ring {
+        points.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
+    }
+
+    #[test]
+    fn crossings_are_found_and_nothing_else() {
+        let square = ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)]);
+        let inner = ring(&[(1.0, 1.0), (1.0, 3.0), (3.0, 3.0), (3.0, 1.0)]);
+        let other = ring(&[(3.5, 1.0), (5.0, 1.0), (5.0, 2.0)]);
+        let bow = ring(&[(9.0, 0.0), (10.0, 1.0), (10.0, 0.0), (9.0, 1.0)]);
+        let fold = ring(&[(20.0, 0.0), (22.0, 0.0), (21.0, 0.0), (21.0, 9.0)]);
+        assert!(crossing(&[square.clone(), inner.clone()]).is_empty());
+        let all = [inner, square, bow, other, fold];
+        assert_eq!(crossing(&all), vec![1, 2, 3, 4]);
+        assert!(crossing(&[]).is_empty());
+    }
+
+    /// Two long arcs three micrometres apart: thinned to ten, they would
+    /// cross each other.
+    #[test]
+    fn close_rings_are_thinned_less() {
+        let arc = |r: f64, n: usize| Joined {
+            points: (0..n)
+                .map(|k| {
+                    let t = std::f64::consts::TAU * k as f64 / n as f64;
+                    DVec2::from_angle(t) * r
+                })
+                .collect(),
+            fixed: vec![true; n],
+        };
+        let rings = [arc(10.0, 2000), arc(9.997, 1733)];
+        let thinned = thin(&rings, 0.01);
+        assert!(crossing(&thinned).is_empty());
+        assert!(thinned.iter().all(|r| r.len() > 50));
+    }
+}

@@ -1,0 +1,145 @@
+//! Outlines of random solids and of random formulas.
+//!
+//! The solids are judged by their own function in `f64`: within the accuracy
+//! of every point of an outline the sign must change, and where it does not
+//! change for the size of a printable feature the outline must agree with it.
+//! The formulas are only to be survived.
+
+// A test that cannot go on should say so and stop.
+#![allow(clippy::unwrap_used)]
+
+#[path = "property/check.rs"]
+mod check;
+#[path = "property/csg.rs"]
+mod csg;
+
+use csg::{Solid, solid};
+use glam::DVec2;
+use isoslice::contour::{Detail, outlines};
+use isoslice::field::{Backend, Field};
+use isoslice::model::{Source, SourceKind, load};
+use isoslice::plane::Rect;
+use isoslice::timings::Timings;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, RngSeed};
+
+const DETAIL: Detail = Detail {
+    accuracy: 0.005,
+    smallest: 0.11,
+};
+/// Width below which what is cut off a tip, or not cut out of a notch, is not
+/// judged: a quarter of the smallest feature.
+const SLIVER: f64 = 0.027;
+/// Half the side of the square around the solids.
+const HALF: f64 = 4.0;
+
+fn config(cases: u32) -> Config {
+    Config {
+        cases,
+        failure_persistence: None,
+        rng_algorithm: RngAlgorithm::ChaCha,
+        rng_seed: RngSeed::Fixed(20),
+        ..Config::default()
+    }
+}
+
+/// Everything wrong with the outline of a solid at a height.
+fn judge(solid: &Solid, spacing: f64, z: f64) -> Result<(), String> {
+    let bounds = Rect {
+        min: DVec2::splat(-HALF),
+        max: DVec2::splat(HALF),
+    };
+    let heights = [-HALF, HALF];
+    let vm = Some(Backend::Vm);
+    let field =
+        Field::new(&solid.tree(), 0.0, bounds, spacing, heights, vm).unwrap();
+    let outline = outlines(&field, &[z], DETAIL, &Timings::default())
+        .unwrap()
+        .remove(0);
+    if outline.forced_rings > 0 {
+        return Err(format!("{} rings do not close", outline.forced_rings));
+    }
+    let inside = |p: DVec2| solid.value(p.extend(z)) < 0.0;
+    check::topology(&outline.area)?;
+    // A tenth of a micrometre of rounding: fidget works in `f32`.
+    let accuracy = DETAIL.accuracy + 1e-4;
+    check::accuracy(&outline.area, accuracy, SLIVER, &inside)?;
+    check::complete(&outline.area, HALF, DETAIL.smallest, &inside)
+}
+
+proptest! {
+    #![proptest_config(config(150))]
+
+    #[test]
+    fn outlines_of_solids_are_exact(
+        solid in solid(),
+        spacing in prop_oneof![Just(0.1), Just(0.2), Just(0.4)],
+        z in -0.7..0.7,
+    ) {
+        if let Err(fault) = judge(&solid, spacing, z) {
+            return Err(TestCaseError::fail(fault));
+        }
+    }
+}
+
+fn formula() -> impl Strategy<Value = String> {
+    let leaf = prop_oneof![
+        prop_oneof![Just("x"), Just("y"), Just("z")].prop_map(String::from),
+        (-3.0..3.0).prop_map(|v: f64| format!("({v:.3})")),
+        (-9..9_i32).prop_map(|p| format!("(1e{p})")),
+    ];
+    leaf.prop_recursive(5, 24, 2, |inner| {
+        let function = prop_oneof![
+            Just("sin"),
+            Just("cos"),
+            Just("tan"),
+            Just("exp"),
+            Just("ln"),
+            Just("sqrt"),
+            Just("abs"),
+            Just("floor"),
+            Just("round"),
+        ];
+        let operator =
+            prop_oneof![Just("+"), Just("-"), Just("*"), Just("/"), Just("%"),];
+        prop_oneof![
+            (function, inner.clone()).prop_map(|(f, a)| format!("{f}({a})")),
+            (inner.clone(), operator, inner.clone())
+                .prop_map(|(a, o, b)| format!("({a} {o} {b})")),
+            (inner.clone(), inner.clone())
+                .prop_map(|(a, b)| format!("max({a}, {b})")),
+            (inner.clone(), inner).prop_map(|(a, b)| format!("min({a}, {b})")),
+        ]
+    })
+}
+
+proptest! {
+    #![proptest_config(config(100))]
+
+    /// Whatever the field: the program ends, and the rings are rings.
+    #[test]
+    fn formulas_are_survived(formula in formula()) {
+        let source = Source::Text {
+            name: "formula".into(),
+            kind: SourceKind::Formula,
+            text: format!("max({formula}, sqrt(x^2 + y^2 + z^2) - 2)"),
+        };
+        let Ok(model) = load(&source, &[]) else { return Ok(()) };
+        let bounds = Rect {
+            min: DVec2::splat(-2.0),
+            max: DVec2::splat(2.0),
+        };
+        let heights = [-2.0, 2.0];
+        let field =
+            Field::new(&model.tree, 0.0, bounds, 0.25, heights, None).unwrap();
+        let layers = [-0.8, 0.01, 0.7];
+        let found =
+            outlines(&field, &layers, DETAIL, &Timings::default()).unwrap();
+        for outline in found {
+            for ring in &outline.area.rings {
+                prop_assert!(ring.len() > 2);
+                prop_assert!(ring.iter().all(|p| p.is_finite()));
+            }
+        }
+    }
+}
