@@ -3,12 +3,13 @@
 //! An [`Area`] is a set of closed rings, outer ones counter-clockwise and
 //! holes clockwise, in millimetres. [`clip`] combines areas, [`offset`]
 //! grows and shrinks them, [`simplify`] thins their rings within a tolerance,
-//! [`hatch`] draws parallel lines across them and [`grid`] answers what is
-//! where.
+//! [`hatch`] draws parallel lines across them, [`grid`] answers what is where
+//! and [`nest`] which ring is around a point.
 
 pub mod clip;
 pub mod grid;
 pub mod hatch;
+pub mod nest;
 pub mod offset;
 pub mod simplify;
 
@@ -104,24 +105,19 @@ impl Area {
     pub fn islands(&self) -> Vec<Area> {
         let (outers, holes): (Vec<&Ring>, Vec<&Ring>) =
             self.rings.iter().partition(|r| signed_area(r) > 0.0);
-        let boxes: Vec<(Rect, Mm2)> = outers
-            .iter()
-            .map(|r| (Rect::around(r.iter()), signed_area(r)))
-            .collect();
         let mut islands: Vec<Area> = outers
             .iter()
             .map(|r| Area {
                 rings: vec![(*r).clone()],
             })
             .collect();
+        if holes.is_empty() {
+            return islands;
+        }
+        // Of the outer rings around a hole the smallest is its own.
+        let nest = nest::Nest::new(outers.iter().copied());
         for hole in holes {
-            let Some(&p) = hole.first() else { continue };
-            // Of the outer rings around the hole the smallest is its own.
-            let owner = (0..outers.len())
-                .filter(|&i| {
-                    boxes[i].0.contains(p) && ring_contains(outers[i], p)
-                })
-                .min_by(|&a, &b| boxes[a].1.total_cmp(&boxes[b].1));
+            let owner = hole.first().and_then(|&p| nest.around(p));
             if let Some(i) = owner {
                 islands[i].rings.push(hole.clone());
             }
