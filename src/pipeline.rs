@@ -24,7 +24,8 @@ use crate::pace::Pacer;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
 use crate::preview::layer_svg;
-use crate::region::exposure::split;
+use crate::region::cover::Cover;
+use crate::region::exposure::{roomy, split};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
@@ -36,6 +37,7 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
@@ -96,13 +98,19 @@ pub enum SliceError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// A layer whose outline and walls are known.
+/// Heights closer than this differ by rounding only, mm.
+const SAME_HEIGHT: Mm = 1e-9;
+
+/// A layer whose outline and walls are known. Layers that are the same as
+/// the one below, as those of a prism are, share all of it.
 struct Shell {
     span: LayerSpan,
-    outline: Outline,
+    outline: Arc<Outline>,
     /// The outline again, for asking what is where.
-    solid: EdgeGrid,
-    walls: Walls,
+    solid: Arc<EdgeGrid>,
+    walls: Arc<Walls>,
+    /// What sparse infill fits into.
+    roomy: Arc<Area>,
 }
 
 /// Slices a placed model and writes its G-code.
@@ -167,8 +175,14 @@ pub fn slice(
     });
     for k in 0..chunks.len() {
         let Some(shells) = next.take() else { break };
-        for shell in shells? {
+        for mut shell in shells? {
             tally.add(&shell);
+            // Also where one slab ends and the next begins.
+            if let Some(below) = window.back()
+                && below.outline == shell.outline
+            {
+                shell.outline = below.outline.clone();
+            }
             window.push_back(shell);
         }
         let last = k + 1 == chunks.len();
@@ -274,32 +288,47 @@ impl<'a> Stages<'a> {
             .iter()
             .map(|f| Ok(make(f)?.into_iter()))
             .collect::<Result<Vec<_>, FieldError>>()?;
-        Ok(spans
-            .iter()
-            .zip(outlines_of_slab)
-            .map(|(&span, outline)| {
-                let height = span.height();
-                let areas: Vec<Area> = offset_outlines
-                    .iter_mut()
-                    .filter_map(|o| o.next().map(|o| o.area))
-                    .collect();
-                let walls = self.timings.time(Stage::Walls, || {
-                    let outline = &outline.area;
-                    match areas.is_empty() {
-                        true => walls(outline, height, self.settings),
-                        false => {
-                            field_walls(outline, areas, height, self.settings)
-                        }
-                    }
-                });
-                Shell {
+        let mut shells: Vec<Shell> = Vec::with_capacity(spans.len());
+        for (&span, outline) in spans.iter().zip(outlines_of_slab) {
+            let height = span.height();
+            let areas: Vec<Area> = offset_outlines
+                .iter_mut()
+                .filter_map(|o| o.next().map(|o| o.area))
+                .collect();
+            if let Some(below) = shells.last()
+                && *below.outline == outline
+                && (below.span.height() - height).abs() < SAME_HEIGHT
+                && areas.is_empty()
+            {
+                let same = Shell {
                     span,
-                    solid: EdgeGrid::new(&outline.area, 1.0),
-                    outline,
-                    walls,
+                    outline: below.outline.clone(),
+                    solid: below.solid.clone(),
+                    walls: below.walls.clone(),
+                    roomy: below.roomy.clone(),
+                };
+                shells.push(same);
+                continue;
+            }
+            let walls = self.timings.time(Stage::Walls, || {
+                let outline = &outline.area;
+                match areas.is_empty() {
+                    true => walls(outline, height, self.settings),
+                    false => field_walls(outline, areas, height, self.settings),
                 }
-            })
-            .collect())
+            });
+            let roomy = self
+                .timings
+                .time(Stage::Skin, || roomy(&walls.fill, self.settings));
+            shells.push(Shell {
+                span,
+                solid: Arc::new(EdgeGrid::new(&outline.area, 1.0)),
+                outline: Arc::new(outline),
+                walls: Arc::new(walls),
+                roomy: Arc::new(roomy),
+            });
+        }
+        Ok(shells)
     }
 
     /// Fills, orders and writes the window's layers whose upper neighbours
@@ -341,22 +370,34 @@ impl<'a> Stages<'a> {
         let shell = &window[i];
         let Shell { span, walls, .. } = shell;
         let height = span.height();
-        let none = Area::EMPTY;
-        let at = |k: Option<usize>| -> &Area {
-            k.and_then(|k| window.get(k))
-                .map_or(&none, |s| &s.outline.area)
+        // A neighbour that is the same as the layer, or as another of its
+        // neighbours, covers nothing less.
+        let mut seen: Vec<&Arc<Outline>> = vec![&shell.outline];
+        let mut cover = |k: Option<usize>| -> Option<Option<Cover<'_>>> {
+            let Some(near) = k.and_then(|k| window.get(k)) else {
+                return Some(None);
+            };
+            if seen.iter().any(|s| Arc::ptr_eq(s, &near.outline)) {
+                return None;
+            }
+            seen.push(&near.outline);
+            Some(Some(Cover {
+                area: &near.outline.area,
+                grid: &near.solid,
+            }))
         };
-        let above: Vec<&Area> = (1..=self.top_layers)
-            .map(|k| at(i.checked_add(k)))
+        let above: Vec<_> = (1..=self.top_layers)
+            .filter_map(|k| cover(i.checked_add(k)))
             .collect();
-        let below: Vec<&Area> = (1..=self.bottom_layers)
-            .map(|k| at(i.checked_sub(k)))
+        let below: Vec<_> = (1..=self.bottom_layers)
+            .filter_map(|k| cover(i.checked_sub(k)))
             .collect();
         let layer = span.index;
         let (areas, skin) = self.timings.time(Stage::Skin, || {
-            let areas = split(&walls.fill, &above, &below, self.settings);
+            let areas =
+                split(&walls.fill, &shell.roomy, &above, &below, self.settings);
             let solid = |k: Option<usize>| {
-                k.and_then(|k| window.get(k)).map(|s| &s.solid)
+                k.and_then(|k| window.get(k)).map(|s| &*s.solid)
             };
             let faces = skin::Faces {
                 above: solid(i.checked_add(1)),

@@ -141,6 +141,17 @@ pub fn ring_length(ring: &[DVec2]) -> Mm {
     edges(ring).map(|(a, b)| a.distance(b)).sum()
 }
 
+/// A point just inside an outer ring (or outside a hole), 1 µm off the middle
+/// of its longest edge: for asking what a part is in that shares its border.
+pub fn point_beside(ring: &[DVec2]) -> Option<DVec2> {
+    const OFF: Mm = 1e-3;
+    let longest = edges(ring).max_by(|(a, b), (c, d)| {
+        a.distance_squared(*b).total_cmp(&c.distance_squared(*d))
+    });
+    longest
+        .map(|(a, b)| a.midpoint(b) + (b - a).normalize_or_zero().perp() * OFF)
+}
+
 /// The edges of a ring, the closing one last.
 pub fn edges(
     ring: &[DVec2],
@@ -180,6 +191,22 @@ mod tests {
         assert_eq!(signed_area(&square(100.0, 50.0, 2.0)), 16.0);
         assert_eq!(signed_area(&reversed(square(0.0, 0.0, 2.0))), -16.0);
         assert_eq!(ring_length(&square(0.0, 0.0, 2.0)), 16.0);
+    }
+
+    #[test]
+    fn a_point_beside_a_ring_is_in_the_solid() {
+        let ring = vec![
+            DVec2::ZERO,
+            DVec2::new(9.0, 0.0),
+            DVec2::new(9.0, 4.0),
+            DVec2::new(8.0, 1.0),
+        ];
+        let p = point_beside(&ring).unwrap();
+        assert_eq!(p, DVec2::new(4.5, 1e-3));
+        assert!(ring_contains(&ring, p));
+        let hole = reversed(ring);
+        assert!(!ring_contains(&hole, point_beside(&hole).unwrap()));
+        assert_eq!(point_beside(&[]), None);
     }
 
     #[test]

@@ -14,6 +14,7 @@
 //! wide as the place is thick; what is too thin even for that widens the
 //! walls beside it ([`mod@line`]). Extruded area per area of part stays the same.
 
+pub mod cover;
 pub mod exposure;
 pub mod line;
 pub mod ridge;
