@@ -98,6 +98,9 @@ pub enum SliceError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
+/// Layers that are filled before they are written.
+const BATCH: usize = 8;
+
 /// Heights closer than this differ by rounding only, mm.
 const SAME_HEIGHT: Mm = 1e-9;
 
@@ -340,29 +343,35 @@ impl<'a> Stages<'a> {
         last: bool,
         exit: &mut Exit<'_, '_>,
     ) -> Result<(), SliceError> {
-        let first = window.front().map_or(0, |s| s.span.index);
-        let end = match last {
-            true => window.len(),
-            // Roles look at the next layer, whatever the skin's thickness.
-            false => window.len().saturating_sub(self.top_layers.max(1)),
-        };
-        let ready = exit.written - first..end;
-        let shells: &VecDeque<Shell> = window;
-        let beads: Vec<LayerBeads> = pool.install(|| {
-            ready
-                .clone()
-                .into_par_iter()
-                .map(|i| self.beads(shells, i))
-                .collect()
-        });
-        for (i, beads) in ready.zip(beads) {
-            exit.layer(&window[i], beads)?;
+        // Roles look at the next layer, whatever the skin's thickness.
+        let hidden = if last { 0 } else { self.top_layers.max(1) };
+        let keep = self.bottom_layers.max(1);
+        loop {
+            // A few layers at a time: their beads take as much memory as
+            // their outlines.
+            let first = window.front().map_or(0, |s| s.span.index);
+            let from = exit.written - first;
+            let end = window.len().saturating_sub(hidden);
+            let ready = from..end.min(from + BATCH);
+            if ready.is_empty() {
+                return Ok(());
+            }
+            let shells: &VecDeque<Shell> = window;
+            let beads: Vec<LayerBeads> = pool.install(|| {
+                ready
+                    .clone()
+                    .into_par_iter()
+                    .map(|i| self.beads(shells, i))
+                    .collect()
+            });
+            for (i, beads) in ready.zip(beads) {
+                exit.layer(&window[i], beads)?;
+            }
+            let keep = exit.written.saturating_sub(keep);
+            while window.front().is_some_and(|s| s.span.index < keep) {
+                window.pop_front();
+            }
         }
-        let keep = exit.written.saturating_sub(self.bottom_layers.max(1));
-        while window.front().is_some_and(|s| s.span.index < keep) {
-            window.pop_front();
-        }
-        Ok(())
     }
 
     /// Everything there is to print in layer `i` of the window.
