@@ -10,9 +10,10 @@
 //! line starts in the sharpest concave corner, or at the back.
 
 use crate::bead::{Bead, Role};
+use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::grid::nearest_on;
-use crate::plane::{Area, Rect, ring_contains};
+use crate::plane::nest::Nest;
 use crate::settings::{Seam, Settings, WallOrder};
 use crate::skin::Patch;
 use crate::units::Mm;
@@ -99,23 +100,15 @@ fn islands(
     skin: Vec<Patch>,
 ) -> Vec<Island> {
     let solids = outline.islands();
-    let boxes: Vec<Rect> = solids.iter().map(Area::bounds).collect();
-    // Beads of one kind come ring by ring and row by row: the island of the
-    // last one is likely that of the next.
+    // The first ring of an island is its outer one.
+    let nest = Nest::new(solids.iter().filter_map(|s| s.rings.first()));
+    // What lies in none, for rounding, goes with the bead before it.
     let mut last = 0;
     let mut find = |bead: Option<&Bead>| -> usize {
-        let Some(&p) = bead.and_then(|b| b.points.first()) else {
-            return 0;
-        };
-        let inside = |i: usize| {
-            boxes[i].contains(p)
-                && solids[i].rings.iter().enumerate().all(|(k, r)| {
-                    // The first ring is the outer one, the rest are holes.
-                    ring_contains(r, p) == (k == 0)
-                })
-        };
-        if solids.len() > 1 && !inside(last) {
-            last = (0..solids.len()).find(|&i| inside(i)).unwrap_or(last);
+        if solids.len() > 1
+            && let Some(&p) = bead.and_then(|b| b.points.first())
+        {
+            last = nest.around(p).unwrap_or(last);
         }
         last
     };

@@ -77,6 +77,31 @@ fn turned(loaded: &Loaded, rotate: [f64; 3]) -> Tree {
     place(loaded, &placement, PRINTER).unwrap().tree
 }
 
+/// The cut of atan2 lies across the part, and is no border of it.
+#[test]
+fn bounds_are_tight_where_the_field_jumps() {
+    let (x, y, z) = Tree::axes();
+    let radius = (x.square() + y.square()).sqrt();
+    let lobes = (y.atan2(x.clone()) * 5.0).cos() * 4.0 + 20.0;
+    let slab = (z.clone() - 5.0).abs() - 5.0;
+    let found = bounds_of(&(radius - lobes).max(slab)).unwrap();
+    let (mut low, mut high) = ([0.0_f64; 2], [0.0_f64; 2]);
+    for i in 0..1_000_000 {
+        let turn = std::f64::consts::TAU * f64::from(i) / 1e6;
+        let r = 20.0 + 4.0 * (5.0 * turn).cos();
+        for (k, v) in [r * turn.cos(), r * turn.sin()].iter().enumerate() {
+            low[k] = low[k].min(*v);
+            high[k] = high[k].max(*v);
+        }
+    }
+    let (min, max) = (found.bounds.min, found.bounds.max);
+    for (k, (lo, hi)) in low.into_iter().zip(high).enumerate() {
+        assert!((min[k] - lo).abs() < 1e-3, "{found:?} for {lo}");
+        assert!((max[k] - hi).abs() < 1e-3, "{found:?} for {hi}");
+    }
+    assert!(found.slack_mm <= 1e-4, "{found:?}");
+}
+
 #[test]
 fn sphere() {
     assert_formula("sqrt(x^2+y^2+z^2) - 15", [-15.0; 3], [15.0; 3]);

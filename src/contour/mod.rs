@@ -40,7 +40,7 @@ use march::{Marcher, Precision};
 use std::time::Duration;
 
 /// Outlines of one layer and what was met on the way.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
     /// The solid of the layer.
     pub area: Area,

@@ -616,23 +616,38 @@ fn split_axis(
     depth: u32,
     thinnest: f64,
 ) -> Option<usize> {
+    let jumps = |i: usize| !steepness[i].is_finite() && steepness[i] != 0.0;
+    // Where f jumps, the box that holds the jump is never decided. Once it is
+    // as thin as what may be left out, its neighbours tell what there is.
+    if (0..3).any(|i| jumps(i) && cell.width(i) <= thinnest) {
+        return None;
+    }
+    let can = |&i: &usize| {
+        let middle = cell.centre()[i];
+        steepness[i] != 0.0
+            && cell.width(i) > thinnest
+            && cell.lo[i] < middle
+            && middle < cell.hi[i]
+    };
+    let widest = |axes: &mut dyn Iterator<Item = usize>| {
+        axes.filter(can)
+            .max_by(|&a, &b| cell.width(a).total_cmp(&cell.width(b)))
+    };
     // Steepness is an upper bound and can be far too high along one axis;
-    // now and then the widest axis gets its turn.
-    let by_width = depth % 8 == 7 || steepness.iter().any(|s| !s.is_finite());
-    (0..3)
-        .filter(|&i| {
-            let middle = cell.centre()[i];
-            steepness[i] != 0.0
-                && cell.width(i) > thinnest
-                && cell.lo[i] < middle
-                && middle < cell.hi[i]
-        })
-        .max_by(|&a, &b| {
-            let gain = |i: usize| {
-                cell.width(i) * if by_width { 1.0 } else { steepness[i] }
-            };
-            gain(a).total_cmp(&gain(b))
-        })
+    // now and then the widest axis gets its turn. Jumps are closed in on in
+    // turn with the rest.
+    if depth % 4 != 3
+        && let Some(i) = widest(&mut (0..3).filter(|&i| jumps(i)))
+    {
+        return Some(i);
+    }
+    if depth % 8 == 7 || (0..3).any(jumps) {
+        return widest(&mut (0..3));
+    }
+    (0..3).filter(can).max_by(|&a, &b| {
+        let gain = |i: usize| cell.width(i) * steepness[i];
+        gain(a).total_cmp(&gain(b))
+    })
 }
 
 /// The roundest decimal within [lo, hi], down to 0.001; else `hi`.

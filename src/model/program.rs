@@ -499,14 +499,18 @@ fn binary(op: BinaryOpcode, a: &Slot, b: &Slot) -> Slot {
         }
         BinaryOpcode::Atan => {
             let squared = ra.square().add(rb.square());
-            let jump = ra.contains(0.0) && rb.lo < 0.0;
-            let slope = if jump {
-                jumping(&[ga, gb])
-            } else {
-                let over = Interval::point(1.0).div(squared);
-                let turn = sum(scaled(ga, rb), scaled(gb, ra.neg()));
-                scaled(&turn, over)
-            };
+            let over = Interval::point(1.0).div(squared);
+            let turn = sum(scaled(ga, rb), scaled(gb, ra.neg()));
+            let mut slope = scaled(&turn, over);
+            if ra.contains(0.0) && rb.lo < 0.0 {
+                // The angle jumps where its first operand changes sign, and
+                // nowhere along an axis on which that stays the same.
+                for (out, jump) in slope.iter_mut().zip(jumping(&[ga])) {
+                    if jump != Interval::ZERO {
+                        *out = jump;
+                    }
+                }
+            }
             (ra.atan2(rb), slope)
         }
         BinaryOpcode::Mod => {

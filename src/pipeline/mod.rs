@@ -206,7 +206,13 @@ pub fn slice(
     });
     for k in 0..chunks.len() {
         let Some(shells) = next.take() else { break };
-        for shell in shells? {
+        for mut shell in shells? {
+            // Also where one slab ends and the next begins.
+            if let Some(below) = window.back()
+                && below.outline == shell.outline
+            {
+                shell.outline = below.outline.clone();
+            }
             if layers.contains(&shell.span.index) {
                 tally.add(&shell);
             }

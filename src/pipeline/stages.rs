@@ -14,7 +14,8 @@ use crate::model::Model;
 use crate::order::LayerBeads;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
-use crate::region::exposure::split;
+use crate::region::cover::Cover;
+use crate::region::exposure::{roomy, split};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::settings::{Settings, WallOffset};
@@ -24,18 +25,28 @@ use crate::{infill, skin, walls};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Extent below which an island or a hole is left out, as a share of the
 /// outer wall's width.
 const PRINTABLE: f64 = 0.25;
 
-/// A layer whose outline and walls are known.
+/// Layers that are filled before they are written.
+const BATCH: usize = 8;
+
+/// Heights closer than this differ by rounding only, mm.
+const SAME_HEIGHT: Mm = 1e-9;
+
+/// A layer whose outline and walls are known. Layers that are the same as
+/// the one below, as those of a prism are, share all of it.
 pub(super) struct Shell {
     pub span: LayerSpan,
-    pub outline: Outline,
+    pub outline: Arc<Outline>,
     /// The outline again, for asking what is where.
-    pub solid: EdgeGrid,
-    pub walls: Walls,
+    pub solid: Arc<EdgeGrid>,
+    pub walls: Arc<Walls>,
+    /// What sparse infill fits into.
+    roomy: Arc<Area>,
 }
 
 /// A layer's beads, and how far it is off if it was measured.
@@ -130,36 +141,62 @@ impl<'a> Stages<'a> {
             .iter()
             .map(|f| Ok(make(f)?.into_iter()))
             .collect::<Result<Vec<_>, FieldError>>()?;
-        Ok(spans
-            .iter()
-            .zip(outlines_of_slab)
-            .map(|(&span, outline)| {
-                let areas: Vec<Area> = offset_outlines
-                    .iter_mut()
-                    .filter_map(|o| o.next().map(|o| o.area))
-                    .collect();
-                (span, outline, areas)
-            })
-            .filter(|(span, _, _)| needed.contains(&span.index))
-            .map(|(span, outline, areas)| {
-                let height = span.height();
-                let walls = self.timings.time(Stage::Walls, || {
-                    let outline = &outline.area;
-                    match areas.is_empty() {
-                        true => walls(outline, height, self.settings),
-                        false => {
-                            field_walls(outline, areas, height, self.settings)
-                        }
-                    }
-                });
-                Shell {
+        let mut shells: Vec<Shell> = Vec::with_capacity(spans.len());
+        for (&span, outline) in spans.iter().zip(outlines_of_slab) {
+            let areas: Vec<Area> = offset_outlines
+                .iter_mut()
+                .filter_map(|o| o.next().map(|o| o.area))
+                .collect();
+            if !needed.contains(&span.index) {
+                continue;
+            }
+            let same = shells.last().filter(|below| {
+                let dh = below.span.height() - span.height();
+                dh.abs() < SAME_HEIGHT
+                    && areas.is_empty()
+                    && *below.outline == outline
+            });
+            let shell = match same {
+                Some(below) => Shell {
                     span,
-                    solid: EdgeGrid::new(&outline.area, 1.0),
-                    outline,
-                    walls,
-                }
-            })
-            .collect())
+                    outline: below.outline.clone(),
+                    solid: below.solid.clone(),
+                    walls: below.walls.clone(),
+                    roomy: below.roomy.clone(),
+                },
+                None => self.shell(span, outline, areas),
+            };
+            shells.push(shell);
+        }
+        Ok(shells)
+    }
+
+    /// A layer's walls; from the outlines `areas` of the offset fields, if
+    /// there are any.
+    fn shell(
+        &self,
+        span: LayerSpan,
+        outline: Outline,
+        areas: Vec<Area>,
+    ) -> Shell {
+        let height = span.height();
+        let walls = self.timings.time(Stage::Walls, || {
+            let outline = &outline.area;
+            match areas.is_empty() {
+                true => walls(outline, height, self.settings),
+                false => field_walls(outline, areas, height, self.settings),
+            }
+        });
+        let roomy = self
+            .timings
+            .time(Stage::Skin, || roomy(&walls.fill, self.settings));
+        Shell {
+            span,
+            solid: Arc::new(EdgeGrid::new(&outline.area, 1.0)),
+            outline: Arc::new(outline),
+            walls: Arc::new(walls),
+            roomy: Arc::new(roomy),
+        }
     }
 
     /// Fills, orders and writes the window's layers whose upper neighbours
@@ -171,42 +208,47 @@ impl<'a> Stages<'a> {
         last: bool,
         exit: &mut Exit<'_, '_>,
     ) -> Result<(), SliceError> {
-        let first = window.front().map_or(0, |s| s.span.index);
-        let end = match last {
-            true => window.len(),
-            // Roles look at the next layer, whatever the skin's thickness.
-            false => window.len().saturating_sub(self.top_layers.max(1)),
-        };
-        let end = end.min(exit.layers().end.saturating_sub(first));
-        let ready = exit.next() - first..end;
-        let shells: &VecDeque<Shell> = window;
+        // Roles look at the next layer, whatever the skin's thickness.
+        let hidden = if last { 0 } else { self.top_layers.max(1) };
         let of_run = exit.layers();
-        let done: Vec<Result<Done, ReportError>> = pool.install(|| {
-            ready
-                .clone()
-                .into_par_iter()
-                .map(|i| {
-                    let index = shells[i].span.index;
-                    let figures = match of_run.contains(&index) {
-                        true => {
-                            let k = index - of_run.start;
-                            self.figures(&shells[i], k)?
-                        }
-                        false => None,
-                    };
-                    Ok((self.beads(shells, i), figures))
-                })
-                .collect()
-        });
-        for (i, done) in ready.zip(done) {
-            let (beads, figures) = done?;
-            exit.layer(&window[i], beads, figures)?;
+        loop {
+            // A few layers at a time: their beads take as much memory as
+            // their outlines.
+            let first = window.front().map_or(0, |s| s.span.index);
+            let from = exit.next() - first;
+            let end = window.len().saturating_sub(hidden);
+            let end = end.min(of_run.end.saturating_sub(first));
+            let ready = from..end.min(from + BATCH);
+            if ready.is_empty() {
+                return Ok(());
+            }
+            let shells: &VecDeque<Shell> = window;
+            let done: Vec<Result<Done, ReportError>> = pool.install(|| {
+                ready
+                    .clone()
+                    .into_par_iter()
+                    .map(|i| {
+                        let index = shells[i].span.index;
+                        let figures = match of_run.contains(&index) {
+                            true => {
+                                let k = index - of_run.start;
+                                self.figures(&shells[i], k)?
+                            }
+                            false => None,
+                        };
+                        Ok((self.beads(shells, i), figures))
+                    })
+                    .collect()
+            });
+            for (i, done) in ready.zip(done) {
+                let (beads, figures) = done?;
+                exit.layer(&window[i], beads, figures)?;
+            }
+            let keep = exit.next().saturating_sub(self.bottom_layers.max(1));
+            while window.front().is_some_and(|s| s.span.index < keep) {
+                window.pop_front();
+            }
         }
-        let keep = exit.next().saturating_sub(self.bottom_layers.max(1));
-        while window.front().is_some_and(|s| s.span.index < keep) {
-            window.pop_front();
-        }
-        Ok(())
     }
 
     /// How far the `k`th layer of the run is off, if it is to be measured.
@@ -231,22 +273,34 @@ impl<'a> Stages<'a> {
         let shell = &window[i];
         let Shell { span, walls, .. } = shell;
         let height = span.height();
-        let none = Area::EMPTY;
-        let at = |k: Option<usize>| -> &Area {
-            k.and_then(|k| window.get(k))
-                .map_or(&none, |s| &s.outline.area)
+        // A neighbour that is the same as the layer, or as another of its
+        // neighbours, covers nothing less.
+        let mut seen: Vec<&Arc<Outline>> = vec![&shell.outline];
+        let mut cover = |k: Option<usize>| -> Option<Option<Cover<'_>>> {
+            let Some(near) = k.and_then(|k| window.get(k)) else {
+                return Some(None);
+            };
+            if seen.iter().any(|s| Arc::ptr_eq(s, &near.outline)) {
+                return None;
+            }
+            seen.push(&near.outline);
+            Some(Some(Cover {
+                area: &near.outline.area,
+                grid: &near.solid,
+            }))
         };
-        let above: Vec<&Area> = (1..=self.top_layers)
-            .map(|k| at(i.checked_add(k)))
+        let above: Vec<_> = (1..=self.top_layers)
+            .filter_map(|k| cover(i.checked_add(k)))
             .collect();
-        let below: Vec<&Area> = (1..=self.bottom_layers)
-            .map(|k| at(i.checked_sub(k)))
+        let below: Vec<_> = (1..=self.bottom_layers)
+            .filter_map(|k| cover(i.checked_sub(k)))
             .collect();
         let layer = span.index;
         let (areas, skin) = self.timings.time(Stage::Skin, || {
-            let areas = split(&walls.fill, &above, &below, self.settings);
+            let areas =
+                split(&walls.fill, &shell.roomy, &above, &below, self.settings);
             let solid = |k: Option<usize>| {
-                k.and_then(|k| window.get(k)).map(|s| &s.solid)
+                k.and_then(|k| window.get(k)).map(|s| &*s.solid)
             };
             let faces = skin::Faces {
                 above: solid(i.checked_add(1)),

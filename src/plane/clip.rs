@@ -79,12 +79,12 @@ pub fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
     from_shapes(overlay.overlay(OverlayRule::Intersect, FillRule::NonZero))
 }
 
-/// The area within a box, up to its border: rings that leave the box run
+/// What some rings have within a box, up to its border: rings that leave the box run
 /// along its sides, perhaps to and fro, with the same winding inside. Much
 /// cheaper than an intersection. (Sutherland and Hodgman 1974.)
-pub fn crop(area: &Area, to: Rect) -> Area {
+pub fn crop<'a>(all: impl IntoIterator<Item = &'a Ring>, to: Rect) -> Area {
     let mut rings = Vec::new();
-    for ring in &area.rings {
+    for ring in all {
         let bounds = Rect::around(ring);
         if bounds.max.cmplt(to.min).any() || bounds.min.cmpgt(to.max).any() {
             continue;
@@ -216,13 +216,13 @@ mod tests {
             min: DVec2::new(-1.0, 1.0),
             max: DVec2::new(3.0, 20.0),
         };
-        let cropped = unite(&crop(&frame, to));
+        let cropped = unite(&crop(&frame.rings, to));
         assert!((cropped.content() - (3.0 * 8.0 - 5.0)).abs() < 1e-6);
         let away = Rect {
             min: DVec2::splat(20.0),
             max: DVec2::splat(21.0),
         };
-        assert!(crop(&frame, away).is_empty());
+        assert!(crop(&frame.rings, away).is_empty());
     }
 
     #[test]

@@ -262,6 +262,32 @@ impl EdgeGrid {
         best.map(|(_, m, q)| (m as usize, q))
     }
 
+    /// Calls `visit` with the ring's number of every edge that comes closer
+    /// than `distance` to the segment; the same one may come more than once.
+    pub fn visit_near(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        distance: Mm,
+        mut visit: impl FnMut(usize),
+    ) {
+        if self.edges.is_empty() {
+            return;
+        }
+        let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
+        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
+        for row in self.row(lo.y)..=self.row(hi.y) {
+            let from = self.starts[row * self.columns + c0] as usize;
+            let to = self.starts[row * self.columns + c1 + 1] as usize;
+            for &m in &self.members[from..to] {
+                let (c, d) = self.edges[m as usize];
+                if distance_squared(a, b, c, d) < distance * distance {
+                    visit(self.rings[m as usize] as usize);
+                }
+            }
+        }
+    }
+
     /// True if no edge comes closer than `distance` to the segment.
     pub fn clear(&self, a: DVec2, b: DVec2, distance: Mm) -> bool {
         let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);

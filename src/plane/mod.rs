@@ -3,12 +3,13 @@
 //! An [`Area`] is a set of closed rings, outer ones counter-clockwise and
 //! holes clockwise, in millimetres. [`clip`] combines areas, [`offset`]
 //! grows and shrinks them, [`simplify`] thins their rings within a tolerance,
-//! [`hatch`] draws parallel lines across them and [`grid`] answers what is
-//! where.
+//! [`hatch`] draws parallel lines across them, [`grid`] answers what is where
+//! and [`nest`] which ring is around a point.
 
 pub mod clip;
 pub mod grid;
 pub mod hatch;
+pub mod nest;
 pub mod offset;
 pub mod simplify;
 
@@ -104,24 +105,19 @@ impl Area {
     pub fn islands(&self) -> Vec<Area> {
         let (outers, holes): (Vec<&Ring>, Vec<&Ring>) =
             self.rings.iter().partition(|r| signed_area(r) > 0.0);
-        let boxes: Vec<(Rect, Mm2)> = outers
-            .iter()
-            .map(|r| (Rect::around(r.iter()), signed_area(r)))
-            .collect();
         let mut islands: Vec<Area> = outers
             .iter()
             .map(|r| Area {
                 rings: vec![(*r).clone()],
             })
             .collect();
+        if holes.is_empty() {
+            return islands;
+        }
+        // Of the outer rings around a hole the smallest is its own.
+        let nest = nest::Nest::new(outers.iter().copied());
         for hole in holes {
-            let Some(&p) = hole.first() else { continue };
-            // Of the outer rings around the hole the smallest is its own.
-            let owner = (0..outers.len())
-                .filter(|&i| {
-                    boxes[i].0.contains(p) && ring_contains(outers[i], p)
-                })
-                .min_by(|&a, &b| boxes[a].1.total_cmp(&boxes[b].1));
+            let owner = hole.first().and_then(|&p| nest.around(p));
             if let Some(i) = owner {
                 islands[i].rings.push(hole.clone());
             }
@@ -143,6 +139,17 @@ pub fn signed_area(ring: &[DVec2]) -> Mm2 {
 /// Length of a ring, its closing edge included.
 pub fn ring_length(ring: &[DVec2]) -> Mm {
     edges(ring).map(|(a, b)| a.distance(b)).sum()
+}
+
+/// A point just inside an outer ring (or outside a hole), 1 µm off the middle
+/// of its longest edge: for asking what a part is in that shares its border.
+pub fn point_beside(ring: &[DVec2]) -> Option<DVec2> {
+    const OFF: Mm = 1e-3;
+    let longest = edges(ring).max_by(|(a, b), (c, d)| {
+        a.distance_squared(*b).total_cmp(&c.distance_squared(*d))
+    });
+    longest
+        .map(|(a, b)| a.midpoint(b) + (b - a).normalize_or_zero().perp() * OFF)
 }
 
 /// The edges of a ring, the closing one last.
@@ -184,6 +191,22 @@ mod tests {
         assert_eq!(signed_area(&square(100.0, 50.0, 2.0)), 16.0);
         assert_eq!(signed_area(&reversed(square(0.0, 0.0, 2.0))), -16.0);
         assert_eq!(ring_length(&square(0.0, 0.0, 2.0)), 16.0);
+    }
+
+    #[test]
+    fn a_point_beside_a_ring_is_in_the_solid() {
+        let ring = vec![
+            DVec2::ZERO,
+            DVec2::new(9.0, 0.0),
+            DVec2::new(9.0, 4.0),
+            DVec2::new(8.0, 1.0),
+        ];
+        let p = point_beside(&ring).unwrap();
+        assert_eq!(p, DVec2::new(4.5, 1e-3));
+        assert!(ring_contains(&ring, p));
+        let hole = reversed(ring);
+        assert!(!ring_contains(&hole, point_beside(&hole).unwrap()));
+        assert_eq!(point_beside(&[]), None);
     }
 
     #[test]

@@ -15,9 +15,11 @@
 //! for sparse infill becomes skin as well. Skin and sparse area together are
 //! the fill.
 
-use crate::plane::Area;
-use crate::plane::clip::{crop, difference, intersection, not_covered_by_all};
+use super::cover::{Cover, Exposed, exposed};
+use crate::plane::clip::{difference, intersection};
+use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
+use crate::plane::{Area, point_beside};
 use crate::settings::Settings;
 use crate::units::Mm;
 
@@ -34,58 +36,96 @@ pub struct FillAreas {
 /// sparse infill are inside the part.
 const TOLERANCE: Mm = 0.02;
 
-/// Splits a layer's fill. `above` and `below` are the outlines of the layers
-/// that have to cover it, nearest first; beyond the part they are empty.
-pub fn split(
-    fill: &Area,
-    above: &[&Area],
-    below: &[&Area],
-    settings: &Settings,
-) -> FillAreas {
-    // What sparse infill would not fit into is skin, exposed or not. In
-    // lattices that is nearly everything, and need not be looked at again.
-    let roomy = match settings.infill_density >= 100.0 {
+/// The part of a fill that sparse infill fits into, whatever covers it. In
+/// lattices that is next to nothing: the rest is skin, exposed or not, and
+/// need not be looked at again.
+pub fn roomy(fill: &Area, settings: &Settings) -> Area {
+    match settings.infill_density >= 100.0 {
         true => Area::EMPTY,
         false => printable(fill, settings),
-    };
-    if roomy.is_empty() {
-        return FillAreas {
-            skin: fill.clone(),
-            sparse: Area::EMPTY,
-        };
     }
-    let covers: Vec<&Area> = above.iter().chain(below).copied().collect();
-    let exposed = exposed(&roomy, &covers);
-    let sparse = match exposed.is_empty() {
-        true => roomy,
-        false => {
-            let grown = offset(&exposed, settings.skin_overlap, TOLERANCE);
-            printable(&difference(&roomy, &grown), settings)
-        }
-    };
-    let skin = match sparse.is_empty() {
-        true => fill.clone(),
-        false => difference(fill, &sparse),
-    };
-    FillAreas { skin, sparse }
 }
 
-/// The part of an area that not all covers cover.
-fn exposed(area: &Area, covers: &[&Area]) -> Area {
-    /// Up to so many islands, cropping the covers to each of them costs less
-    /// than sweeping all of the covers once.
-    const FEW: usize = 24;
-    let islands = area.islands();
-    if islands.len() > FEW {
-        return not_covered_by_all(area, covers);
+/// Splits a layer's fill, of which `roomy` is what [`roomy()`] found. `above`
+/// and `below` are the layers that have to cover it, nearest first; `None`
+/// beyond the part. One that covers the same as another may be left out.
+pub fn split(
+    fill: &Area,
+    roomy: &Area,
+    above: &[Option<Cover<'_>>],
+    below: &[Option<Cover<'_>>],
+    settings: &Settings,
+) -> FillAreas {
+    // The farthest first: they leave the least to be looked at.
+    let n = above.len().max(below.len());
+    let covers: Option<Vec<Cover<'_>>> = (0..n)
+        .rev()
+        .flat_map(|k| above.get(k).into_iter().chain(below.get(k)))
+        .copied()
+        .collect();
+    let sparse = match covers {
+        Some(covers) if !roomy.is_empty() => sparse(roomy, &covers, settings),
+        _ => Vec::new(),
+    };
+    let skin = less(fill, &sparse);
+    let rings = sparse.into_iter().flat_map(|s| s.rings);
+    FillAreas {
+        skin,
+        sparse: Area {
+            rings: rings.collect(),
+        },
     }
-    let rings = islands.iter().flat_map(|island| {
-        let mut near = island.bounds();
-        near.min -= 1.0;
-        near.max += 1.0;
-        let covers: Vec<Area> = covers.iter().map(|c| crop(c, near)).collect();
-        let covers: Vec<&Area> = covers.iter().collect();
-        not_covered_by_all(island, &covers).rings
+}
+
+/// The islands of sparse infill.
+fn sparse(
+    roomy: &Area,
+    covers: &[Cover<'_>],
+    settings: &Settings,
+) -> Vec<Area> {
+    let islands = roomy.islands();
+    // Most of what is covered of a lattice is thin.
+    let half = 0.5 * settings.infill_width;
+    let matters = |part: &Area| {
+        part.content() >= settings.skin_min_area
+            && !offset(part, -half, TOLERANCE).is_empty()
+    };
+    let exposed = exposed(&islands, covers, matters);
+    let mut sparse = Vec::new();
+    for (island, exposed) in islands.into_iter().zip(exposed) {
+        match exposed {
+            Exposed::Nowhere => sparse.push(island),
+            Exposed::Everywhere => {}
+            Exposed::Part(part) => {
+                let grown = offset(&part, settings.skin_overlap, TOLERANCE);
+                let left = printable(&difference(&island, &grown), settings);
+                sparse.extend(left.islands());
+            }
+        }
+    }
+    sparse
+}
+
+/// An area without some islands of it.
+fn less(area: &Area, islands: &[Area]) -> Area {
+    if islands.is_empty() {
+        return area.clone();
+    }
+    // By connected part: most are all sparse, or have no sparse area in them.
+    let parts = area.islands();
+    let nest = Nest::new(parts.iter().filter_map(|p| p.rings.first()));
+    let mut inside: Vec<Area> = vec![Area::EMPTY; parts.len()];
+    for island in islands {
+        let p = island.rings.first().and_then(|r| point_beside(r));
+        if let Some(i) = p.and_then(|p| nest.around(p)) {
+            inside[i].rings.extend(island.rings.iter().cloned());
+        }
+    }
+    let rings = parts.into_iter().zip(inside).flat_map(|(part, inside)| {
+        match inside == part {
+            true => Vec::new(),
+            false => difference(&part, &inside).rings,
+        }
     });
     Area {
         rings: rings.collect(),
@@ -94,6 +134,8 @@ fn exposed(area: &Area, covers: &[&Area]) -> Area {
 
 /// The parts of an area wide and large enough for sparse infill.
 fn printable(area: &Area, settings: &Settings) -> Area {
+    /// Narrower than this, along all of its border, is what rounding takes.
+    const ROUNDING: Mm = 1e-5;
     let half = 0.5 * settings.infill_width;
     let mut wide = Area::EMPTY;
     for island in area.islands() {
@@ -108,6 +150,11 @@ fn printable(area: &Area, settings: &Settings) -> Area {
         // corners return, and necks too narrow for a bead do not.
         let back = offset(&core, 2.0 * half, TOLERANCE);
         let whole = intersection(&island, &back);
+        let lost = island.content() - whole.content();
+        if lost <= ROUNDING * island.perimeter() {
+            wide.rings.extend(island.rings);
+            continue;
+        }
         let parts = whole.islands().into_iter();
         wide.rings.extend(
             parts
@@ -121,7 +168,30 @@ fn printable(area: &Area, settings: &Settings) -> Area {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::grid::EdgeGrid;
     use glam::DVec2;
+
+    fn split_under(
+        fill: &Area,
+        above: &[&Area],
+        below: &[&Area],
+        settings: &Settings,
+    ) -> FillAreas {
+        let grids = |areas: &[&Area]| -> Vec<EdgeGrid> {
+            areas.iter().map(|a| EdgeGrid::new(a, 1.0)).collect()
+        };
+        let (over, under) = (grids(above), grids(below));
+        fn covers<'a>(
+            areas: &[&'a Area],
+            grids: &'a [EdgeGrid],
+        ) -> Vec<Option<Cover<'a>>> {
+            let all = areas.iter().zip(grids);
+            all.map(|(area, grid)| Some(Cover { area, grid })).collect()
+        }
+        let (above, below) = (covers(above, &over), covers(below, &under));
+        let roomy = roomy(fill, settings);
+        split(fill, &roomy, &above, &below, settings)
+    }
 
     fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
         let ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
@@ -135,11 +205,13 @@ mod tests {
         let settings = Settings::default();
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
-        let f = split(&fill, &[&all, &all], &[&all], &settings);
+        let f = split_under(&fill, &[&all, &all], &[&all], &settings);
         assert!((f.sparse.content() - 400.0).abs() < 1e-6);
         assert!(f.skin.content() < 1e-6);
-        let f = split(&fill, &[&all, &Area::EMPTY], &[&all], &settings);
+        let f = split_under(&fill, &[&all, &Area::EMPTY], &[&all], &settings);
         assert_eq!(f.skin, fill);
+        let beyond = split(&fill, &fill, &[None], &[], &settings);
+        assert_eq!(beyond.skin, fill);
     }
 
     #[test]
@@ -149,7 +221,7 @@ mod tests {
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
         let holed = difference(&all, &rect(5.0, 5.0, 10.0, 10.0));
-        let f = split(&fill, &[&all, &holed, &all], &[&all], &settings);
+        let f = split_under(&fill, &[&all, &holed, &all], &[&all], &settings);
         let grown = 5.0 + 2.0 * settings.skin_overlap;
         let skin = f.skin.content();
         assert!((25.0..=grown * grown).contains(&skin), "{skin}");
@@ -163,7 +235,7 @@ mod tests {
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         // Leaves a strip 0.2 mm wide once the skin has grown.
         let cover = rect(19.8 - settings.skin_overlap, -1.0, 21.0, 21.0);
-        let f = split(&fill, &[&cover], &[], &settings);
+        let f = split_under(&fill, &[&cover], &[], &settings);
         assert_eq!(f.skin, fill);
         assert!(f.sparse.is_empty());
     }

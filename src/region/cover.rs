@@ -1,0 +1,344 @@
+//! What neighbouring layers leave open of an area, island by island.
+//!
+//! Most of a layer's fill lies well inside most of its neighbours, or far
+//! outside them. So the neighbours' edges are first looked up in a grid of
+//! the islands' edges: an island that no edge of a neighbour comes into is
+//! covered by it wholly or not at all, as any one of its points tells. Of the
+//! rest the first neighbours often tell that nothing that matters is covered;
+//! only where it is do all neighbours that touch the island go into one sweep.
+
+use crate::plane::clip::{crop, intersection, not_covered_by_all};
+use crate::plane::grid::EdgeGrid;
+use crate::plane::nest::Nest;
+use crate::plane::{Area, Rect, Ring, edges, point_beside};
+use crate::units::Mm;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+
+/// A neighbouring layer's solid.
+#[derive(Clone, Copy, Debug)]
+pub struct Cover<'a> {
+    /// Its outline.
+    pub area: &'a Area,
+    /// The same, for asking what is where.
+    pub grid: &'a EdgeGrid,
+}
+
+/// Where an island is not covered by all covers.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Exposed {
+    /// Nowhere: all of them cover all of it.
+    Nowhere,
+    /// In this part.
+    Part(Area),
+    /// Everywhere, or in all but parts that do not matter.
+    Everywhere,
+}
+
+/// Nearer than this an edge counts as touching, mm.
+const TOUCH: Mm = 1e-4;
+
+/// How many times faster a ring is cropped than swept.
+const CROP_SHARE: usize = 30;
+
+/// Where the covers, together, leave each island open. `matters` tells
+/// whether it matters that a connected area is covered; if it does not matter
+/// for an area, it must not for its parts.
+pub(super) fn exposed(
+    islands: &[Area],
+    covers: &[Cover<'_>],
+    matters: impl Fn(&Area) -> bool,
+) -> Vec<Exposed> {
+    let touching = touching(islands, covers);
+    let mut result: Vec<Exposed> = islands
+        .iter()
+        .enumerate()
+        .map(|(i, island)| {
+            let Some(&p) = island.rings.first().and_then(|r| r.first()) else {
+                return Exposed::Everywhere;
+            };
+            let open = |(k, c): (usize, &Cover<'_>)| {
+                !touching[k][i] && !c.grid.contains(p)
+            };
+            match covers.iter().enumerate().any(open) {
+                true => Exposed::Everywhere,
+                false => Exposed::Nowhere,
+            }
+        })
+        .collect();
+    let left: Vec<usize> = (0..islands.len())
+        .filter(|&i| {
+            result[i] == Exposed::Nowhere && touching.iter().any(|t| t[i])
+        })
+        .collect();
+    if left.is_empty() {
+        return result;
+    }
+    let near = Near::new(islands, &left);
+    let size = |area: &Area| area.rings.iter().map(Vec::len).sum::<usize>();
+    let sweep: usize = covers.iter().map(|c| size(c.area)).sum();
+    let single: usize = covers.iter().map(|c| near.work(c.area)).sum();
+    if single > CROP_SHARE * sweep {
+        // Rings that many islands are near to would be cropped again and
+        // again.
+        for (i, part) in all_at_once(islands, &left, covers) {
+            result[i] = part;
+        }
+        return result;
+    }
+    let rings: Vec<Vec<Vec<u32>>> =
+        covers.iter().map(|c| near.rings(c.area, islands)).collect();
+    for i in left {
+        let mut bounds = islands[i].bounds();
+        bounds.min -= 1.0;
+        bounds.max += 1.0;
+        let cropped = |k: usize| {
+            let all = &covers[k].area.rings;
+            crop(rings[k][i].iter().map(|&r| &all[r as usize]), bounds)
+        };
+        let near: Vec<Area> = (0..covers.len())
+            .filter(|&k| touching[k][i])
+            .map(cropped)
+            .collect();
+        result[i] = match anything_matters(&islands[i], &near, &matters) {
+            true => {
+                let near: Vec<&Area> = near.iter().collect();
+                part(not_covered_by_all(&islands[i], &near))
+            }
+            false => Exposed::Everywhere,
+        };
+    }
+    result
+}
+
+/// Whether what all covers cover of an island may matter. A few intersections
+/// with the first covers often leave little, which then costs little to go
+/// on with; where they leave much, the sweep of all covers is the better way.
+fn anything_matters(
+    island: &Area,
+    covers: &[Area],
+    matters: &impl Fn(&Area) -> bool,
+) -> bool {
+    /// Intersections after which half of the island must be gone.
+    const TRIALS: usize = 2;
+    let mut rest = island.clone();
+    for (k, cover) in covers.iter().enumerate() {
+        if k == TRIALS && rest.content() > 0.5 * island.content() {
+            return true;
+        }
+        let parts = intersection(&rest, cover).islands().into_iter();
+        rest.rings =
+            parts.filter(|p| matters(p)).flat_map(|p| p.rings).collect();
+        if rest.is_empty() {
+            return false;
+        }
+    }
+    true
+}
+
+/// The same for some islands by one sweep of everything.
+fn all_at_once(
+    islands: &[Area],
+    which: &[usize],
+    covers: &[Cover<'_>],
+) -> Vec<(usize, Exposed)> {
+    let rings = which.iter().flat_map(|&i| islands[i].rings.clone());
+    let joined = Area {
+        rings: rings.collect(),
+    };
+    let covers: Vec<&Area> = covers.iter().map(|c| c.area).collect();
+    let open = not_covered_by_all(&joined, &covers);
+    let nest = Nest::new(islands.iter().filter_map(|i| i.rings.first()));
+    let mut parts = vec![Area::EMPTY; islands.len()];
+    for part in open.islands() {
+        let p = part.rings.first().and_then(|r| point_beside(r));
+        if let Some(i) = p.and_then(|p| nest.around(p)) {
+            parts[i].rings.extend(part.rings);
+        }
+    }
+    let own = |&i: &usize| (i, part(std::mem::take(&mut parts[i])));
+    which.iter().map(own).collect()
+}
+
+fn part(open: Area) -> Exposed {
+    match open.is_empty() {
+        true => Exposed::Nowhere,
+        false => Exposed::Part(open),
+    }
+}
+
+/// By cover and island: whether an edge of the cover runs in the island.
+fn touching(islands: &[Area], covers: &[Cover<'_>]) -> Vec<Vec<bool>> {
+    let grid = EdgeGrid::of(
+        islands.iter().enumerate().flat_map(|(i, island)| {
+            let all = island.rings.iter().flat_map(|r| edges(r));
+            all.map(move |e| (i, e))
+        }),
+        0.5,
+    );
+    let bounds = islands.iter().fold(Rect::EMPTY, |r, i| r.union(i.bounds()));
+    let outers = islands.iter().filter_map(|i| i.rings.first());
+    let nest = Nest::new(outers);
+    let touched = |cover: &Cover<'_>| {
+        let mut touched = vec![false; islands.len()];
+        for ring in &cover.area.rings {
+            let mut meets = false;
+            for (a, b) in edges(ring) {
+                let (lo, hi) = (a.min(b), a.max(b));
+                if hi.cmplt(bounds.min).any() || lo.cmpgt(bounds.max).any() {
+                    continue;
+                }
+                grid.visit_near(a, b, TOUCH, |i| {
+                    touched[i] = true;
+                    meets = true;
+                });
+            }
+            // A ring that meets no border is inside one island or in none.
+            if !meets
+                && let Some(&p) = ring.first()
+                && bounds.contains(p)
+                && grid.contains(p)
+                && let Some(i) = nest.around(p)
+            {
+                touched[i] = true;
+            }
+        }
+        touched
+    };
+    covers.iter().map(touched).collect()
+}
+
+/// Islands by their boxes.
+struct Near {
+    boxes: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
+}
+
+impl Near {
+    fn new(islands: &[Area], which: &[usize]) -> Near {
+        let rectangle = |&i: &usize| {
+            let b = islands[i].bounds();
+            let corners = (b.min.to_array(), b.max.to_array());
+            let r = Rectangle::from_corners(corners.0, corners.1);
+            GeomWithData::new(r, i)
+        };
+        Near {
+            boxes: RTree::bulk_load(which.iter().map(rectangle).collect()),
+        }
+    }
+
+    /// The islands whose boxes meet that of a ring.
+    fn islands(&self, ring: &Ring) -> impl Iterator<Item = usize> + '_ {
+        let b = Rect::around(ring);
+        let frame = AABB::from_corners(b.min.to_array(), b.max.to_array());
+        self.boxes
+            .locate_in_envelope_intersecting(&frame)
+            .map(|g| g.data)
+    }
+
+    /// Points that would have to be cropped if each island took the rings
+    /// near to it.
+    fn work(&self, area: &Area) -> usize {
+        let ring = |r: &Ring| r.len() * self.islands(r).count();
+        area.rings.iter().map(ring).sum()
+    }
+
+    /// By island the rings near to it.
+    fn rings(&self, area: &Area, islands: &[Area]) -> Vec<Vec<u32>> {
+        let mut near = vec![Vec::new(); islands.len()];
+        for (r, ring) in area.rings.iter().enumerate() {
+            for i in self.islands(ring) {
+                near[i].push(r as u32);
+            }
+        }
+        near
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::clip::{difference, union};
+    use glam::DVec2;
+
+    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
+        let ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec();
+        Area { rings: vec![ring] }
+    }
+
+    /// What is covered of each island.
+    fn contents(islands: &[Area], covers: &[Area]) -> Vec<f64> {
+        let grids: Vec<EdgeGrid> =
+            covers.iter().map(|c| EdgeGrid::new(c, 1.0)).collect();
+        let covers: Vec<Cover<'_>> = covers
+            .iter()
+            .zip(&grids)
+            .map(|(area, grid)| Cover { area, grid })
+            .collect();
+        let of = |(e, island): (&Exposed, &Area)| match e {
+            Exposed::Nowhere => island.content(),
+            Exposed::Part(part) => island.content() - part.content(),
+            Exposed::Everywhere => 0.0,
+        };
+        let all = exposed(islands, &covers, |a| a.content() > 1.0);
+        all.iter().zip(islands).map(of).collect()
+    }
+
+    #[test]
+    fn islands_are_covered_wholly_partly_or_not() {
+        let islands = [
+            rect(0.0, 0.0, 10.0, 10.0),
+            rect(20.0, 0.0, 30.0, 10.0),
+            rect(40.0, 0.0, 50.0, 10.0),
+            rect(60.0, 0.0, 70.0, 10.0),
+        ];
+        let wide = rect(-5.0, -5.0, 100.0, 20.0);
+        // A ring of the cover inside one island, and a gap around another.
+        let holed = difference(&wide, &rect(3.0, 3.0, 5.0, 5.0));
+        let gap = rect(39.0, -1.0, 51.0, 11.0);
+        let holed = difference(&holed, &gap);
+        let half = rect(-5.0, -5.0, 66.0, 20.0);
+        let found = contents(&islands, &[wide, holed, half]);
+        for (f, e) in found.iter().zip([96.0, 100.0, 0.0, 60.0]) {
+            assert!((f - e).abs() < 1e-6, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn holes_inside_the_island_s_own_holes_do_not_matter() {
+        let frame =
+            difference(&rect(0.0, 0.0, 20.0, 20.0), &rect(5.0, 5.0, 9.0, 9.0));
+        let cover = difference(
+            &rect(-1.0, -1.0, 21.0, 21.0),
+            &rect(6.0, 6.0, 8.0, 8.0),
+        );
+        let grid = EdgeGrid::new(&cover, 1.0);
+        let cover = Cover {
+            area: &cover,
+            grid: &grid,
+        };
+        let all = exposed(&[frame], &[cover], |_| true);
+        assert_eq!(all, [Exposed::Nowhere]);
+    }
+
+    #[test]
+    fn many_islands_under_one_ring_are_swept_together() {
+        // A comb-like cover with an edge in each of many islands.
+        let islands: Vec<Area> = (0..60)
+            .map(|i| {
+                let x = 4.0 * f64::from(i);
+                rect(x, 0.0, x + 3.0, 10.0)
+            })
+            .collect();
+        let mut cover = rect(-1.0, -2.0, 300.0, -1.0);
+        for i in 0..60 {
+            let x = 4.0 * f64::from(i) + 1.0;
+            cover = union(&cover, &rect(x, -1.5, x + 5.0 / 3.0, 5.0));
+        }
+        assert_eq!(cover.rings.len(), 1);
+        for c in contents(&islands, &[cover]) {
+            assert!((c - 25.0 / 3.0).abs() < 1e-3, "{c}");
+        }
+    }
+}
