@@ -206,7 +206,7 @@ fn find_vertices(
         let mut names = vec![Crossing::NONE; patch.slots.len()];
         let mut wrong = [false; 4];
         let mut known = Vec::new();
-        for which in 0..4 {
+        for (which, wrong) in wrong.iter_mut().enumerate() {
             let (edge, edges) = side(cell, which, lattice, parts);
             let own: Vec<_> =
                 edges.filter(|&(a, b, dir)| changes(a, b, dir)).collect();
@@ -217,7 +217,7 @@ fn find_vertices(
                 known.push((patch.slot(a, b, dir), v));
                 continue;
             }
-            wrong[which] = !own.is_empty() || vertex.is_some();
+            *wrong = !own.is_empty() || vertex.is_some();
             for (a, b, dir) in own {
                 let part = [a, b][dir] as u32;
                 names[patch.slot(a, b, dir)] = Crossing { edge, part };

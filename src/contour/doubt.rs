@@ -167,8 +167,8 @@ fn rising(values: &[f32], flip: bool) -> [u16; LEAF] {
     let rows: &[[f32; NODES]] = values.as_chunks().0;
     if flip {
         for (mask, pair) in out.iter_mut().zip(rows.windows(2)) {
-            for i in 0..NODES {
-                *mask |= u16::from(pair[1][i] > pair[0][i]) << i;
+            for (i, (low, high)) in pair[0].iter().zip(&pair[1]).enumerate() {
+                *mask |= u16::from(high > low) << i;
             }
         }
     } else {

@@ -115,6 +115,9 @@ impl Precision {
     }
 }
 
+/// A cell of a batch: its leaf, and column and row in it.
+type Place = (usize, [usize; 2]);
+
 /// Walks batches of leaves and adds their pieces to the layers' chains.
 pub(super) struct Marcher<'a> {
     lattice: &'a Lattice,
@@ -312,10 +315,10 @@ impl<'a> Marcher<'a> {
         leaves: &[Leaf],
         chords: &[usize],
         traced: &[Traced],
-    ) -> Vec<(usize, [usize; 2])> {
-        let mut found = Vec::new();
+    ) -> Vec<Place> {
+        let mut found: Vec<Place> = Vec::new();
         // Corners in cells beside their own: those cells, and the owners.
-        let mut guests: Vec<([i64; 3], (usize, [usize; 2]))> = Vec::new();
+        let mut guests: Vec<([i64; 3], Place)> = Vec::new();
         for (&n, t) in chords.iter().zip(traced) {
             let s = &self.segments[n];
             let leaf = &leaves[s.leaf];
@@ -339,12 +342,12 @@ impl<'a> Marcher<'a> {
     /// beside them where the outline turns out to pass between the two.
     fn divide(
         &mut self,
-        mut wanted: Vec<(usize, [usize; 2])>,
+        mut wanted: Vec<Place>,
         spread: bool,
         batch: &mut Batch<'_>,
     ) -> Result<Vec<(Vec<Cell>, Divided)>, FieldError> {
         let fineness = self.precision.fineness(self.lattice.spacing);
-        let mut done: Vec<(usize, [usize; 2])> = Vec::new();
+        let mut done: Vec<Place> = Vec::new();
         let mut rounds = Vec::new();
         loop {
             wanted.sort_unstable();
@@ -545,7 +548,7 @@ impl<'a> Marcher<'a> {
         traced: Vec<Traced>,
         divided: &[(Vec<Cell>, Divided)],
     ) {
-        let mut skip: Vec<(usize, [usize; 2])> = Vec::new();
+        let mut skip: Vec<Place> = Vec::new();
         for cell in divided.iter().flat_map(|d| &d.0) {
             skip.push((cell.layer, cell.at));
             layers[cell.layer].divided(cell.at);

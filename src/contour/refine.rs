@@ -84,8 +84,9 @@ impl Bracket {
     pub(super) fn jumps(&self) -> bool {
         let rest = self.ends[0].abs() + self.ends[1].abs();
         let open = (self.hi - self.lo) * self.length;
-        // Also if either is not a number.
-        open < ARRIVED && !(rest <= JUMP * self.whole)
+        let falls = rest <= JUMP * self.whole;
+        // Nor does it if either is not a number.
+        open < ARRIVED && !falls
     }
 
     /// Where the line through the bracket's ends is zero; its middle if an

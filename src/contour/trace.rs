@@ -512,7 +512,7 @@ fn candidate(o: &Open, chord: &Chord) -> Option<Candidate> {
         height,
         slope: [p.gradient.length(), q.gradient.length()],
         beside: (at != DVec2::ZERO && !free)
-            .then(|| [at.x as i32, at.y as i32]),
+            .then_some([at.x as i32, at.y as i32]),
     })
 }
 
