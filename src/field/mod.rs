@@ -49,8 +49,11 @@ use tapes::{Split, bug};
 pub const LEAF: usize = 8;
 /// Nodes along a leaf's side.
 pub const NODES: usize = LEAF + 1;
-/// Layers that share one walk over the tiles.
+/// Layers that share one walk over the tiles, at most.
 pub const SLAB: usize = 32;
+/// Cells in a slab of a large lattice, at most: what its layers' outlines need of
+/// memory is then bounded by the bed and not by the part's height.
+const SLAB_CELLS: usize = 32_000_000;
 
 /// Why a field cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
@@ -199,6 +202,17 @@ impl Field {
     /// The lattice the field is sampled on.
     pub fn lattice(&self) -> &Lattice {
         &self.lattice
+    }
+
+    /// Layers to be walked at a time: [`SLAB`], or a power of two less for
+    /// a large lattice.
+    pub fn slab_layers(&self) -> usize {
+        let cells = self.lattice.width() * self.lattice.height();
+        let mut layers = SLAB;
+        while layers > 1 && layers * cells > SLAB_CELLS {
+            layers /= 2;
+        }
+        layers
     }
 
     /// The evaluator in use.

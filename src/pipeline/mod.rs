@@ -186,8 +186,9 @@ pub fn slice(
     // which the field is walked, so the division must depend neither on them
     // nor on the range.
     let needed = stages.needed(&layers, spans.len());
-    let slabs: Vec<&[LayerSpan]> = spans.chunks(SLAB).collect();
-    let slabs = &slabs[needed.start / SLAB..needed.end.div_ceil(SLAB)];
+    let slab = stages.slab_layers();
+    let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
+    let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
     let chunks: Vec<&[&[LayerSpan]]> =
         slabs.chunks(pool.current_num_threads()).collect();
     let make = |chunk: &[&[LayerSpan]]| -> Result<Vec<Shell>, FieldError> {

@@ -31,8 +31,9 @@ use std::sync::Arc;
 /// outer wall's width.
 const PRINTABLE: f64 = 0.25;
 
-/// Layers that are filled before they are written.
-const BATCH: usize = 8;
+/// Layers are filled until their outlines have so many points, and then
+/// written: their beads take several times the memory of their outlines.
+const BATCH_POINTS: usize = 100_000;
 
 /// Heights closer than this differ by rounding only, mm.
 const SAME_HEIGHT: Mm = 1e-9;
@@ -47,6 +48,13 @@ pub(super) struct Shell {
     pub walls: Arc<Walls>,
     /// What sparse infill fits into.
     roomy: Arc<Area>,
+}
+
+impl Shell {
+    /// Points of the outline.
+    fn points(&self) -> usize {
+        self.outline.area.rings.iter().map(Vec::len).sum()
+    }
 }
 
 /// A layer's beads, and how far it is off if it was measured.
@@ -111,6 +119,11 @@ impl<'a> Stages<'a> {
             timings: Timings::default(),
             gauge,
         })
+    }
+
+    /// Layers whose field is walked at a time.
+    pub fn slab_layers(&self) -> usize {
+        self.field.slab_layers()
     }
 
     /// The layers whose shells a run needs that writes `layers` of `count`:
@@ -218,7 +231,13 @@ impl<'a> Stages<'a> {
             let from = exit.next() - first;
             let end = window.len().saturating_sub(hidden);
             let end = end.min(of_run.end.saturating_sub(first));
-            let ready = from..end.min(from + BATCH);
+            let mut points = 0;
+            let fits = |&i: &usize| {
+                let before = points;
+                points += window[i].points();
+                i < from + pool.current_num_threads() || before < BATCH_POINTS
+            };
+            let ready = from..from + (from..end).take_while(fits).count();
             if ready.is_empty() {
                 return Ok(());
             }
