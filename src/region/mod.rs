@@ -124,8 +124,9 @@ pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
     skeleton.lay(rings, 0.0, lay)
 }
 
-/// Size of a grid's cells, mm: about the length of an outline's edges.
-const CELL: Mm = 0.3;
+/// Size of a grid's cells, mm: some lengths of an outline's edges (measured:
+/// smaller ones take longer to walk than they save edges).
+const CELL: Mm = 0.5;
 
 /// The ridges of an area, as far as they matter to some walls.
 ///
