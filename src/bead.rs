@@ -12,6 +12,7 @@
 //! fill the plane: their spacing is w − h·(1 − π/4), at which area per
 //! spacing is exactly h.
 
+use crate::plane::path_length;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
 
@@ -95,12 +96,7 @@ pub struct Bead {
 impl Bead {
     /// Length of the centre line, with the closing segment of a closed bead.
     pub fn length(&self) -> Mm {
-        let open: f64 =
-            self.points.windows(2).map(|p| p[0].distance(p[1])).sum();
-        match (self.closed, self.points.first(), self.points.last()) {
-            (true, Some(a), Some(b)) => open + b.distance(*a),
-            _ => open,
-        }
+        path_length(&self.points, self.closed)
     }
 
     /// The segments of the centre line, the closing one included.

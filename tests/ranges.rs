@@ -4,30 +4,10 @@
 
 mod common;
 
-use isoslice::layers::LayerRange;
+use common::slice_layers;
 use isoslice::model::Model;
-use isoslice::pipeline::{self, Options, Summary};
+use isoslice::pipeline::{self, Options};
 use isoslice::settings::Settings;
-
-/// The G-code of some layers.
-fn slice(
-    model: &Model,
-    settings: &Settings,
-    layers: &str,
-    threads: usize,
-) -> (String, Summary) {
-    let options = Options {
-        threads: Some(threads),
-        layers: layers.parse::<LayerRange>().unwrap(),
-        svg_dir: None,
-        report: false,
-        on_layer: &|_, _| {},
-    };
-    let mut bytes = Vec::new();
-    let summary =
-        pipeline::slice(model, settings, &options, &mut bytes).unwrap();
-    (String::from_utf8(bytes).unwrap(), summary)
-}
 
 /// What lies between a file's head and its end.
 fn body(gcode: &str) -> &str {
@@ -39,7 +19,7 @@ fn body(gcode: &str) -> &str {
 /// Slices whole and in pieces that end before the given layers (from 0).
 #[track_caller]
 fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
-    let (whole, summary) = slice(model, settings, "..", 1);
+    let (whole, summary) = slice_layers(model, settings, "..", 1);
     let count = summary.layer_count;
     let mut joined = String::new();
     let (mut time, mut filament) = (0.0, 0.0);
@@ -47,7 +27,7 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
     for (k, &to) in cuts.iter().chain([&count]).enumerate() {
         let range = format!("{}..{to}", from + 1);
         let threads = if k % 2 == 0 { 3 } else { 1 };
-        let (part, of_part) = slice(model, settings, &range, threads);
+        let (part, of_part) = slice_layers(model, settings, &range, threads);
         assert_eq!(of_part.layers, from..to);
         assert!(
             part.contains(&format!("; total layers count = {}", to - from))
@@ -127,7 +107,7 @@ fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
         "max(max(abs(x) - 4, abs(y) - 4), abs(abs(z) - 4) - 1)",
         &settings,
     );
-    let (gcode, summary) = slice(&model, &settings, "20..25", 1);
+    let (gcode, summary) = slice_layers(&model, &settings, "20..25", 1);
     assert_eq!(gcode.matches(";LAYER_CHANGE").count(), 6);
     assert!(gcode.contains("\n; layers 20 to 25 of 50\n"));
     assert_eq!(summary.filament_length, 0.0);

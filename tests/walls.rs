@@ -117,6 +117,16 @@ impl Faults {
             self.0.push(format!("{what}: {part}: {p:?}"));
         }
     }
+
+    /// A wall of thickness `t` stays inside and has the volume it should.
+    fn check_strip(&mut self, t: f64, p: &Print) {
+        let part = format!("{t:.2} mm");
+        self.check(p.out < 0.015, "out", &part, p);
+        // The round edges of the surface, h·(1 − π/4), stay open.
+        let edges = 0.043 / t;
+        let range = 0.97 - edges..1.12 - 0.5 * edges;
+        self.check(range.contains(&p.volume), "volume", &part, p);
+    }
 }
 
 impl Drop for Faults {
@@ -167,16 +177,7 @@ fn strips_are_covered_to_their_corners() {
             &p,
         );
         faults.check(p.hole < 0.03, "hole", &format!("{t:.2} mm"), &p);
-        faults.check(p.out < 0.015, "out", &format!("{t:.2} mm"), &p);
-        // The round edges of the surface, h·(1 − π/4), stay open.
-        let edges = 0.043 / t;
-        let range = 0.97 - edges..1.12 - 0.5 * edges;
-        faults.check(
-            range.contains(&p.volume),
-            "volume",
-            &format!("{t:.2} mm"),
-            &p,
-        );
+        faults.check_strip(t, &p);
     }
 }
 
@@ -214,15 +215,7 @@ fn rings_are_covered() {
             &format!("{t:.2} mm"),
             &p,
         );
-        faults.check(p.out < 0.015, "out", &format!("{t:.2} mm"), &p);
-        let edges = 0.043 / t;
-        let range = 0.97 - edges..1.12 - 0.5 * edges;
-        faults.check(
-            range.contains(&p.volume),
-            "volume",
-            &format!("{t:.2} mm"),
-            &p,
-        );
+        faults.check_strip(t, &p);
     }
 }
 

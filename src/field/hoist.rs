@@ -3,7 +3,7 @@
 //! The lattice is aligned with the axes, so `sin(k·x)` has one value per
 //! column, `sin(k·y)` one per row and `sin(k·z)` one per layer. The largest
 //! such parts are replaced by variables and evaluated once each. What is left
-//! of a gyroid is eleven additions and multiplications.
+//! of a gyroid is a few additions and multiplications.
 
 use fidget::context::UnaryOpcode;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, TreeOp};

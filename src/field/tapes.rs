@@ -127,14 +127,44 @@ pub(super) enum Proof<F: Function> {
     Ambiguous(Option<Tapes<F>>),
 }
 
+/// Evaluates batches of points, one way or the other.
+struct Runner<F: Function> {
+    float: F::FloatSliceEval,
+    lanes: Lanes,
+}
+
+impl<F: Evaluable> Runner<F> {
+    /// Appends the function's values at `count` points to `out`; if its
+    /// `tape` has to be compiled, `spare` is memory for it.
+    fn run(
+        &mut self,
+        f: &F,
+        tape: &mut Option<FloatTape<F>>,
+        vars: &[&[f32]],
+        count: usize,
+        spare: &mut Vec<F::TapeStorage>,
+        out: &mut Vec<f32>,
+    ) -> Result<(), FieldError> {
+        if !F::COMPILED {
+            self.lanes.eval(f, vars, count, out);
+            return Ok(());
+        }
+        let tape = tape.get_or_insert_with(|| {
+            f.float_slice_tape(spare.pop().unwrap_or_default())
+        });
+        let values = self.float.eval(tape, vars).map_err(bug)?;
+        out.extend_from_slice(&values[0]);
+        Ok(())
+    }
+}
+
 /// Evaluators and buffers of one thread.
 pub(super) struct Workspace<'a, F: Function> {
     parts: &'a [Vec<VmFunction>; 3],
     /// By input of the tapes. Simplified tapes keep the order.
     sources: Vec<Source>,
     ranges: Ranges,
-    float: F::FloatSliceEval,
-    lanes: Lanes,
+    runner: Runner<F>,
     grad: F::GradSliceEval,
     simplify: F::Workspace,
     axis: axis::Scratch,
@@ -164,8 +194,10 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             parts: &split.parts,
             sources,
             ranges: Ranges::default(),
-            float: F::new_float_slice_eval(),
-            lanes: Lanes::default(),
+            runner: Runner {
+                float: F::new_float_slice_eval(),
+                lanes: Lanes::default(),
+            },
             grad: F::new_grad_slice_eval(),
             simplify: Default::default(),
             axis: axis::Scratch::default(),
@@ -256,16 +288,14 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             for &slot in &*used {
                 vars[slot] = &self.values[slot];
             }
-            if F::COMPILED {
-                let tape = tapes.float.get_or_insert_with(|| {
-                    let storage = self.tapes.pop().unwrap_or_default();
-                    tapes.f.float_slice_tape(storage)
-                });
-                let values = self.float.eval(tape, &vars).map_err(bug)?;
-                out.extend_from_slice(&values[0]);
-            } else {
-                self.lanes.eval(&tapes.f, &vars, count, out);
-            }
+            self.runner.run(
+                &tapes.f,
+                &mut tapes.float,
+                &vars,
+                count,
+                &mut self.tapes,
+                out,
+            )?;
         }
         Ok(())
     }
@@ -310,17 +340,15 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             };
         }
         out.clear();
-        if F::COMPILED {
-            let tape = tapes.float.get_or_insert_with(|| {
-                let storage = self.tapes.pop().unwrap_or_default();
-                tapes.f.float_slice_tape(storage)
-            });
-            let values = self.float.eval(tape, &vars).map_err(bug)?;
-            out.extend_from_slice(&values[0]);
-        } else {
-            self.lanes.eval(&tapes.f, &vars, points[0].len(), out);
-        }
-        Ok(())
+        let count = points[0].len();
+        self.runner.run(
+            &tapes.f,
+            &mut tapes.float,
+            &vars,
+            count,
+            &mut self.tapes,
+            out,
+        )
     }
 
     /// The in-plane gradient at any points, written over `out`.

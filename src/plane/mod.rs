@@ -126,6 +126,15 @@ impl Area {
     }
 }
 
+/// Length of a path, with the closing segment of a closed one.
+pub fn path_length(points: &[DVec2], closed: bool) -> Mm {
+    let open: f64 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
+    match (closed, points.first(), points.last()) {
+        (true, Some(a), Some(b)) => open + b.distance(*a),
+        _ => open,
+    }
+}
+
 /// Signed content of a ring: positive if it runs counter-clockwise.
 pub fn signed_area(ring: &[DVec2]) -> Mm2 {
     let Some(&o) = ring.first() else { return 0.0 };

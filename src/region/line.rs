@@ -8,7 +8,7 @@
 
 use super::ridge::Ridge;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, edges};
+use crate::plane::{Area, edges, path_length};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -37,12 +37,7 @@ const SLACK: Mm = 0.05;
 impl Line {
     /// Length, with the closing segment of a closed line.
     pub fn length(&self) -> Mm {
-        let open: f64 =
-            self.points.windows(2).map(|p| p[0].distance(p[1])).sum();
-        match (self.closed, self.points.first(), self.points.last()) {
-            (true, Some(a), Some(b)) => open + b.distance(*a),
-            _ => open,
-        }
+        path_length(&self.points, self.closed)
     }
 
     /// The ridge's line for a bead `extra` wider than the area is thick.

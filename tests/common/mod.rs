@@ -63,9 +63,19 @@ pub fn slice(
     settings: &Settings,
     threads: usize,
 ) -> (String, Summary) {
+    slice_layers(model, settings, "..", threads)
+}
+
+/// The G-code of some of a model's layers.
+pub fn slice_layers(
+    model: &Model,
+    settings: &Settings,
+    layers: &str,
+    threads: usize,
+) -> (String, Summary) {
     let options = Options {
         threads: Some(threads),
-        layers: LayerRange::ALL,
+        layers: layers.parse::<LayerRange>().unwrap(),
         svg_dir: None,
         report: false,
         on_layer: &|_, _| {},
