@@ -220,8 +220,8 @@ fn values_are_read_as_their_type_asks() {
         "retract.extra_prime=-0.1",
     ])
     .unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(s.infill_density, 25.0);
-    assert_eq!(s.flow, 98.0);
+    assert!(s.infill_density.is(25.0));
+    assert!(s.flow.is(98.0));
     assert_eq!(s.infill_overlap, 30.0);
     assert_eq!((s.top_layers, s.bottom_layers), (Some(5), None));
     assert_eq!(s.infill_pattern, InfillPattern::Grid);
@@ -235,7 +235,7 @@ fn values_are_read_as_their_type_asks() {
          start = \"\"\"\nG28\nG1 Z5\n\"\"\"",
     )
     .unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(s.infill_density, 25.0);
+    assert!(s.infill_density.is(25.0));
     assert_eq!(s.gcode.start, "G28\nG1 Z5\n");
 }
 

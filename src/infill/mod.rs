@@ -53,15 +53,16 @@ pub fn beads(
     settings: &Settings,
 ) -> Vec<Bead> {
     let width = settings.infill_width;
-    if sparse.is_empty() || settings.infill_density <= 0.0 {
+    // Graded by an expression, infill is laid by the patterns themselves.
+    let density = settings.infill_density.constant().unwrap_or(0.0);
+    if sparse.is_empty() || density <= 0.0 {
         return Vec::new();
     }
     let overlap = width * settings.infill_overlap / 100.0;
     let ends = offset(sparse, overlap - 0.5 * width, 0.02);
     let params = Params {
         layer,
-        spacing: spacing(width, width, height) * 100.0
-            / settings.infill_density,
+        spacing: spacing(width, width, height) * 100.0 / density,
         angle: settings.infill_angle,
         shortest: width,
     };
@@ -93,7 +94,7 @@ mod tests {
         for kind in [InfillPattern::Rectilinear, InfillPattern::Grid] {
             for density in [10.0, 25.0, 60.0] {
                 let settings = Settings {
-                    infill_density: density,
+                    infill_density: density.into(),
                     infill_pattern: kind,
                     ..Settings::default()
                 };
@@ -117,8 +118,8 @@ mod tests {
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
         let area = Area { rings: vec![ring] };
-        let settings = |infill_density| Settings {
-            infill_density,
+        let settings = |density: f64| Settings {
+            infill_density: density.into(),
             ..Settings::default()
         };
         assert!(!beads(&area, 0, 0.2, &settings(5.0)).is_empty());

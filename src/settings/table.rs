@@ -60,6 +60,7 @@ impl Key {
         match self.kind() {
             Kind::Number | Kind::Whole => range,
             Kind::WholeOrAuto => format!("auto, or {range}"),
+            Kind::Varying => format!("{range}, or \"expr: ...\""),
             Kind::Switch => "true or false".to_owned(),
             Kind::Text => "any text".to_owned(),
             Kind::Word(words) => alternatives(words),
@@ -81,6 +82,10 @@ impl Key {
                     "a number from {range} (in {unit}, without quotes or unit)"
                 )
             }
+            (Kind::Varying, unit) => format!(
+                "{range}{}{unit} or \"expr: ...\", a formula of x, y, z and d",
+                if unit.is_empty() { "" } else { " " }
+            ),
             (Kind::Whole, _) => format!("a whole number, {range}"),
             (Kind::WholeOrAuto, _) => {
                 format!("\"auto\" or a whole number, {range}")
@@ -189,6 +194,9 @@ pub(super) fn tidy(doc: &str) -> String {
 
 /// Unit of a type in the table.
 macro_rules! unit {
+    (Varying<$inner:ident>) => {
+        $crate::settings::table::unit!($inner)
+    };
     (Mm) => {
         "mm"
     };
