@@ -157,8 +157,8 @@ pub fn slice(
         .num_threads(options.threads.unwrap_or(0))
         .build()?;
     let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
-    let stages = Stages::new(model, settings, gauge)?;
     let around = Surroundings::new(model);
+    let stages = Stages::new(model, settings, &around, gauge)?;
     let rater = Rater::new(settings, model, &around)?;
     let header = Header {
         model_name: model.name.clone(),

@@ -9,6 +9,7 @@ use super::{BLOCK, SliceError};
 use crate::adhesion::skirt;
 use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Field, FieldError};
+use crate::fuzzy::Fuzzy;
 use crate::layers::LayerSpan;
 use crate::model::Model;
 use crate::order::LayerBeads;
@@ -21,6 +22,7 @@ use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
+use crate::vary::Surroundings;
 use crate::{infill, skin, walls};
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -66,6 +68,7 @@ pub(super) struct Stages<'a> {
     field: Field,
     /// The fields of the walls, if they are offsets of the expression.
     wall_fields: Vec<Field>,
+    fuzzy: Option<Fuzzy<'a>>,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
     top_layers: usize,
@@ -78,8 +81,9 @@ impl<'a> Stages<'a> {
     pub fn new(
         model: &Model,
         settings: &'a Settings,
+        around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
-    ) -> Result<Self, FieldError> {
+    ) -> Result<Self, SliceError> {
         let rect = Rect {
             min: model.bounds.min.truncate(),
             max: model.bounds.max.truncate(),
@@ -113,6 +117,7 @@ impl<'a> Stages<'a> {
             settings,
             field,
             wall_fields,
+            fuzzy: Fuzzy::new(settings, around)?,
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
@@ -242,7 +247,7 @@ impl<'a> Stages<'a> {
                 return Ok(());
             }
             let shells: &VecDeque<Shell> = window;
-            let done: Vec<Result<Done, ReportError>> = pool.install(|| {
+            let done: Vec<Result<Done, SliceError>> = pool.install(|| {
                 ready
                     .clone()
                     .into_par_iter()
@@ -255,7 +260,7 @@ impl<'a> Stages<'a> {
                             }
                             false => None,
                         };
-                        Ok((self.beads(shells, i), figures))
+                        Ok((self.beads(shells, i)?, figures))
                     })
                     .collect()
             });
@@ -288,7 +293,11 @@ impl<'a> Stages<'a> {
     }
 
     /// Everything there is to print in layer `i` of the window.
-    fn beads(&self, window: &VecDeque<Shell>, i: usize) -> LayerBeads {
+    fn beads(
+        &self,
+        window: &VecDeque<Shell>,
+        i: usize,
+    ) -> Result<LayerBeads, SliceError> {
         let shell = &window[i];
         let Shell { span, walls, .. } = shell;
         let height = span.height();
@@ -329,16 +338,22 @@ impl<'a> Stages<'a> {
                 skin::patches(&areas.skin, faces, layer, height, self.settings);
             (areas, skin)
         });
-        LayerBeads {
+        let mut walls = walls::beads(walls, height);
+        if let Some(fuzzy) = &self.fuzzy {
+            self.timings.time(Stage::Walls, || {
+                fuzzy.apply(&mut walls, layer, span.sample_z(), &shell.solid)
+            })?;
+        }
+        Ok(LayerBeads {
             skirt: match layer < self.settings.skirt.layers as usize {
                 true => skirt(&shell.outline.area, height, self.settings),
                 false => Vec::new(),
             },
-            walls: walls::beads(walls, height),
+            walls,
             infill: self.timings.time(Stage::Infill, || {
                 infill::beads(&areas.sparse, layer, height, self.settings)
             }),
             skin,
-        }
+        })
     }
 }
