@@ -114,6 +114,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             let mut path = connect(
                 shell.span,
                 beads,
+                outline,
                 &shell.solid,
                 from,
                 self.offset,

@@ -92,6 +92,11 @@ impl EdgeGrid {
         self.edges[number]
     }
 
+    /// The number of what an edge belongs to.
+    pub fn owner(&self, edge: usize) -> usize {
+        self.rings[edge] as usize
+    }
+
     fn column(&self, x: f64) -> usize {
         let c = (x - self.origin.x) / self.cell;
         (c.max(0.0) as usize).min(self.columns - 1)
@@ -176,6 +181,59 @@ impl EdgeGrid {
             }
         });
         found
+    }
+
+    /// Calls `visit` with every edge that the segment from `a` to `b` crosses,
+    /// and where, as a fraction of its length; the same one may come more than
+    /// once. An end of an edge that is on the segment counts as to the right
+    /// of it, so that a ring is crossed as often inwards as outwards.
+    pub fn visit_crossed(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        mut visit: impl FnMut(f64, usize),
+    ) {
+        if self.edges.is_empty() {
+            return;
+        }
+        self.walk(a, b, |cell| {
+            for &m in self.members(cell) {
+                let (c, d) = self.edges[m as usize];
+                let (c_left, d_left) = (is_left(a, b, c), is_left(a, b, d));
+                if c_left == d_left || is_left(c, d, a) == is_left(c, d, b) {
+                    continue;
+                }
+                let (u, v) = (b - a, d - c);
+                let t = (c - a).perp_dot(v) / u.perp_dot(v);
+                visit(t.clamp(0.0, 1.0), m as usize);
+            }
+        });
+    }
+
+    /// Calls `visit` with the number of every edge that comes closer than
+    /// `distance` to the segment; the same one may come more than once.
+    pub fn visit_edges_near(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        distance: Mm,
+        mut visit: impl FnMut(usize),
+    ) {
+        if self.edges.is_empty() {
+            return;
+        }
+        let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
+        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
+        for row in self.row(lo.y)..=self.row(hi.y) {
+            let from = self.starts[row * self.columns + c0] as usize;
+            let to = self.starts[row * self.columns + c1 + 1] as usize;
+            for &m in &self.members[from..to] {
+                let (c, d) = self.edges[m as usize];
+                if distance_squared(a, b, c, d) < distance * distance {
+                    visit(m as usize);
+                }
+            }
+        }
     }
 
     /// The point of the edges nearest to `p` and the number of its ring.
@@ -339,6 +397,14 @@ pub fn nearest_on(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
         0.0
     };
     a + along * t
+}
+
+/// True if `p` is strictly to the left of the line from `a` to `b`; exact (J.
+/// R. Shewchuk, *Adaptive precision floating-point arithmetic and fast robust
+/// geometric predicates*, 1997).
+fn is_left(a: DVec2, b: DVec2, p: DVec2) -> bool {
+    let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
+    robust::orient2d(coord(a), coord(b), coord(p)) > 0.0
 }
 
 /// Where on a–b (0 to 1) it meets c–d, if it does.

@@ -174,8 +174,24 @@ table::settings! {
         /// Speed of moves that do not print.
         travel: MmPerSec = 150.0, in 0.1..=2000.0;
     }
+    /// The way between beads.
+    travel: Travel {
+        /// Whether travels inside an island go round its holes and notches:
+        /// never, without regard for top skins that they pass over, or with
+        /// a retraction where they do.
+        combing: Combing = Combing::NotOverTopSkin;
+        /// Travels that would become longer by more than this go straight,
+        /// retracted.
+        max_detour: Mm = 30.0, in 0.0..=10_000.0;
+    }
     /// Pulling back the filament before a travel.
     retract: Retract {
+        /// Retract only on travels that show: out of the part, over walls,
+        /// over top skins. If false, on all that are not shorter than
+        /// min_travel.
+        when_crossing: bool = true;
+        /// Walls count as places where travels show.
+        check_walls: bool = true;
         /// Length of filament pulled back; 0 turns retraction off.
         length: Mm = 0.8, in 0.0..=50.0;
         /// Speed of pulling back.
@@ -321,6 +337,17 @@ value::words! {
         Rear = "rear",
         /// Nearest to where the nozzle comes from.
         Nearest = "nearest",
+    }
+}
+value::words! {
+    /// Where travels go round what is in their way.
+    Combing {
+        /// Nowhere: travels are straight.
+        Off = "off",
+        /// Everywhere inside an island.
+        Everywhere = "everywhere",
+        /// The same, but what passes over a top skin is retracted.
+        NotOverTopSkin = "not-over-top-skin",
     }
 }
 value::words! {

@@ -1,0 +1,173 @@
+//! Whether a travel may leave the filament where it is.
+//!
+//! In: a travel's way. Out: whether it passes over this or that. Ooze does not matter where it
+//! is hidden: inside the part and not across a wall, nor on a top skin.
+//!
+//! A travel that comes nearer to the middle of an outer wall than half a
+//! line's width counts as crossing it. The walls that it begins and ends on
+//! are left and reached, not crossed, as long as that is near its ends.
+
+use crate::bead::{Bead, Role};
+use crate::plane::grid::EdgeGrid;
+use crate::region::wall_depths;
+use crate::settings::Settings;
+use crate::units::Mm;
+use glam::DVec2;
+use std::cell::OnceCell;
+
+/// What there is in a layer to be crossed.
+pub struct Obstacles<'a> {
+    solid: &'a EdgeGrid,
+    beads: &'a [Bead],
+    outer: OnceCell<EdgeGrid>,
+    inner: OnceCell<EdgeGrid>,
+    tops: OnceCell<EdgeGrid>,
+    width: Mm,
+    /// Depth of the fill's border below the outline.
+    border: Mm,
+}
+
+/// Size of a grid's cells, mm: some lengths of a wall's segments.
+const CELL: Mm = 1.0;
+
+impl<'a> Obstacles<'a> {
+    /// Of a layer with these beads, in print order, and this outline.
+    pub fn new(
+        beads: &'a [Bead],
+        solid: &'a EdgeGrid,
+        height: Mm,
+        settings: &Settings,
+    ) -> Obstacles<'a> {
+        Obstacles {
+            solid,
+            beads,
+            outer: OnceCell::new(),
+            inner: OnceCell::new(),
+            tops: OnceCell::new(),
+            width: settings.outer_wall_width,
+            border: wall_depths(height, settings).1,
+        }
+    }
+
+    fn grid(&self, wanted: impl Fn(Role) -> bool) -> EdgeGrid {
+        let segments = self
+            .beads
+            .iter()
+            .enumerate()
+            .filter(|(_, b)| wanted(b.role))
+            .flat_map(|(i, b)| b.segments().map(move |s| (i, s)));
+        EdgeGrid::of(segments, CELL)
+    }
+
+    /// True if the way through `points` leaves the part.
+    pub fn air(&self, points: &[DVec2]) -> bool {
+        points.windows(2).any(|p| {
+            let mut crossed = false;
+            self.solid.visit_crossed(p[0], p[1], |_, _| crossed = true);
+            crossed
+        })
+    }
+
+    /// True if the way from the end of what was printed before the `next`th
+    /// bead to its beginning crosses an outer wall.
+    pub fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
+        let grid = self
+            .outer
+            .get_or_init(|| self.grid(|r| r == Role::OuterWall));
+        let own = |i: usize| i == next || i + 1 == next;
+        let crosses = points.windows(2).any(|p| {
+            let mut crossed = false;
+            grid.visit_crossed(p[0], p[1], |_, edge| {
+                crossed |= !own(grid.owner(edge));
+            });
+            crossed
+        });
+        // A wall that it begins or ends on it may not follow either. That
+        // wall's neighbours, such as the bead of a thin place that goes on
+        // where a ring ends, are as near as the wall itself.
+        crosses
+            || trimmed(points, self.width).windows(2).any(|p| {
+                let mut near = false;
+                grid.visit_near(p[0], p[1], 0.4 * self.width, |_| near = true);
+                near
+            })
+    }
+
+    /// True if the way crosses a wall behind an outer one. Leaving a wall
+    /// towards the fill, or coming from there, is no crossing.
+    pub fn inner_wall(&self, points: &[DVec2]) -> bool {
+        let grid = self
+            .inner
+            .get_or_init(|| self.grid(|r| r == Role::InnerWall));
+        let inside = trimmed(points, 1.2 * self.border);
+        inside
+            .windows(2)
+            .any(|p| !grid.crossings(p[0], p[1]).is_empty())
+    }
+
+    /// True if the way passes over a top skin printed before the `next`th
+    /// bead; the bead that it comes from does not count.
+    pub fn top_skin(&self, points: &[DVec2], next: usize) -> bool {
+        let grid = self.tops.get_or_init(|| self.grid(|r| r == Role::TopSkin));
+        points.windows(2).any(|p| {
+            let mut over = false;
+            grid.visit_near(p[0], p[1], 0.4 * self.width, |i| {
+                over |= i + 1 < next;
+            });
+            over
+        })
+    }
+}
+
+/// A way without its first and last `length` millimetres; empty if nothing is
+/// left.
+fn trimmed(points: &[DVec2], length: Mm) -> Vec<DVec2> {
+    let mut way = cut(points.iter().copied(), length);
+    way.reverse();
+    let mut way = cut(way.into_iter(), length);
+    way.reverse();
+    way
+}
+
+/// A way without its first `length` millimetres.
+fn cut(points: impl Iterator<Item = DVec2>, length: Mm) -> Vec<DVec2> {
+    let mut left = length;
+    let mut out: Vec<DVec2> = Vec::new();
+    let mut before: Option<DVec2> = None;
+    for p in points {
+        if let Some(q) = before
+            && out.is_empty()
+        {
+            let d = q.distance(p);
+            if d > left {
+                out.push(q.lerp(p, left / d));
+                out.push(p);
+            } else {
+                left -= d;
+            }
+        } else if before.is_some() {
+            out.push(p);
+        }
+        before = Some(p);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_lose_their_ends() {
+        let way = [(0.0, 0.0), (1.0, 0.0), (1.0, 3.0), (2.0, 3.0)]
+            .map(|(x, y)| DVec2::new(x, y));
+        let short = trimmed(&way, 1.5);
+        let wanted = [DVec2::new(1.0, 0.5), DVec2::new(1.0, 2.5)];
+        assert_eq!(short.len(), 2);
+        assert!(short.iter().zip(wanted).all(|(p, q)| p.distance(q) < 1e-9));
+        assert!(trimmed(&way, 2.6).is_empty());
+        assert!(trimmed(&way[..1], 0.0).is_empty());
+        assert!(trimmed(&[], 0.1).is_empty());
+        assert_eq!(trimmed(&way, 0.0), way);
+    }
+}
