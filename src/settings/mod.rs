@@ -31,7 +31,7 @@
 //! builder.toml("my.toml", "walls = 3\n[speed]\nouter_wall = 25")?;
 //! builder.set("infill_density=25%")?;
 //! let (settings, warnings) = builder.finish()?;
-//! assert_eq!(settings.speed.outer_wall, 25.0);
+//! assert!(settings.speed.outer_wall.is(25.0));
 //! assert!(warnings.is_empty());
 //! # Ok::<(), isoslice::settings::SettingsError>(())
 //! ```
