@@ -9,6 +9,7 @@ use super::{BLOCK, SliceError};
 use crate::adhesion::skirt;
 use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Field, FieldError};
+use crate::infill::{self, Infill};
 use crate::layers::LayerSpan;
 use crate::model::Model;
 use crate::order::LayerBeads;
@@ -21,7 +22,8 @@ use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
-use crate::{infill, skin, walls};
+use crate::{skin, walls};
+use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -70,6 +72,7 @@ pub(super) struct Stages<'a> {
     bed: Mm,
     top_layers: usize,
     bottom_layers: usize,
+    infill: Infill,
     pub timings: Timings,
     pub gauge: Gauge<'a>,
 }
@@ -109,6 +112,10 @@ impl<'a> Stages<'a> {
                     .collect::<Result<_, _>>()?
             }
         };
+        let middle = rect.min.midpoint(rect.max);
+        let offset = model.offset.truncate();
+        let printer = &settings.printer;
+        let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
         Ok(Stages {
             settings,
             field,
@@ -116,6 +123,7 @@ impl<'a> Stages<'a> {
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
+            infill: Infill::new(settings, middle, bed - offset),
             timings: Timings::default(),
             gauge,
         })
@@ -336,7 +344,12 @@ impl<'a> Stages<'a> {
             },
             walls: walls::beads(walls, height),
             infill: self.timings.time(Stage::Infill, || {
-                infill::beads(&areas.sparse, layer, height, self.settings)
+                let place = infill::Place {
+                    number: layer,
+                    z: span.sample_z(),
+                    height,
+                };
+                self.infill.beads(&areas.sparse, place, self.settings)
             }),
             skin,
         }

@@ -118,6 +118,11 @@ table::settings! {
         infill_width: Mm = 0.45, in 0.05..=10.0;
         /// Direction of infill lines, counter-clockwise from the x axis.
         infill_angle: Degrees = 45.0, in -360.0..=360.0;
+        /// How far the pattern is moved along its repeat.
+        infill_phase: Percent = 0.0, in 0.0..=100.0;
+        /// What the pattern is laid out from: parts on the same bed continue
+        /// each other's pattern if it is the bed.
+        infill_centre: InfillCentre = InfillCentre::Object;
         /// How far sparse infill reaches into the wall or skin around it, as
         /// a share of its line width.
         infill_overlap: Percent = 25.0, in 0.0..=100.0;
@@ -303,6 +308,33 @@ value::words! {
         Rectilinear = "rectilinear",
         /// Both directions in every layer.
         Grid = "grid",
+        /// Three directions in every layer.
+        Triangles = "triangles",
+        /// A honeycomb, without crossings.
+        Hexagons = "hexagons",
+        /// Cubes that stand on a corner.
+        Cubic = "cubic",
+        /// Rings along the walls.
+        Concentric = "concentric",
+        /// The gyroid: waves in all directions, without crossings.
+        Gyroid = "gyroid",
+        /// Schwarz' P surface.
+        SchwarzP = "schwarz-p",
+        /// Schwarz' D surface.
+        Diamond = "diamond",
+        /// Neovius' surface.
+        Neovius = "neovius",
+        /// The lidinoid.
+        Lidinoid = "lidinoid",
+    }
+}
+value::words! {
+    /// What infill is laid out from.
+    InfillCentre {
+        /// The middle of the part.
+        Object = "object",
+        /// The middle of the bed.
+        Bed = "bed",
     }
 }
 
