@@ -39,6 +39,8 @@
 //! 10. [`gcode`] writes it down; [`preview`] draws it; [`report`] measures how
 //!     far it is from f = 0.
 //!
+//! Settings that are expressions get their values from [`vary`].
+//!
 //! [`pipeline`] runs these stages over a window of layers that moves up the
 //! part, on as many threads as there are; the result is the same on any
 //! number. [`timings`] measures them, [`units`] names what is measured.
@@ -136,4 +138,5 @@ pub mod skin;
 pub mod timings;
 pub mod travel;
 pub mod units;
+pub mod vary;
 pub mod walls;

@@ -27,6 +27,8 @@ const ORDER: &[&[&str]] = &[
     &["settings"],
     &["model"],
     &["layers"],
+    // What settings that are expressions amount to, place by place.
+    &["vary"],
     &["field"],
     &["contour"],
     // Before the regions: how far walls lie apart, and so what they leave
@@ -47,7 +49,9 @@ const ORDER: &[&[&str]] = &[
 const CONFINED: &[Confined] = &[
     Confined {
         name: "fidget",
-        modules: &["model", "layers", "field", "contour", "preview", "report"],
+        modules: &[
+            "model", "layers", "vary", "field", "contour", "preview", "report",
+        ],
         in_tests: true,
     },
     Confined {

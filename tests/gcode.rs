@@ -8,7 +8,8 @@ use glam::{DVec2, DVec3};
 use isoslice::bead::{Bead, Role};
 use isoslice::gcode::{Header, Totals, WriteError, Writer};
 use isoslice::layers::LayerSpan;
-use isoslice::pace::{PacedLayer, PacedMove, Pacer, flow};
+use isoslice::pace::rates::Rater;
+use isoslice::pace::{PacedLayer, PacedMove, Pacer};
 use isoslice::settings::{Flavour, Settings};
 use isoslice::travel::{LayerPath, Move};
 use isoslice::units::filament_area;
@@ -134,9 +135,15 @@ fn header(layer_count: usize) -> Header {
         model_name: "tiny".to_owned(),
         layer_count,
         layers: 0..layer_count,
+        nozzle_temperature: 215.0,
         part_min: DVec3::new(100.0, 100.0, 0.0),
         part_max: DVec3::new(112.0, 110.0, 0.2 * layer_count as f64),
     }
+}
+
+fn pacer(settings: &Settings) -> Pacer<'_> {
+    let rater = Rater::constant(settings).expect("no expressions");
+    Pacer::new(settings, rater)
 }
 
 fn written(settings: &Settings, job: Vec<LayerPath>) -> (String, Totals) {
@@ -144,9 +151,9 @@ fn written(settings: &Settings, job: Vec<LayerPath>) -> (String, Totals) {
     let header = header(job.len());
     let mut writer =
         Writer::new(&mut out, settings, &header).expect("templates");
-    let mut pacer = Pacer::new(settings);
+    let mut pacer = pacer(settings);
     for path in job {
-        let paced = pacer.layer(path);
+        let paced = pacer.layer(path, None).expect("rates");
         writer.layer(&paced).expect("layer");
     }
     let totals = writer.finish().expect("end");
@@ -283,11 +290,11 @@ fn the_filament_is_the_beads_volume_in_both_modes() {
     for relative_e in [false, true] {
         let mut s = settings();
         s.gcode.relative_e = relative_e;
-        s.flow = 103.0;
+        s.flow = 103.0.into();
         s.filament.flow = 98.0;
         let job = tiny();
         let expected =
-            volume(&job) * flow(&s) / filament_area(s.filament.diameter);
+            volume(&job) * 1.03 * 0.98 / filament_area(s.filament.diameter);
         let (text, totals) = written(&s, job);
         let m = Machine::run(&text);
         let fed = m.fed + m.retracted;
@@ -500,6 +507,7 @@ fn what_is_no_number_is_an_error() {
                 speed: 100.0,
             }],
             fan: 0.0,
+            nozzle_temperature: 210.0,
             time: 1.0,
         };
         let error = writer.layer(&paced);
@@ -521,7 +529,7 @@ fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
     if let Some(Move::Print(b)) = path.moves.get_mut(3) {
         b.points[1].y = f64::NAN;
     }
-    let paced = Pacer::new(&s).layer(path);
+    let paced = pacer(&s).layer(path, None).expect("rates");
     let mut writer =
         Writer::new(Vec::new(), &s, &header(1)).expect("templates");
     assert!(matches!(

@@ -39,7 +39,7 @@ pub use flavour::{default_end, default_start};
 pub use template::{PLACEHOLDERS, Placeholder, TemplateError};
 
 use crate::bead::{Bead, Role};
-use crate::pace::{PacedLayer, PacedMove, fed_area};
+use crate::pace::{PacedLayer, PacedMove};
 use crate::settings::Settings;
 use crate::units::{
     Celsius, Mm, Mm3, MmPerSec, MmPerSec2, Percent, Seconds, feed_rate,
@@ -74,6 +74,8 @@ pub struct Header {
     pub layer_count: usize,
     /// Indices of those in this file.
     pub layers: Range<usize>,
+    /// Temperature of the nozzle on the first of them.
+    pub nozzle_temperature: Celsius,
     /// Lower corner of the part, on the bed.
     pub part_min: DVec3,
     /// Upper corner of the part.
@@ -138,6 +140,7 @@ pub struct Writer<'a, W: Write> {
     z: Option<i64>,
     feed: Option<i64>,
     fan: Option<i64>,
+    nozzle: Option<Celsius>,
     acceleration: Option<i64>,
     role: Option<Role>,
     width: Option<i64>,
@@ -211,6 +214,7 @@ impl<'a, W: Write> Writer<'a, W> {
             z: None,
             feed: None,
             fan: None,
+            nozzle: None,
             acceleration: None,
             role: None,
             width: None,
@@ -264,8 +268,9 @@ impl<'a, W: Write> Writer<'a, W> {
                 filament.first_layer_bed_temperature,
                 filament.first_layer_nozzle_temperature,
             ),
-            _ => (filament.bed_temperature, filament.nozzle_temperature),
+            _ => (filament.bed_temperature, header.nozzle_temperature),
         };
+        self.nozzle = Some(nozzle_to);
         if bed == Heating::Not {
             self.temperature("M140", bed_to);
         }
@@ -329,6 +334,8 @@ impl<'a, W: Write> Writer<'a, W> {
         self.z = None;
         self.feed = None;
         self.fan = None;
+        // Where it never changes it need not be told again.
+        self.nozzle = self.settings.filament.nozzle_temperature.constant();
         self.acceleration = None;
         self.retracted = false;
         self.filament = Filament {
@@ -356,7 +363,11 @@ impl<'a, W: Write> Writer<'a, W> {
             self.line(&format!("SET_PRINT_STATS_INFO CURRENT_LAYER={current}"));
         }
         if self.layer == 1 {
-            self.second_layer_temperatures();
+            self.second_layer_temperature();
+        }
+        if self.layer > 0 && self.nozzle != Some(layer.nozzle_temperature) {
+            self.nozzle = Some(layer.nozzle_temperature);
+            self.temperature("M104", layer.nozzle_temperature);
         }
         self.set_fan(layer.fan);
         for step in &layer.moves {
@@ -441,11 +452,22 @@ impl<'a, W: Write> Writer<'a, W> {
                 }
                 Ok(())
             }
-            PacedMove::Print { bead, speed } => self.bead(bead, *speed),
+            PacedMove::Print { bead, speed, flow } => {
+                self.bead(bead, *speed, *flow)
+            }
+            PacedMove::Fan(speed) => {
+                self.set_fan(*speed);
+                Ok(())
+            }
         }
     }
 
-    fn bead(&mut self, bead: &Bead, speed: MmPerSec) -> Result<(), WriteError> {
+    fn bead(
+        &mut self,
+        bead: &Bead,
+        speed: MmPerSec,
+        flow: f64,
+    ) -> Result<(), WriteError> {
         if self.role != Some(bead.role) {
             self.role = Some(bead.role);
             self.type_comment(role_name(bead.role));
@@ -461,8 +483,8 @@ impl<'a, W: Write> Writer<'a, W> {
             self.comment_number(";HEIGHT:", height, WIDTH);
         }
         self.accelerate(self.settings.printer.acceleration);
-        let area = fed_area(self.settings, bead)
-            / filament_area(self.settings.filament.diameter);
+        let area =
+            bead.area() * flow / filament_area(self.settings.filament.diameter);
         let mut path = bead.path();
         // The head is there already, or the line is left out.
         if let Some(start) = path.next() {
@@ -582,13 +604,10 @@ impl<'a, W: Write> Writer<'a, W> {
         });
     }
 
-    fn second_layer_temperatures(&mut self) {
+    fn second_layer_temperature(&mut self) {
         let f = &self.settings.filament;
         if f.bed_temperature != f.first_layer_bed_temperature {
             self.temperature("M140", f.bed_temperature);
-        }
-        if f.nozzle_temperature != f.first_layer_nozzle_temperature {
-            self.temperature("M104", f.nozzle_temperature);
         }
     }
 

@@ -40,7 +40,12 @@ const PARK_LIFT: f64 = 10.0;
 /// Every placeholder, in the order documentation lists them.
 pub const PLACEHOLDERS: &[Placeholder] = placeholders![
     "nozzle_temperature", "nozzle temperature, °C",
-        |s, _| text(s.filament.nozzle_temperature, 1);
+        |s, _| {
+            // An expression begins above the first layer.
+            let filament = &s.filament;
+            let above = filament.nozzle_temperature.constant();
+            text(above.unwrap_or(filament.first_layer_nozzle_temperature), 1)
+        };
     "first_layer_nozzle_temperature",
         "nozzle temperature of the first layer, °C",
         |s, _| text(s.filament.first_layer_nozzle_temperature, 1);
@@ -320,6 +325,7 @@ mod tests {
         Header {
             model_name: "gyroid\nball".to_owned(),
             layer_count: 12,
+            nozzle_temperature: 210.0,
             layers: 0..1,
             part_min: DVec3::new(95.0, 95.0, 0.0),
             part_max: DVec3::new(125.0, 125.0, 30.0),

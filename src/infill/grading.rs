@@ -23,12 +23,15 @@ const STEP: Mm = 0.5;
 const MOST: f64 = 1024.0;
 
 impl Grading {
-    /// The shares within `bounds`, of which `eval` gives those at some
-    /// points. What is not a number is 0.
-    pub(super) fn new(
+    /// The shares within `bounds`, of which `eval` gives the percentage at
+    /// some points.
+    ///
+    /// # Errors
+    /// Those of `eval`.
+    pub(super) fn new<E>(
         bounds: Rect,
-        eval: &mut dyn FnMut(&[DVec2], &mut Vec<f64>),
-    ) -> Grading {
+        eval: &mut dyn FnMut(&[DVec2], &mut Vec<f64>) -> Result<(), E>,
+    ) -> Result<Grading, E> {
         let extent = bounds.max - bounds.min;
         let step = STEP.max(extent.max_element() / MOST);
         let size = [extent.x, extent.y]
@@ -41,19 +44,16 @@ impl Grading {
             }
         }
         let mut shares = Vec::with_capacity(points.len());
-        eval(&points, &mut shares);
+        eval(&points, &mut shares)?;
         for share in &mut shares {
-            *share = match share.is_nan() {
-                true => 0.0,
-                false => share.clamp(0.0, 1.0),
-            };
+            *share = (*share / 100.0).clamp(0.0, 1.0);
         }
-        Grading {
+        Ok(Grading {
             origin: bounds.min,
             step,
             size,
             shares,
-        }
+        })
     }
 
     /// Distance of the lattice's nodes.
@@ -150,9 +150,11 @@ mod tests {
             min: DVec2::ZERO,
             max: DVec2::new(10.0, 5.0),
         };
-        Grading::new(bounds, &mut |points, out| {
-            out.extend(points.iter().map(|p| 0.1 * p.x));
-        })
+        let made = Grading::new(bounds, &mut |points, out| {
+            out.extend(points.iter().map(|p| 10.0 * p.x));
+            Ok::<(), ()>(())
+        });
+        made.unwrap()
     }
 
     #[test]

@@ -26,17 +26,25 @@ mod lidinoid;
 mod neovius;
 mod rectilinear;
 mod schwarz_p;
+mod shape;
 mod sheet;
 mod triangles;
 
 use crate::bead::{Bead, Role, spacing};
+use crate::model::{Expression, ExpressionError, LoadError, Source, load};
 use crate::plane::border::{Border, Piece};
+use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
-use crate::settings::{InfillCentre, InfillPattern, Settings};
+use crate::region::line::Line;
+use crate::settings::{
+    self, InfillCentre, InfillMode, InfillPattern, Settings,
+};
 use crate::units::{Degrees, Mm};
+use crate::vary::{Quantity, Surroundings, VaryError};
 use glam::DVec2;
 use grading::Grading;
+use shape::{Around, Shape};
 use sheet::Sheet;
 
 /// Which layer is to be filled.
@@ -135,93 +143,268 @@ trait Pattern: Send + Sync {
     }
 }
 
+/// Why infill cannot be laid.
+#[derive(Debug, thiserror::Error)]
+pub enum InfillError {
+    /// The expression of the pattern is none.
+    #[error("infill = \"expr: {text}\": {error}")]
+    Expression {
+        /// Its text.
+        text: String,
+        /// What is wrong with it.
+        error: ExpressionError,
+    },
+    /// The script of the pattern cannot be read or run.
+    #[error("infill = {path:?}: {error}")]
+    Script {
+        /// Its path.
+        path: String,
+        /// What is wrong with it.
+        error: Box<LoadError>,
+    },
+    /// The script's shape cannot be evaluated.
+    #[error("infill = {path:?}: {error}")]
+    ScriptShape {
+        /// Its path.
+        path: String,
+        /// What is wrong with it.
+        error: ExpressionError,
+    },
+    /// The pattern has one density only.
+    #[error(
+        "infill = {pattern:?} cannot have a density that differs from place \
+         to place: give infill_density a number, or use one of the other \
+         patterns, such as gyroid or rectilinear"
+    )]
+    NotGraded {
+        /// The pattern's name.
+        pattern: &'static str,
+    },
+    /// The density is no expression.
+    #[error(transparent)]
+    Density(#[from] VaryError),
+}
+
+/// What the infill is made of.
+enum Kind {
+    Pattern(Box<dyn Pattern>),
+    Shape(Shape),
+}
+
+/// Where the pattern may be laid out from, in the layers' coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Centres {
+    /// The middle of the part.
+    pub part: DVec2,
+    /// The middle of the bed.
+    pub bed: DVec2,
+}
+
 /// A part's sparse infill.
-pub struct Infill {
-    pattern: Box<dyn Pattern>,
+pub struct Infill<'a> {
+    settings: &'a Settings,
+    around: &'a Surroundings<'a>,
+    kind: Kind,
+    density: Quantity,
     origin: DVec2,
 }
 
-impl Infill {
-    /// The infill that the settings ask for, of a part whose middle, and that
-    /// of the bed, are at these places in the layers' coordinates.
-    pub fn new(settings: &Settings, part: DVec2, bed: DVec2) -> Infill {
-        let graded = false;
-        let pattern: Box<dyn Pattern> = match settings.infill_pattern {
-            InfillPattern::Rectilinear => Box::new(rectilinear::Rectilinear),
-            InfillPattern::Grid => Box::new(grid::Grid),
-            InfillPattern::Triangles => Box::new(triangles::Triangles),
-            InfillPattern::Hexagons => Box::new(hexagons::Hexagons),
-            InfillPattern::Cubic => Box::new(cubic::Cubic),
-            InfillPattern::Concentric => Box::new(concentric::Concentric),
-            InfillPattern::Gyroid => {
-                Box::new(Sheet::new(gyroid::Gyroid, graded))
+impl<'a> Infill<'a> {
+    /// The infill that the settings ask for.
+    ///
+    /// # Errors
+    /// If an expression is none, a script cannot be run, or the pattern
+    /// cannot have the density.
+    pub fn new(
+        settings: &'a Settings,
+        around: &'a Surroundings<'a>,
+        centres: Centres,
+    ) -> Result<Infill<'a>, InfillError> {
+        let density =
+            Quantity::new("infill_density", &settings.infill_density)?;
+        let graded = density.constant().is_none();
+        let kind = match &settings.infill {
+            settings::Infill::Pattern(InfillPattern::Hexagons) if graded => {
+                return Err(InfillError::NotGraded {
+                    pattern: InfillPattern::Hexagons.word(),
+                });
             }
-            InfillPattern::SchwarzP => {
-                Box::new(Sheet::new(schwarz_p::SchwarzP, graded))
+            settings::Infill::Pattern(kind) => {
+                Kind::Pattern(pattern(*kind, graded))
             }
-            InfillPattern::Diamond => {
-                Box::new(Sheet::new(diamond::Diamond, graded))
+            settings::Infill::Expression(text) => {
+                let expression = Expression::parse(text).map_err(|error| {
+                    InfillError::Expression {
+                        text: text.clone(),
+                        error,
+                    }
+                })?;
+                Kind::Shape(Shape { expression })
             }
-            InfillPattern::Neovius => {
-                Box::new(Sheet::new(neovius::Neovius, graded))
-            }
-            InfillPattern::Lidinoid => {
-                Box::new(Sheet::new(lidinoid::Lidinoid, graded))
+            settings::Infill::Script(path) => {
+                let source = Source::File(path.into());
+                let loaded =
+                    load(&source, &[]).map_err(|e| InfillError::Script {
+                        path: path.clone(),
+                        error: Box::new(e),
+                    })?;
+                let expression = Expression::of_shape(&loaded.tree).map_err(
+                    |error| InfillError::ScriptShape {
+                        path: path.clone(),
+                        error,
+                    },
+                )?;
+                Kind::Shape(Shape { expression })
             }
         };
-        Infill {
-            pattern,
+        Ok(Infill {
+            settings,
+            around,
+            kind,
+            density,
             origin: match settings.infill_centre {
-                InfillCentre::Object => part,
-                InfillCentre::Bed => bed,
+                InfillCentre::Object => centres.part,
+                InfillCentre::Bed => centres.bed,
             },
-        }
+        })
     }
 
-    /// Beads of a layer's sparse infill.
+    /// Beads of a layer's sparse infill. `solid` is the layer's solid, which
+    /// makes distances from the surface exact near it.
     ///
     /// Lines reach into the walls around the area by `infill_overlap` of their
     /// width: their round ends overlap the wall's bead by that much.
+    ///
+    /// # Errors
+    /// If the density has no value somewhere, or the distance from the
+    /// surface, if that matters, cannot be measured.
     pub fn beads(
         &self,
         sparse: &Area,
         place: Place,
-        settings: &Settings,
-    ) -> Vec<Bead> {
+        solid: Option<&EdgeGrid>,
+    ) -> Result<Vec<Bead>, VaryError> {
+        let settings = self.settings;
         let width = settings.infill_width;
-        let share = settings.infill_density / 100.0;
-        if sparse.is_empty() || share <= 0.0 {
-            return Vec::new();
+        let even = self.density.constant();
+        if sparse.is_empty() || even.is_some_and(|d| d <= 0.0) {
+            return Ok(Vec::new());
         }
         let margin = width * (0.5 - settings.infill_overlap / 100.0);
-        let ends = offset(sparse, -margin, 0.02);
+        let ends = offset(sparse, -margin, TOLERANCE);
         let border = Border::new(&ends);
+        let around = Around {
+            surroundings: self.around,
+            solid,
+        };
+        let grading = match (&self.kind, even) {
+            (Kind::Pattern(_), None) => {
+                Some(self.grading(border.bounds(), place.z, around)?)
+            }
+            _ => None,
+        };
         let layer = Layer {
             border: &border,
             margin,
             number: place.number,
             z: place.z,
-            density: Density::Even(share),
+            density: match (&grading, even) {
+                (Some(grading), _) => Density::Graded(grading),
+                (None, share) => Density::Even(share.unwrap_or(100.0) / 100.0),
+            },
             solid: spacing(width, width, place.height),
             origin: self.origin,
             angle: settings.infill_angle,
             phase: settings.infill_phase / 100.0,
             shortest: width,
         };
-        let mut pieces = self.pattern.pieces(&layer);
-        pieces.retain(|p| p.points.len() > 1);
-        let reach = self.pattern.reach(&layer);
-        join::join(pieces, &border, reach)
-            .into_iter()
-            .map(|p| Bead {
-                role: Role::SparseInfill,
+        let line = |line: Line| Bead {
+            role: Role::SparseInfill,
+            points: line.points,
+            closed: line.closed,
+            width: line.width,
+            widths: line.widths,
+            height: place.height,
+        };
+        let (pieces, reach) = match &self.kind {
+            Kind::Pattern(pattern) => {
+                (pattern.pieces(&layer), pattern.reach(&layer))
+            }
+            Kind::Shape(shape)
+                if settings.infill_mode == InfillMode::Solid =>
+            {
+                let lines =
+                    shape.solid(sparse, &layer, around, place.height, settings);
+                return Ok(lines?.into_iter().map(line).collect());
+            }
+            Kind::Shape(shape) => {
+                let lines = shape.lines(&layer, around, width)?;
+                (lines, SHAPE_REACH * width)
+            }
+        };
+        let pieces = pieces.into_iter().filter(|p| p.points.len() > 1);
+        let joined = join::join(pieces.collect(), &border, reach);
+        let beads = joined.into_iter().map(|p| {
+            line(Line {
                 points: p.points,
                 closed: p.closed,
                 width,
                 widths: Vec::new(),
-                height: place.height,
             })
-            .collect()
+        });
+        Ok(beads.collect())
+    }
+
+    /// The density over a box.
+    fn grading(
+        &self,
+        bounds: Rect,
+        z: Mm,
+        around: Around<'_>,
+    ) -> Result<Grading, VaryError> {
+        let measure = self.density.uses_depth();
+        Grading::new(bounds, &mut |points, out| {
+            let mut places = Vec::with_capacity(points.len());
+            let points = points.iter().copied();
+            let Around {
+                surroundings,
+                solid,
+            } = around;
+            surroundings.places(points, z, measure, solid, &mut places)?;
+            self.density.evaluate(&places, out)
+        })
+    }
+}
+
+/// Tolerance of the offset that lines end at, mm.
+const TOLERANCE: Mm = 0.02;
+
+/// Lines of an expression are joined over ways of this many widths: nobody
+/// knows how far apart they lie.
+const SHAPE_REACH: f64 = 20.0;
+
+/// The pattern of that name.
+fn pattern(kind: InfillPattern, graded: bool) -> Box<dyn Pattern> {
+    match kind {
+        InfillPattern::Rectilinear => Box::new(rectilinear::Rectilinear),
+        InfillPattern::Grid => Box::new(grid::Grid),
+        InfillPattern::Triangles => Box::new(triangles::Triangles),
+        InfillPattern::Hexagons => Box::new(hexagons::Hexagons),
+        InfillPattern::Cubic => Box::new(cubic::Cubic),
+        InfillPattern::Concentric => Box::new(concentric::Concentric),
+        InfillPattern::Gyroid => Box::new(Sheet::new(gyroid::Gyroid, graded)),
+        InfillPattern::SchwarzP => {
+            Box::new(Sheet::new(schwarz_p::SchwarzP, graded))
+        }
+        InfillPattern::Diamond => {
+            Box::new(Sheet::new(diamond::Diamond, graded))
+        }
+        InfillPattern::Neovius => {
+            Box::new(Sheet::new(neovius::Neovius, graded))
+        }
+        InfillPattern::Lidinoid => {
+            Box::new(Sheet::new(lidinoid::Lidinoid, graded))
+        }
     }
 }
 

@@ -39,9 +39,17 @@ pub enum ExpandError {
     FreeVariable,
 }
 
-/// Imports a tree if its expansion fits the budget.
+/// Imports a tree of x, y and z if its expansion fits the budget.
 pub(super) fn expand(tree: &Tree) -> Result<(Context, Node), ExpandError> {
-    check_size(tree, MAX_EXPANDED_NODES)?;
+    expand_with(tree, None)
+}
+
+/// Imports a tree in which there may be one more variable.
+pub(super) fn expand_with(
+    tree: &Tree,
+    variable: Option<Var>,
+) -> Result<(Context, Node), ExpandError> {
+    check_size(tree, variable, MAX_EXPANDED_NODES)?;
     let mut context = Context::new();
     let root = context.import(tree);
     Ok((context, root))
@@ -58,6 +66,7 @@ struct Frame<'a> {
 /// Collects a frame; `scanned` counts over all frames.
 fn scan<'a>(
     root: &'a TreeOp,
+    variable: Option<Var>,
     scanned: &mut u64,
     limit: u64,
 ) -> Result<Frame<'a>, ExpandError> {
@@ -74,7 +83,7 @@ fn scan<'a>(
             return Err(ExpandError::TooLarge { limit });
         }
         match op {
-            TreeOp::Input(Var::V(_)) => {
+            TreeOp::Input(v @ Var::V(_)) if Some(*v) != variable => {
                 return Err(ExpandError::FreeVariable);
             }
             TreeOp::Input(_) | TreeOp::Const(_) => {}
@@ -103,7 +112,11 @@ fn scan<'a>(
 /// Counts the nodes that importing `tree` would visit, without visiting them:
 /// a frame costs its own nodes and the cost of its targets' frames, and the
 /// cost of a target is the same wherever it is met.
-fn check_size(tree: &Tree, limit: u64) -> Result<(), ExpandError> {
+fn check_size(
+    tree: &Tree,
+    variable: Option<Var>,
+    limit: u64,
+) -> Result<(), ExpandError> {
     let root: &TreeOp = tree;
     let mut scanned = 0;
     let mut frames: HashMap<*const TreeOp, Frame> = HashMap::new();
@@ -115,7 +128,7 @@ fn check_size(tree: &Tree, limit: u64) -> Result<(), ExpandError> {
             continue;
         }
         let Some(frame) = frames.get(&key) else {
-            let frame = scan(op, &mut scanned, limit)?;
+            let frame = scan(op, variable, &mut scanned, limit)?;
             todo.push(op);
             todo.extend(frame.targets.iter().copied());
             frames.insert(key, frame);

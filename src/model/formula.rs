@@ -43,13 +43,36 @@ const BINARY: [&str; 9] = [
     "min", "max", "atan2", "mod", "pow", "compare", "and", "or", "mix",
 ];
 const CONSTANTS: [&str; 6] = ["x", "y", "z", "pi", "e", "tau"];
+const WITH_DEPTH: [&str; 7] = ["x", "y", "z", "d", "pi", "e", "tau"];
 
-/// Parses a formula.
+/// Parses the formula of a shape.
 pub fn parse_formula(text: &str) -> Result<Tree, FormulaError> {
+    match parse(text, None)? {
+        Value::Field(tree) => Ok(tree),
+        Value::Number(v) => Err(FormulaError {
+            column: 1,
+            message: format!(
+                "the formula is the constant {v}; a shape needs at least \
+                 one of x, y, z"
+            ),
+        }),
+    }
+}
+
+/// Parses a formula that may be a constant, in which `d` stands for `depth`.
+pub(super) fn parse_with_depth(
+    text: &str,
+    depth: Tree,
+) -> Result<Tree, FormulaError> {
+    parse(text, Some(depth)).map(Value::tree)
+}
+
+fn parse(text: &str, depth: Option<Tree>) -> Result<Value, FormulaError> {
     let mut parser = Parser {
         tokens: tokens(text)?,
         next: 0,
         end: text.chars().count() + 1,
+        depth,
     };
     if parser.tokens.is_empty() {
         return Err(FormulaError {
@@ -75,16 +98,7 @@ pub fn parse_formula(text: &str) -> Result<Tree, FormulaError> {
             },
         });
     }
-    match value {
-        Value::Field(tree) => Ok(tree),
-        Value::Number(v) => Err(FormulaError {
-            column: 1,
-            message: format!(
-                "the formula is the constant {v}; a shape needs at least \
-                 one of x, y, z"
-            ),
-        }),
-    }
+    Ok(value)
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -199,6 +213,8 @@ struct Parser {
     next: usize,
     /// Column after the last character.
     end: usize,
+    /// What `d` stands for, if there is such a thing.
+    depth: Option<Tree>,
 }
 
 impl Parser {
@@ -290,7 +306,13 @@ impl Parser {
             Token::Name(name) => {
                 self.next += 1;
                 if self.take(&["("]).is_none() {
-                    return constant(&name, column);
+                    return match &self.depth {
+                        Some(depth) if name == "d" => {
+                            Ok(Value::Field(depth.clone()))
+                        }
+                        Some(_) => constant(&name, column, &WITH_DEPTH),
+                        None => constant(&name, column, &CONSTANTS),
+                    };
                 }
                 let mut arguments = Vec::new();
                 if self.take(&[")"]).is_none() {
@@ -351,7 +373,11 @@ fn raise(base: Value, exponent: Value) -> Value {
     }
 }
 
-fn constant(name: &str, column: usize) -> Result<Value, FormulaError> {
+fn constant(
+    name: &str,
+    column: usize,
+    known: &[&str],
+) -> Result<Value, FormulaError> {
     Ok(match name {
         "x" => Value::Field(Tree::x()),
         "y" => Value::Field(Tree::y()),
@@ -365,7 +391,7 @@ fn constant(name: &str, column: usize) -> Result<Value, FormulaError> {
                 message: format!("`{name}` is a function: write {name}(...)"),
             });
         }
-        _ => return unknown(name, column, &CONSTANTS),
+        _ => return unknown(name, column, known),
     })
 }
 

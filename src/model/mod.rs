@@ -5,7 +5,7 @@
 //! ```
 //!
 //! - `source`: which format, reading; `script` (rhai, sandboxed), `vm`
-//!   (fidget's text), `formula` (one expression), `param` (`-D name=value`)
+//!   (fidget's text), `formula` (one expression), `expression` (of settings), `param` (`-D name=value`)
 //! - `expand`: bounds on what an expression may grow to
 //! - `bounds`: the tight box of {f < 0} by interval arithmetic, on top of
 //!   `program` (the expression over boxes) and `interval`
@@ -21,6 +21,7 @@
 mod bounds;
 mod error;
 mod expand;
+mod expression;
 mod formula;
 mod interval;
 mod param;
@@ -36,6 +37,7 @@ pub use bounds::{
 };
 pub use error::LoadError;
 pub use expand::{ExpandError, MAX_EXPANDED_NODES};
+pub use expression::{Expression, ExpressionError, Place};
 pub use formula::{FormulaError, parse_formula};
 pub(crate) use interval::Interval;
 pub use param::{ParamError, Parameter};

@@ -27,14 +27,18 @@
 //! its own.
 
 pub mod motion;
+pub mod rates;
 
-use crate::bead::{Bead, Role, cross_section};
+use crate::bead::Bead;
 use crate::layers::LayerSpan;
+use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::travel::{LayerPath, Move};
-use crate::units::{Mm, MmPerSec, Percent, Seconds, filament_area};
+use crate::units::{Celsius, Mm, MmPerSec, Percent, Seconds, filament_area};
+use crate::vary::VaryError;
 use glam::{DVec2, DVec3};
 use motion::{Limits, Motion};
+use rates::{Rater, Rates};
 
 /// Height above the first layer at which the head comes from wherever the
 /// start template left it, mm: clears what start templates leave on the bed.
@@ -90,7 +94,11 @@ pub enum PacedMove {
         bead: Bead,
         /// Speed of the head.
         speed: MmPerSec,
+        /// Material extruded, as a factor on the bead's volume.
+        flow: f64,
     },
+    /// Set the part's fan to this speed.
+    Fan(Percent),
 }
 
 /// A layer ready to be written.
@@ -100,17 +108,19 @@ pub struct PacedLayer {
     pub span: LayerSpan,
     /// Its moves in order.
     pub moves: Vec<PacedMove>,
-    /// Speed of the part's fan.
+    /// Speed of the part's fan at its beginning.
     pub fan: Percent,
+    /// Temperature of the nozzle.
+    pub nozzle_temperature: Celsius,
     /// How long the layer takes.
     pub time: Seconds,
 }
 
 /// Gives speeds to one layer after another; knows between two of them where
 /// the head stands.
-#[derive(Debug)]
 pub struct Pacer<'a> {
     settings: &'a Settings,
+    rater: Rater<'a>,
     motion: Motion,
     /// Where the head is, unknown before the first move.
     xy: Option<DVec2>,
@@ -118,18 +128,22 @@ pub struct Pacer<'a> {
     retracted: bool,
     /// True while a hop (or the approach to the first layer) lasts.
     lifted: bool,
+    /// Speed of the fan so far in the layer.
+    fan: Percent,
 }
 
 impl<'a> Pacer<'a> {
     /// A pacer for a print from the bed up.
-    pub fn new(settings: &'a Settings) -> Self {
+    pub fn new(settings: &'a Settings, rater: Rater<'a>) -> Self {
         Self {
             settings,
+            rater,
             motion: Motion::new(Limits::new(settings)),
             xy: None,
             z: None,
             retracted: false,
             lifted: false,
+            fan: 0.0,
         }
     }
 
@@ -142,9 +156,20 @@ impl<'a> Pacer<'a> {
     }
 
     /// Gives the next layer its speeds. Layers must come in print order.
-    pub fn layer(&mut self, path: LayerPath) -> PacedLayer {
+    /// `solid` is the layer's outline in the model's coordinates, if settings
+    /// are to know how deep inside they are.
+    ///
+    /// # Errors
+    /// If a setting that is an expression has no value somewhere.
+    pub fn layer(
+        &mut self,
+        path: LayerPath,
+        solid: Option<&EdgeGrid>,
+    ) -> Result<PacedLayer, VaryError> {
         let LayerPath { span, moves } = path;
         self.motion.clear();
+        let fan = self.rater.fan(&span);
+        self.fan = fan;
         let mut out = Vec::with_capacity(moves.len() + 8);
         for step in moves {
             match step {
@@ -152,8 +177,9 @@ impl<'a> Pacer<'a> {
                     self.travel(&span, points, retract, &mut out);
                 }
                 Move::Print(bead) => {
-                    for piece in bead.pieces() {
-                        self.print(&span, piece, &mut out);
+                    let pieces = self.rater.pieces(bead, &span, solid)?;
+                    for (piece, rates) in pieces {
+                        self.print(&span, piece, rates, &mut out);
                     }
                 }
             }
@@ -165,12 +191,18 @@ impl<'a> Pacer<'a> {
                 *speed = slowing.apply(*speed);
             }
         }
-        PacedLayer {
+        Ok(PacedLayer {
             span,
             moves: out,
-            fan: fan(self.settings, span.index),
+            fan,
+            nozzle_temperature: self.rater.temperature(&span)?,
             time,
-        }
+        })
+    }
+
+    /// The settings of the print.
+    pub fn settings(&self) -> &'a Settings {
+        self.settings
     }
 
     fn travel(
@@ -226,6 +258,7 @@ impl<'a> Pacer<'a> {
         &mut self,
         span: &LayerSpan,
         bead: Bead,
+        rates: Rates,
         out: &mut Vec<PacedMove>,
     ) {
         let settings = self.settings;
@@ -243,8 +276,12 @@ impl<'a> Pacer<'a> {
         self.lifted = false;
         self.lift(span.top, out);
         self.prime(out);
-        let speed = print_speed(settings, span, &bead);
-        let filament = fed_area(settings, &bead)
+        if rates.fan != self.fan {
+            self.fan = rates.fan;
+            out.push(PacedMove::Fan(rates.fan));
+        }
+        let speed = print_speed(settings, span, &bead, &rates);
+        let filament = bead.area() * rates.flow
             / filament_area(settings.filament.diameter);
         let mut from = start;
         for to in bead.path().skip(1) {
@@ -258,7 +295,11 @@ impl<'a> Pacer<'a> {
             from = to;
         }
         self.xy = Some(from);
-        out.push(PacedMove::Print { bead, speed });
+        out.push(PacedMove::Print {
+            bead,
+            speed,
+            flow: rates.flow,
+        });
     }
 
     fn retract(&mut self, out: &mut Vec<PacedMove>) {
@@ -395,57 +436,40 @@ impl Slowing {
     }
 }
 
-/// Speed of a bead before cooling: its role's, the first layer's, and what
-/// the filament's flow allows, whichever is least.
-pub fn print_speed(
+/// Speed of a bead before cooling: what its rates ask for, the first layer's,
+/// and what the filament's flow allows, whichever is least.
+fn print_speed(
     settings: &Settings,
     span: &LayerSpan,
     bead: &Bead,
+    rates: &Rates,
 ) -> MmPerSec {
-    let speed = &settings.speed;
-    let mut v = match bead.role {
-        Role::Skirt => speed.skirt,
-        Role::OuterWall => speed.outer_wall,
-        Role::InnerWall => speed.inner_wall,
-        Role::GapFill => speed.gap_fill,
-        Role::SparseInfill => speed.sparse_infill,
-        Role::InternalSkin => speed.internal_skin,
-        Role::TopSkin => speed.top_skin,
-        Role::BottomSkin => speed.bottom_skin,
-    };
+    let mut v = rates.speed;
     if span.index == 0 {
-        v = v.min(speed.first_layer);
+        v = v.min(settings.speed.first_layer);
     }
-    let area = fed_area(settings, bead);
+    let area = bead.area() * rates.flow;
     if area > 0.0 && settings.filament.max_flow > 0.0 {
         v = v.min(settings.filament.max_flow / area);
     }
     v
 }
 
-/// Cross-section that is fed for a bead: its own, times the print's and the
-/// filament's flow.
-pub fn fed_area(settings: &Settings, bead: &Bead) -> f64 {
-    cross_section(bead.width, bead.height) * flow(settings)
-}
-
-/// The print's and the filament's flow as one factor.
-pub fn flow(settings: &Settings) -> f64 {
-    settings.flow * settings.filament.flow * 1e-4
-}
-
-/// The fan's speed on layer `index`.
-fn fan(settings: &Settings, index: usize) -> Percent {
-    let cooling = &settings.cooling;
-    if index < cooling.fan_off_layers as usize {
-        return 0.0;
-    }
-    cooling.fan_speed.clamp(0.0, 100.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bead::{Role, cross_section};
+    use crate::settings::Varying;
+
+    impl<'a> Pacer<'a> {
+        fn plain(settings: &'a Settings) -> Self {
+            Pacer::new(settings, Rater::constant(settings).unwrap())
+        }
+
+        fn paced(&mut self, path: LayerPath) -> PacedLayer {
+            self.layer(path, None).unwrap()
+        }
+    }
 
     fn span(index: usize) -> LayerSpan {
         LayerSpan {
@@ -509,19 +533,19 @@ mod tests {
                 square(Role::SparseInfill, 20.0),
             ]
         };
-        let mut pacer = Pacer::new(&s);
-        let first = pacer.layer(layer(0, beads()));
+        let mut pacer = Pacer::plain(&s);
+        let first = pacer.paced(layer(0, beads()));
         assert_eq!(speeds(&first), [20.0, 20.0]);
         assert_eq!(first.fan, 0.0);
-        let second = pacer.layer(layer(1, beads()));
+        let second = pacer.paced(layer(1, beads()));
         assert_eq!(speeds(&second), [40.0, 80.0]);
         assert_eq!(second.fan, 100.0);
 
         s.filament.max_flow = 4.0;
-        s.flow = 110.0;
+        s.flow = Varying::Constant(110.0);
         s.filament.flow = 95.0;
-        let mut pacer = Pacer::new(&s);
-        let slow = pacer.layer(layer(1, beads()));
+        let mut pacer = Pacer::plain(&s);
+        let slow = pacer.paced(layer(1, beads()));
         let limit = 4.0 / (cross_section(0.45, 0.2) * 1.1 * 0.95);
         assert!(limit > 40.0 && limit < 80.0);
         assert_eq!(speeds(&slow)[0], 40.0);
@@ -539,8 +563,8 @@ mod tests {
             s.cooling.min_speed = 1.0;
             for target in [6.0, 8.0, 20.0, 60.0] {
                 s.cooling.min_layer_time = target;
-                let mut pacer = Pacer::new(&s);
-                let l = pacer.layer(layer(
+                let mut pacer = Pacer::plain(&s);
+                let l = pacer.paced(layer(
                     1,
                     vec![
                         square(Role::OuterWall, 20.0),
@@ -563,8 +587,8 @@ mod tests {
     #[test]
     fn slowing_ends_at_the_floor() {
         let s = Settings::default();
-        let mut pacer = Pacer::new(&s);
-        let l = pacer.layer(layer(
+        let mut pacer = Pacer::plain(&s);
+        let l = pacer.paced(layer(
             1,
             vec![
                 square(Role::OuterWall, 4.0),
@@ -578,17 +602,17 @@ mod tests {
     #[test]
     fn a_speed_below_the_floor_is_not_raised() {
         let mut s = Settings::default();
-        s.speed.outer_wall = 6.0;
-        let mut pacer = Pacer::new(&s);
-        let l = pacer.layer(layer(1, vec![square(Role::OuterWall, 4.0)]));
+        s.speed.outer_wall = Varying::Constant(6.0);
+        let mut pacer = Pacer::plain(&s);
+        let l = pacer.paced(layer(1, vec![square(Role::OuterWall, 4.0)]));
         assert_eq!(speeds(&l), [6.0]);
     }
 
     #[test]
     fn travels_are_not_slowed() {
         let s = Settings::default();
-        let mut pacer = Pacer::new(&s);
-        let l = pacer.layer(layer(1, vec![square(Role::OuterWall, 4.0)]));
+        let mut pacer = Pacer::plain(&s);
+        let l = pacer.paced(layer(1, vec![square(Role::OuterWall, 4.0)]));
         for m in &l.moves {
             if let PacedMove::Travel { speed, .. } = m {
                 assert_eq!(*speed, s.speed.travel);
@@ -601,7 +625,7 @@ mod tests {
     fn retractions_pair_and_z_is_right() {
         let mut s = Settings::default();
         s.retract.z_hop = 0.4;
-        let mut pacer = Pacer::new(&s);
+        let mut pacer = Pacer::plain(&s);
         let (mut z, mut retracted) = (f64::NAN, false);
         let mut primes = 0;
         for index in 0..3 {
@@ -621,7 +645,7 @@ mod tests {
                 },
             );
             let top = path.span.top;
-            for m in pacer.layer(path).moves {
+            for m in pacer.paced(path).moves {
                 match m {
                     PacedMove::Retract { length, .. } => {
                         assert!(!retracted);
@@ -635,6 +659,7 @@ mod tests {
                         primes += 1;
                     }
                     PacedMove::Lift { z: to, .. } => z = to,
+                    PacedMove::Fan(_) => panic!("the fan does not change"),
                     PacedMove::Travel { .. } => {
                         assert!(retracted);
                         let hop = if index == 0 && primes == 0 {
@@ -657,14 +682,14 @@ mod tests {
     #[test]
     fn z_rises_before_an_unretracted_travel() {
         let s = Settings::default();
-        let mut pacer = Pacer::new(&s);
-        pacer.layer(layer(0, vec![square(Role::OuterWall, 10.0)]));
+        let mut pacer = Pacer::plain(&s);
+        pacer.paced(layer(0, vec![square(Role::OuterWall, 10.0)]));
         let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
         path.moves[0] = Move::Travel {
             points: vec![DVec2::splat(50.0)],
             retract: false,
         };
-        let l = pacer.layer(path);
+        let l = pacer.paced(path);
         assert!(matches!(l.moves[0], PacedMove::Lift { z, .. } if z == 0.4));
         assert!(matches!(l.moves[1], PacedMove::Travel { .. }));
         assert!(matches!(l.moves[2], PacedMove::Print { .. }));
@@ -675,9 +700,9 @@ mod tests {
         let mut s = Settings::default();
         s.retract.z_hop = 1.0;
         s.printer.height = 0.5;
-        let mut pacer = Pacer::new(&s);
-        pacer.layer(layer(0, vec![square(Role::OuterWall, 10.0)]));
-        let l = pacer.layer(layer(1, vec![square(Role::OuterWall, 10.0)]));
+        let mut pacer = Pacer::plain(&s);
+        pacer.paced(layer(0, vec![square(Role::OuterWall, 10.0)]));
+        let l = pacer.paced(layer(1, vec![square(Role::OuterWall, 10.0)]));
         assert!(l.moves.iter().all(|m| match m {
             PacedMove::Lift { z, .. } => *z <= 0.5,
             _ => true,
@@ -687,10 +712,10 @@ mod tests {
     #[test]
     fn a_missing_travel_is_made_up_for() {
         let s = Settings::default();
-        let mut pacer = Pacer::new(&s);
+        let mut pacer = Pacer::plain(&s);
         let mut path = layer(0, vec![square(Role::OuterWall, 10.0)]);
         path.moves.remove(0);
-        let l = pacer.layer(path);
+        let l = pacer.paced(path);
         assert!(l.moves.iter().any(|m| matches!(
             m,
             PacedMove::Travel { points, .. } if points[0] == DVec2::splat(50.0)
@@ -700,7 +725,7 @@ mod tests {
     #[test]
     fn an_empty_layer_takes_no_time() {
         let s = Settings::default();
-        let l = Pacer::new(&s).layer(layer(0, vec![]));
+        let l = Pacer::plain(&s).paced(layer(0, vec![]));
         assert_eq!((l.moves.len(), l.time), (0, 0.0));
     }
 }

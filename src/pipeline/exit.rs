@@ -62,15 +62,15 @@ impl<'a, 'w> Exit<'a, 'w> {
         options: &'a Options<'a>,
         pictures: Option<Pictures>,
         writer: Writer<'a, &'w mut dyn io::Write>,
-        settings: &'a Settings,
+        pacer: Pacer<'a>,
     ) -> Self {
         Exit {
-            settings,
+            settings: pacer.settings(),
             options,
             pictures,
             offset,
             head: Head::default(),
-            pacer: Pacer::new(settings),
+            pacer,
             writer,
             next: layers.start - layers.start % BLOCK,
             layers,
@@ -134,7 +134,9 @@ impl<'a, 'w> Exit<'a, 'w> {
                 SliceError::Picture(pictures.folder().to_owned(), e)
             })?;
         }
-        let paced = self.timings.time(Stage::Pace, || self.pacer.layer(path));
+        let paced = self
+            .timings
+            .time(Stage::Pace, || self.pacer.layer(path, Some(&shell.solid)))?;
         self.timings.time(Stage::Gcode, || match written {
             true => self.writer.layer(&paced),
             false => self.writer.rehearse(&paced),

@@ -31,14 +31,18 @@ mod tally;
 
 use crate::field::{FieldError, SLAB};
 use crate::gcode::{Header, WriteError, Writer};
+use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
 use crate::model::Model;
+use crate::pace::Pacer;
+use crate::pace::rates::Rater;
 use crate::plane::Rect;
 use crate::preview::Pictures;
 use crate::report::{Figures, Gauge, Report, ReportError};
 use crate::settings::Settings;
 use crate::timings::Stage;
 use crate::units::{Mm, Mm2, Seconds};
+use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -107,6 +111,12 @@ pub enum SliceError {
     /// The field cannot be evaluated.
     #[error(transparent)]
     Field(#[from] FieldError),
+    /// A setting that is an expression has no value somewhere.
+    #[error(transparent)]
+    Vary(#[from] VaryError),
+    /// The infill cannot be laid.
+    #[error(transparent)]
+    Infill(#[from] InfillError),
     /// The G-code cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -151,11 +161,17 @@ pub fn slice(
         .num_threads(options.threads.unwrap_or(0))
         .build()?;
     let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
-    let stages = Stages::new(model, settings, gauge)?;
+    let around = Surroundings::new(model);
+    let stages = Stages::new(model, settings, &around, gauge)?;
+    let rater = Rater::new(settings, model, &around)?;
     let header = Header {
         model_name: model.name.clone(),
         layer_count: spans.len(),
         layers: layers.clone(),
+        nozzle_temperature: match spans.get(layers.start) {
+            Some(span) => rater.temperature(span)?,
+            None => settings.filament.first_layer_nozzle_temperature,
+        },
         part_min: low,
         part_max: high,
     };
@@ -178,7 +194,7 @@ pub fn slice(
         options,
         pictures,
         writer,
-        settings,
+        Pacer::new(settings, rater),
     );
     let mut tally = Tally::default();
 

@@ -22,6 +22,7 @@ use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
+use crate::vary::Surroundings;
 use crate::{skin, walls};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -72,7 +73,7 @@ pub(super) struct Stages<'a> {
     bed: Mm,
     top_layers: usize,
     bottom_layers: usize,
-    infill: Infill,
+    infill: Infill<'a>,
     pub timings: Timings,
     pub gauge: Gauge<'a>,
 }
@@ -81,8 +82,9 @@ impl<'a> Stages<'a> {
     pub fn new(
         model: &Model,
         settings: &'a Settings,
+        around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
-    ) -> Result<Self, FieldError> {
+    ) -> Result<Self, SliceError> {
         let rect = Rect {
             min: model.bounds.min.truncate(),
             max: model.bounds.max.truncate(),
@@ -112,10 +114,12 @@ impl<'a> Stages<'a> {
                     .collect::<Result<_, _>>()?
             }
         };
-        let middle = rect.min.midpoint(rect.max);
-        let offset = model.offset.truncate();
         let printer = &settings.printer;
         let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
+        let centres = infill::Centres {
+            part: rect.min.midpoint(rect.max),
+            bed: bed - model.offset.truncate(),
+        };
         Ok(Stages {
             settings,
             field,
@@ -123,7 +127,7 @@ impl<'a> Stages<'a> {
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
-            infill: Infill::new(settings, middle, bed - offset),
+            infill: Infill::new(settings, around, centres)?,
             timings: Timings::default(),
             gauge,
         })
@@ -250,7 +254,7 @@ impl<'a> Stages<'a> {
                 return Ok(());
             }
             let shells: &VecDeque<Shell> = window;
-            let done: Vec<Result<Done, ReportError>> = pool.install(|| {
+            let done: Vec<Result<Done, SliceError>> = pool.install(|| {
                 ready
                     .clone()
                     .into_par_iter()
@@ -263,7 +267,7 @@ impl<'a> Stages<'a> {
                             }
                             false => None,
                         };
-                        Ok((self.beads(shells, i), figures))
+                        Ok((self.beads(shells, i)?, figures))
                     })
                     .collect()
             });
@@ -296,7 +300,11 @@ impl<'a> Stages<'a> {
     }
 
     /// Everything there is to print in layer `i` of the window.
-    fn beads(&self, window: &VecDeque<Shell>, i: usize) -> LayerBeads {
+    fn beads(
+        &self,
+        window: &VecDeque<Shell>,
+        i: usize,
+    ) -> Result<LayerBeads, SliceError> {
         let shell = &window[i];
         let Shell { span, walls, .. } = shell;
         let height = span.height();
@@ -337,7 +345,7 @@ impl<'a> Stages<'a> {
                 skin::patches(&areas.skin, faces, layer, height, self.settings);
             (areas, skin)
         });
-        LayerBeads {
+        Ok(LayerBeads {
             skirt: match layer < self.settings.skirt.layers as usize {
                 true => skirt(&shell.outline.area, height, self.settings),
                 false => Vec::new(),
@@ -349,9 +357,9 @@ impl<'a> Stages<'a> {
                     z: span.sample_z(),
                     height,
                 };
-                self.infill.beads(&areas.sparse, place, self.settings)
-            }),
+                self.infill.beads(&areas.sparse, place, Some(&shell.solid))
+            })?,
             skin,
-        }
+        })
     }
 }

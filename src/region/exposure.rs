@@ -40,7 +40,7 @@ const TOLERANCE: Mm = 0.02;
 /// lattices that is next to nothing: the rest is skin, exposed or not, and
 /// need not be looked at again.
 pub fn roomy(fill: &Area, settings: &Settings) -> Area {
-    match settings.infill_density >= 100.0 {
+    match settings.infill_density.is(100.0) {
         true => Area::EMPTY,
         false => printable(fill, settings),
     }

@@ -28,23 +28,23 @@ pub(super) fn conflicts(s: &Settings) -> Result<Vec<String>, Conflict> {
     widths(s, &mut warnings)?;
     sampling(s, &mut warnings)?;
     something_is_printed(s)?;
-    if s.filament.nozzle_temperature < 150.0
-        || s.filament.first_layer_nozzle_temperature < 150.0
-    {
+    let first = s.filament.first_layer_nozzle_temperature;
+    let above = s.filament.nozzle_temperature.constant().unwrap_or(first);
+    if above < 150.0 || first < 150.0 {
         warnings.push(format!(
             "a nozzle at {} °C (filament.first_layer_nozzle_temperature) or \
              {} °C (filament.nozzle_temperature) melts hardly any plastic, and \
              most firmware refuses to extrude",
-            s.filament.first_layer_nozzle_temperature,
-            s.filament.nozzle_temperature,
+            first, above,
         ));
     }
-    let flow = s.flow * s.filament.flow / 100.0;
+    let own = s.flow.constant().unwrap_or(100.0);
+    let flow = own * s.filament.flow / 100.0;
     if !(75.0..=125.0).contains(&flow) {
         warnings.push(format!(
             "flow = {}% and filament.flow = {}% make {}% together: parts will \
              come out {}",
-            s.flow,
+            own,
             s.filament.flow,
             round(flow),
             if flow < 100.0 { "weak" } else { "swollen" },
@@ -176,7 +176,7 @@ fn sampling(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
 /// Without walls, skin and infill there is nothing to print.
 fn something_is_printed(s: &Settings) -> Result<(), Conflict> {
     let solid = s.top_layers() + s.bottom_layers() > 0;
-    if s.walls == 0 && !solid && s.infill_density == 0.0 {
+    if s.walls == 0 && !solid && s.infill_density.is(0.0) {
         return Err(conflict(
             [
                 "walls",

@@ -37,13 +37,16 @@
 //! ```
 
 mod check;
+mod infill;
 mod read;
 mod table;
 mod value;
 mod write;
 
+pub use infill::Infill;
 pub use read::{Builder, Place, SettingsError};
 pub use table::{Key, Range, keys};
+pub use value::Varying;
 
 use crate::units::*;
 
@@ -110,10 +113,20 @@ table::settings! {
         skin_min_area: Mm2 = 2.0, in 0.0..=1000.0;
 
         ["Sparse infill"]
-        /// Share of the inside that is printed; 0 leaves it hollow.
-        infill_density: Percent = 15.0, in 0.0..=100.0;
+        /// Share of the inside that is printed; 0 leaves it hollow. Infill
+        /// that is an expression is as dense as the expression makes it.
+        infill_density: Varying<Percent> = Varying::Constant(15.0),
+            in 0.0..=100.0;
         /// Pattern of the sparse infill.
-        infill_pattern: InfillPattern = InfillPattern::Rectilinear;
+        /// An expression, or the path of a script, is a pattern of one's own:
+        /// beads on its zero set, or a shape that is negative inside
+        /// (infill_mode).
+        infill: Infill = Infill::Pattern(InfillPattern::Rectilinear);
+        /// What an expression of infill is: a surface to lay beads on, or a
+        /// solid to print like a part of its own.
+        infill_mode: InfillMode = InfillMode::Surface;
+        /// Number of walls of infill that is a solid.
+        infill_walls: u32 = 1, in 0..=1000;
         /// Line width of sparse infill.
         infill_width: Mm = 0.45, in 0.05..=10.0;
         /// Direction of infill lines, counter-clockwise from the x axis.
@@ -130,24 +143,36 @@ table::settings! {
         ["Flow"]
         /// Material extruded, as a share of the beads' volume; multiplies
         /// filament.flow.
-        flow: Percent = 100.0, in 10.0..=300.0;
+        flow: Varying<Percent> = Varying::Constant(100.0),
+            in 10.0..=300.0;
+        /// Width of the beads of the part, as a share of their line width.
+        /// Their centre lines stay where they are.
+        bead_width: Varying<Percent> = Varying::Constant(100.0),
+            in 50.0..=200.0;
     }
     /// Speeds of the nozzle.
     speed: Speed {
         /// Speed of outer walls.
-        outer_wall: MmPerSec = 40.0, in 0.1..=2000.0;
+        outer_wall: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
         /// Speed of the walls behind the outer wall.
-        inner_wall: MmPerSec = 60.0, in 0.1..=2000.0;
+        inner_wall: Varying<MmPerSec> = Varying::Constant(60.0),
+            in 0.1..=2000.0;
         /// Speed of the beads that fill gaps between walls.
-        gap_fill: MmPerSec = 30.0, in 0.1..=2000.0;
+        gap_fill: Varying<MmPerSec> = Varying::Constant(30.0),
+            in 0.1..=2000.0;
         /// Speed of sparse infill.
-        sparse_infill: MmPerSec = 80.0, in 0.1..=2000.0;
+        sparse_infill: Varying<MmPerSec> = Varying::Constant(80.0),
+            in 0.1..=2000.0;
         /// Speed of solid layers that are covered from both sides.
-        internal_skin: MmPerSec = 60.0, in 0.1..=2000.0;
+        internal_skin: Varying<MmPerSec> = Varying::Constant(60.0),
+            in 0.1..=2000.0;
         /// Speed of skin that faces upwards.
-        top_skin: MmPerSec = 40.0, in 0.1..=2000.0;
+        top_skin: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
         /// Speed of skin that faces downwards.
-        bottom_skin: MmPerSec = 40.0, in 0.1..=2000.0;
+        bottom_skin: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
         /// Speed of the skirt.
         skirt: MmPerSec = 30.0, in 0.1..=2000.0;
         /// Greatest printing speed on the first layer.
@@ -186,7 +211,8 @@ table::settings! {
     /// Fan, and slowing down for small layers.
     cooling: Cooling {
         /// Speed of the part's fan.
-        fan_speed: Percent = 100.0, in 0.0..=100.0;
+        fan_speed: Varying<Percent> = Varying::Constant(100.0),
+            in 0.0..=100.0;
         /// Number of layers, from the bed, printed without the fan.
         fan_off_layers: u32 = 1, in 0..=50_000;
         /// A layer that would take less time than this is printed slower.
@@ -206,8 +232,10 @@ table::settings! {
         /// Greatest volume of plastic the hot end melts per second; faster
         /// moves are slowed down to it.
         max_flow: Mm3PerSec = 12.0, in 0.1..=500.0;
-        /// Temperature of the nozzle above the first layer.
-        nozzle_temperature: Celsius = 210.0, in 1.0..=600.0;
+        /// Temperature of the nozzle above the first layer; an expression of
+        /// it may depend on z only, and holds for whole layers.
+        nozzle_temperature: Varying<Celsius> = Varying::Constant(210.0),
+            in 1.0..=600.0;
         /// Temperature of the nozzle on the first layer.
         first_layer_nozzle_temperature: Celsius = 215.0, in 1.0..=600.0;
         /// Temperature of the bed above the first layer; 0 for no heating.
@@ -326,6 +354,15 @@ value::words! {
         Neovius = "neovius",
         /// The lidinoid.
         Lidinoid = "lidinoid",
+    }
+}
+value::words! {
+    /// What an expression of infill is.
+    InfillMode {
+        /// Its zero set is a surface to lay beads on.
+        Surface = "surface",
+        /// Where it is negative is solid, with walls of its own.
+        Solid = "solid",
     }
 }
 value::words! {

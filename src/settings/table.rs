@@ -60,9 +60,14 @@ impl Key {
         match self.kind() {
             Kind::Number | Kind::Whole => range,
             Kind::WholeOrAuto => format!("auto, or {range}"),
+            Kind::Varying => format!("{range}, or \"expr: ...\""),
             Kind::Switch => "true or false".to_owned(),
             Kind::Text => "any text".to_owned(),
             Kind::Word(words) => alternatives(words),
+            Kind::WordOrShape(words) => format!(
+                "{}, \"expr: ...\" or a .rhai file",
+                words.join(", ")
+            ),
         }
     }
 
@@ -81,12 +86,18 @@ impl Key {
                     "a number from {range} (in {unit}, without quotes or unit)"
                 )
             }
+            (Kind::Varying, unit) => format!(
+                "{range}{}{unit} or \"expr: ...\", a formula of x, y, z and d",
+                if unit.is_empty() { "" } else { " " }
+            ),
             (Kind::Whole, _) => format!("a whole number, {range}"),
             (Kind::WholeOrAuto, _) => {
                 format!("\"auto\" or a whole number, {range}")
             }
             (Kind::Text, _) => "text in quotes".to_owned(),
-            (Kind::Switch | Kind::Word(_), _) => self.allowed(),
+            (Kind::Switch | Kind::Word(_) | Kind::WordOrShape(_), _) => {
+                self.allowed()
+            }
         }
     }
 
@@ -189,6 +200,9 @@ pub(super) fn tidy(doc: &str) -> String {
 
 /// Unit of a type in the table.
 macro_rules! unit {
+    (Varying<$inner:ident>) => {
+        $crate::settings::table::unit!($inner)
+    };
     (Mm) => {
         "mm"
     };

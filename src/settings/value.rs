@@ -54,9 +54,13 @@ pub(super) enum Kind {
     Number,
     Whole,
     WholeOrAuto,
+    /// A number or an expression.
+    Varying,
     Switch,
     Text,
     Word(&'static [&'static str]),
+    /// A word, an expression, or the name of a script.
+    WordOrShape(&'static [&'static str]),
 }
 
 /// A field of the settings.
@@ -117,6 +121,82 @@ fn in_range(value: f64, key: &Key) -> Result<f64, Refused> {
         Ok(value)
     } else {
         Err(Refused::Range)
+    }
+}
+
+/// A number that may be different from place to place.
+///
+/// An expression is text here: what it means is for the model's language to
+/// say, which settings know nothing of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Varying<T = f64> {
+    /// The same everywhere.
+    Constant(T),
+    /// A formula of x, y, z and d.
+    Expression(String),
+}
+
+impl Varying {
+    /// How an expression is told from other text.
+    pub const PREFIX: &str = "expr:";
+
+    /// The number, if it is the same everywhere.
+    pub fn constant(&self) -> Option<f64> {
+        match self {
+            Varying::Constant(value) => Some(*value),
+            Varying::Expression(_) => None,
+        }
+    }
+
+    /// The formula, if there is one.
+    pub fn expression(&self) -> Option<&str> {
+        match self {
+            Varying::Constant(_) => None,
+            Varying::Expression(text) => Some(text),
+        }
+    }
+
+    /// True if it is this number everywhere.
+    pub fn is(&self, value: f64) -> bool {
+        self.constant() == Some(value)
+    }
+}
+
+impl From<f64> for Varying {
+    fn from(value: f64) -> Self {
+        Varying::Constant(value)
+    }
+}
+
+impl Value for Varying {
+    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+        if let Raw::Text(text) | Raw::Word(text) = raw
+            && let Some(formula) = text.trim().strip_prefix(Self::PREFIX)
+        {
+            *self = Varying::Expression(formula.trim().to_owned());
+            return Ok(());
+        }
+        let mut value = 0.0;
+        value.assign(raw, key)?;
+        *self = Varying::Constant(value);
+        Ok(())
+    }
+
+    fn to_toml(&self) -> String {
+        match self {
+            Varying::Constant(value) => value.to_toml(),
+            Varying::Expression(text) => {
+                format!("{} {text}", Self::PREFIX).to_toml()
+            }
+        }
+    }
+
+    fn number(&self) -> Option<f64> {
+        self.constant()
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Varying
     }
 }
 

@@ -241,6 +241,8 @@ pub struct Move {
     pub back: f64,
     pub role: &'static str,
     pub width: f64,
+    /// Feed rate, mm/min.
+    pub feed: f64,
     /// Line in the file, from 1.
     pub line: usize,
 }
@@ -295,6 +297,7 @@ pub fn parse(text: &str) -> Vec<Layer> {
     let mut at = DVec3::NAN;
     let (mut relative, mut e, mut back) = (false, 0.0, 0.0_f64);
     let (mut role, mut width) = ("Custom", f64::NAN);
+    let mut feed = f64::NAN;
     for (i, line) in text.lines().enumerate() {
         let line_number = i + 1;
         let number = |text: &str| -> f64 {
@@ -341,7 +344,10 @@ pub fn parse(text: &str) -> Vec<Layer> {
                             fed = value - e;
                             e = value;
                         }
-                        "F" => assert!(value > 0.0, "line {line_number}"),
+                        "F" => {
+                            assert!(value > 0.0, "line {line_number}");
+                            feed = value;
+                        }
                         _ => panic!("line {line_number}: {line}"),
                     }
                 }
@@ -367,6 +373,7 @@ pub fn parse(text: &str) -> Vec<Layer> {
                         back,
                         role,
                         width,
+                        feed,
                         line: line_number,
                     });
                 }

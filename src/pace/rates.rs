@@ -1,0 +1,376 @@
+//! What beads are printed with, where settings may differ along them: speed,
+//! flow, width, fan.
+//!
+//! In: a bead. Out: the bead, or pieces of it that follow each other without
+//! a break, each with its rates. Where a setting is an expression a bead is
+//! asked about every [`STEP`] and cut where the answer changes noticeably.
+
+use crate::bead::{Bead, Role};
+use crate::layers::LayerSpan;
+use crate::model::{Model, Place};
+use crate::plane::grid::EdgeGrid;
+use crate::settings::{Settings, Speed, Varying};
+use crate::units::{Celsius, Mm, MmPerSec, Percent};
+use crate::vary::{Quantity, Surroundings, VaryError};
+use glam::DVec2;
+
+/// Distance between the points of a bead at which expressions are evaluated.
+const STEP: Mm = 1.0;
+
+/// A bead is cut where a rate has changed by this share of itself.
+const CHANGE: f64 = 0.01;
+
+/// How a bead is printed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Speed its role asks for.
+    pub speed: MmPerSec,
+    /// Material extruded, as a factor on the bead's volume; the filament's
+    /// own included.
+    pub flow: f64,
+    /// Speed of the part's fan.
+    pub fan: Percent,
+}
+
+/// The rates of a run's beads.
+pub struct Rater<'a> {
+    settings: &'a Settings,
+    /// What expressions know of their surroundings; nothing in a run whose
+    /// settings are all constant.
+    around: Option<(&'a Surroundings<'a>, DVec2)>,
+    /// By role, in the order of [`Role::ALL`].
+    speeds: Vec<Quantity>,
+    flow: Quantity,
+    width: Quantity,
+    fan: Quantity,
+    temperature: Quantity,
+    varies: bool,
+    measures: bool,
+}
+
+/// The setting of a role's speed.
+fn speed_of(role: Role, speed: &Speed) -> (&'static str, Varying) {
+    let (key, value) = match role {
+        Role::Skirt => {
+            return ("speed.skirt", Varying::Constant(speed.skirt));
+        }
+        Role::OuterWall => ("speed.outer_wall", &speed.outer_wall),
+        Role::InnerWall => ("speed.inner_wall", &speed.inner_wall),
+        Role::GapFill => ("speed.gap_fill", &speed.gap_fill),
+        Role::SparseInfill => ("speed.sparse_infill", &speed.sparse_infill),
+        Role::InternalSkin => ("speed.internal_skin", &speed.internal_skin),
+        Role::TopSkin => ("speed.top_skin", &speed.top_skin),
+        Role::BottomSkin => ("speed.bottom_skin", &speed.bottom_skin),
+    };
+    (key, value.clone())
+}
+
+impl<'a> Rater<'a> {
+    /// For a model, whose print coordinates are its own plus its offset.
+    ///
+    /// # Errors
+    /// If a setting is no expression.
+    pub fn new(
+        settings: &'a Settings,
+        model: &Model,
+        around: &'a Surroundings<'a>,
+    ) -> Result<Rater<'a>, VaryError> {
+        Self::with(settings, Some((around, model.offset.truncate())))
+    }
+
+    /// For settings that are all constant; expressions have no value.
+    ///
+    /// # Errors
+    /// If a setting is no expression.
+    pub fn constant(settings: &'a Settings) -> Result<Rater<'a>, VaryError> {
+        Self::with(settings, None)
+    }
+
+    fn with(
+        settings: &'a Settings,
+        around: Option<(&'a Surroundings<'a>, DVec2)>,
+    ) -> Result<Rater<'a>, VaryError> {
+        let speeds: Vec<Quantity> = Role::ALL
+            .iter()
+            .map(|r| {
+                let (key, value) = speed_of(*r, &settings.speed);
+                Quantity::new(key, &value)
+            })
+            .collect::<Result<_, _>>()?;
+        let flow = Quantity::new("flow", &settings.flow)?;
+        let width = Quantity::new("bead_width", &settings.bead_width)?;
+        let fan =
+            Quantity::new("cooling.fan_speed", &settings.cooling.fan_speed)?;
+        let temperature = Quantity::level(
+            "filament.nozzle_temperature",
+            &settings.filament.nozzle_temperature,
+        )?;
+        let all = || speeds.iter().chain([&flow, &width, &fan]);
+        let varies = all().any(|q| q.constant().is_none());
+        let measures = all().any(Quantity::uses_depth);
+        Ok(Rater {
+            settings,
+            around,
+            speeds,
+            flow,
+            width,
+            fan,
+            temperature,
+            varies,
+            measures,
+        })
+    }
+
+    /// Temperature of the nozzle on a layer, in whole degrees where it is an
+    /// expression.
+    ///
+    /// # Errors
+    /// If it has no value there.
+    pub fn temperature(&self, span: &LayerSpan) -> Result<Celsius, VaryError> {
+        if span.index == 0 {
+            return Ok(self.settings.filament.first_layer_nozzle_temperature);
+        }
+        match self.temperature.constant() {
+            Some(value) => Ok(value),
+            None => {
+                let at = DVec2::ZERO.extend(span.top);
+                let place = Place { at, depth: 0.0 };
+                Ok(self.temperature.at(place)?.round())
+            }
+        }
+    }
+
+    /// Speed of the fan at a layer's beginning.
+    pub fn fan(&self, span: &LayerSpan) -> Percent {
+        match span.index < self.settings.cooling.fan_off_layers as usize {
+            true => 0.0,
+            // An expression speaks up with the first bead.
+            false => self.fan.constant().unwrap_or(0.0),
+        }
+    }
+
+    fn speed(&self, role: Role) -> &Quantity {
+        let i = Role::ALL.iter().position(|r| *r == role).unwrap_or(0);
+        &self.speeds[i]
+    }
+
+    /// The bead in pieces of constant width and rates, in print coordinates.
+    /// `solid` is the layer's outline, in the model's.
+    ///
+    /// # Errors
+    /// If a setting has no value somewhere along the bead.
+    pub fn pieces(
+        &self,
+        bead: Bead,
+        span: &LayerSpan,
+        solid: Option<&EdgeGrid>,
+    ) -> Result<Vec<(Bead, Rates)>, VaryError> {
+        let quantities =
+            [self.speed(bead.role), &self.flow, &self.width, &self.fan];
+        if !self.varies || quantities.iter().all(|q| q.constant().is_some()) {
+            let [speed, flow, width, fan] =
+                quantities.map(|q| q.constant().unwrap_or(f64::NAN));
+            let pieces = bead.pieces().into_iter();
+            return Ok(pieces
+                .map(|b| self.rated(b, span, [speed, flow, width, fan]))
+                .collect());
+        }
+        let mut out = Vec::new();
+        for piece in bead.pieces() {
+            let steps = steps(&piece);
+            let places = self.places(&steps, span, solid)?;
+            let mut values: [Vec<f64>; 4] = Default::default();
+            for (quantity, values) in quantities.iter().zip(&mut values) {
+                quantity.evaluate(&places, values)?;
+            }
+            let at = |i: usize| [0, 1, 2, 3].map(|k: usize| values[k][i]);
+            for run in runs(steps.len(), at) {
+                let (first, last) = (at(run.start), at(run.end - 1));
+                let mean = [0, 1, 2, 3].map(|k| 0.5 * (first[k] + last[k]));
+                let part = part(&piece, &steps[run]);
+                out.push(self.rated(part, span, mean));
+            }
+        }
+        Ok(out)
+    }
+
+    fn places(
+        &self,
+        steps: &[Step],
+        span: &LayerSpan,
+        solid: Option<&EdgeGrid>,
+    ) -> Result<Vec<Place>, VaryError> {
+        let mut places = Vec::with_capacity(steps.len());
+        if let Some((around, offset)) = self.around {
+            let middles = steps.iter().map(|s| 0.5 * (s.from + s.to) - offset);
+            // Halfway up the layer, where its outline is that of the part.
+            let z = span.sample_z();
+            around.places(middles, z, self.measures, solid, &mut places)?;
+            for place in &mut places {
+                place.at.z = span.top;
+            }
+        } else {
+            places.extend(steps.iter().map(|_| Place {
+                at: glam::DVec3::NAN,
+                depth: f64::NAN,
+            }));
+        }
+        Ok(places)
+    }
+
+    fn rated(
+        &self,
+        mut bead: Bead,
+        span: &LayerSpan,
+        [speed, flow, width, fan]: [f64; 4],
+    ) -> (Bead, Rates) {
+        // The skirt is not part of the part.
+        if bead.role != Role::Skirt {
+            bead.width *= width / 100.0;
+        }
+        let fan =
+            match span.index < self.settings.cooling.fan_off_layers as usize {
+                true => 0.0,
+                false => fan,
+            };
+        let rates = Rates {
+            speed,
+            flow: flow * self.settings.filament.flow * 1e-4,
+            fan,
+        };
+        (bead, rates)
+    }
+}
+
+/// A short stretch of a bead.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    from: DVec2,
+    to: DVec2,
+    /// True if it ends at one of the bead's own points.
+    corner: bool,
+}
+
+/// The bead in stretches of at most [`STEP`].
+fn steps(bead: &Bead) -> Vec<Step> {
+    let mut steps = Vec::new();
+    for (a, b) in bead.segments() {
+        let count = (a.distance(b) / STEP).ceil().max(1.0);
+        for i in 0..count as usize {
+            let last = i + 1 == count as usize;
+            steps.push(Step {
+                from: a.lerp(b, i as f64 / count),
+                to: match last {
+                    true => b,
+                    false => a.lerp(b, (i + 1) as f64 / count),
+                },
+                corner: last,
+            });
+        }
+    }
+    steps
+}
+
+/// Stretches that follow each other with about the same values.
+fn runs(
+    count: usize,
+    at: impl Fn(usize) -> [f64; 4],
+) -> Vec<std::ops::Range<usize>> {
+    let mut runs = Vec::new();
+    let mut start = 0;
+    for i in 1..=count {
+        let same = i < count && {
+            let (first, here) = (at(start), at(i));
+            let close = |(a, b): (&f64, &f64)| {
+                (a - b).abs() <= CHANGE * a.abs().max(b.abs())
+            };
+            first.iter().zip(&here).all(close)
+        };
+        if !same {
+            runs.push(start..i);
+            start = i;
+        }
+    }
+    runs
+}
+
+/// The part of a bead that some of its stretches make up.
+fn part(bead: &Bead, steps: &[Step]) -> Bead {
+    let mut points: Vec<DVec2> =
+        steps.first().map(|s| s.from).into_iter().collect();
+    let last = steps.len() - 1;
+    points.extend(
+        steps
+            .iter()
+            .enumerate()
+            .filter(|(i, s)| s.corner || *i == last)
+            .map(|(_, s)| s.to),
+    );
+    Bead {
+        points,
+        closed: false,
+        widths: Vec::new(),
+        ..*bead
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bead(points: &[(f64, f64)], closed: bool) -> Bead {
+        Bead {
+            role: Role::OuterWall,
+            points: points.iter().map(|&p| p.into()).collect(),
+            closed,
+            width: 0.45,
+            widths: Vec::new(),
+            height: 0.2,
+        }
+    }
+
+    #[test]
+    fn stretches_are_the_bead() {
+        let square =
+            bead(&[(0.0, 0.0), (3.5, 0.0), (3.5, 2.0), (0.0, 2.0)], true);
+        let steps = steps(&square);
+        assert_eq!(steps.len(), 4 + 2 + 4 + 2);
+        assert!(steps.windows(2).all(|w| w[0].to == w[1].from));
+        let longest = steps.iter().map(|s| s.from.distance(s.to));
+        assert!(longest.fold(0.0, f64::max) <= STEP);
+        // Put together again: no point but the corners.
+        let whole = part(&square, &steps);
+        assert_eq!(whole.points.len(), 5);
+        assert_eq!(whole.length(), square.length());
+    }
+
+    #[test]
+    fn runs_end_where_values_change() {
+        let values = [10.0, 10.05, 10.2, 10.2, 5.0];
+        let at = |i: usize| [values[i], 1.0, 1.0, 0.0];
+        assert_eq!(runs(5, at), vec![0..2, 2..4, 4..5]);
+        assert!(runs(0, at).is_empty());
+    }
+
+    #[test]
+    fn constant_settings_leave_beads_whole() {
+        let settings = Settings {
+            flow: Varying::Constant(90.0),
+            bead_width: Varying::Constant(110.0),
+            ..Settings::default()
+        };
+        let rater = Rater::constant(&settings).unwrap();
+        let span = LayerSpan {
+            index: 4,
+            bottom: 0.8,
+            top: 1.0,
+        };
+        let line = bead(&[(0.0, 0.0), (30.0, 0.0)], false);
+        let pieces = rater.pieces(line, &span, None).unwrap();
+        assert_eq!(pieces.len(), 1);
+        let (bead, rates) = &pieces[0];
+        assert!((bead.width - 0.495).abs() < 1e-12);
+        assert!((rates.flow - 0.9).abs() < 1e-12);
+        assert_eq!((rates.speed, rates.fan), (40.0, 100.0));
+    }
+}

@@ -1,0 +1,297 @@
+//! Settings that differ from place to place.
+//!
+//! In: settings, some of which are expressions, and the model. Out: each such
+//! setting as a [`Quantity`], whose value is asked for at many points at a
+//! time.
+//!
+//! Values outside the setting's range are taken to its nearest end; a value
+//! that is not a number is an error that tells the place.
+
+pub mod depth;
+
+use crate::model::{Expression, ExpressionError, Model, Place};
+use crate::plane::grid::EdgeGrid;
+use crate::settings::{Range, Varying, keys};
+use crate::units::Mm;
+use depth::DepthMap;
+use glam::{DVec2, DVec3};
+use std::sync::OnceLock;
+
+/// Why a setting has no value somewhere.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum VaryError {
+    /// It is not an expression.
+    #[error("{key} = \"expr: {text}\": {error}")]
+    Bad {
+        /// The setting.
+        key: &'static str,
+        /// Its text.
+        text: String,
+        /// What is wrong with it.
+        error: String,
+    },
+    /// It depends on what it must not depend on.
+    #[error(
+        "{key} = \"expr: {text}\" differs within a layer, but holds for whole \
+         layers: use z only"
+    )]
+    NotLevel {
+        /// The setting.
+        key: &'static str,
+        /// Its text.
+        text: String,
+    },
+    /// It is not a number somewhere.
+    #[error(
+        "{key} = \"expr: {text}\" has no value at x = {:.3}, y = {:.3}, z = \
+         {:.3} (d = {depth:.3}): change the expression so that it has one \
+         there, for instance with max() around what is divided by or whose \
+         root is taken",
+        .at.x, .at.y, .at.z
+    )]
+    NotANumber {
+        /// The setting.
+        key: &'static str,
+        /// Its text.
+        text: String,
+        /// Where.
+        at: DVec3,
+        /// Distance to the surface there.
+        depth: Mm,
+    },
+    /// The part cannot be measured.
+    #[error("the distance to the surface, d, cannot be measured: {0}")]
+    Depth(String),
+}
+
+/// A setting's value wherever it is asked for.
+#[derive(Clone)]
+pub struct Quantity {
+    key: &'static str,
+    range: Option<Range>,
+    value: Value,
+}
+
+#[derive(Clone)]
+enum Value {
+    Constant(f64),
+    Varying {
+        text: String,
+        expression: Box<Expression>,
+    },
+}
+
+impl Quantity {
+    /// The setting `key`, whose value is `value`.
+    ///
+    /// # Errors
+    /// If it is an expression with a mistake in it.
+    pub fn new(
+        key: &'static str,
+        value: &Varying,
+    ) -> Result<Quantity, VaryError> {
+        let row = keys().iter().find(|k| k.name == key);
+        let value = match value {
+            Varying::Constant(value) => Value::Constant(*value),
+            Varying::Expression(text) => {
+                let bad = |e: ExpressionError| VaryError::Bad {
+                    key,
+                    text: text.clone(),
+                    error: e.to_string(),
+                };
+                let expression =
+                    Box::new(Expression::parse(text).map_err(bad)?);
+                Value::Varying {
+                    text: text.clone(),
+                    expression,
+                }
+            }
+        };
+        let range = row.and_then(|r| r.range);
+        Ok(Quantity { key, range, value })
+    }
+
+    /// The same, if it does not differ within a layer.
+    ///
+    /// # Errors
+    /// If it does, or has a mistake in it.
+    pub fn level(
+        key: &'static str,
+        value: &Varying,
+    ) -> Result<Quantity, VaryError> {
+        let quantity = Quantity::new(key, value)?;
+        match &quantity.value {
+            Value::Varying { text, expression } if !expression.is_level() => {
+                Err(VaryError::NotLevel {
+                    key,
+                    text: text.clone(),
+                })
+            }
+            _ => Ok(quantity),
+        }
+    }
+
+    /// The value, if it is the same everywhere.
+    pub fn constant(&self) -> Option<f64> {
+        match self.value {
+            Value::Constant(value) => Some(value),
+            Value::Varying { .. } => None,
+        }
+    }
+
+    /// True if the distance to the surface matters.
+    pub fn uses_depth(&self) -> bool {
+        match &self.value {
+            Value::Constant(_) => false,
+            Value::Varying { expression, .. } => expression.uses_depth(),
+        }
+    }
+
+    /// Appends the value at each place.
+    ///
+    /// # Errors
+    /// If there is none at one of them.
+    pub fn evaluate(
+        &self,
+        places: &[Place],
+        out: &mut Vec<f64>,
+    ) -> Result<(), VaryError> {
+        let (text, expression) = match &self.value {
+            Value::Constant(value) => {
+                out.extend(std::iter::repeat_n(*value, places.len()));
+                return Ok(());
+            }
+            Value::Varying { text, expression } => (text, expression),
+        };
+        let first = out.len();
+        expression.evaluate(places, out);
+        for (value, place) in out[first..].iter_mut().zip(places) {
+            if value.is_nan() {
+                return Err(VaryError::NotANumber {
+                    key: self.key,
+                    text: text.clone(),
+                    at: place.at,
+                    depth: place.depth,
+                });
+            }
+            if let Some(range) = self.range {
+                *value = value.clamp(range.min, range.max);
+            }
+        }
+        Ok(())
+    }
+
+    /// The value at one place.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn at(&self, place: Place) -> Result<f64, VaryError> {
+        let mut value = Vec::with_capacity(1);
+        self.evaluate(&[place], &mut value)?;
+        Ok(value[0])
+    }
+}
+
+/// What expressions know of a point besides its coordinates.
+pub struct Surroundings<'a> {
+    model: &'a Model,
+    /// Measured when it is first asked for.
+    depth: OnceLock<Result<DepthMap, VaryError>>,
+}
+
+impl<'a> Surroundings<'a> {
+    /// Of a placed model.
+    pub fn new(model: &'a Model) -> Self {
+        Surroundings {
+            model,
+            depth: OnceLock::new(),
+        }
+    }
+
+    /// Makes places of points in the model's x and y at one height above the
+    /// bed. `measure` tells whether their depths matter; `solid`, if given, is
+    /// the outline at that height, which makes depths near it exact.
+    ///
+    /// # Errors
+    /// If the part cannot be measured.
+    pub fn places(
+        &self,
+        points: impl IntoIterator<Item = DVec2>,
+        z: Mm,
+        measure: bool,
+        solid: Option<&EdgeGrid>,
+        out: &mut Vec<Place>,
+    ) -> Result<(), VaryError> {
+        let map = match measure {
+            true => Some(self.depth_map()?),
+            false => None,
+        };
+        let model_z = z - self.model.offset.z;
+        out.extend(points.into_iter().map(|p| {
+            let depth = map.map_or(0.0, |map| {
+                let deep = map.at(p.extend(model_z));
+                let beside = solid
+                    .filter(|_| deep > 0.0)
+                    .and_then(|s| s.nearest_within(p, 2.0 * map.step()));
+                match beside {
+                    Some((_, q)) => deep.min(p.distance(q)),
+                    None => deep,
+                }
+            });
+            Place {
+                at: p.extend(z),
+                depth,
+            }
+        }));
+        Ok(())
+    }
+
+    fn depth_map(&self) -> Result<&DepthMap, VaryError> {
+        let made = self.depth.get_or_init(|| {
+            DepthMap::new(self.model)
+                .map_err(|e| VaryError::Depth(e.to_string()))
+        });
+        made.as_ref().map_err(Clone::clone)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(x: f64, depth: f64) -> Place {
+        Place {
+            at: DVec3::new(x, 0.0, 1.0),
+            depth,
+        }
+    }
+
+    #[test]
+    fn values_stay_within_the_range_of_their_setting() {
+        let text = |t: &str| Varying::Expression(t.into());
+        let q = Quantity::new("infill_density", &text("10 + 60*exp(-d/3)"))
+            .unwrap();
+        assert!(q.uses_depth() && q.constant().is_none());
+        assert!((q.at(place(0.0, 0.0)).unwrap() - 70.0).abs() < 1e-4);
+        let q = Quantity::new("infill_density", &text("1000*x")).unwrap();
+        assert_eq!(q.at(place(1.0, 0.0)).unwrap(), 100.0);
+        assert_eq!(q.at(place(-1.0, 0.0)).unwrap(), 0.0);
+        let c = Quantity::new("flow", &Varying::Constant(95.0)).unwrap();
+        assert_eq!(c.at(place(3.0, 1.0)).unwrap(), 95.0);
+    }
+
+    #[test]
+    fn mistakes_name_the_setting_and_the_place() {
+        let q = |t: &str| Quantity::new("flow", &Varying::Expression(t.into()));
+        let e = q("100 + ").map(|_| ()).unwrap_err().to_string();
+        assert!(e.starts_with("flow = \"expr: 100 + \": column"), "{e}");
+        let e = q("sqrt(x)").unwrap().at(place(-2.0, 0.0)).unwrap_err();
+        let e = e.to_string();
+        assert!(e.contains("flow") && e.contains("x = -2.000"), "{e}");
+        let hot = "filament.nozzle_temperature";
+        let level = |t: &str| {
+            Quantity::level(hot, &Varying::Expression(t.into())).is_ok()
+        };
+        assert!(level("230 - z/5") && !level("200 + x") && !level("200 + d"));
+    }
+}
