@@ -108,7 +108,7 @@ impl Shape {
         let mut inside = Area { rings };
         let mut lines = Vec::new();
         let plan = Lay::inside(width, height, settings);
-        let mut ends = 0.5 * width;
+        let mut ends = layer.margin;
         for _ in 0..settings.infill_walls {
             if inside.is_empty() {
                 break;
