@@ -29,8 +29,8 @@
 //!    value of f, and splits what they leave into skin, where the layers above
 //!    or below do not cover it, and the rest. [`plane`] has the geometry,
 //!    [`bead`] the cross-section that says how far apart lines lie.
-//! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of that.
-//!    From here on beads are all there is.
+//! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of that,
+//!    and [`fuzzy`] a texture. From here on beads are all there is.
 //! 7. [`order`] puts them in a short order, one island at a time, and places
 //!    the seams.
 //! 8. [`travel`] connects them, and decides where to retract.
@@ -122,6 +122,7 @@ pub mod adhesion;
 pub mod bead;
 pub mod contour;
 pub mod field;
+pub mod fuzzy;
 pub mod gcode;
 pub mod infill;
 pub mod layers;

@@ -35,7 +35,7 @@ const ORDER: &[&[&str]] = &[
     // for filling, follows from the cross-section of a bead.
     &["bead"],
     &["region"],
-    &["walls", "skin", "infill", "adhesion", "support"],
+    &["walls", "fuzzy", "skin", "infill", "adhesion", "support"],
     &["order"],
     &["travel"],
     &["pace"],

@@ -146,3 +146,28 @@ fn limits_hold_and_what_has_no_value_is_an_error() {
     let e = error("filament.nozzle_temperature=expr: 200 + x");
     assert!(e.contains("z only"), "{e}");
 }
+
+#[test]
+fn fuzzy_walls_stay_within_their_thickness_and_grow_with_it() {
+    // From smooth at the bed to 0.4 mm at the top.
+    let layers = print(&["fuzzy.thickness=expr: 0.4*z/12"]);
+    let plain = print(&[]);
+    let off = |layers: &[Layer], from: f64, to: f64| -> f64 {
+        outer_walls(layers)
+            .filter(|(l, _)| (from..to).contains(&l.z))
+            .map(|(l, m)| {
+                let middle = l.z - 0.5 * l.height - 6.0;
+                let r = (36.0 - middle * middle).sqrt() - 0.225;
+                let p = m.from.truncate() - glam::DVec2::splat(110.0);
+                (p.length() - r).abs()
+            })
+            .fold(0.0, f64::max)
+    };
+    assert!(off(&plain, 1.0, 11.0) < 0.006);
+    let (low, high) = (off(&layers, 1.0, 2.0), off(&layers, 9.0, 11.0));
+    assert!((0.02..0.08).contains(&low), "{low}");
+    assert!((0.2..0.4).contains(&high), "{high}");
+    // By place, so always the same.
+    let again = print(&["fuzzy.thickness=expr: 0.4*z/12"]);
+    assert_eq!(off(&again, 0.0, 12.0), off(&layers, 0.0, 12.0));
+}

@@ -9,6 +9,7 @@ use super::{BLOCK, SliceError};
 use crate::adhesion::skirt;
 use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Field, FieldError};
+use crate::fuzzy::Fuzzy;
 use crate::infill::{self, Infill};
 use crate::layers::LayerSpan;
 use crate::model::Model;
@@ -69,6 +70,7 @@ pub(super) struct Stages<'a> {
     field: Field,
     /// The fields of the walls, if they are offsets of the expression.
     wall_fields: Vec<Field>,
+    fuzzy: Option<Fuzzy<'a>>,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
     top_layers: usize,
@@ -124,6 +126,7 @@ impl<'a> Stages<'a> {
             settings,
             field,
             wall_fields,
+            fuzzy: Fuzzy::new(settings, around)?,
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
@@ -345,12 +348,18 @@ impl<'a> Stages<'a> {
                 skin::patches(&areas.skin, faces, layer, height, self.settings);
             (areas, skin)
         });
+        let mut walls = walls::beads(walls, height);
+        if let Some(fuzzy) = &self.fuzzy {
+            self.timings.time(Stage::Walls, || {
+                fuzzy.apply(&mut walls, layer, span.sample_z(), &shell.solid)
+            })?;
+        }
         Ok(LayerBeads {
             skirt: match layer < self.settings.skirt.layers as usize {
                 true => skirt(&shell.outline.area, height, self.settings),
                 false => Vec::new(),
             },
-            walls: walls::beads(walls, height),
+            walls,
             infill: self.timings.time(Stage::Infill, || {
                 let place = infill::Place {
                     number: layer,

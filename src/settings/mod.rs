@@ -148,7 +148,17 @@ table::settings! {
         /// Width of the beads of the part, as a share of their line width.
         /// Their centre lines stay where they are.
         bead_width: Varying<Percent> = Varying::Constant(100.0),
-            in 50.0..=200.0;
+            in 50.0..=180.0;
+    }
+    /// Fuzzy skin: a rough texture on the walls one sees.
+    fuzzy: FuzzySkin {
+        /// Greatest distance by which an outer wall is moved outwards or
+        /// inwards; 0 leaves it smooth.
+        thickness: Varying<Mm> = Varying::Constant(0.0), in 0.0..=5.0;
+        /// Size of the bumps.
+        grain: Mm = 0.8, in 0.1..=100.0;
+        /// The walls of holes as well.
+        holes: bool = false;
     }
     /// Speeds of the nozzle.
     speed: Speed {

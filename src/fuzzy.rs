@@ -1,0 +1,211 @@
+//! Fuzzy skin: outer walls moved to and fro, as a texture to look at and hold.
+//!
+//! In: a layer's wall beads. Out: the same, the outer walls among them moved
+//! along their in-plane normals by a noise that depends on the place alone:
+//! the same part always gets the same texture, and neighbouring layers similar
+//! ones. How far is a setting that may differ from place to place.
+
+use crate::bead::{Bead, Role};
+use crate::model::Place;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::signed_area;
+use crate::settings::Settings;
+use crate::units::Mm;
+use crate::vary::{Quantity, Surroundings, VaryError};
+use glam::{DVec2, DVec3};
+
+/// Points of a fuzzy wall for each grain.
+const POINTS: f64 = 4.0;
+
+/// The texture of a run.
+pub struct Fuzzy<'a> {
+    settings: &'a Settings,
+    thickness: Quantity,
+    around: &'a Surroundings<'a>,
+}
+
+impl<'a> Fuzzy<'a> {
+    /// The texture that settings ask for, if any.
+    ///
+    /// # Errors
+    /// If its thickness is no expression.
+    pub fn new(
+        settings: &'a Settings,
+        around: &'a Surroundings<'a>,
+    ) -> Result<Option<Fuzzy<'a>>, VaryError> {
+        let thickness =
+            Quantity::new("fuzzy.thickness", &settings.fuzzy.thickness)?;
+        Ok((thickness.constant() != Some(0.0)).then_some(Fuzzy {
+            settings,
+            thickness,
+            around,
+        }))
+    }
+
+    /// Moves the outer walls of a layer, whose outline at the height `z` above
+    /// the bed is `solid`. The first layer stays smooth: it has to stick.
+    ///
+    /// # Errors
+    /// If the thickness has no value somewhere.
+    pub fn apply(
+        &self,
+        beads: &mut [Bead],
+        layer: usize,
+        z: Mm,
+        solid: &EdgeGrid,
+    ) -> Result<(), VaryError> {
+        if layer == 0 {
+            return Ok(());
+        }
+        let fuzzy = &self.settings.fuzzy;
+        for bead in beads {
+            let hole = signed_area(&bead.points) < 0.0;
+            let meant = bead.closed && (fuzzy.holes || !hole);
+            if bead.role == Role::OuterWall && meant {
+                self.roughen(bead, z, solid)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn roughen(
+        &self,
+        bead: &mut Bead,
+        z: Mm,
+        solid: &EdgeGrid,
+    ) -> Result<(), VaryError> {
+        let grain = self.settings.fuzzy.grain;
+        let dense = resampled(bead, grain / POINTS);
+        let mut places: Vec<Place> = Vec::with_capacity(dense.len());
+        self.around.places(
+            dense.iter().map(|p| p.at),
+            z,
+            self.thickness.uses_depth(),
+            Some(solid),
+            &mut places,
+        )?;
+        let mut thickness = Vec::with_capacity(dense.len());
+        self.thickness.evaluate(&places, &mut thickness)?;
+        bead.points = dense
+            .iter()
+            .zip(&thickness)
+            .map(|(p, t)| {
+                let bump = noise(p.at.extend(z) / grain);
+                p.at + p.normal * (t * bump)
+            })
+            .collect();
+        if !bead.widths.is_empty() {
+            bead.widths = dense.iter().map(|p| p.width).collect();
+        }
+        Ok(())
+    }
+}
+
+/// A point of a wall.
+struct Dense {
+    at: DVec2,
+    /// Outwards, of length 1 along an edge, shorter at a corner.
+    normal: DVec2,
+    width: Mm,
+}
+
+/// A closed bead with points no farther apart than `step`; its own stay.
+fn resampled(bead: &Bead, step: Mm) -> Vec<Dense> {
+    let n = bead.points.len();
+    let width =
+        |i: usize| bead.widths.get(i % n).copied().unwrap_or(bead.width);
+    let out = |i: usize| -> DVec2 {
+        let (a, b) = (bead.points[i % n], bead.points[(i + 1) % n]);
+        -(b - a).perp().normalize_or_zero()
+    };
+    let mut dense = Vec::new();
+    for (i, (a, b)) in bead.segments().enumerate() {
+        let before = out((i + n - 1) % n);
+        dense.push(Dense {
+            at: a,
+            normal: 0.5 * (before + out(i)),
+            width: width(i),
+        });
+        let count = (a.distance(b) / step).ceil().max(1.0);
+        for k in 1..count as usize {
+            let t = k as f64 / count;
+            dense.push(Dense {
+                at: a.lerp(b, t),
+                normal: out(i),
+                width: width(i) + t * (width(i + 1) - width(i)),
+            });
+        }
+    }
+    dense
+}
+
+/// Smooth noise from -1 to 1 with bumps about a unit wide: random values at
+/// whole coordinates, blended between them (value noise, K. Perlin's fade
+/// 6t⁵ - 15t⁴ + 10t³).
+fn noise(p: DVec3) -> f64 {
+    let cell = p.floor();
+    let t = p - cell;
+    let fade = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+    let corner = |dx: f64, dy: f64, dz: f64| {
+        let at = cell + DVec3::new(dx, dy, dz);
+        let mut bits = 0_u64;
+        for value in at.to_array() {
+            bits = mix(bits ^ (value as i64 as u64));
+        }
+        // 53 bits are what a double holds.
+        (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    let blend = |a: f64, b: f64, t: f64| a + (b - a) * t;
+    let row = |dy, dz| blend(corner(0.0, dy, dz), corner(1.0, dy, dz), fade.x);
+    let plane = |dz| blend(row(0.0, dz), row(1.0, dz), fade.y);
+    blend(plane(0.0), plane(1.0), fade.z)
+}
+
+/// One step of splitmix64 (Steele, Lea, Flood, *Fast splittable pseudorandom
+/// number generators*, 2014).
+fn mix(seed: u64) -> u64 {
+    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_smooth_and_fills_its_range() {
+        let at = |i: i32| noise(DVec3::new(f64::from(i) * 0.013, 3.7, -20.2));
+        let values: Vec<f64> = (-40_000..40_000).map(at).collect();
+        let jump = values.windows(2).map(|w| (w[1] - w[0]).abs());
+        assert!(jump.fold(0.0, f64::max) < 0.06);
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        assert!(mean.abs() < 0.05, "{mean}");
+        let (low, high) = values
+            .iter()
+            .fold((0.0_f64, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
+        assert!((-1.0..-0.6).contains(&low) && (0.6..1.0).contains(&high));
+    }
+
+    #[test]
+    fn walls_keep_their_corners_and_get_points_between() {
+        let square = Bead {
+            role: Role::OuterWall,
+            points: [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)]
+                .map(|(x, y)| DVec2::new(x, y))
+                .to_vec(),
+            closed: true,
+            width: 0.45,
+            widths: vec![0.4, 0.5, 0.5, 0.4],
+            height: 0.2,
+        };
+        let dense = resampled(&square, 0.5);
+        assert_eq!(dense.len(), 32);
+        assert!((dense[4].width - 0.45).abs() < 1e-12);
+        // Outwards is to the right of a ring that runs counter-clockwise.
+        assert_eq!(dense[4].normal, DVec2::new(0.0, -1.0));
+        let diagonal = dense[8].normal;
+        assert!((diagonal - DVec2::new(0.5, -0.5)).length() < 1e-12);
+    }
+}
