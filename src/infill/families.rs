@@ -127,9 +127,8 @@ mod tests {
                 let part = rows.len() as f64 / 4096.0;
                 assert!((part - share).abs() < 0.004, "{part}");
                 let gaps = rows.windows(2).map(|r| r[1] - r[0]);
-                let (least, most) = gaps.fold((i64::MAX, 0), |(a, b), g| {
-                    (a.min(g), b.max(g))
-                });
+                let (least, most) =
+                    gaps.fold((i64::MAX, 0), |(a, b), g| (a.min(g), b.max(g)));
                 assert!(most <= 2 * least, "{share}: {least} to {most}");
             }
         }

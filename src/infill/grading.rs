@@ -17,10 +17,12 @@ pub(super) struct Grading {
     shares: Vec<f64>,
 }
 
-/// Distance of the lattice's nodes, mm, where that is not too many.
-const STEP: Mm = 0.5;
-/// Nodes along a side at most.
-const MOST: f64 = 1024.0;
+/// Distance of the lattice's nodes, mm; less in small areas.
+const STEP: Mm = 1.0;
+/// Nodes along the longer side at least, and at most.
+const SIDE: (f64, f64) = (40.0, 1024.0);
+/// Nodes are no closer than this, mm.
+const FINEST: Mm = 0.2;
 
 impl Grading {
     /// The shares within `bounds`, of which `eval` gives the percentage at
@@ -33,9 +35,10 @@ impl Grading {
         eval: &mut dyn FnMut(&[DVec2], &mut Vec<f64>) -> Result<(), E>,
     ) -> Result<Grading, E> {
         let extent = bounds.max - bounds.min;
-        let step = STEP.max(extent.max_element() / MOST);
-        let size = [extent.x, extent.y]
-            .map(|side| (side / step).ceil() as usize + 2);
+        let side = extent.max_element();
+        let step = STEP.min(side / SIDE.0).max(FINEST).max(side / SIDE.1);
+        let size =
+            [extent.x, extent.y].map(|side| (side / step).ceil() as usize + 2);
         let mut points = Vec::with_capacity(size[0] * size[1]);
         for j in 0..size[1] {
             for i in 0..size[0] {
@@ -75,10 +78,8 @@ impl Grading {
     /// The share at a point; beyond the box that at its side.
     pub(super) fn share(&self, p: DVec2) -> f64 {
         let q = (p - self.origin) / self.step;
-        let last = DVec2::new(
-            (self.size[0] - 1) as f64,
-            (self.size[1] - 1) as f64,
-        );
+        let last =
+            DVec2::new((self.size[0] - 1) as f64, (self.size[1] - 1) as f64);
         let q = q.clamp(DVec2::ZERO, last);
         let (i, j) = (
             (q.x as usize).min(self.size[0] - 2),
@@ -162,7 +163,7 @@ mod tests {
         let grading = ramp();
         for (x, share) in [(3.3, 0.33), (9.99, 0.999), (-4.0, 0.0)] {
             let found = grading.share(DVec2::new(x, 2.2));
-            assert!((found - share).abs() < 1e-9, "{found}");
+            assert!((found - share).abs() < 1e-9, "{x}: {found}");
         }
         assert_eq!(grading.share(DVec2::new(50.0, 99.0)), 1.0);
         assert_eq!(grading.most(), 1.0);

@@ -110,8 +110,12 @@ pub(super) fn trace(
                     pairs = JOINED[case / 10];
                 }
             }
-            let edges =
-                [2 * nodes[0], 2 * nodes[1] + 1, 2 * nodes[3], 2 * nodes[0] + 1];
+            let edges = [
+                2 * nodes[0],
+                2 * nodes[1] + 1,
+                2 * nodes[3],
+                2 * nodes[0] + 1,
+            ];
             for &(from, to) in pairs {
                 next[edges[from]] = edges[to] as u32;
                 crossed.push(edges[from] as u32);

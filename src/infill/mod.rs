@@ -31,7 +31,8 @@ mod sheet;
 mod triangles;
 
 use crate::bead::{Bead, Role, spacing};
-use crate::model::{Expression, ExpressionError, LoadError, Source, load};
+use crate::field::FieldError;
+use crate::model::{ExpressionError, LoadError, Source};
 use crate::plane::border::{Border, Piece};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
@@ -154,22 +155,17 @@ pub enum InfillError {
         /// What is wrong with it.
         error: ExpressionError,
     },
-    /// The script of the pattern cannot be read or run.
-    #[error("infill = {path:?}: {error}")]
-    Script {
-        /// Its path.
-        path: String,
+    /// The shape of the pattern cannot be read or run.
+    #[error("infill = {name:?}: {error}")]
+    Shape {
+        /// The path of its script, or its formula.
+        name: String,
         /// What is wrong with it.
         error: Box<LoadError>,
     },
-    /// The script's shape cannot be evaluated.
-    #[error("infill = {path:?}: {error}")]
-    ScriptShape {
-        /// Its path.
-        path: String,
-        /// What is wrong with it.
-        error: ExpressionError,
-    },
+    /// It cannot be evaluated.
+    #[error("infill: {0}")]
+    Field(#[from] FieldError),
     /// The pattern has one density only.
     #[error(
         "infill = {pattern:?} cannot have a density that differs from place \
@@ -180,7 +176,7 @@ pub enum InfillError {
         /// The pattern's name.
         pattern: &'static str,
     },
-    /// The density is no expression.
+    /// The density is no expression, or has no value somewhere.
     #[error(transparent)]
     Density(#[from] VaryError),
 }
@@ -191,11 +187,13 @@ enum Kind {
     Shape(Shape),
 }
 
-/// Where the pattern may be laid out from, in the layers' coordinates.
+/// Where the part is, in the layers' coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Centres {
-    /// The middle of the part.
-    pub part: DVec2,
+pub struct Site {
+    /// The box around it.
+    pub part: Rect,
+    /// How high it is.
+    pub height: Mm,
     /// The middle of the bed.
     pub bed: DVec2,
 }
@@ -218,7 +216,7 @@ impl<'a> Infill<'a> {
     pub fn new(
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
-        centres: Centres,
+        site: Site,
     ) -> Result<Infill<'a>, InfillError> {
         let density =
             Quantity::new("infill_density", &settings.infill_density)?;
@@ -232,29 +230,14 @@ impl<'a> Infill<'a> {
             settings::Infill::Pattern(kind) => {
                 Kind::Pattern(pattern(*kind, graded))
             }
-            settings::Infill::Expression(text) => {
-                let expression = Expression::parse(text).map_err(|error| {
-                    InfillError::Expression {
-                        text: text.clone(),
-                        error,
-                    }
-                })?;
-                Kind::Shape(Shape { expression })
-            }
+            settings::Infill::Expression(text) => Kind::Shape(
+                Shape::of_formula(text, &site, settings.infill_width)?,
+            ),
             settings::Infill::Script(path) => {
                 let source = Source::File(path.into());
-                let loaded =
-                    load(&source, &[]).map_err(|e| InfillError::Script {
-                        path: path.clone(),
-                        error: Box::new(e),
-                    })?;
-                let expression = Expression::of_shape(&loaded.tree).map_err(
-                    |error| InfillError::ScriptShape {
-                        path: path.clone(),
-                        error,
-                    },
-                )?;
-                Kind::Shape(Shape { expression })
+                let width = settings.infill_width;
+                let shape = Shape::of_source(&source, path, &site, width)?;
+                Kind::Shape(shape)
             }
         };
         Ok(Infill {
@@ -263,8 +246,8 @@ impl<'a> Infill<'a> {
             kind,
             density,
             origin: match settings.infill_centre {
-                InfillCentre::Object => centres.part,
-                InfillCentre::Bed => centres.bed,
+                InfillCentre::Object => site.part.min.midpoint(site.part.max),
+                InfillCentre::Bed => site.bed,
             },
         })
     }
@@ -276,14 +259,14 @@ impl<'a> Infill<'a> {
     /// width: their round ends overlap the wall's bead by that much.
     ///
     /// # Errors
-    /// If the density has no value somewhere, or the distance from the
-    /// surface, if that matters, cannot be measured.
+    /// If the density has no value somewhere, or an expression cannot be
+    /// evaluated.
     pub fn beads(
         &self,
         sparse: &Area,
         place: Place,
         solid: Option<&EdgeGrid>,
-    ) -> Result<Vec<Bead>, VaryError> {
+    ) -> Result<Vec<Bead>, InfillError> {
         let settings = self.settings;
         let width = settings.infill_width;
         let even = self.density.constant();
@@ -330,9 +313,7 @@ impl<'a> Infill<'a> {
             Kind::Pattern(pattern) => {
                 (pattern.pieces(&layer), pattern.reach(&layer))
             }
-            Kind::Shape(shape)
-                if settings.infill_mode == InfillMode::Solid =>
-            {
+            Kind::Shape(shape) if settings.infill_mode == InfillMode::Solid => {
                 let lines =
                     shape.solid(sparse, &layer, around, place.height, settings);
                 return Ok(lines?.into_iter().map(line).collect());

@@ -81,6 +81,17 @@ const HEIGHTS: usize = 48;
 const MIXTURES: usize = 16;
 /// Chords may be off the line by this, mm, and by this share of a cell.
 const CHORD: (Mm, f64) = (0.05, 0.01);
+/// Distance of the nodes of a layer whose cells vary, as a share of the mean
+/// distance of its lines where they are densest.
+const FINE: f64 = 0.25;
+/// Nodes of its lattice at most.
+const MOST: f64 = 2e6;
+/// Nodes along the side of a block: where cells are large, the function is
+/// evaluated at the corners of blocks, and interpolated between them.
+const BLOCK: usize = 4;
+/// Cells are large where their share of the greatest share is less: they have
+/// as many blocks as the smallest ones have nodes.
+const MANY: f64 = 1.0 / BLOCK as f64;
 /// Shares of the plane below this are empty where the density varies.
 const LEAST: f64 = 0.01;
 
@@ -121,9 +132,7 @@ impl<S: Surface> Sheet<S> {
         let mut values = Vec::with_capacity(NODES * NODES);
         for &y in &self.turns {
             let row = self.turns.iter();
-            values.extend(
-                row.map(|&x| self.surface.value(Angles { x, y, z })),
-            );
+            values.extend(row.map(|&x| self.surface.value(Angles { x, y, z })));
         }
         trace(&lattice, &values, 2, &mut |points, out| {
             out.extend(points.iter().map(|p| {
@@ -287,21 +296,20 @@ impl<S: Surface> Sheet<S> {
         let octave = |share: f64| -share.clamp(LEAST, 1.0).log2();
         let first = octave(most).floor();
         let shift = DVec2::X * layer.phase * finest / most;
-        // At least so many nodes to a cell, and no more than that in all.
-        const FINE: f64 = 12.0;
-        const MOST: f64 = 2e6;
         let mut pieces = Vec::new();
         for island in layer.border.area().islands() {
             let bounds = frame.bounds(island.bounds());
             let extent = bounds.max - bounds.min;
-            let step = (finest / most / FINE)
+            let step = (FINE * layer.solid / most)
                 .max((extent.x * extent.y / MOST).sqrt());
             let origin = (bounds.min / step).floor() * step;
             let size = (bounds.max - origin) / step;
             let lattice = Lattice {
                 origin,
                 step,
-                size: [size.x as usize + 2, size.y as usize + 2],
+                // Whole blocks.
+                size: [size.x, size.y]
+                    .map(|n| (n as usize + 2).div_ceil(BLOCK) * BLOCK + 1),
                 periodic: false,
             };
             let turns = |at: f64, k: f64| {
@@ -321,23 +329,36 @@ impl<S: Surface> Sheet<S> {
             };
             let xs = table(origin.x, shift.x, lattice.size[0]);
             let ys = table(origin.y, shift.y, lattice.size[1]);
-            let zs: Vec<Turn> =
-                (0..levels).map(|k| turns(layer.z, first + k as f64)).collect();
+            let zs: Vec<Turn> = (0..levels)
+                .map(|k| turns(layer.z, first + k as f64))
+                .collect();
             let place = |share: f64| {
                 let at = octave(share);
                 let k = at.floor().clamp(first, first + (levels - 1) as f64);
                 ((k - first) as usize, self.coarse(at - k))
             };
-            let mut values = Vec::with_capacity(lattice.count());
-            for j in 0..lattice.size[1] {
-                for i in 0..lattice.size[0] {
-                    let p = frame.out(lattice.node(i, j));
-                    let (k, coarse) = place(grading.share(p));
-                    let (x, y, z) = (xs[k][i], ys[k][j], zs[k]);
-                    values.push(self.mixture(coarse, Angles { x, y, z }));
-                }
-            }
-            let curves = trace(&lattice, &values, 2, &mut |points, out| {
+            let share = |i: usize, j: usize| {
+                grading.share(frame.out(lattice.node(i, j)))
+            };
+            let value = |i: usize, j: usize| {
+                let (k, coarse) = place(share(i, j));
+                let (x, y, z) = (xs[k][i], ys[k][j], zs[k]);
+                self.mixture(coarse, Angles { x, y, z })
+            };
+            let around = island.bounds();
+            let fine = |i: usize, j: usize| {
+                let p = frame.out(lattice.node(i, j));
+                let reach = DVec2::splat(1.5 * BLOCK as f64 * step);
+                let near = Rect {
+                    min: p - reach,
+                    max: p + reach,
+                };
+                near.meets(around)
+                    && grading.share(p) > MANY * most
+                    && layer.border.touches(near)
+            };
+            let values = sample(lattice.size, &value, &fine);
+            let curves = trace(&lattice, &values, 1, &mut |points, out| {
                 out.extend(points.iter().map(|&q| {
                     let (k, coarse) = place(grading.share(frame.out(q)));
                     let x = turns(q.x - shift.x, first + k as f64);
@@ -384,6 +405,59 @@ impl<S: Surface> Pattern for Sheet<S> {
         };
         1.5 * self.length * layer.solid / share
     }
+}
+
+/// A function's values at the nodes of a lattice of whole blocks, exact at
+/// their corners and in those that have a corner where `fine` says so.
+fn sample(
+    [nx, ny]: [usize; 2],
+    value: &impl Fn(usize, usize) -> f64,
+    fine: &impl Fn(usize, usize) -> bool,
+) -> Vec<f64> {
+    let mut values = vec![f64::NAN; nx * ny];
+    let (bx, by) = ((nx - 1) / BLOCK, (ny - 1) / BLOCK);
+    let mut exact = vec![false; (bx + 1) * (by + 1)];
+    for j in 0..=by {
+        for i in 0..=bx {
+            let (x, y) = (i * BLOCK, j * BLOCK);
+            values[y * nx + x] = value(x, y);
+            exact[j * (bx + 1) + i] = fine(x, y);
+        }
+    }
+    let is_fine = |i: usize, j: usize| {
+        let k = j * (bx + 1) + i;
+        exact[k] || exact[k + 1] || exact[k + bx + 1] || exact[k + bx + 2]
+    };
+    // First what is exact: blocks beside it take over its values.
+    for pass in [true, false] {
+        for j in 0..by {
+            for i in (0..bx).filter(|&i| is_fine(i, j) == pass) {
+                let (x, y) = (i * BLOCK, j * BLOCK);
+                let at = |u: usize, v: usize| (y + v) * nx + x + u;
+                let corners = [(0, 0), (BLOCK, 0), (0, BLOCK), (BLOCK, BLOCK)]
+                    .map(|(u, v)| values[at(u, v)]);
+                for v in 0..=BLOCK {
+                    for u in 0..=BLOCK {
+                        let k = at(u, v);
+                        if !values[k].is_nan() {
+                            continue;
+                        }
+                        let (s, t) =
+                            (u as f64 / BLOCK as f64, v as f64 / BLOCK as f64);
+                        values[k] = match pass {
+                            true => value(x + u, y + v),
+                            false => {
+                                let [a, b, c, d] = corners;
+                                let low = a + s * (b - a);
+                                low + t * (c + s * (d - c) - low)
+                            }
+                        };
+                    }
+                }
+            }
+        }
+    }
+    values
 }
 
 /// A closed curve with its end, which is its beginning some periods away.
@@ -466,7 +540,10 @@ mod tests {
         fn check<S: Surface>(make: impl Fn() -> S) {
             let found = Sheet::new(make(), false).length;
             let expected = length_by_volume(&make());
-            assert!((found / expected - 1.0).abs() < 0.015, "{found} {expected}");
+            assert!(
+                (found / expected - 1.0).abs() < 0.015,
+                "{found} {expected}"
+            );
         }
         check(|| Gyroid);
         check(|| SchwarzP);

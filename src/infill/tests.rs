@@ -1,5 +1,5 @@
 use super::*;
-use crate::model::{self, BuildVolume, Model, Placement, SourceKind};
+use crate::model::{self, BuildVolume, Model, Placement, SourceKind, load};
 use crate::settings::Varying;
 
 fn square(half: f64) -> Area {
@@ -47,23 +47,29 @@ fn block() -> Model {
     model::place(&loaded, &Placement::default(), volume).unwrap()
 }
 
-const HERE: Centres = Centres {
-    part: DVec2::ZERO,
+const HERE: Site = Site {
+    part: Rect {
+        min: DVec2::splat(-50.0),
+        max: DVec2::splat(50.0),
+    },
+    height: 100.0,
     bed: DVec2::ZERO,
 };
 
 /// Beads of layers of an area.
 fn lay(
     settings: &Settings,
-    centres: Centres,
+    site: Site,
     area: &Area,
     places: impl IntoIterator<Item = Place>,
 ) -> Vec<Vec<Bead>> {
     let block = block();
     let around = Surroundings::new(&block);
-    let infill = Infill::new(settings, &around, centres).unwrap();
+    let infill = Infill::new(settings, &around, site).unwrap();
     let layers = places.into_iter();
-    layers.map(|p| infill.beads(area, p, None).unwrap()).collect()
+    layers
+        .map(|p| infill.beads(area, p, None).unwrap())
+        .collect()
 }
 
 fn layer(number: usize) -> Place {
@@ -74,12 +80,28 @@ fn layer(number: usize) -> Place {
     }
 }
 
-/// Length of what the beads have inside a window, by its own clipping.
-fn length_within(beads: &[Bead], half: f64) -> f64 {
-    let window = square(half);
+/// A layer at one of the heights spread evenly, and out of step with any
+/// period, over so many periods that their number need not be whole.
+fn spread(number: usize) -> Place {
+    Place {
+        z: 3000.0 * (0.618_034 * number as f64).fract(),
+        ..layer(number)
+    }
+}
+
+/// Length of what the beads of some layers have inside a box.
+fn length_within(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let window = Area {
+        rings: vec![
+            corners
+                .map(|(x, y)| middle + half * DVec2::new(x, y))
+                .to_vec(),
+        ],
+    };
     let border = Border::new(&window);
     let mut cutter = crate::plane::border::Cutter::new(&border);
-    for bead in beads {
+    for bead in layers.iter().flatten() {
         cutter.line(&bead.points, bead.closed);
     }
     let pieces = cutter.finish();
@@ -87,6 +109,14 @@ fn length_within(beads: &[Bead], half: f64) -> f64 {
     lengths
         .map(|p| crate::plane::path_length(&p.points, p.closed))
         .sum()
+}
+
+/// Percentage of the volume of some layers, in such a box, that is in beads.
+fn share_at(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
+    let volume = length_within(layers, middle, half)
+        * crate::bead::cross_section(0.45, 0.2);
+    let whole = 4.0 * half.x * half.y * 0.2 * layers.len() as f64;
+    100.0 * volume / whole
 }
 
 #[test]
@@ -98,17 +128,12 @@ fn density_is_the_share_of_the_volume_in_beads() {
             // Off the walls, where the joins are, and over several periods.
             let half = match kind {
                 InfillPattern::Concentric => 50.0,
-                _ => 42.0,
+                _ => 43.0,
             };
             // Both directions of alternating lines alike.
-            let places = (0..240).map(|i| layer(3 * i));
-            let length: f64 = lay(&settings, HERE, &area, places)
-                .iter()
-                .map(|beads| length_within(beads, half))
-                .sum();
-            let volume = length * crate::bead::cross_section(0.45, 0.2);
-            let whole = 4.0 * half * half * 0.2 * 240.0;
-            let share = 100.0 * volume / whole;
+            let places = (0..80).map(spread);
+            let layers = lay(&settings, HERE, &area, places);
+            let share = share_at(&layers, DVec2::ZERO, DVec2::splat(half));
             assert!(
                 (share / density - 1.0).abs() < 0.03,
                 "{kind:?} {density}: {share}"
@@ -138,8 +163,7 @@ fn paths_are_long_and_stay_inside() {
     for kind in ALL {
         let settings = settings(kind, 20.0);
         let places = [0, 7, 12].map(layer);
-        for (i, beads) in
-            lay(&settings, HERE, &area, places).iter().enumerate()
+        for (i, beads) in lay(&settings, HERE, &area, places).iter().enumerate()
         {
             for p in beads.iter().flat_map(|b| &b.points) {
                 assert!(grid.contains(*p), "{kind:?}: {p}");
@@ -154,8 +178,8 @@ fn paths_are_long_and_stay_inside() {
 }
 
 /// Points of the pattern far from any border.
-fn points(settings: &Settings, centres: Centres, at: Place) -> Vec<DVec2> {
-    let beads = lay(settings, centres, &square(40.0), [at]).remove(0);
+fn points(settings: &Settings, site: Site, at: Place) -> Vec<DVec2> {
+    let beads = lay(settings, site, &square(40.0), [at]).remove(0);
     // Where the lines cross the middle row.
     let mut on_row: Vec<DVec2> = beads
         .iter()
@@ -198,8 +222,14 @@ fn angle_phase_and_centre_move_the_pattern() {
             ..plain.clone()
         };
         let aside = DVec2::new(0.7, 0.4);
-        let part_aside = Centres { part: aside, ..HERE };
-        let bed_aside = Centres { bed: aside, ..HERE };
+        let part_aside = Site {
+            part: Rect {
+                min: HERE.part.min + aside,
+                max: HERE.part.max + aside,
+            },
+            ..HERE
+        };
+        let bed_aside = Site { bed: aside, ..HERE };
         for (what, other) in [
             ("angle", points(&turned, HERE, at)),
             ("phase", points(&moved, HERE, at)),
@@ -243,11 +273,12 @@ fn islands_continue_each_other() {
             continue;
         }
         let settings = settings(kind, 25.0);
-        let beads =
-            |area| lay(&settings, HERE, area, [layer(4)]).remove(0);
+        let beads = |area| lay(&settings, HERE, area, [layer(4)]).remove(0);
         let (whole, parts) = (beads(&square(40.0)), beads(&both));
-        let all: Vec<(DVec2, DVec2)> =
-            whole.iter().flat_map(|b| b.segments().collect::<Vec<_>>()).collect();
+        let all: Vec<(DVec2, DVec2)> = whole
+            .iter()
+            .flat_map(|b| b.segments().collect::<Vec<_>>())
+            .collect();
         let grid = crate::plane::grid::EdgeGrid::of(
             all.into_iter().map(|s| (0, s)),
             0.5,
@@ -285,27 +316,6 @@ const GRADED: [InfillPattern; 10] = [
     InfillPattern::Lidinoid,
 ];
 
-/// Percentage of some layers' volume in windows of `2·half` around the
-/// places `x`, `y`.
-fn share_at(layers: &[Vec<Bead>], x: f64, y: f64, half: f64) -> f64 {
-    let length: f64 = layers
-        .iter()
-        .map(|beads| {
-            let moved: Vec<Bead> = beads
-                .iter()
-                .cloned()
-                .map(|mut b| {
-                    b.points.iter_mut().for_each(|p| *p -= DVec2::new(x, y));
-                    b
-                })
-                .collect();
-            length_within(&moved, half)
-        })
-        .sum();
-    let volume = length * crate::bead::cross_section(0.45, 0.2);
-    100.0 * volume / (4.0 * half * half * 0.2 * layers.len() as f64)
-}
-
 #[test]
 fn a_varying_density_is_met_everywhere() {
     // From 10 % on the left to 60 % on the right.
@@ -313,22 +323,27 @@ fn a_varying_density_is_met_everywhere() {
     let area = square(48.0);
     for kind in GRADED {
         let settings = graded(kind, "35 + 0.6*x");
-        let places = (0..60).map(|i| layer(7 * i));
+        let places = (0..40).map(spread);
         let layers = lay(&settings, HERE, &area, places);
         let mut total = (0.0, 0.0);
         for x in [-30.0, -20.0, -10.0, 0.0, 10.0, 20.0, 30.0] {
-            let found = share_at(&layers, x, 0.0, 8.0);
+            let half = DVec2::new(5.0, 26.0);
+            let found = share_at(&layers, DVec2::new(x, 0.0), half);
             let off = found / density(x) - 1.0;
-            // There are six rings or more in a window, or there are not.
+            // A window has four rings or more, the same in every layer.
             let slack = match kind {
-                InfillPattern::Concentric => 0.16,
+                InfillPattern::Concentric => 0.5,
                 _ => 0.10,
             };
             assert!(off.abs() < slack, "{kind:?} at {x}: {found}");
             total = (total.0 + found, total.1 + density(x));
         }
         let off: f64 = total.0 / total.1 - 1.0;
-        assert!(off.abs() < 0.03, "{kind:?}: {off}");
+        let slack = match kind {
+            InfillPattern::Concentric => 0.06,
+            _ => 0.03,
+        };
+        assert!(off.abs() < slack, "{kind:?}: {off}");
     }
 }
 
@@ -338,15 +353,17 @@ fn a_varying_density_has_no_steps() {
     // what there is in thin slices follows the density.
     let area = square(48.0);
     // Straight lines are there or not, eight or so in a slice.
-    for (kind, slack) in
-        [(InfillPattern::Gyroid, 0.08), (InfillPattern::Rectilinear, 0.13)]
-    {
+    for (kind, slack) in [
+        (InfillPattern::Gyroid, 0.08),
+        (InfillPattern::Rectilinear, 0.13),
+    ] {
         let settings = graded(kind, "18 + 0.1*x");
-        let places = (0..120).map(|i| layer(3 * i));
+        let places = (0..60).map(spread);
         let layers = lay(&settings, HERE, &area, places);
         for k in -5..=5 {
             let x = 6.0 * f64::from(k);
-            let found = share_at(&layers, x, 0.0, 9.0);
+            let half = DVec2::new(6.0, 30.0);
+            let found = share_at(&layers, DVec2::new(x, 0.0), half);
             let off = found / (18.0 + 0.1 * x) - 1.0;
             assert!(off.abs() < slack, "{kind:?} at {x}: {found}");
         }
@@ -359,16 +376,15 @@ fn density_by_the_distance_from_the_surface() {
     let area = square(48.0);
     for kind in [InfillPattern::Gyroid, InfillPattern::Rectilinear] {
         let settings = graded(kind, "10 + 60*exp(-d/3)");
-        let places = (0..60).map(|i| layer(200 + 2 * i));
+        let places = (0..30).map(|i| layer(200 + 3 * i));
         let layers = lay(&settings, HERE, &area, places);
-        let middle = share_at(&layers, 0.0, 0.0, 20.0);
+        let at = |h: f64| share_at(&layers, DVec2::ZERO, DVec2::splat(h));
+        let middle = at(20.0);
         assert!((middle / 10.0 - 1.0).abs() < 0.05, "{kind:?}: {middle}");
         // Between 3 and 7 mm from the surface, along it.
         let strip = |from: f64, to: f64| {
             let (lo, hi) = (50.0 - to, 50.0 - from);
-            let inside = |h: f64| {
-                share_at(&layers, 0.0, 0.0, h) * h * h / 100.0
-            };
+            let inside = |h: f64| at(h) * h * h / 100.0;
             100.0 * (inside(hi) - inside(lo)) / (hi * hi - lo * lo)
         };
         let expected = |from: f64, to: f64| {
@@ -382,7 +398,10 @@ fn density_by_the_distance_from_the_surface() {
             sum / weight
         };
         let (found, wanted) = (strip(3.0, 7.0), expected(3.0, 7.0));
-        assert!((found / wanted - 1.0).abs() < 0.1, "{kind:?}: {found} {wanted}");
+        assert!(
+            (found / wanted - 1.0).abs() < 0.1,
+            "{kind:?}: {found} {wanted}"
+        );
     }
 }
 
@@ -401,7 +420,7 @@ fn an_expression_is_a_surface_or_a_solid() {
     assert_eq!(beads.len(), 1);
     assert!(beads[0].closed);
     for p in &beads[0].points {
-        assert!((p.length() - radius).abs() < 1e-3, "{p}");
+        assert!((p.length() - radius).abs() < 0.05, "{p}");
     }
     // The same as a solid: its volume is that of the disc.
     for walls in [0, 1, 3] {
@@ -423,7 +442,7 @@ fn an_expression_is_a_surface_or_a_solid() {
             .iter()
             .flat_map(|b| &b.points)
             .fold(0.0, |far: f64, p| far.max(p.length()));
-        assert!(outermost < radius - 0.1, "{outermost}");
+        assert!(outermost < radius - 0.05, "{outermost}");
         // Cut by a wall, it ends there.
         let beads = lay(&solid, HERE, &square(6.0), [at]).remove(0);
         let volume: f64 = beads.iter().map(|b| b.area() * b.length()).sum();
@@ -453,8 +472,53 @@ fn expressions_have_both_sides_of_a_sheet() {
     for p in beads.iter().flat_map(|b| &b.points) {
         let inner = p.abs().max_element() < 19.5;
         assert!(border.contains(*p));
-        assert!(!inner || (f(p).abs() - 0.2).abs() < 1e-3, "{p}: {}", f(p));
+        assert!(!inner || (f(p).abs() - 0.2).abs() < 0.04, "{p}: {}", f(p));
     }
+}
+
+#[test]
+fn an_expression_may_ask_for_the_distance_from_the_surface() {
+    // 20 mm below the surface of a block of 100 mm: a square of 60 mm.
+    let settings = |mode| Settings {
+        infill: settings::Infill::Expression("20 - d".into()),
+        infill_mode: mode,
+        ..Settings::default()
+    };
+    let area = square(49.0);
+    let at = layer(250);
+    let lay = |mode| lay(&settings(mode), HERE, &area, [at]).remove(0);
+    let beads = lay(InfillMode::Surface);
+    assert_eq!(beads.len(), 1);
+    assert!(beads[0].closed);
+    for p in &beads[0].points {
+        let off = p.abs().max_element() - 30.0;
+        // Corners are rounded by as much as the distances' lattice is wide.
+        assert!(off.abs() < 0.4, "{p}");
+    }
+    let length = beads[0].length();
+    assert!((length - 240.0).abs() < 2.0, "{length}");
+    let solid = lay(InfillMode::Solid);
+    let volume: f64 = solid.iter().map(|b| b.area() * b.length()).sum();
+    assert!((volume / (3600.0 * 0.2) - 1.0).abs() < 0.02, "{volume}");
+}
+
+#[test]
+fn a_script_is_a_shape() {
+    let path = std::env::temp_dir()
+        .join(format!("isoslice-infill-{}.rhai", std::process::id()));
+    std::fs::write(&path, "sqrt(x*x + y*y) - 12").unwrap();
+    let settings = Settings {
+        infill: settings::Infill::Script(path.display().to_string()),
+        ..Settings::default()
+    };
+    let beads = lay(&settings, HERE, &square(20.0), [layer(3)]).remove(0);
+    std::fs::remove_file(&path).unwrap();
+    assert!(beads.len() == 1 && beads[0].closed);
+    let length = beads[0].length();
+    assert!(
+        (length - 24.0 * std::f64::consts::PI).abs() < 0.3,
+        "{length}"
+    );
 }
 
 #[test]

@@ -118,8 +118,9 @@ impl<'a> Stages<'a> {
         };
         let printer = &settings.printer;
         let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
-        let centres = infill::Centres {
-            part: rect.min.midpoint(rect.max),
+        let site = infill::Site {
+            part: rect,
+            height: model.bounds.size().z,
             bed: bed - model.offset.truncate(),
         };
         Ok(Stages {
@@ -130,7 +131,7 @@ impl<'a> Stages<'a> {
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
-            infill: Infill::new(settings, around, centres)?,
+            infill: Infill::new(settings, around, site)?,
             timings: Timings::default(),
             gauge,
         })

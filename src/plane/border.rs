@@ -99,6 +99,11 @@ impl<'a> Border<'a> {
         self.grid.contains(p)
     }
 
+    /// True if some of the box is inside, or nearly so.
+    pub fn touches(&self, rect: Rect) -> bool {
+        self.grid.meets(rect) || self.contains(rect.min.midpoint(rect.max))
+    }
+
     /// The place of a point on an edge, which is counted through all rings.
     pub(super) fn foot(&self, edge: usize, p: DVec2) -> Foot {
         let ring = self.first.partition_point(|&f| f <= edge) - 1;
@@ -298,8 +303,7 @@ impl Border<'_> {
         hits.clear();
         // A point on a line counts as right of it, wherever it is met: so a
         // line through a vertex crosses one of its edges, or both, or none.
-        let left =
-            |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p) > 0.0;
+        let left = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p) > 0.0;
         self.grid.visit_box(a.min(b), a.max(b), |edge| {
             let (c, d) = self.grid.edge(edge);
             let enters = left(c, d, b);

@@ -118,10 +118,7 @@ fn hits(area: &Area, lines: Lines) -> Vec<Hit> {
 
 /// The ends of the pieces: a closed ring crosses each row an even number of
 /// times.
-fn pairs(
-    hits: &[Hit],
-    shortest: Mm,
-) -> impl Iterator<Item = (Hit, Hit)> + '_ {
+fn pairs(hits: &[Hit], shortest: Mm) -> impl Iterator<Item = (Hit, Hit)> + '_ {
     hits.chunks_exact(2)
         .map(|h| (h[0], h[1]))
         .filter(move |(from, to)| {

@@ -64,10 +64,9 @@ impl Key {
             Kind::Switch => "true or false".to_owned(),
             Kind::Text => "any text".to_owned(),
             Kind::Word(words) => alternatives(words),
-            Kind::WordOrShape(words) => format!(
-                "{}, \"expr: ...\" or a .rhai file",
-                words.join(", ")
-            ),
+            Kind::WordOrShape(words) => {
+                format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
+            }
         }
     }
 
