@@ -76,7 +76,7 @@ pub(super) struct Sheet<S> {
 /// Nodes along a cell.
 const NODES: usize = 32;
 /// Heights in a period at which lengths are measured.
-const HEIGHTS: usize = 48;
+const HEIGHTS: usize = 96;
 /// Mixtures that are measured.
 const MIXTURES: usize = 16;
 /// Chords may be off the line by this, mm, and by this share of a cell.

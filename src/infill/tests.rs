@@ -130,9 +130,24 @@ fn density_is_the_share_of_the_volume_in_beads() {
                 InfillPattern::Concentric => 50.0,
                 _ => 43.0,
             };
-            // Both directions of alternating lines alike.
-            let places = (0..80).map(spread);
-            let layers = lay(&settings, HERE, &area, places);
+            // A window has no whole number of cells: they are laid out from
+            // places all over one.
+            let layers: Vec<Vec<Bead>> = (0..16)
+                .flat_map(|k| {
+                    let turn = |step: f64| (step * f64::from(k)).fract();
+                    let aside = 40.0 * DVec2::new(turn(0.755), turn(0.570));
+                    let site = Site {
+                        part: Rect {
+                            min: HERE.part.min + aside,
+                            max: HERE.part.max + aside,
+                        },
+                        ..HERE
+                    };
+                    // Both directions of alternating lines alike.
+                    let places = (0..12).map(|i| spread(12 * k as usize + i));
+                    lay(&settings, site, &area, places)
+                })
+                .collect();
             let share = share_at(&layers, DVec2::ZERO, DVec2::splat(half));
             assert!(
                 (share / density - 1.0).abs() < 0.03,
