@@ -32,7 +32,7 @@ impl Grading {
     /// Those of `eval`.
     pub(super) fn new<E>(
         bounds: Rect,
-        eval: &mut dyn FnMut(&[DVec2], &mut Vec<f64>) -> Result<(), E>,
+        eval: impl FnOnce(&[DVec2], &mut Vec<f64>) -> Result<(), E>,
     ) -> Result<Grading, E> {
         let extent = bounds.max - bounds.min;
         let side = extent.max_element();
@@ -151,7 +151,7 @@ mod tests {
             min: DVec2::ZERO,
             max: DVec2::new(10.0, 5.0),
         };
-        let made = Grading::new(bounds, &mut |points, out| {
+        let made = Grading::new(bounds, |points, out| {
             out.extend(points.iter().map(|p| 10.0 * p.x));
             Ok::<(), ()>(())
         });

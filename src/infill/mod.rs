@@ -344,7 +344,7 @@ impl<'a> Infill<'a> {
         around: Around<'_>,
     ) -> Result<Grading, VaryError> {
         let measure = self.density.uses_depth();
-        Grading::new(bounds, &mut |points, out| {
+        Grading::new(bounds, |points, out| {
             let mut places = Vec::with_capacity(points.len());
             let points = points.iter().copied();
             let Around {
