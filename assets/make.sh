@@ -14,3 +14,34 @@ picture() {
 }
 
 picture lattice-part 00090
+
+# patterns: a layer of a square with two holes in each of the infill patterns.
+patterns() {
+    local plate='max(max(max(abs(x) - 15, abs(y) - 15), abs(z - 3) - 3),
+        -min(sqrt((x - 5)^2 + (y - 3)^2) - 5, sqrt((x + 8)^2 + (y + 7)^2) - 3))'
+    local column=0 row=0 name
+    {
+        echo '<svg xmlns="http://www.w3.org/2000/svg" width="1600"
+            height="1200" viewBox="0 0 1600 1200">'
+        echo '<rect width="100%" height="100%" fill="#fff"/>'
+        for name in concentric cubic diamond grid gyroid hexagons lidinoid \
+            neovius rectilinear schwarz-p triangles; do
+            cargo run --release --quiet -- slice -e "$plate" \
+                -o "$work/p.gcode" --svg "$work/$name" --quiet \
+                --set infill="$name" --set infill_density=20 \
+                --set skirt.loops=0 --layers 12..12
+            echo "<g transform=\"translate($((400 * column)) $((400 * row)))\">"
+            sed -e 's/width="[0-9]*" height="[0-9]*"/width="370" height="370"/' \
+                -e 's/stroke="#16e"/stroke="none"/' \
+                "$work/$name"/layer-*12.svg
+            echo "<text x=\"185\" y=\"388\" font-family=\"sans-serif\"
+                font-size=\"22\" text-anchor=\"middle\">$name</text></g>"
+            column=$((column + 1))
+            if [ $column = 4 ]; then column=0 row=$((row + 1)); fi
+        done
+        echo '</svg>'
+    } >"$work/infill.svg"
+    rsvg-convert --width 1200 "$work/infill.svg" -o assets/infill.png
+}
+
+patterns

@@ -332,7 +332,7 @@ fn print_island(
             print_rings(away, out, head);
         }
     }
-    print_lines(island.infill, out, head);
+    print_rings(island.infill, out, head);
     let mut left =
         Nearest::new(island.skin.iter().enumerate().filter_map(|(i, p)| {
             p.rings.first()?.points.first().map(|&p| (p, i))

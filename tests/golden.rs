@@ -82,7 +82,7 @@ const STAIRS: &str = "
 
 #[test]
 fn stairs() {
-    let settings = settings(&["infill_pattern=grid", "infill_density=20%"]);
+    let settings = settings(&["infill=grid", "infill_density=20%"]);
     let placement = Placement::default();
     let model =
         common::model(SourceKind::Script, STAIRS, &[], &placement, &settings);

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use isoslice::settings::{
-    Builder, InfillPattern, Key, Settings, SettingsError, keys,
+    Builder, Infill, InfillPattern, Key, Settings, SettingsError, keys,
 };
 use std::collections::BTreeSet;
 
@@ -213,7 +213,7 @@ fn values_are_read_as_their_type_asks() {
         "infill_overlap=30",
         "top_layers=5",
         "bottom_layers=auto",
-        "infill_pattern=grid",
+        "infill=grid",
         "gcode.relative_e=true",
         "gcode.start=START_PRINT A=1 ; go",
         "gcode.end=\"M84\\nM107\"",
@@ -224,7 +224,7 @@ fn values_are_read_as_their_type_asks() {
     assert!(s.flow.is(98.0));
     assert_eq!(s.infill_overlap, 30.0);
     assert_eq!((s.top_layers, s.bottom_layers), (Some(5), None));
-    assert_eq!(s.infill_pattern, InfillPattern::Grid);
+    assert_eq!(s.infill, Infill::Pattern(InfillPattern::Grid));
     assert!(s.gcode.relative_e);
     assert_eq!(s.gcode.start, "START_PRINT A=1 ; go");
     assert_eq!(s.gcode.end, "M84\nM107");

@@ -1,128 +1,393 @@
 //! Sparse infill: a pattern's lines inside the covered areas.
 //!
 //! One pattern per file, each a [`Pattern`]. A pattern's place depends on
-//! the settings and the model's coordinates only, so that layers stand on
-//! each other and islands continue each other.
+//! the settings, the layer's height and where the part stands only, so that
+//! layers stand on each other and islands continue each other.
+//!
+//! ```text
+//!   pattern ──► pieces inside the area ──join──► long paths ──► beads
+//! ```
+//!
+//! **Density** is the pattern's: the volume of its beads over the volume they
+//! are in. The joins along the area's border come on top of it; they belong
+//! to the wall they follow, and are as long as half of it.
 
+mod concentric;
+mod cubic;
+mod diamond;
+mod families;
+mod grading;
 mod grid;
+mod gyroid;
+mod hexagons;
+mod join;
+mod level;
+mod lidinoid;
+mod neovius;
 mod rectilinear;
+mod schwarz_p;
+mod shape;
+mod sheet;
+mod triangles;
 
 use crate::bead::{Bead, Role, spacing};
-use crate::plane::Area;
-use crate::plane::hatch::Segment;
+use crate::field::FieldError;
+use crate::model::{ExpressionError, LoadError, Source};
+use crate::plane::border::{Border, Piece};
+use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
-use crate::settings::{InfillPattern, Settings};
+use crate::plane::{Area, Rect};
+use crate::region::line::Line;
+use crate::settings::{
+    self, InfillCentre, InfillMode, InfillPattern, Settings,
+};
 use crate::units::{Degrees, Mm};
+use crate::vary::{Quantity, Surroundings, VaryError};
+use glam::DVec2;
+use grading::Grading;
+use shape::{Around, Shape};
+use sheet::Sheet;
+
+/// Which layer is to be filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Its number, from 0.
+    pub number: usize,
+    /// Height of its sample plane above the bed.
+    pub z: Mm,
+    /// Its own height.
+    pub height: Mm,
+}
+
+/// How dense a layer's pattern is.
+#[derive(Clone, Copy, Debug)]
+enum Density<'a> {
+    /// The same share of the plane everywhere, 0 to 1.
+    Even(f64),
+    /// A share that varies.
+    Graded(&'a Grading),
+}
 
 /// What a pattern needs to know.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Params {
+#[derive(Clone, Copy, Debug)]
+struct Layer<'a> {
+    /// Border of the area that the lines end at.
+    border: &'a Border<'a>,
+    /// How far that is inside the area to be filled.
+    margin: Mm,
     /// Number of the layer.
-    pub layer: usize,
-    /// Distance of parallel lines that would give the density if all lines
-    /// of the layer had one direction.
-    pub spacing: Mm,
-    /// Direction of the lines.
-    pub angle: Degrees,
+    number: usize,
+    /// Height of its sample plane above the bed.
+    z: Mm,
+    density: Density<'a>,
+    /// Distance of parallel lines that would fill the plane.
+    solid: Mm,
+    /// The point that the pattern is laid out from.
+    origin: DVec2,
+    /// Direction of the pattern.
+    angle: Degrees,
+    /// Share of a period by which the pattern is moved, 0 to 1.
+    phase: f64,
     /// Pieces shorter than this are not worth a travel.
-    pub shortest: Mm,
+    shortest: Mm,
+}
+
+/// A pattern's own coordinates.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    origin: DVec2,
+    along: DVec2,
+}
+
+impl Frame {
+    /// A point of the pattern in the plane.
+    fn out(&self, p: DVec2) -> DVec2 {
+        self.origin + self.along.rotate(p)
+    }
+
+    /// A way in the pattern as one in the plane.
+    fn along(&self, way: DVec2) -> DVec2 {
+        self.along.rotate(way)
+    }
+
+    /// The box in the pattern around one in the plane.
+    fn bounds(&self, rect: Rect) -> Rect {
+        let (a, b) = (rect.min, rect.max);
+        let corners = [a, DVec2::new(b.x, a.y), b, DVec2::new(a.x, b.y)];
+        let back = DVec2::new(self.along.x, -self.along.y);
+        let inside = corners.map(|p| back.rotate(p - self.origin));
+        Rect::around(&inside)
+    }
+}
+
+impl Layer<'_> {
+    fn frame(&self) -> Frame {
+        Frame {
+            origin: self.origin,
+            along: DVec2::from_angle(self.angle.to_radians()),
+        }
+    }
 }
 
 /// A way to fill an area with lines.
-pub trait Pattern {
-    /// The pattern's lines inside the area.
-    fn lines(&self, area: &Area, params: &Params) -> Vec<Segment>;
+trait Pattern: Send + Sync {
+    /// The pattern's centre lines inside the area.
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece>;
+
+    /// The longest way along the border over which two pieces are joined.
+    fn reach(&self, layer: &Layer<'_>) -> Mm {
+        let share = match layer.density {
+            Density::Even(share) => share,
+            Density::Graded(grading) => grading.mean().max(0.01),
+        };
+        4.0 * layer.solid / share
+    }
 }
+
+/// Why infill cannot be laid.
+#[derive(Debug, thiserror::Error)]
+pub enum InfillError {
+    /// The expression of the pattern is none.
+    #[error("infill = \"expr: {text}\": {error}")]
+    Expression {
+        /// Its text.
+        text: String,
+        /// What is wrong with it.
+        error: ExpressionError,
+    },
+    /// The shape of the pattern cannot be read or run.
+    #[error("infill = {name:?}: {error}")]
+    Shape {
+        /// The path of its script, or its formula.
+        name: String,
+        /// What is wrong with it.
+        error: Box<LoadError>,
+    },
+    /// It cannot be evaluated.
+    #[error("infill: {0}")]
+    Field(#[from] FieldError),
+    /// The pattern has one density only.
+    #[error(
+        "infill = {pattern:?} cannot have a density that differs from place \
+         to place: give infill_density a number, or use one of the other \
+         patterns, such as gyroid or rectilinear"
+    )]
+    NotGraded {
+        /// The pattern's name.
+        pattern: &'static str,
+    },
+    /// The density is no expression, or has no value somewhere.
+    #[error(transparent)]
+    Density(#[from] VaryError),
+}
+
+/// What the infill is made of.
+enum Kind {
+    Pattern(Box<dyn Pattern>),
+    Shape(Shape),
+}
+
+/// Where the part is, in the layers' coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    /// The box around it.
+    pub part: Rect,
+    /// How high it is.
+    pub height: Mm,
+    /// The middle of the bed.
+    pub bed: DVec2,
+}
+
+/// A part's sparse infill.
+pub struct Infill<'a> {
+    settings: &'a Settings,
+    around: &'a Surroundings<'a>,
+    kind: Kind,
+    density: Quantity,
+    origin: DVec2,
+}
+
+impl<'a> Infill<'a> {
+    /// The infill that the settings ask for.
+    ///
+    /// # Errors
+    /// If an expression is none, a script cannot be run, or the pattern
+    /// cannot have the density.
+    pub fn new(
+        settings: &'a Settings,
+        around: &'a Surroundings<'a>,
+        site: Site,
+    ) -> Result<Infill<'a>, InfillError> {
+        let density =
+            Quantity::new("infill_density", &settings.infill_density)?;
+        let graded = density.constant().is_none();
+        let kind = match &settings.infill {
+            settings::Infill::Pattern(InfillPattern::Hexagons) if graded => {
+                return Err(InfillError::NotGraded {
+                    pattern: InfillPattern::Hexagons.word(),
+                });
+            }
+            settings::Infill::Pattern(kind) => {
+                Kind::Pattern(pattern(*kind, graded))
+            }
+            settings::Infill::Expression(text) => Kind::Shape(
+                Shape::of_formula(text, &site, settings.infill_width)?,
+            ),
+            settings::Infill::Script(path) => {
+                let source = Source::File(path.into());
+                let width = settings.infill_width;
+                let shape = Shape::of_source(&source, path, &site, width)?;
+                Kind::Shape(shape)
+            }
+        };
+        Ok(Infill {
+            settings,
+            around,
+            kind,
+            density,
+            origin: match settings.infill_centre {
+                InfillCentre::Object => site.part.min.midpoint(site.part.max),
+                InfillCentre::Bed => site.bed,
+            },
+        })
+    }
+
+    /// Beads of a layer's sparse infill. `solid` is the layer's solid, which
+    /// makes distances from the surface exact near it.
+    ///
+    /// Lines reach into the walls around the area by `infill_overlap` of their
+    /// width: their round ends overlap the wall's bead by that much.
+    ///
+    /// # Errors
+    /// If the density has no value somewhere, or an expression cannot be
+    /// evaluated.
+    pub fn beads(
+        &self,
+        sparse: &Area,
+        place: Place,
+        solid: Option<&EdgeGrid>,
+    ) -> Result<Vec<Bead>, InfillError> {
+        let settings = self.settings;
+        let width = settings.infill_width;
+        let even = self.density.constant();
+        if sparse.is_empty() || even.is_some_and(|d| d <= 0.0) {
+            return Ok(Vec::new());
+        }
+        let margin = width * (0.5 - settings.infill_overlap / 100.0);
+        let ends = offset(sparse, -margin, TOLERANCE);
+        let border = Border::new(&ends);
+        let around = Around {
+            surroundings: self.around,
+            solid,
+        };
+        let grading = match (&self.kind, even) {
+            (Kind::Pattern(_), None) => {
+                Some(self.grading(border.bounds(), place.z, around)?)
+            }
+            _ => None,
+        };
+        let layer = Layer {
+            border: &border,
+            margin,
+            number: place.number,
+            z: place.z,
+            density: match (&grading, even) {
+                (Some(grading), _) => Density::Graded(grading),
+                (None, share) => Density::Even(share.unwrap_or(100.0) / 100.0),
+            },
+            solid: spacing(width, width, place.height),
+            origin: self.origin,
+            angle: settings.infill_angle,
+            phase: settings.infill_phase / 100.0,
+            shortest: width,
+        };
+        let line = |line: Line| Bead {
+            role: Role::SparseInfill,
+            points: line.points,
+            closed: line.closed,
+            width: line.width,
+            widths: line.widths,
+            height: place.height,
+        };
+        let (pieces, reach) = match &self.kind {
+            Kind::Pattern(pattern) => {
+                (pattern.pieces(&layer), pattern.reach(&layer))
+            }
+            Kind::Shape(shape) if settings.infill_mode == InfillMode::Solid => {
+                let lines =
+                    shape.solid(sparse, &layer, around, place.height, settings);
+                return Ok(lines?.into_iter().map(line).collect());
+            }
+            Kind::Shape(shape) => {
+                let lines = shape.lines(&layer, around, width)?;
+                (lines, SHAPE_REACH * width)
+            }
+        };
+        let pieces = pieces.into_iter().filter(|p| p.points.len() > 1);
+        let joined = join::join(pieces.collect(), &border, reach);
+        let beads = joined.into_iter().map(|p| {
+            line(Line {
+                points: p.points,
+                closed: p.closed,
+                width,
+                widths: Vec::new(),
+            })
+        });
+        Ok(beads.collect())
+    }
+
+    /// The density over a box.
+    fn grading(
+        &self,
+        bounds: Rect,
+        z: Mm,
+        around: Around<'_>,
+    ) -> Result<Grading, VaryError> {
+        let measure = self.density.uses_depth();
+        Grading::new(bounds, |points, out| {
+            let mut places = Vec::with_capacity(points.len());
+            let points = points.iter().copied();
+            let Around {
+                surroundings,
+                solid,
+            } = around;
+            surroundings.places(points, z, measure, solid, &mut places)?;
+            self.density.evaluate(&places, out)
+        })
+    }
+}
+
+/// Tolerance of the offset that lines end at, mm.
+const TOLERANCE: Mm = 0.02;
+
+/// Lines of an expression are joined over ways of this many widths: nobody
+/// knows how far apart they lie.
+const SHAPE_REACH: f64 = 20.0;
 
 /// The pattern of that name.
-pub fn pattern(kind: InfillPattern) -> &'static dyn Pattern {
+fn pattern(kind: InfillPattern, graded: bool) -> Box<dyn Pattern> {
     match kind {
-        InfillPattern::Rectilinear => &rectilinear::Rectilinear,
-        InfillPattern::Grid => &grid::Grid,
+        InfillPattern::Rectilinear => Box::new(rectilinear::Rectilinear),
+        InfillPattern::Grid => Box::new(grid::Grid),
+        InfillPattern::Triangles => Box::new(triangles::Triangles),
+        InfillPattern::Hexagons => Box::new(hexagons::Hexagons),
+        InfillPattern::Cubic => Box::new(cubic::Cubic),
+        InfillPattern::Concentric => Box::new(concentric::Concentric),
+        InfillPattern::Gyroid => Box::new(Sheet::new(gyroid::Gyroid, graded)),
+        InfillPattern::SchwarzP => {
+            Box::new(Sheet::new(schwarz_p::SchwarzP, graded))
+        }
+        InfillPattern::Diamond => {
+            Box::new(Sheet::new(diamond::Diamond, graded))
+        }
+        InfillPattern::Neovius => {
+            Box::new(Sheet::new(neovius::Neovius, graded))
+        }
+        InfillPattern::Lidinoid => {
+            Box::new(Sheet::new(lidinoid::Lidinoid, graded))
+        }
     }
-}
-
-/// Beads of a layer's sparse infill.
-///
-/// Lines reach into the walls around the area by `infill_overlap` of their
-/// width: their round ends overlap the wall's bead by that much.
-pub fn beads(
-    sparse: &Area,
-    layer: usize,
-    height: Mm,
-    settings: &Settings,
-) -> Vec<Bead> {
-    let width = settings.infill_width;
-    // Graded by an expression, infill is laid by the patterns themselves.
-    let density = settings.infill_density.constant().unwrap_or(0.0);
-    if sparse.is_empty() || density <= 0.0 {
-        return Vec::new();
-    }
-    let overlap = width * settings.infill_overlap / 100.0;
-    let ends = offset(sparse, overlap - 0.5 * width, 0.02);
-    let params = Params {
-        layer,
-        spacing: spacing(width, width, height) * 100.0 / density,
-        angle: settings.infill_angle,
-        shortest: width,
-    };
-    pattern(settings.infill_pattern)
-        .lines(&ends, &params)
-        .iter()
-        .map(|s| Bead {
-            role: Role::SparseInfill,
-            points: vec![s.from, s.to],
-            closed: false,
-            width,
-            widths: Vec::new(),
-            height,
-        })
-        .collect()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::DVec2;
-
-    #[test]
-    fn density_is_the_share_of_the_area_under_beads() {
-        let ring = [(-25.0, -25.0), (25.0, -25.0), (25.0, 25.0), (-25.0, 25.0)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec();
-        let area = Area { rings: vec![ring] };
-        for kind in [InfillPattern::Rectilinear, InfillPattern::Grid] {
-            for density in [10.0, 25.0, 60.0] {
-                let settings = Settings {
-                    infill_density: density.into(),
-                    infill_pattern: kind,
-                    ..Settings::default()
-                };
-                // Two layers: the lines turn from one to the next.
-                let volume: f64 = (0..2)
-                    .flat_map(|i| beads(&area, i, 0.2, &settings))
-                    .map(|b| b.area() * b.length())
-                    .sum();
-                let share = 100.0 * volume / (2500.0 * 0.4);
-                assert!(
-                    (share / density - 1.0).abs() < 0.03,
-                    "{kind:?} {density}: {share}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn no_density_no_beads() {
-        let ring = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0), (0.0, 30.0)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec();
-        let area = Area { rings: vec![ring] };
-        let settings = |density: f64| Settings {
-            infill_density: density.into(),
-            ..Settings::default()
-        };
-        assert!(!beads(&area, 0, 0.2, &settings(5.0)).is_empty());
-        assert!(beads(&area, 0, 0.2, &settings(0.0)).is_empty());
-    }
-}
+mod tests;

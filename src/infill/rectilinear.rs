@@ -5,20 +5,23 @@
 //!         ╱ ╱ ╱ ╱           ╲ ╲ ╲ ╲
 //! ```
 
-use super::{Params, Pattern};
-use crate::plane::Area;
-use crate::plane::hatch::{Lines, Segment, hatch};
+use super::families::{Family, lines};
+use super::{Layer, Pattern};
+use crate::plane::border::Piece;
 
 /// Parallel lines.
 pub(super) struct Rectilinear;
 
 impl Pattern for Rectilinear {
-    fn lines(&self, area: &Area, params: &Params) -> Vec<Segment> {
-        let lines = Lines {
-            angle: params.angle + 90.0 * (params.layer % 2) as f64,
-            spacing: params.spacing,
-            phase: 0.0,
-        };
-        hatch(area, lines, params.shortest)
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
+        let turn = 90.0 * (layer.number % 2) as f64;
+        lines(
+            layer,
+            &[Family {
+                turn,
+                of: 1.0,
+                shift: 0.0,
+            }],
+        )
     }
 }

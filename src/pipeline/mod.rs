@@ -31,6 +31,7 @@ mod tally;
 
 use crate::field::{FieldError, SLAB};
 use crate::gcode::{Header, WriteError, Writer};
+use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
 use crate::model::Model;
 use crate::pace::Pacer;
@@ -113,6 +114,9 @@ pub enum SliceError {
     /// A setting that is an expression has no value somewhere.
     #[error(transparent)]
     Vary(#[from] VaryError),
+    /// The infill cannot be laid.
+    #[error(transparent)]
+    Infill(#[from] InfillError),
     /// The G-code cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),

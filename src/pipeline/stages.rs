@@ -10,6 +10,7 @@ use crate::adhesion::skirt;
 use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Field, FieldError};
 use crate::fuzzy::Fuzzy;
+use crate::infill::{self, Infill};
 use crate::layers::LayerSpan;
 use crate::model::Model;
 use crate::order::LayerBeads;
@@ -23,7 +24,8 @@ use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::Surroundings;
-use crate::{infill, skin, walls};
+use crate::{skin, walls};
+use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -73,6 +75,7 @@ pub(super) struct Stages<'a> {
     bed: Mm,
     top_layers: usize,
     bottom_layers: usize,
+    infill: Infill<'a>,
     pub timings: Timings,
     pub gauge: Gauge<'a>,
 }
@@ -113,6 +116,13 @@ impl<'a> Stages<'a> {
                     .collect::<Result<_, _>>()?
             }
         };
+        let printer = &settings.printer;
+        let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
+        let site = infill::Site {
+            part: rect,
+            height: model.bounds.size().z,
+            bed: bed - model.offset.truncate(),
+        };
         Ok(Stages {
             settings,
             field,
@@ -121,6 +131,7 @@ impl<'a> Stages<'a> {
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
+            infill: Infill::new(settings, around, site)?,
             timings: Timings::default(),
             gauge,
         })
@@ -351,8 +362,13 @@ impl<'a> Stages<'a> {
             },
             walls,
             infill: self.timings.time(Stage::Infill, || {
-                infill::beads(&areas.sparse, layer, height, self.settings)
-            }),
+                let place = infill::Place {
+                    number: layer,
+                    z: span.sample_z(),
+                    height,
+                };
+                self.infill.beads(&areas.sparse, place, Some(&shell.solid))
+            })?,
             skin,
         })
     }

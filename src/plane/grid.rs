@@ -346,6 +346,38 @@ impl EdgeGrid {
         }
     }
 
+    /// True if the box around some edge meets the box.
+    pub fn meets(&self, rect: Rect) -> bool {
+        let mut found = false;
+        self.visit_box(rect.min, rect.max, |_| found = true);
+        found
+    }
+
+    /// Calls `visit` with the number of every edge whose box meets that from
+    /// `lo` to `hi`; the same one may come more than once.
+    pub fn visit_box(
+        &self,
+        lo: DVec2,
+        hi: DVec2,
+        mut visit: impl FnMut(usize),
+    ) {
+        if self.edges.is_empty() {
+            return;
+        }
+        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
+        for row in self.row(lo.y)..=self.row(hi.y) {
+            let from = self.starts[row * self.columns + c0] as usize;
+            let to = self.starts[row * self.columns + c1 + 1] as usize;
+            for &m in &self.members[from..to] {
+                let (c, d) = self.edges[m as usize];
+                let (elo, ehi) = (c.min(d), c.max(d));
+                if elo.cmple(hi).all() && ehi.cmpge(lo).all() {
+                    visit(m as usize);
+                }
+            }
+        }
+    }
+
     /// True if no edge comes closer than `distance` to the segment.
     pub fn clear(&self, a: DVec2, b: DVec2, distance: Mm) -> bool {
         let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);

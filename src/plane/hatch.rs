@@ -9,6 +9,7 @@
 //! The lines' places depend on angle, spacing and phase alone, so that areas
 //! of different islands and layers get lines that continue each other.
 
+use super::border::{Border, Piece};
 use super::{Area, edges};
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
@@ -38,35 +39,91 @@ pub struct Segment {
 /// The pieces of the lines inside the area, row by row, each row in the
 /// lines' direction. Pieces shorter than `shortest` are left out.
 pub fn hatch(area: &Area, lines: Lines, shortest: Mm) -> Vec<Segment> {
+    let hits = hits(area, lines);
+    let pieces = pairs(&hits, shortest);
+    pieces.map(|(from, to)| lines.segment(from, to)).collect()
+}
+
+/// The same, as pieces that know where on the border they end, each with the
+/// number of its row.
+pub fn hatch_border(
+    border: &Border<'_>,
+    lines: Lines,
+    shortest: Mm,
+) -> Vec<(i64, Piece)> {
+    let hits = hits(border.area(), lines);
+    let pieces = pairs(&hits, shortest).map(|(from, to)| {
+        let segment = lines.segment(from, to);
+        let piece = Piece {
+            points: vec![segment.from, segment.to],
+            closed: false,
+            from: Some(border.foot(from.edge, segment.from)),
+            to: Some(border.foot(to.edge, segment.to)),
+        };
+        (segment.row, piece)
+    });
+    pieces.collect()
+}
+
+/// Where a row crosses an edge.
+#[derive(Clone, Copy, Debug)]
+struct Hit {
+    row: i64,
+    /// Coordinate along the row.
+    along: Mm,
+    /// Number of the edge, through all rings.
+    edge: usize,
+}
+
+impl Lines {
+    fn place(&self, row: i64) -> Mm {
+        self.phase + row as f64 * self.spacing
+    }
+
+    fn segment(&self, from: Hit, to: Hit) -> Segment {
+        let along = DVec2::from_angle(self.angle.to_radians());
+        let base = along.perp() * self.place(from.row);
+        Segment {
+            row: from.row,
+            from: base + along * from.along,
+            to: base + along * to.along,
+        }
+    }
+}
+
+/// Where the rings' edges cross the rows, in the order of the rows.
+fn hits(area: &Area, lines: Lines) -> Vec<Hit> {
     let along = DVec2::from_angle(lines.angle.to_radians());
     let across = along.perp();
     let row_of = |v: f64| (v - lines.phase) / lines.spacing;
-    let place = |row: i64| lines.phase + row as f64 * lines.spacing;
-    // Where the rings' edges cross the rows: (row, coordinate along it).
     // A row through a vertex counts the edge that starts there and goes up,
     // not the one that ends there: `ceil` on both ends does just that.
-    let mut hits: Vec<(i64, f64)> = Vec::new();
-    for (a, b) in area.rings.iter().flat_map(|r| edges(r)) {
+    let mut hits: Vec<Hit> = Vec::new();
+    let all = area.rings.iter().flat_map(|r| edges(r));
+    for (edge, (a, b)) in all.enumerate() {
         let (va, vb) = (across.dot(a), across.dot(b));
         let (ra, rb) = (row_of(va).ceil() as i64, row_of(vb).ceil() as i64);
         for row in ra.min(rb)..ra.max(rb) {
-            let t = (place(row) - va) / (vb - va);
-            hits.push((row, along.dot(a.lerp(b, t.clamp(0.0, 1.0)))));
+            let t = (lines.place(row) - va) / (vb - va);
+            let along = along.dot(a.lerp(b, t.clamp(0.0, 1.0)));
+            hits.push(Hit { row, along, edge });
         }
     }
-    hits.sort_unstable_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)));
-    // A closed ring crosses each row an even number of times.
+    hits.sort_unstable_by(|p, q| {
+        let by_row = p.row.cmp(&q.row).then(p.along.total_cmp(&q.along));
+        by_row.then(p.edge.cmp(&q.edge))
+    });
+    hits
+}
+
+/// The ends of the pieces: a closed ring crosses each row an even number of
+/// times.
+fn pairs(hits: &[Hit], shortest: Mm) -> impl Iterator<Item = (Hit, Hit)> + '_ {
     hits.chunks_exact(2)
-        .filter(|h| h[0].0 == h[1].0 && h[1].1 - h[0].1 >= shortest)
-        .map(|h| {
-            let base = across * place(h[0].0);
-            Segment {
-                row: h[0].0,
-                from: base + along * h[0].1,
-                to: base + along * h[1].1,
-            }
+        .map(|h| (h[0], h[1]))
+        .filter(move |(from, to)| {
+            from.row == to.row && to.along - from.along >= shortest
         })
-        .collect()
 }
 
 #[cfg(test)]

@@ -3,9 +3,10 @@
 //! An [`Area`] is a set of closed rings, outer ones counter-clockwise and
 //! holes clockwise, in millimetres. [`clip`] combines areas, [`offset`]
 //! grows and shrinks them, [`simplify`] thins their rings within a tolerance,
-//! [`hatch`] draws parallel lines across them, [`grid`] answers what is where
-//! and [`nest`] which ring is around a point.
+//! [`hatch`] draws parallel lines across them, [`border`] cuts any lines,
+//! [`grid`] answers what is where and [`nest`] which ring is around a point.
 
+pub mod border;
 pub mod clip;
 pub mod grid;
 pub mod hatch;
@@ -54,6 +55,11 @@ impl Rect {
             min: self.min.min(other.min),
             max: self.max.max(other.max),
         }
+    }
+
+    /// True if the two have a point in common.
+    pub fn meets(&self, other: Rect) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
     /// True if the point is inside or on the border.

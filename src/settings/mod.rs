@@ -37,11 +37,13 @@
 //! ```
 
 mod check;
+mod infill;
 mod read;
 mod table;
 mod value;
 mod write;
 
+pub use infill::Infill;
 pub use read::{Builder, Place, SettingsError};
 pub use table::{Key, Range, keys};
 pub use value::Varying;
@@ -111,15 +113,29 @@ table::settings! {
         skin_min_area: Mm2 = 2.0, in 0.0..=1000.0;
 
         ["Sparse infill"]
-        /// Share of the inside that is printed; 0 leaves it hollow.
+        /// Share of the inside that is printed; 0 leaves it hollow. Infill
+        /// that is an expression is as dense as the expression makes it.
         infill_density: Varying<Percent> = Varying::Constant(15.0),
             in 0.0..=100.0;
         /// Pattern of the sparse infill.
-        infill_pattern: InfillPattern = InfillPattern::Rectilinear;
+        /// An expression, or the path of a script, is a pattern of one's own:
+        /// beads on its zero set, or a shape that is negative inside
+        /// (infill_mode).
+        infill: Infill = Infill::Pattern(InfillPattern::Rectilinear);
+        /// What an expression of infill is: a surface to lay beads on, or a
+        /// solid to print like a part of its own.
+        infill_mode: InfillMode = InfillMode::Surface;
+        /// Number of walls of infill that is a solid.
+        infill_walls: u32 = 1, in 0..=1000;
         /// Line width of sparse infill.
         infill_width: Mm = 0.45, in 0.05..=10.0;
         /// Direction of infill lines, counter-clockwise from the x axis.
         infill_angle: Degrees = 45.0, in -360.0..=360.0;
+        /// How far the pattern is moved along its repeat.
+        infill_phase: Percent = 0.0, in 0.0..=100.0;
+        /// What the pattern is laid out from: parts on the same bed continue
+        /// each other's pattern if it is the bed.
+        infill_centre: InfillCentre = InfillCentre::Object;
         /// How far sparse infill reaches into the wall or skin around it, as
         /// a share of its line width.
         infill_overlap: Percent = 25.0, in 0.0..=100.0;
@@ -357,6 +373,42 @@ value::words! {
         Rectilinear = "rectilinear",
         /// Both directions in every layer.
         Grid = "grid",
+        /// Three directions in every layer.
+        Triangles = "triangles",
+        /// A honeycomb, without crossings.
+        Hexagons = "hexagons",
+        /// Cubes that stand on a corner.
+        Cubic = "cubic",
+        /// Rings along the walls.
+        Concentric = "concentric",
+        /// The gyroid: waves in all directions, without crossings.
+        Gyroid = "gyroid",
+        /// Schwarz' P surface.
+        SchwarzP = "schwarz-p",
+        /// Schwarz' D surface.
+        Diamond = "diamond",
+        /// Neovius' surface.
+        Neovius = "neovius",
+        /// The lidinoid.
+        Lidinoid = "lidinoid",
+    }
+}
+value::words! {
+    /// What an expression of infill is.
+    InfillMode {
+        /// Its zero set is a surface to lay beads on.
+        Surface = "surface",
+        /// Where it is negative is solid, with walls of its own.
+        Solid = "solid",
+    }
+}
+value::words! {
+    /// What infill is laid out from.
+    InfillCentre {
+        /// The middle of the part.
+        Object = "object",
+        /// The middle of the bed.
+        Bed = "bed",
     }
 }
 

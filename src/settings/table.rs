@@ -64,6 +64,9 @@ impl Key {
             Kind::Switch => "true or false".to_owned(),
             Kind::Text => "any text".to_owned(),
             Kind::Word(words) => alternatives(words),
+            Kind::WordOrShape(words) => {
+                format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
+            }
         }
     }
 
@@ -91,7 +94,9 @@ impl Key {
                 format!("\"auto\" or a whole number, {range}")
             }
             (Kind::Text, _) => "text in quotes".to_owned(),
-            (Kind::Switch | Kind::Word(_), _) => self.allowed(),
+            (Kind::Switch | Kind::Word(_) | Kind::WordOrShape(_), _) => {
+                self.allowed()
+            }
         }
     }
 

@@ -59,6 +59,8 @@ pub(super) enum Kind {
     Switch,
     Text,
     Word(&'static [&'static str]),
+    /// A word, an expression, or the name of a script.
+    WordOrShape(&'static [&'static str]),
 }
 
 /// A field of the settings.

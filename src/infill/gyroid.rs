@@ -1,0 +1,20 @@
+//! The gyroid: a surface without straight lines or mirror planes that parts
+//! space into two equal labyrinths (Schoen 1970). Equally stiff in all
+//! directions, no lines that cross, and every layer is a set of long waves.
+//!
+//! ```text
+//!   ∿∿∿∿∿∿∿∿     sin x·cos y + sin y·cos z + sin z·cos x = 0:
+//!   ∿∿∿∿∿∿∿∿     waves along x at one height, along y a quarter of a cell
+//!   ∿∿∿∿∿∿∿∿     above
+//! ```
+
+use super::sheet::{Angles, Surface};
+
+/// The gyroid.
+pub(super) struct Gyroid;
+
+impl Surface for Gyroid {
+    fn value(&self, a: Angles) -> f64 {
+        a.x.sin * a.y.cos + a.y.sin * a.z.cos + a.z.sin * a.x.cos
+    }
+}

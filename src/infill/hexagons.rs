@@ -1,0 +1,69 @@
+//! A honeycomb, the same in every layer: hexagonal tubes.
+//!
+//! ```text
+//!   ╲__╱  ╲__╱  ╲      each line zigzags between its neighbours and shares
+//!   ╱‾‾╲__╱‾‾╲__╱      its level sides with them, where two beads lie side by
+//!   ╲__╱‾‾╲__╱‾‾╲      side; so no bead crosses another, and a line is as
+//!                      long as the area is wide
+//! ```
+
+use super::{Density, Layer, Pattern};
+use crate::plane::Rect;
+use crate::plane::border::{Cutter, Piece};
+use glam::DVec2;
+
+/// Hexagons.
+pub(super) struct Hexagons;
+
+impl Pattern for Hexagons {
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
+        let share = match layer.density {
+            Density::Even(share) => share,
+            Density::Graded(grading) => grading.mean(),
+        };
+        // Of a side a, a zigzag is 4·a long on 3·a, and two of them are
+        // a·sin 60° and half a bead on either side apart.
+        let pitch = 4.0 / 3.0 * layer.solid / share;
+        let rise = (pitch - layer.solid).max(0.0);
+        let side = rise / (0.75_f64).sqrt();
+        let period = 3.0 * side;
+        if side < layer.shortest * 0.25 {
+            return Vec::new();
+        }
+        let frame = layer.frame();
+        let bounds = frame.bounds(layer.border.bounds());
+        let shift = layer.phase * period;
+        let first = ((bounds.min.y - rise) / pitch).floor() as i64;
+        let last = ((bounds.max.y + rise) / pitch).ceil() as i64;
+        let left = ((bounds.min.x - shift) / period).floor() as i64 - 1;
+        let right = ((bounds.max.x - shift) / period).ceil() as i64 + 1;
+        let mut cutter = Cutter::new(layer.border);
+        for row in first..=last {
+            // Neighbours mirror each other.
+            let high = if row.rem_euclid(2) == 0 { 0.5 } else { -0.5 };
+            let middle = row as f64 * pitch;
+            cutter.end();
+            for column in left..=right {
+                let x = column as f64 * period + shift;
+                let one = [
+                    (0.0, high),
+                    (side, high),
+                    (1.5 * side, -high),
+                    (2.5 * side, -high),
+                ]
+                .map(|(along, up)| {
+                    frame.out(DVec2::new(x + along, middle + up * rise))
+                });
+                cutter.run(&one, Rect::around(&one));
+            }
+        }
+        cutter.finish()
+    }
+
+    fn reach(&self, layer: &Layer<'_>) -> f64 {
+        match layer.density {
+            Density::Even(share) => 4.0 * layer.solid / share,
+            Density::Graded(grading) => 4.0 * layer.solid / grading.mean(),
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Joining pieces along the border into long paths.
+//!
+//! ```text
+//!   ──┬───────────┬──        ──╮╭─────────╮╭──
+//!     │  │  │  │  │      →     │╰─╮ │ ╭─╮ ││     no travel from line to line
+//!   ──┴───────────┴──        ──╰──╰─╯─╯ ╰─╯──
+//! ```
+//!
+//! In: the pieces of a layer's pattern, which know where on the area's border
+//! they end. Two ends that follow each other on a ring of the border are
+//! joined along it, unless that is farther than it is worth, or would make a
+//! path return to itself. What joins add is material beside the wall, not
+//! part of the density, which is that of the pattern.
+
+use crate::plane::border::{Border, Foot, Piece};
+use crate::units::Mm;
+
+/// An end of a piece on the border.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    foot: Foot,
+    /// Twice the piece's number, and one more for its last point.
+    number: usize,
+}
+
+/// A join: from which end, to which, and whether it goes along the ring.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    to: usize,
+    forward: bool,
+}
+
+/// The pieces, joined where the way along the border is at most `limit`.
+pub(super) fn join(
+    pieces: Vec<Piece>,
+    border: &Border<'_>,
+    limit: Mm,
+) -> Vec<Piece> {
+    let mut ends: Vec<End> = Vec::with_capacity(2 * pieces.len());
+    for (i, piece) in pieces.iter().enumerate() {
+        let both = [(piece.from, 2 * i), (piece.to, 2 * i + 1)];
+        for (foot, number) in both {
+            ends.extend(foot.map(|foot| End { foot, number }));
+        }
+    }
+    ends.sort_unstable_by(|a, b| {
+        let by_ring = a.foot.ring.cmp(&b.foot.ring);
+        let by_place = by_ring.then(a.foot.at.total_cmp(&b.foot.at));
+        by_place.then(a.number.cmp(&b.number))
+    });
+    let mut links: Vec<Option<Link>> = vec![None; 2 * pieces.len()];
+    let mut paths = Paths::new(pieces.len());
+    for ring in ends.chunk_by(|a, b| a.foot.ring == b.foot.ring) {
+        // Short ways first: a long one must not take an end away from them.
+        for limit in [0.4 * limit, limit] {
+            for (i, a) in ring.iter().enumerate() {
+                let b = &ring[(i + 1) % ring.len()];
+                let free = links[a.number].is_none()
+                    && links[b.number].is_none()
+                    && a.number != b.number;
+                if free
+                    && border.way(a.foot, b.foot) <= limit
+                    && paths.unite(a.number / 2, b.number / 2)
+                {
+                    let link = |to, forward| Some(Link { to, forward });
+                    links[a.number] = link(b.number, true);
+                    links[b.number] = link(a.number, false);
+                }
+            }
+        }
+    }
+    walk(pieces, &links, border)
+}
+
+/// Follows the links from every end that has none.
+fn walk(
+    pieces: Vec<Piece>,
+    links: &[Option<Link>],
+    border: &Border<'_>,
+) -> Vec<Piece> {
+    let mut pieces: Vec<Option<Piece>> = pieces.into_iter().map(Some).collect();
+    let mut joined = Vec::new();
+    for start in 0..links.len() {
+        if links[start].is_some() {
+            continue;
+        }
+        let Some(mut path) = take(&mut pieces, start) else {
+            continue;
+        };
+        let mut end = start ^ 1;
+        while let Some(link) = links[end] {
+            let Some(next) = take(&mut pieces, link.to) else {
+                break;
+            };
+            if let (Some(a), Some(b)) = (path.to, next.from) {
+                let way = match link.forward {
+                    true => border.between(a, b),
+                    false => {
+                        let mut way = border.between(b, a);
+                        way.reverse();
+                        way
+                    }
+                };
+                path.points.extend(way);
+            }
+            path.points.extend(next.points);
+            path.to = next.to;
+            end = link.to ^ 1;
+        }
+        path.points.dedup();
+        joined.push(path);
+    }
+    joined
+}
+
+/// The piece with that end as its first point.
+fn take(pieces: &mut [Option<Piece>], end: usize) -> Option<Piece> {
+    let mut piece = pieces[end / 2].take()?;
+    if end % 2 == 1 {
+        piece.points.reverse();
+        std::mem::swap(&mut piece.from, &mut piece.to);
+    }
+    Some(piece)
+}
+
+/// Which pieces are on the same path.
+struct Paths {
+    parent: Vec<usize>,
+}
+
+impl Paths {
+    fn new(count: usize) -> Paths {
+        Paths {
+            parent: (0..count).collect(),
+        }
+    }
+
+    fn find(&mut self, mut i: usize) -> usize {
+        while self.parent[i] != i {
+            self.parent[i] = self.parent[self.parent[i]];
+            i = self.parent[i];
+        }
+        i
+    }
+
+    /// Makes two paths one; false if they are already.
+    fn unite(&mut self, a: usize, b: usize) -> bool {
+        let (a, b) = (self.find(a), self.find(b));
+        self.parent[a] = b;
+        a != b
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::hatch::{Lines, hatch_border};
+    use crate::plane::{Area, path_length};
+    use glam::DVec2;
+
+    fn ring(half: f64) -> Vec<DVec2> {
+        [(-half, -half), (half, -half), (half, half), (-half, half)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec()
+    }
+
+    fn joined(area: &Area, angle: f64, limit: f64) -> (usize, Vec<Piece>) {
+        let border = Border::new(area);
+        let lines = Lines {
+            angle,
+            spacing: 2.0,
+            phase: 0.5,
+        };
+        let pieces: Vec<Piece> = hatch_border(&border, lines, 0.1)
+            .into_iter()
+            .map(|p| p.1)
+            .collect();
+        let count = pieces.len();
+        (count, join(pieces, &border, limit))
+    }
+
+    #[test]
+    fn lines_across_a_square_become_one_zigzag() {
+        let area = Area {
+            rings: vec![ring(10.0)],
+        };
+        for angle in [0.0, 30.0, 45.0, 90.0] {
+            let (count, paths) = joined(&area, angle, 8.0);
+            assert!(count > 8);
+            assert!(paths.len() <= 2, "{angle}: {}", paths.len());
+        }
+        let (count, paths) = joined(&area, 0.0, 8.0);
+        assert_eq!(paths.len(), 1);
+        let length = path_length(&paths[0].points, false);
+        assert!((length - 20.0 * 10.0 - 2.0 * 9.0).abs() < 1e-9, "{length}");
+        assert_eq!(count, 10);
+        let (count, paths) = joined(&area, 0.0, 1.9);
+        assert_eq!(paths.len(), count);
+    }
+
+    #[test]
+    fn joins_follow_the_border_and_never_cross_a_hole() {
+        let mut hole = ring(4.0);
+        hole.reverse();
+        let area = Area {
+            rings: vec![ring(10.0), hole],
+        };
+        let (count, paths) = joined(&area, 45.0, 8.0);
+        assert!(paths.len() <= 3 && count > 14, "{} of {count}", paths.len());
+        let border = Border::new(&area);
+        for path in &paths {
+            for p in path.points.windows(2) {
+                // A hair inside wherever it is not on the border.
+                let middle = p[0].midpoint(p[1]);
+                let near = area.rings.iter().flat_map(|r| {
+                    crate::plane::edges(r).map(|(a, b)| {
+                        let q = crate::plane::grid::nearest_on(middle, a, b);
+                        q.distance(middle)
+                    })
+                });
+                let d = near.fold(f64::INFINITY, f64::min);
+                assert!(border.contains(middle) || d < 1e-9, "{p:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Schwarz' P surface: chambers with a round window to each of their six
+//! neighbours (Schwarz 1890).
+//!
+//! ```text
+//!    ( )( )( )     cos x + cos y + cos z = 0:
+//!    ( )( )( )     rings around the chambers' middles at one height, around
+//!                  what is between them half a cell above
+//! ```
+
+use super::sheet::{Angles, Surface};
+
+/// Schwarz' P surface.
+pub(super) struct SchwarzP;
+
+impl Surface for SchwarzP {
+    fn value(&self, a: Angles) -> f64 {
+        a.x.cos + a.y.cos + a.z.cos
+    }
+}

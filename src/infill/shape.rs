@@ -1,0 +1,299 @@
+//! Infill that is an expression of one's own.
+//!
+//! ```text
+//!   surface: beads on f = 0       solid: f < 0 printed like a part
+//!     ╭──╮  ╭──╮  ╭──╮              ╔══╗  ╔══╗  ╔══╗
+//!     │  ╰──╯  ╰──╯  │              ║░░╚══╝░░╚══╝░░║
+//! ```
+//!
+//! An expression of x, y and z is a field, whose outlines in each layer are
+//! found as the part's own are, if less exactly. One that asks for d, the
+//! distance to the part's surface, is none: it is sampled on a lattice of half
+//! a line's width, whose nodes keep their places from layer to layer. Where it
+//! is not a number is outside. What is thinner than the lattice may be missed.
+
+use super::level::{Lattice, thin, trace};
+use super::{InfillError, Layer, Site};
+use crate::contour::{Detail, outlines};
+use crate::field::Field;
+use crate::model::{Expression, Place, Source, SourceKind, load};
+use crate::plane::border::{Cutter, Piece};
+use crate::plane::clip::intersection;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::hatch::{Lines, hatch};
+use crate::plane::{Area, Rect, Ring, path_length};
+use crate::region::line::Line;
+use crate::region::{Lay, lay, shrink};
+use crate::settings::Settings;
+use crate::timings::Timings;
+use crate::units::Mm;
+use crate::vary::{Surroundings, VaryError};
+use glam::DVec2;
+
+/// An expression, ready to be evaluated.
+pub(super) enum Shape {
+    /// One of x, y and z.
+    Field(Box<Field>),
+    /// One of d as well.
+    Deep(Expression),
+}
+
+/// Distance of the lattice's nodes, as a share of the line's width.
+const STEP: f64 = 0.5;
+/// Nodes of a lattice at most; beyond that they are farther apart.
+const MOST: f64 = 4e6;
+/// Lines may be off by this, mm; nobody sees them.
+const CHORD: Mm = 0.05;
+/// A field's box is so much larger than the part's, mm: what closes its
+/// outlines there is outside of every layer.
+const MARGIN: Mm = 1.0;
+/// Tolerance of the offsets of a solid, mm.
+const TOLERANCE: Mm = 0.01;
+
+/// What surrounds a layer's area.
+#[derive(Clone, Copy)]
+pub(super) struct Around<'a> {
+    pub surroundings: &'a Surroundings<'a>,
+    /// The layer's solid, if it is there to be asked.
+    pub solid: Option<&'a EdgeGrid>,
+}
+
+impl Shape {
+    /// Of a formula.
+    pub(super) fn of_formula(
+        text: &str,
+        site: &Site,
+        width: Mm,
+    ) -> Result<Shape, InfillError> {
+        let bad = |error| InfillError::Expression {
+            text: text.to_owned(),
+            error,
+        };
+        let expression = Expression::parse(text).map_err(bad)?;
+        if expression.uses_depth() {
+            return Ok(Shape::Deep(expression));
+        }
+        Shape::of_source(&formula(text.to_owned()), text, site, width)
+    }
+
+    /// Of a script, or a formula that does not ask for d; `name` is what the
+    /// setting says.
+    pub(super) fn of_source(
+        source: &Source,
+        name: &str,
+        site: &Site,
+        width: Mm,
+    ) -> Result<Shape, InfillError> {
+        let load = |source| {
+            load(source, &[]).map_err(|e| InfillError::Shape {
+                name: name.to_owned(),
+                error: Box::new(e),
+            })
+        };
+        let rect = Rect {
+            min: site.part.min - MARGIN,
+            max: site.part.max + MARGIN,
+        };
+        // Within a box, so that the outlines close.
+        let (middle, half) =
+            (rect.min.midpoint(rect.max), 0.5 * (rect.max - rect.min));
+        let walls = format!(
+            "max(abs(x - ({})) - {}, abs(y - ({})) - {})",
+            middle.x, half.x, middle.y, half.y
+        );
+        let tree = load(source)?.tree.max(load(&formula(walls))?.tree);
+        let heights = [0.0, site.height];
+        let field = Field::new(&tree, 0.0, rect, width, heights, None)?;
+        Ok(Shape::Field(Box::new(field)))
+    }
+
+    /// What the area has of the zero set.
+    pub(super) fn lines(
+        &self,
+        layer: &Layer<'_>,
+        around: Around<'_>,
+        width: Mm,
+    ) -> Result<Vec<Piece>, InfillError> {
+        let mut cutter = Cutter::new(layer.border);
+        match self {
+            Shape::Field(field) => {
+                for ring in negative(field, layer.z, width)?.rings {
+                    cutter.line(&ring, true);
+                }
+            }
+            Shape::Deep(expression) => {
+                for island in layer.border.area().islands() {
+                    let bounds = island.bounds();
+                    let lines = curves(
+                        expression, bounds, layer.z, around, width, false,
+                    )?;
+                    for (points, closed) in lines {
+                        cutter.line(&points, closed);
+                    }
+                }
+            }
+        }
+        let mut pieces = cutter.finish();
+        pieces.retain(|p| path_length(&p.points, p.closed) >= layer.shortest);
+        Ok(pieces)
+    }
+
+    /// Where it is negative in `area`.
+    fn inside(
+        &self,
+        area: &Area,
+        z: Mm,
+        around: Around<'_>,
+        width: Mm,
+    ) -> Result<Area, InfillError> {
+        let expression = match self {
+            Shape::Field(field) => {
+                return Ok(intersection(&negative(field, z, width)?, area));
+            }
+            Shape::Deep(expression) => expression,
+        };
+        let mut rings = Vec::new();
+        for island in area.islands() {
+            let bounds = island.bounds();
+            let lines = curves(expression, bounds, z, around, width, true)?;
+            let own = lines
+                .into_iter()
+                .filter(|(points, closed)| *closed && points.len() > 2);
+            let own = Area {
+                rings: own.map(|(points, _)| points).collect(),
+            };
+            rings.extend(intersection(&own, &island).rings);
+        }
+        Ok(Area { rings })
+    }
+
+    /// Centre lines of the solid in `area`: walls, and lines inside them.
+    pub(super) fn solid(
+        &self,
+        area: &Area,
+        layer: &Layer<'_>,
+        around: Around<'_>,
+        height: Mm,
+        settings: &Settings,
+    ) -> Result<Vec<Line>, InfillError> {
+        let width = settings.infill_width;
+        let mut inside = self.inside(area, layer.z, around, width)?;
+        let mut lines = Vec::new();
+        let plan = Lay::inside(width, height, settings);
+        let mut ends = layer.margin;
+        for _ in 0..settings.infill_walls {
+            if inside.is_empty() {
+                break;
+            }
+            let laid = lay(&inside, plan, TOLERANCE);
+            lines.extend(laid.lines);
+            lines.extend(laid.thin);
+            ends = 0.5 * settings.printer.nozzle_diameter - plan.centre;
+            inside = shrink(&laid.rings, plan.centre, TOLERANCE);
+        }
+        let inside = shrink(&inside, ends, TOLERANCE);
+        let rows = Lines {
+            angle: layer.angle + 90.0 * (layer.number % 2) as f64,
+            spacing: layer.solid,
+            phase: 0.0,
+        };
+        let fill = hatch(&inside, rows, 0.5 * width);
+        lines.extend(fill.into_iter().map(|s| Line {
+            points: vec![s.from, s.to],
+            closed: false,
+            width,
+            widths: Vec::new(),
+        }));
+        Ok(lines)
+    }
+}
+
+/// A formula as a source.
+fn formula(text: String) -> Source {
+    Source::Text {
+        name: "infill".into(),
+        kind: SourceKind::Formula,
+        text,
+    }
+}
+
+/// Where a field is negative in the layer at height `z`.
+fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
+    let detail = Detail {
+        accuracy: CHORD,
+        smallest: STEP * width,
+    };
+    // Its time is the infill's, not that of the part's outlines.
+    let timings = Timings::default();
+    let found = outlines(field, &[z], detail, &timings)?;
+    Ok(found.into_iter().next().map_or(Area::EMPTY, |o| o.area))
+}
+
+/// The zero lines of an expression in a box, and whether each is closed;
+/// `whole` closes them along the box's sides.
+fn curves(
+    expression: &Expression,
+    bounds: Rect,
+    z: Mm,
+    around: Around<'_>,
+    width: Mm,
+    whole: bool,
+) -> Result<Vec<(Ring, bool)>, VaryError> {
+    let extent = bounds.max - bounds.min;
+    let step = (STEP * width).max((extent.x * extent.y / MOST).sqrt());
+    // Whole steps from the origin: the same nodes in every layer.
+    let origin = ((bounds.min / step).floor() - 1.0) * step;
+    let size = (bounds.max - origin) / step;
+    let lattice = Lattice {
+        origin,
+        step,
+        size: [size.x as usize + 3, size.y as usize + 3],
+        periodic: false,
+    };
+    let mut places: Vec<Place> = Vec::new();
+    let mut failed = None;
+    let mut eval = |points: &mut dyn Iterator<Item = DVec2>,
+                    out: &mut Vec<f64>| {
+        places.clear();
+        let Around {
+            surroundings,
+            solid,
+        } = around;
+        match surroundings.places(points, z, true, solid, &mut places) {
+            Ok(()) => expression.evaluate(&places, out),
+            Err(e) => failed = Some(e),
+        }
+    };
+    let [nx, ny] = lattice.size;
+    let mut values = Vec::with_capacity(lattice.count());
+    let mut nodes = (0..nx * ny).map(|k| lattice.node(k % nx, k / nx));
+    eval(&mut nodes, &mut values);
+    values.resize(lattice.count(), f64::NAN);
+    if whole {
+        for (k, value) in values.iter_mut().enumerate() {
+            let (i, j) = (k % nx, k / nx);
+            if i == 0 || j == 0 || i + 1 == nx || j + 1 == ny {
+                *value = f64::INFINITY;
+            }
+        }
+    }
+    let curves = trace(&lattice, &values, 4, &mut |points, out| {
+        eval(&mut points.iter().copied(), out);
+        out.resize(points.len(), f64::NAN);
+    });
+    if let Some(e) = failed {
+        return Err(e);
+    }
+    let thinned = curves.into_iter().map(|c| {
+        let mut points = c.points;
+        if c.closed {
+            points.extend(points.first().copied());
+        }
+        let mut points = thin(&points, CHORD);
+        if c.closed {
+            points.pop();
+        }
+        (points, c.closed)
+    });
+    Ok(thinned.collect())
+}

@@ -1,0 +1,25 @@
+//! Lines in three directions in every layer, the same in all: tubes of
+//! equilateral triangles, stiff in every direction of the plane.
+//!
+//! ```text
+//!   ─╱╲──╱╲──╱╲─
+//!   ╱──╲╱──╲╱──╲
+//! ```
+
+use super::families::{Family, lines};
+use super::{Layer, Pattern};
+use crate::plane::border::Piece;
+
+/// Three families through common points.
+pub(super) struct Triangles;
+
+impl Pattern for Triangles {
+    fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
+        let families = [0.0, 60.0, 120.0].map(|turn| Family {
+            turn,
+            of: 3.0,
+            shift: 0.0,
+        });
+        lines(layer, &families)
+    }
+}
