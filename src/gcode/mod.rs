@@ -441,6 +441,10 @@ impl<'a, W: Write> Writer<'a, W> {
                 }
                 Ok(())
             }
+            PacedMove::Fan { speed } => {
+                self.set_fan(*speed);
+                Ok(())
+            }
             PacedMove::Print { bead, speed } => self.bead(bead, *speed),
         }
     }

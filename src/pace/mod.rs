@@ -84,6 +84,11 @@ pub enum PacedMove {
         /// Speed.
         speed: MmPerSec,
     },
+    /// Turn the part's fan, within a layer.
+    Fan {
+        /// To this speed.
+        speed: Percent,
+    },
     /// Print a bead; the head stands at its first point.
     Print {
         /// The bead.
@@ -118,6 +123,8 @@ pub struct Pacer<'a> {
     retracted: bool,
     /// True while a hop (or the approach to the first layer) lasts.
     lifted: bool,
+    /// Speed of the fan within the layer.
+    fan: Percent,
 }
 
 impl<'a> Pacer<'a> {
@@ -130,6 +137,7 @@ impl<'a> Pacer<'a> {
             z: None,
             retracted: false,
             lifted: false,
+            fan: 0.0,
         }
     }
 
@@ -145,6 +153,7 @@ impl<'a> Pacer<'a> {
     pub fn layer(&mut self, path: LayerPath) -> PacedLayer {
         let LayerPath { span, moves } = path;
         self.motion.clear();
+        self.fan = fan(self.settings, span.index);
         let mut out = Vec::with_capacity(moves.len() + 8);
         for step in moves {
             match step {
@@ -242,6 +251,7 @@ impl<'a> Pacer<'a> {
         }
         self.lifted = false;
         self.lift(span.top, out);
+        self.turn_fan(span, bead.role, out);
         self.prime(out);
         let speed = print_speed(settings, span, &bead);
         let filament = fed_area(settings, &bead)
@@ -259,6 +269,24 @@ impl<'a> Pacer<'a> {
         }
         self.xy = Some(from);
         out.push(PacedMove::Print { bead, speed });
+    }
+
+    /// Turns the fan to what the role wants, if the layer has a fan at all.
+    fn turn_fan(
+        &mut self,
+        span: &LayerSpan,
+        role: Role,
+        out: &mut Vec<PacedMove>,
+    ) {
+        if span.index < self.settings.cooling.fan_off_layers as usize {
+            return;
+        }
+        let own = fan(self.settings, span.index);
+        let speed = role_fan(self.settings, role, own);
+        if speed != self.fan {
+            self.fan = speed;
+            out.push(PacedMove::Fan { speed });
+        }
     }
 
     fn retract(&mut self, out: &mut Vec<PacedMove>) {
@@ -407,11 +435,14 @@ pub fn print_speed(
         Role::Skirt => speed.skirt,
         Role::OuterWall => speed.outer_wall,
         Role::InnerWall => speed.inner_wall,
+        Role::Overhang => speed.overhang,
         Role::GapFill => speed.gap_fill,
         Role::SparseInfill => speed.sparse_infill,
         Role::InternalSkin => speed.internal_skin,
         Role::TopSkin => speed.top_skin,
         Role::BottomSkin => speed.bottom_skin,
+        Role::Bridge => speed.bridge,
+        Role::Ironing => speed.ironing,
     };
     if span.index == 0 {
         v = v.min(speed.first_layer);
@@ -423,10 +454,21 @@ pub fn print_speed(
     v
 }
 
-/// Cross-section that is fed for a bead: its own, times the print's and the
-/// filament's flow.
+/// Cross-section that is fed for a bead: its own, times the print's, the
+/// filament's and its role's flow.
 pub fn fed_area(settings: &Settings, bead: &Bead) -> f64 {
-    cross_section(bead.width, bead.height) * flow(settings)
+    let area = match bead.role {
+        // What the nozzle passes over is full but for a share.
+        Role::Ironing => {
+            0.01 * settings.ironing_flow * bead.width * bead.height
+        }
+        Role::Bridge => {
+            let area = cross_section(bead.width, bead.height);
+            0.01 * settings.bridge_flow * area
+        }
+        _ => cross_section(bead.width, bead.height),
+    };
+    area * flow(settings)
 }
 
 /// The print's and the filament's flow as one factor.
@@ -441,6 +483,16 @@ fn fan(settings: &Settings, index: usize) -> Percent {
         return 0.0;
     }
     cooling.fan_speed.clamp(0.0, 100.0)
+}
+
+/// The fan's speed for beads of a role, where the layer's is `own`.
+fn role_fan(settings: &Settings, role: Role, own: Percent) -> Percent {
+    let cooling = &settings.cooling;
+    match role {
+        Role::Bridge => cooling.bridge_fan_speed,
+        Role::Overhang => cooling.overhang_fan_speed,
+        _ => own,
+    }
 }
 
 #[cfg(test)]
@@ -526,6 +578,41 @@ mod tests {
         assert!(limit > 40.0 && limit < 80.0);
         assert_eq!(speeds(&slow)[0], 40.0);
         assert!((speeds(&slow)[1] - limit).abs() < 1e-9);
+    }
+
+    #[test]
+    fn bridges_have_their_own_speed_flow_and_fan() {
+        let mut s = Settings::default();
+        s.cooling.min_layer_time = 0.0;
+        s.cooling.fan_speed = 40.0;
+        s.bridge_flow = 80.0;
+        let roles = [Role::TopSkin, Role::Bridge, Role::Bridge, Role::Overhang];
+        let beads = roles.map(|r| square(r, 20.0)).to_vec();
+        let fed = |role| fed_area(&s, &square(role, 20.0));
+        assert!((fed(Role::Bridge) / fed(Role::TopSkin) - 0.8).abs() < 1e-9);
+        let mut pacer = Pacer::new(&s);
+        let l = pacer.layer(layer(1, beads.clone()));
+        assert_eq!(speeds(&l), [40.0, 30.0, 30.0, 20.0]);
+        let fans = |l: &PacedLayer| -> Vec<f64> {
+            l.moves
+                .iter()
+                .filter_map(|m| match m {
+                    PacedMove::Fan { speed } => Some(*speed),
+                    _ => None,
+                })
+                .collect()
+        };
+        assert_eq!((l.fan, fans(&l)), (40.0, vec![100.0]));
+        // Back for what comes after, and never on layers without a fan.
+        let mut back = beads.clone();
+        back.rotate_left(1);
+        assert_eq!(fans(&pacer.layer(layer(2, back))), [100.0, 40.0]);
+        assert!(fans(&pacer.layer(layer(0, beads))).is_empty());
+        let ironed = Bead {
+            width: 0.1,
+            ..square(Role::Ironing, 20.0)
+        };
+        assert!((fed_area(&s, &ironed) - 0.1 * 0.1 * 0.2).abs() < 1e-12);
     }
 
     #[test]

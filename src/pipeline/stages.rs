@@ -55,6 +55,14 @@ impl Shell {
     fn points(&self) -> usize {
         self.outline.area.rings.iter().map(Vec::len).sum()
     }
+
+    /// What it covers of its neighbours.
+    fn cover(&self) -> Cover<'_> {
+        Cover {
+            area: &self.outline.area,
+            grid: &self.solid,
+        }
+    }
 }
 
 /// A layer's beads, and how far it is off if it was measured.
@@ -303,10 +311,7 @@ impl<'a> Stages<'a> {
                 return None;
             }
             seen.push(&near.outline);
-            Some(Some(Cover {
-                area: &near.outline.area,
-                grid: &near.solid,
-            }))
+            Some(Some(near.cover()))
         };
         let above: Vec<_> = (1..=self.top_layers)
             .filter_map(|k| cover(i.checked_add(k)))
@@ -316,15 +321,28 @@ impl<'a> Stages<'a> {
             .collect();
         let layer = span.index;
         let (areas, skin) = self.timings.time(Stage::Skin, || {
-            let areas =
-                split(&walls.fill, &shell.roomy, &above, &below, self.settings);
-            let solid = |k: Option<usize>| {
-                k.and_then(|k| window.get(k)).map(|s| &*s.solid)
+            // The layers right above and below, the latter if it may not hold
+            // all of this one.
+            let next = |k: Option<usize>| {
+                let near = k.and_then(|k| window.get(k))?;
+                Some(near.cover())
             };
             let faces = skin::Faces {
-                above: solid(i.checked_add(1)),
-                below: solid(i.checked_sub(1)),
+                above: next(i.checked_add(1)),
+                below: next(i.checked_sub(1)),
             };
+            let support = i
+                .checked_sub(1)
+                .filter(|&k| !Arc::ptr_eq(&window[k].outline, &shell.outline))
+                .and(faces.below);
+            let areas = split(
+                &walls.fill,
+                &shell.roomy,
+                &above,
+                &below,
+                support,
+                self.settings,
+            );
             let skin =
                 skin::patches(&areas.skin, faces, layer, height, self.settings);
             (areas, skin)

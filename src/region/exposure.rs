@@ -15,8 +15,8 @@
 //! for sparse infill becomes skin as well. Skin and sparse area together are
 //! the fill.
 
-use super::cover::{Cover, Exposed, exposed};
-use crate::plane::clip::{difference, intersection};
+use super::cover::{Cover, Covered, Exposed, covered, exposed, open};
+use crate::plane::clip::{difference, intersection, union};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
 use crate::plane::{Area, point_beside};
@@ -49,11 +49,14 @@ pub fn roomy(fill: &Area, settings: &Settings) -> Area {
 /// Splits a layer's fill, of which `roomy` is what [`roomy()`] found. `above`
 /// and `below` are the layers that have to cover it, nearest first; `None`
 /// beyond the part. One that covers the same as another may be left out.
+/// `support` is the layer right below, if there is one that does not cover
+/// all of this one.
 pub fn split(
     fill: &Area,
     roomy: &Area,
     above: &[Option<Cover<'_>>],
     below: &[Option<Cover<'_>>],
+    support: Option<Cover<'_>>,
     settings: &Settings,
 ) -> FillAreas {
     // The farthest first: they leave the least to be looked at.
@@ -64,7 +67,9 @@ pub fn split(
         .copied()
         .collect();
     let sparse = match covers {
-        Some(covers) if !roomy.is_empty() => sparse(roomy, &covers, settings),
+        Some(covers) if !roomy.is_empty() => {
+            sparse(roomy, &covers, support, settings)
+        }
         _ => Vec::new(),
     };
     let skin = less(fill, &sparse);
@@ -81,6 +86,7 @@ pub fn split(
 fn sparse(
     roomy: &Area,
     covers: &[Cover<'_>],
+    support: Option<Cover<'_>>,
     settings: &Settings,
 ) -> Vec<Area> {
     let islands = roomy.islands();
@@ -97,13 +103,37 @@ fn sparse(
             Exposed::Nowhere => sparse.push(island),
             Exposed::Everywhere => {}
             Exposed::Part(part) => {
-                let grown = offset(&part, settings.skin_overlap, TOLERANCE);
+                let grown = grown(part, support, settings);
                 let left = printable(&difference(&island, &grown), settings);
                 sparse.extend(left.islands());
             }
         }
     }
     sparse
+}
+
+/// An exposed part and what its lines reach onto: `skin_overlap` all around,
+/// and `bridge_anchor` around what hangs in the air.
+fn grown(part: Area, support: Option<Cover<'_>>, settings: &Settings) -> Area {
+    let all = offset(&part, settings.skin_overlap, TOLERANCE);
+    let (anchor, half) =
+        (settings.bridge_anchor, 0.5 * settings.bottom_skin_width);
+    let Some(support) = support else { return all };
+    if !settings.bridges || anchor <= settings.skin_overlap {
+        return all;
+    }
+    let parts = part.islands();
+    let hangs = covered(&parts, &support);
+    let mut rings = Vec::new();
+    for (part, hangs) in parts.into_iter().zip(hangs) {
+        if hangs != Covered::Wholly {
+            // What a bead's own width bridges needs no anchor.
+            let core = offset(&open(&part, support.area), -half, TOLERANCE);
+            rings.extend(core.rings);
+        }
+    }
+    let anchors = offset(&Area { rings }, half + anchor, TOLERANCE);
+    union(&all, &anchors)
 }
 
 /// An area without some islands of it.
@@ -190,7 +220,7 @@ mod tests {
         }
         let (above, below) = (covers(above, &over), covers(below, &under));
         let roomy = roomy(fill, settings);
-        split(fill, &roomy, &above, &below, settings)
+        split(fill, &roomy, &above, &below, None, settings)
     }
 
     fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
@@ -210,7 +240,7 @@ mod tests {
         assert!(f.skin.content() < 1e-6);
         let f = split_under(&fill, &[&all, &Area::EMPTY], &[&all], &settings);
         assert_eq!(f.skin, fill);
-        let beyond = split(&fill, &fill, &[None], &[], &settings);
+        let beyond = split(&fill, &fill, &[None], &[], None, &settings);
         assert_eq!(beyond.skin, fill);
     }
 

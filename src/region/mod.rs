@@ -18,6 +18,7 @@ mod ball;
 pub mod cover;
 pub mod exposure;
 pub mod line;
+pub(crate) mod patch;
 pub mod ridge;
 mod run;
 mod thin;
@@ -103,7 +104,7 @@ impl Lay {
 }
 
 /// One wall's rings and the beads of places too thin for it.
-pub(crate) struct Laid {
+struct Laid {
     /// The rings, cut where a bead runs in their middle.
     pub lines: Vec<Line>,
     /// These beads.
@@ -114,14 +115,6 @@ pub(crate) struct Laid {
     ridges: Vec<Ridge>,
     /// Ridges of places too thin for any bead.
     slivers: Vec<Ridge>,
-}
-
-/// Lays one wall along the border of an area.
-pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
-    let grid = EdgeGrid::new(area, CELL);
-    let skeleton = Skeleton::new(area, &grid, lay.limit, tolerance);
-    let rings = shrink_with(area, &grid, lay.centre, tolerance);
-    skeleton.lay(rings, 0.0, lay)
 }
 
 /// Size of a grid's cells, mm: some lengths of an outline's edges (measured:
@@ -317,7 +310,7 @@ pub fn field_walls(
 }
 
 /// The area shrunk by `distance` and thinned.
-pub(crate) fn shrink(area: &Area, distance: Mm, tolerance: Mm) -> Area {
+fn shrink(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     if distance == 0.0 || area.is_empty() {
         return area.clone();
     }

@@ -140,11 +140,13 @@ fn widths(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
     Ok(())
 }
 
-fn line_widths(s: &Settings) -> [(&'static str, f64); 4] {
+fn line_widths(s: &Settings) -> [(&'static str, f64); 6] {
     [
         ("outer_wall_width", s.outer_wall_width),
         ("inner_wall_width", s.inner_wall_width),
         ("skin_width", s.skin_width),
+        ("top_skin_width", s.top_skin_width),
+        ("bottom_skin_width", s.bottom_skin_width),
         ("infill_width", s.infill_width),
     ]
 }
