@@ -721,6 +721,7 @@ mod tests {
                         retracted = false;
                         primes += 1;
                     }
+                    PacedMove::Fan { .. } => {}
                     PacedMove::Lift { z: to, .. } => z = to,
                     PacedMove::Travel { .. } => {
                         assert!(retracted);

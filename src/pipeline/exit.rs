@@ -6,6 +6,7 @@
 
 use super::stages::Shell;
 use super::{BLOCK, Options, SliceError};
+use crate::bead::Bead;
 use crate::gcode::{Totals, Writer};
 use crate::layers::LayerSpan;
 use crate::order::{Head, LayerBeads, order};
@@ -16,9 +17,11 @@ use crate::report::{self, LayerFigures};
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Move, connect};
+use crate::walls::Support;
 use glam::DVec2;
 use std::io;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The stages that run in order.
 pub(super) struct Exit<'a, 'w> {
@@ -91,10 +94,11 @@ impl<'a, 'w> Exit<'a, 'w> {
         self.layers.clone()
     }
 
-    /// Takes the next layer.
+    /// Takes the next layer, which stands on `below`.
     pub fn layer(
         &mut self,
         shell: &Shell,
+        below: Option<&Shell>,
         mut beads: LayerBeads,
         figures: Option<LayerFigures>,
     ) -> Result<(), SliceError> {
@@ -108,6 +112,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         let outline = &shell.outline.area;
         let path = self.timings.time(Stage::Travel, || {
             let beads = order(beads, outline, &mut self.head, self.settings);
+            let beads = self.overhangs(beads, shell, below);
             if written {
                 self.beads += beads.len();
             }
@@ -148,6 +153,23 @@ impl<'a, 'w> Exit<'a, 'w> {
             (self.options.on_layer)(done, self.layers.len());
         }
         Ok(())
+    }
+
+    /// The beads, with walls cut where they hang over the layer below.
+    fn overhangs(
+        &self,
+        beads: Vec<Bead>,
+        shell: &Shell,
+        below: Option<&Shell>,
+    ) -> Vec<Bead> {
+        let below = below.filter(|b| !Arc::ptr_eq(&b.outline, &shell.outline));
+        let support = below.and_then(|b| {
+            Support::new(&b.outline.area, &b.solid, self.settings)
+        });
+        match support {
+            Some(support) => support.cut(beads),
+            None => beads,
+        }
     }
 
     /// Forgets what the layers below have left, so that what follows depends

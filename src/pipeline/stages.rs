@@ -269,7 +269,8 @@ impl<'a> Stages<'a> {
             });
             for (i, done) in ready.zip(done) {
                 let (beads, figures) = done?;
-                exit.layer(&window[i], beads, figures)?;
+                let below = i.checked_sub(1).and_then(|k| window.get(k));
+                exit.layer(&window[i], below, beads, figures)?;
             }
             let keep = exit.next().saturating_sub(self.bottom_layers.max(1));
             while window.front().is_some_and(|s| s.span.index < keep) {

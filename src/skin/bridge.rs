@@ -14,8 +14,10 @@
 //! a balcony) is no bridge, and left to be printed as ordinary skin.
 //!
 //! The direction is the best of a fan of angles and of the directions of the
-//! gap's longer sides: that with the shortest spans, weighted by their length,
-//! an end that nothing holds counting for several.
+//! gap's longer sides: that with the shortest spans, an end that nothing holds
+//! counting for several. Corners, where any slant makes short ones, do not
+//! count: what does is the span that three quarters of the lines' length stay
+//! below.
 
 use crate::plane::clip::{difference, intersection};
 use crate::plane::grid::EdgeGrid;
@@ -44,6 +46,8 @@ const FAN: Degrees = 7.5;
 const SIDES: usize = 16;
 /// Lines looked at for each direction.
 const ROWS: f64 = 24.0;
+/// Share of the lines' length that counts.
+const COMMON: f64 = 0.75;
 /// Share of the lines' length that must be held at both ends.
 const HELD: f64 = 0.6;
 
@@ -112,8 +116,8 @@ fn direction(gap: &Area, below: &EdgeGrid, width: Mm) -> Option<Degrees> {
         .map(|best| best.1)
 }
 
-/// The mean span of lines in a direction, weighted by their length, and the
-/// share of their length that is held at both ends.
+/// The span that `COMMON` of the length of lines in a direction stay below,
+/// and the share of their length that is held at both ends.
 fn hang(
     gap: &Area,
     below: &EdgeGrid,
@@ -136,7 +140,8 @@ fn hang(
     let holds = |p: DVec2, out: DVec2| {
         steps.iter().any(|d| below.contains(p + out * *d))
     };
-    let (mut cost, mut held, mut total) = (0.0, 0.0, 0.0);
+    let mut spans: Vec<(Mm, Mm)> = Vec::new();
+    let (mut held, mut total) = (0.0, 0.0);
     for s in hatch(gap, lines, 0.1) {
         let length = s.from.distance(s.to);
         let ends = [holds(s.from, -along), holds(s.to, along)];
@@ -148,10 +153,16 @@ fn hang(
             1 => 4.0 * length,
             _ => 10.0 * length,
         };
-        cost += length * span;
+        spans.push((span, length));
         total += length;
     }
-    (total > 0.0).then(|| (cost / total, held / total))
+    spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut below = 0.0;
+    let common = spans.iter().find(|(_, length)| {
+        below += length;
+        below >= COMMON * total
+    });
+    common.map(|(span, _)| (*span, held / total))
 }
 
 #[cfg(test)]

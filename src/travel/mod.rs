@@ -53,7 +53,7 @@ pub fn connect(
 ) -> LayerPath {
     let walls = beads
         .iter()
-        .filter(|b| b.role == Role::OuterWall)
+        .filter(|b| matches!(b.role, Role::OuterWall | Role::Overhang))
         .enumerate()
         .flat_map(|(i, b)| b.segments().map(move |s| (i, s)));
     let obstacles = Obstacles {
