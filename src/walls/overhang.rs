@@ -8,7 +8,8 @@
 //!
 //! In: a layer's beads in print order, and the solid of the layer below. Out:
 //! the same beads, walls and gaps between them cut where they begin or cease
-//! to hang. By how much a bead may hang over is a share of its width: at half
+//! to hang. A wall that has grown wider reaches another one beside it, which
+//! holds it, and is left as it is. By how much a bead may hang over is a share of its width: at half
 //! of it, it is the centre line that must not leave the solid.
 
 use crate::bead::{Bead, Role};
@@ -25,11 +26,15 @@ pub struct Support<'a> {
     solid: &'a EdgeGrid,
     /// The solid shrunk or grown, if not half of a wall may hang over.
     moved: Option<EdgeGrid>,
+    /// Widths beyond which outer and inner walls reach what is beside them.
+    wide: [Mm; 2],
 }
 
 /// Shorter pieces, and shorter gaps between two, go with what is beside
 /// them, mm.
 const SHORT: Mm = 1.0;
+/// Share by which a wall that reaches what is beside it is wider than usual.
+const WIDER: f64 = 0.1;
 /// Tolerance of the moved solid, mm.
 const TOLERANCE: Mm = 0.01;
 
@@ -48,7 +53,12 @@ impl<'a> Support<'a> {
         let by = (0.01 * share - 0.5) * settings.outer_wall_width;
         let moved = (by != 0.0)
             .then(|| EdgeGrid::new(&offset(area, by, TOLERANCE), 1.0));
-        Some(Support { solid, moved })
+        let wide = [settings.outer_wall_width, settings.inner_wall_width];
+        Some(Support {
+            solid,
+            moved,
+            wide: wide.map(|w| w * (1.0 + WIDER)),
+        })
     }
 
     /// The beads, cut where they begin or cease to hang.
@@ -75,12 +85,23 @@ impl<'a> Support<'a> {
             cuts.extend(grid.crossings(a, b).iter().map(|t| i as f64 + t));
             cuts[first..].sort_by(f64::total_cmp);
         }
+        let usual = match bead.role {
+            Role::OuterWall => self.wide[0],
+            _ => self.wide[1],
+        };
+        if !bead.widths.is_empty() {
+            let wide = |i: usize| bead.widths.get(i % n) > Some(&usual);
+            let change = (0..n).filter(|&i| wide(i) != wide(i + 1));
+            cuts.extend(change.flat_map(|i| [i as f64, (i + 1) as f64]));
+            cuts.sort_by(f64::total_cmp);
+        }
         cuts.dedup_by(|a, b| *a - *b < 1e-9);
         let segments = if bead.closed { n } else { n.saturating_sub(1) };
         if segments == 0 {
             out.push(bead);
             return;
         }
+        cuts.retain(|c| *c < segments as f64);
         let mut ends = vec![0.0];
         ends.extend(cuts);
         ends.push(segments as f64);
@@ -89,11 +110,12 @@ impl<'a> Support<'a> {
             if pair[1] - pair[0] < 1e-9 {
                 continue;
             }
-            let middle = at(&bead, 0.5 * (pair[0] + pair[1])).0;
+            let (middle, width) = at(&bead, 0.5 * (pair[0] + pair[1]));
+            let wide = width.unwrap_or(bead.width) > usual;
             let piece = Piece {
                 from: pair[0],
                 to: pair[1],
-                hangs: !grid.contains(middle),
+                hangs: !wide && !grid.contains(middle),
             };
             match pieces.last_mut() {
                 Some(last) if last.hangs == piece.hangs => last.to = piece.to,
@@ -267,10 +289,17 @@ mod tests {
     #[test]
     fn widths_go_with_their_pieces_and_short_ones_do_not_count() {
         let mut bead = wall(rect(0.0, 0.0, 10.0, 4.0));
-        bead.widths = vec![0.4, 0.6, 0.6, 0.4];
+        bead.widths = vec![0.36, 0.4, 0.4, 0.36];
         let pieces = cut(bead.clone(), rect(-1.0, -1.0, 5.0, 5.0), 50.0);
-        assert!((pieces[0].widths[1] - 0.5).abs() < 1e-9);
+        assert!((pieces[0].widths[1] - 0.38).abs() < 1e-9);
         assert!(pieces.iter().all(|p| p.widths.len() == p.points.len()));
+        // One side is wider and leans on another wall.
+        let mut wide = bead.clone();
+        wide.widths = vec![0.4, 0.4, 0.6, 0.6];
+        let pieces = cut(wide, rect(-1.0, -1.0, 5.0, 5.0), 50.0);
+        let found = lengths(&pieces);
+        assert_eq!(found.len(), 3, "{found:?}");
+        assert!((found[1].1 - 7.0).abs() < 2.1 && found[1].0 == Role::Overhang);
         // A notch 0.5 mm wide in the layer below.
         let mut below = rect(-1.0, -1.0, 11.0, 5.0);
         let notch = [(5.0, -1.0), (5.0, 1.0), (5.5, 1.0), (5.5, -1.0)];
