@@ -15,7 +15,7 @@ use crate::order::LayerBeads;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
 use crate::region::cover::Cover;
-use crate::region::exposure::{roomy, split};
+use crate::region::exposure::{Slope, roomy, slope_layers, split};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::settings::{Settings, WallOffset};
@@ -138,8 +138,18 @@ impl<'a> Stages<'a> {
     /// those to be rehearsed, and the neighbours of all of these.
     pub fn needed(&self, layers: &Range<usize>, count: usize) -> Range<usize> {
         let first = layers.start - layers.start % BLOCK;
-        let below = first.saturating_sub(self.bottom_layers.max(1));
-        below..(layers.end + self.top_layers.max(1)).min(count)
+        let below = first.saturating_sub(self.reach_below());
+        below..(layers.end + self.reach_above()).min(count)
+    }
+
+    /// How many layers above a layer it has to know.
+    fn reach_above(&self) -> usize {
+        slope_layers(self.top_layers).max(1)
+    }
+
+    /// How many layers below a layer it has to know.
+    fn reach_below(&self) -> usize {
+        slope_layers(self.bottom_layers).max(1)
     }
 
     /// Outlines and walls of a slab's layers, as far as they are needed.
@@ -230,7 +240,7 @@ impl<'a> Stages<'a> {
         exit: &mut Exit<'_, '_>,
     ) -> Result<(), SliceError> {
         // Roles look at the next layer, whatever the skin's thickness.
-        let hidden = if last { 0 } else { self.top_layers.max(1) };
+        let hidden = if last { 0 } else { self.reach_above() };
         let of_run = exit.layers();
         loop {
             // A few layers at a time: their beads take as much memory as
@@ -272,7 +282,7 @@ impl<'a> Stages<'a> {
                 let below = i.checked_sub(1).and_then(|k| window.get(k));
                 exit.layer(&window[i], below, beads, figures)?;
             }
-            let keep = exit.next().saturating_sub(self.bottom_layers.max(1));
+            let keep = exit.next().saturating_sub(self.reach_below());
             while window.front().is_some_and(|s| s.span.index < keep) {
                 window.pop_front();
             }
@@ -336,12 +346,40 @@ impl<'a> Stages<'a> {
                 .checked_sub(1)
                 .filter(|&k| !Arc::ptr_eq(&window[k].outline, &shell.outline))
                 .and(faces.below);
+            let slope =
+                |layers: usize, step: &dyn Fn(usize) -> Option<usize>| {
+                    let near = |k: usize| {
+                        let shell = window.get(step(k)?)?;
+                        Some(shell.cover())
+                    };
+                    let same = |k: usize| {
+                        let shell_k = step(k).and_then(|k| window.get(k));
+                        shell_k.is_some_and(|s| {
+                            Arc::ptr_eq(&s.outline, &shell.outline)
+                        })
+                    };
+                    let all = slope_layers(layers);
+                    Slope {
+                        last: near(layers),
+                        beyond: (layers + 1..=all)
+                            .filter(|&k| !same(k))
+                            .map(near)
+                            .collect(),
+                        reach: (all - layers) as f64 * height,
+                    }
+                };
+            let slopes = [
+                slope(self.top_layers, &|k| i.checked_add(k)),
+                slope(self.bottom_layers, &|k| i.checked_sub(k)),
+            ];
             let areas = split(
                 &walls.fill,
                 &shell.roomy,
                 &above,
                 &below,
                 support,
+                &shell.outline.area,
+                &slopes,
                 self.settings,
             );
             let skin =

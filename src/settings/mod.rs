@@ -97,13 +97,14 @@ table::settings! {
         /// Number of solid layers above each downward face; auto takes it
         /// from bottom_thickness.
         bottom_layers: Option<u32> = None, in 0..=50_000;
-        /// Line width of skin: of the rings around it, and of the lines of
-        /// what other layers cover.
+        /// Line width of skin, the rings around it included.
         skin_width: Mm = 0.45, in 0.05..=10.0;
-        /// Line width of skin that faces upwards.
-        top_skin_width: Mm = 0.45, in 0.05..=10.0;
-        /// Line width of skin that faces downwards, and of bridges.
-        bottom_skin_width: Mm = 0.45, in 0.05..=10.0;
+        /// Width of the lines of skin that faces upwards; auto takes
+        /// skin_width.
+        top_skin_width: Option<Mm> = None, in 0.05..=10.0;
+        /// Width of the lines of skin that faces downwards, and of bridges;
+        /// auto takes skin_width.
+        bottom_skin_width: Option<Mm> = None, in 0.05..=10.0;
         /// Pattern of skin that faces upwards.
         top_skin_pattern: SkinPattern = SkinPattern::Lines;
         /// Pattern of skin that faces downwards.
@@ -375,6 +376,16 @@ impl Settings {
     pub fn top_layers(&self) -> u32 {
         self.top_layers
             .unwrap_or_else(|| layers_in(self.top_thickness, self.layer_height))
+    }
+
+    /// Width of the lines of skin that faces upwards.
+    pub fn top_skin_width(&self) -> Mm {
+        self.top_skin_width.unwrap_or(self.skin_width)
+    }
+
+    /// Width of the lines of skin that faces downwards, and of bridges.
+    pub fn bottom_skin_width(&self) -> Mm {
+        self.bottom_skin_width.unwrap_or(self.skin_width)
     }
 
     /// Solid layers above a downward face: `bottom_layers` if set, else what

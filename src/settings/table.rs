@@ -59,7 +59,9 @@ impl Key {
         let range = self.range_with(&self.spaced_unit());
         match self.kind() {
             Kind::Number | Kind::Whole => range,
-            Kind::WholeOrAuto => format!("auto, or {range}"),
+            Kind::WholeOrAuto | Kind::NumberOrAuto => {
+                format!("auto, or {range}")
+            }
             Kind::Switch => "true or false".to_owned(),
             Kind::Text => "any text".to_owned(),
             Kind::Word(words) => alternatives(words),
@@ -84,6 +86,12 @@ impl Key {
             (Kind::Whole, _) => format!("a whole number, {range}"),
             (Kind::WholeOrAuto, _) => {
                 format!("\"auto\" or a whole number, {range}")
+            }
+            (Kind::NumberOrAuto, unit) => {
+                format!(
+                    "\"auto\" or a number from {range} (in {unit}, without \
+                     unit)"
+                )
             }
             (Kind::Text, _) => "text in quotes".to_owned(),
             (Kind::Switch | Kind::Word(_), _) => self.allowed(),
@@ -190,6 +198,9 @@ pub(super) fn tidy(doc: &str) -> String {
 /// Unit of a type in the table.
 macro_rules! unit {
     (Mm) => {
+        "mm"
+    };
+    (Option<Mm>) => {
         "mm"
     };
     (Mm2) => {

@@ -57,7 +57,7 @@ pub(super) fn bridges(
     below: &Area,
     settings: &Settings,
 ) -> Vec<Bridge> {
-    let width = settings.bottom_skin_width;
+    let width = settings.bottom_skin_width();
     let below = near(area, below);
     let hanging = difference(area, &below);
     // What a bead's own width bridges needs no care.

@@ -193,7 +193,7 @@ impl Filler<'_> {
         for bridge in bridged {
             let look = Look {
                 pattern: SkinPattern::Lines,
-                width: self.settings.bottom_skin_width,
+                width: self.settings.bottom_skin_width(),
             };
             let paths = self.paths(&bridge.area, look, bridge.angle, around);
             fills.insert(
@@ -211,8 +211,8 @@ impl Filler<'_> {
     fn look(&self, role: Role) -> Look {
         let s = self.settings;
         let (pattern, width) = match role {
-            Role::TopSkin => (s.top_skin_pattern, s.top_skin_width),
-            Role::BottomSkin => (s.bottom_skin_pattern, s.bottom_skin_width),
+            Role::TopSkin => (s.top_skin_pattern, s.top_skin_width()),
+            Role::BottomSkin => (s.bottom_skin_pattern, s.bottom_skin_width()),
             _ => (s.internal_skin_pattern, s.skin_width),
         };
         Look { pattern, width }
@@ -332,7 +332,7 @@ impl Filler<'_> {
             }
             _ => inside.clone(),
         };
-        let inset = 0.5 * self.settings.top_skin_width;
+        let inset = 0.5 * self.settings.top_skin_width();
         let top = offset(&top, -inset, TOLERANCE);
         let lines = Lines {
             angle: self.angle,
@@ -461,7 +461,7 @@ mod tests {
             ..Settings::default()
         };
         let wider = Settings {
-            top_skin_width: 0.5,
+            top_skin_width: Some(0.5),
             bottom_skin_pattern: SkinPattern::Concentric,
             ..base.clone()
         };
