@@ -457,7 +457,7 @@ fn shells_of_slopes_are_as_thick_as_asked_for() {
     for own in [
         ["infill_density=5", "walls=2", "skin_overlap=0.6"],
         ["infill_density=5", "walls=1", "skin_overlap=0"],
-        ["infill_density=5", "walls=3", "skin_overlap=0"],
+        ["infill_density=5", "walls=3", "skin_overlap=0.6"],
     ] {
         let s = settings(&own);
         for (from, to) in [(10.0, 20.0), (20.0, 30.0), (30.0, 45.0)] {
@@ -474,4 +474,31 @@ fn shells_of_slopes_are_as_thick_as_asked_for() {
             );
         }
     }
+}
+
+#[test]
+fn what_begins_in_the_air_is_told_with_its_place() {
+    let s = settings(&[]);
+    let told = |text: &str| slice(&formula(text, &s), &s, 2).1.warnings;
+    // A cavity that is an arch inside: nothing to tell.
+    let cavity = "max(max(max(abs(x)-10, abs(y)-10), abs(z-10)-10), \
+                  5 - sqrt(x^2 + y^2 + (z-10)^2))";
+    assert!(told(cavity).is_empty(), "{:?}", told(cavity));
+    // A drop that hangs from a thread in it, 2 mm above the floor.
+    let drop = format!(
+        "min({cavity}, min(sqrt((x-1)^2 + y^2 + (z-9)^2) - 2, \
+         max(sqrt((x-1)^2 + y^2) - 0.5, abs(z-12)-4)))"
+    );
+    let warnings = told(&drop);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("inside of the part"), "{warnings:?}");
+    assert!(warnings[0].contains("z = 7.0 on the bed"), "{warnings:?}");
+    // The same outside.
+    let table = "min(max(max(abs(x)-8, abs(y)-8), abs(z-9)-1), \
+                 min(max(max(abs(x)-1, abs(y)-1), abs(z-5)-5), \
+                 max(max(abs(x-7)-1, abs(y)-1), abs(z-6)-2)))";
+    let warnings = told(table);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("z = 4.0 on the bed"), "{warnings:?}");
+    assert!(!warnings[0].contains("inside"), "{warnings:?}");
 }

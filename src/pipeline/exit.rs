@@ -13,12 +13,13 @@ use crate::order::{Head, LayerBeads, order};
 use crate::pace::Pacer;
 use crate::plane::Rect;
 use crate::preview::Pictures;
+use crate::region::floating::floating;
 use crate::report::{self, LayerFigures};
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Move, connect};
 use crate::walls::Support;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::io;
 use std::ops::Range;
 use std::sync::Arc;
@@ -40,6 +41,9 @@ pub(super) struct Exit<'a, 'w> {
     timings: &'a Timings,
     beads: usize,
     warnings: Vec<String>,
+    /// Islands that begin in the air, those inside the part, and where the
+    /// first of each is.
+    floating: [(usize, Option<DVec3>); 2],
     figures: report::Tally,
 }
 
@@ -80,6 +84,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             timings,
             beads: 0,
             warnings: Vec::new(),
+            floating: [(0, None); 2],
             figures: report::Tally::default(),
         }
     }
@@ -108,6 +113,9 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
         self.drop_skirt_off_the_bed(&mut beads, index);
         let written = self.layers.contains(&index);
+        if written && let Some(below) = below {
+            self.look_for_floating(shell, below);
+        }
         let from = self.head.at;
         let outline = &shell.outline.area;
         let path = self.timings.time(Stage::Travel, || {
@@ -172,6 +180,41 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
     }
 
+    /// Counts the islands that begin in this layer with nothing below.
+    fn look_for_floating(&mut self, shell: &Shell, below: &Shell) {
+        if Arc::ptr_eq(&below.outline, &shell.outline) {
+            return;
+        }
+        for island in floating(&shell.outline.area, &below.cover()) {
+            let at = (island.at + self.offset).extend(shell.span.bottom);
+            let (count, first) = &mut self.floating[usize::from(island.inside)];
+            *count += 1;
+            first.get_or_insert(at);
+        }
+    }
+
+    /// What to say about them.
+    fn floating_warnings(&self) -> impl Iterator<Item = String> + use<> {
+        let places = [
+            "begins in the air: nothing holds it up",
+            "begins in the air inside of the part: nothing holds it up, and \
+             no support could be put there",
+        ];
+        let all = self.floating.into_iter().zip(places);
+        all.filter_map(|((count, first), what)| {
+            let p = first?;
+            let others = match count {
+                1 => String::new(),
+                n => format!(" (and {} more like it)", n - 1),
+            };
+            Some(format!(
+                "what starts at x = {:.1}, y = {:.1}, z = {:.1} on the bed \
+                 {what}{others}",
+                p.x, p.y, p.z
+            ))
+        })
+    }
+
     /// Forgets what the layers below have left, so that what follows depends
     /// on nothing but the part. It costs a travel from wherever the head is.
     fn restart(&mut self, span: &LayerSpan) {
@@ -181,7 +224,8 @@ impl<'a, 'w> Exit<'a, 'w> {
     }
 
     /// Ends the file.
-    pub fn finish(self) -> Result<Done, SliceError> {
+    pub fn finish(mut self) -> Result<Done, SliceError> {
+        self.warnings.extend(self.floating_warnings());
         Ok(Done {
             beads: self.beads,
             warnings: self.warnings,

@@ -57,7 +57,7 @@ impl Shell {
     }
 
     /// What it covers of its neighbours.
-    fn cover(&self) -> Cover<'_> {
+    pub fn cover(&self) -> Cover<'_> {
         Cover {
             area: &self.outline.area,
             grid: &self.solid,

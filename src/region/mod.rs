@@ -17,6 +17,7 @@
 mod ball;
 pub mod cover;
 pub mod exposure;
+pub mod floating;
 pub mod line;
 pub(crate) mod patch;
 pub mod ridge;

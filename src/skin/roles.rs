@@ -97,10 +97,8 @@ impl Sides<'_> {
         let mut pieces: Vec<(Role, Path)> = Vec::new();
         for i in 1..path.points.len() {
             let (a, b) = (path.points[i - 1], path.points[i]);
-            let width = |t: f64| match path.widths.get(i - 1..=i) {
-                Some(w) => Some(w[0] + t * (w[1] - w[0])),
-                None => None,
-            };
+            let widths = path.widths.get(i - 1..=i);
+            let width = |t: f64| widths.map(|w| w[0] + t * (w[1] - w[0]));
             let mut cuts: Vec<f64> =
                 grids.iter().flat_map(|g| g.crossings(a, b)).collect();
             cuts.sort_by(f64::total_cmp);

@@ -193,12 +193,12 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
     // Gaps between hanging pieces first, so that a row of short ones counts.
     for hangs in [false, true] {
         let last = pieces.len().saturating_sub(1);
-        for i in 0..pieces.len() {
+        for (i, piece) in pieces.iter_mut().enumerate() {
             // The ends of a bead have but one neighbour.
             let inside = i > 0 && i < last;
-            let short = pieces[i].hangs == hangs && length(&pieces[i]) < SHORT;
+            let short = piece.hangs == hangs && length(piece) < SHORT;
             if short && (hangs || inside) {
-                pieces[i].hangs = !hangs;
+                piece.hangs = !hangs;
             }
         }
         let mut joined: Vec<Piece> = Vec::new();
@@ -277,9 +277,10 @@ mod tests {
             let found = lengths(&cut(loop_.clone(), below.clone(), share));
             assert!((found[0].1 - reach).abs() < 1e-4, "{found:?}");
         }
-        assert_eq!(cut(loop_.clone(), below, 100.0), [loop_.clone()]);
+        let whole = vec![loop_.clone()];
+        assert_eq!(cut(loop_.clone(), below, 100.0), whole);
         let wide = rect(-1.0, -1.0, 11.0, 5.0);
-        assert_eq!(cut(loop_.clone(), wide, 50.0), [loop_.clone()]);
+        assert_eq!(cut(loop_.clone(), wide, 50.0), whole);
         let away = rect(50.0, 0.0, 51.0, 1.0);
         let all = cut(loop_, away, 50.0);
         assert_eq!((all.len(), all[0].role), (1, Role::Overhang));
