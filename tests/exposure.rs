@@ -1,6 +1,8 @@
 //! Skin, bridges and overhangs of parts whose every layer is known: what each
 //! place of a layer is printed as, against the function itself.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
 mod common;
 
 use common::{Layer, Move, formula, parse, settings, slice};

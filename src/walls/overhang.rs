@@ -116,11 +116,9 @@ impl<'a> Support<'a> {
                 from: pair[0],
                 to: pair[1],
                 hangs: !wide && !grid.contains(middle),
+                wide,
             };
-            match pieces.last_mut() {
-                Some(last) if last.hangs == piece.hangs => last.to = piece.to,
-                _ => pieces.push(piece),
-            }
+            add(&mut pieces, piece);
         }
         let pieces = join(pieces, &bead);
         if let [one] = pieces.as_slice() {
@@ -138,6 +136,19 @@ struct Piece {
     from: f64,
     to: f64,
     hangs: bool,
+    /// It reaches what is beside it, in part at least.
+    wide: bool,
+}
+
+/// Adds a piece, to the last one if it is like it.
+fn add(pieces: &mut Vec<Piece>, piece: Piece) {
+    match pieces.last_mut() {
+        Some(last) if last.hangs == piece.hangs => {
+            last.to = piece.to;
+            last.wide |= piece.wide;
+        }
+        _ => pieces.push(piece),
+    }
 }
 
 /// A bead's point and width at a place along it.
@@ -197,16 +208,13 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
             // The ends of a bead have but one neighbour.
             let inside = i > 0 && i < last;
             let short = piece.hangs == hangs && length(piece) < SHORT;
-            if short && (hangs || inside) {
+            if short && (hangs || inside) && !piece.wide {
                 piece.hangs = !hangs;
             }
         }
         let mut joined: Vec<Piece> = Vec::new();
         for piece in pieces {
-            match joined.last_mut() {
-                Some(last) if last.hangs == piece.hangs => last.to = piece.to,
-                _ => joined.push(piece),
-            }
+            add(&mut joined, piece);
         }
         pieces = joined;
     }
