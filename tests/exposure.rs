@@ -479,7 +479,7 @@ fn shells_of_slopes_are_as_thick_as_asked_for() {
 }
 
 #[test]
-fn what_begins_in_the_air_is_told_with_its_place() {
+fn what_hangs_in_a_cavity_is_told_with_its_place() {
     let s = settings(&[]);
     let told = |text: &str| slice(&formula(text, &s), &s, 2).1.warnings;
     // A cavity that is an arch inside: nothing to tell.
@@ -493,14 +493,12 @@ fn what_begins_in_the_air_is_told_with_its_place() {
     );
     let warnings = told(&drop);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
-    assert!(warnings[0].contains("inside of the part"), "{warnings:?}");
+    assert!(warnings[0].contains("in a cavity"), "{warnings:?}");
     assert!(warnings[0].contains("z = 7.0 on the bed"), "{warnings:?}");
     // The same outside.
     let table = "min(max(max(abs(x)-8, abs(y)-8), abs(z-9)-1), \
                  min(max(max(abs(x)-1, abs(y)-1), abs(z-5)-5), \
                  max(max(abs(x-7)-1, abs(y)-1), abs(z-6)-2)))";
-    let warnings = told(table);
-    assert_eq!(warnings.len(), 1, "{warnings:?}");
-    assert!(warnings[0].contains("z = 4.0 on the bed"), "{warnings:?}");
-    assert!(!warnings[0].contains("inside"), "{warnings:?}");
+    // That is a matter of supports.
+    assert!(told(table).is_empty(), "{:?}", told(table));
 }

@@ -41,9 +41,9 @@ pub(super) struct Exit<'a, 'w> {
     timings: &'a Timings,
     beads: usize,
     warnings: Vec<String>,
-    /// Islands that begin in the air, those inside the part, and where the
-    /// first of each is.
-    floating: [(usize, Option<DVec3>); 2],
+    /// Where islands inside the part begin in the air: how often, and where
+    /// first.
+    floating: (usize, Option<DVec3>),
     figures: report::Tally,
 }
 
@@ -84,7 +84,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             timings,
             beads: 0,
             warnings: Vec::new(),
-            floating: [(0, None); 2],
+            floating: (0, None),
             figures: report::Tally::default(),
         }
     }
@@ -180,39 +180,32 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
     }
 
-    /// Counts the islands that begin in this layer with nothing below.
+    /// Counts the islands in cavities that begin in this layer.
     fn look_for_floating(&mut self, shell: &Shell, below: &Shell) {
         if Arc::ptr_eq(&below.outline, &shell.outline) {
             return;
         }
-        for island in floating(&shell.outline.area, &below.cover()) {
-            let at = (island.at + self.offset).extend(shell.span.bottom);
-            let (count, first) = &mut self.floating[usize::from(island.inside)];
-            *count += 1;
-            first.get_or_insert(at);
+        for at in floating(&shell.outline.area, &below.cover()) {
+            let at = (at + self.offset).extend(shell.span.bottom);
+            self.floating.0 += 1;
+            self.floating.1.get_or_insert(at);
         }
     }
 
     /// What to say about them.
-    fn floating_warnings(&self) -> impl Iterator<Item = String> + use<> {
-        let places = [
-            "begins in the air: nothing holds it up",
-            "begins in the air inside of the part: nothing holds it up, and \
-             no support could be put there",
-        ];
-        let all = self.floating.into_iter().zip(places);
-        all.filter_map(|((count, first), what)| {
-            let p = first?;
-            let others = match count {
-                1 => String::new(),
-                n => format!(" (and {} more like it)", n - 1),
-            };
-            Some(format!(
-                "what starts at x = {:.1}, y = {:.1}, z = {:.1} on the bed \
-                 {what}{others}",
-                p.x, p.y, p.z
-            ))
-        })
+    fn floating_warning(&self) -> Option<String> {
+        let (count, first) = self.floating;
+        let p = first?;
+        let others = match count {
+            1 => String::new(),
+            n => format!(" (and {} more like it)", n - 1),
+        };
+        Some(format!(
+            "what begins at x = {:.1}, y = {:.1}, z = {:.1} on the bed hangs \
+             in a cavity of the part{others}: nothing holds it while it is \
+             printed, and a support could hardly be taken out",
+            p.x, p.y, p.z
+        ))
     }
 
     /// Forgets what the layers below have left, so that what follows depends
@@ -225,7 +218,7 @@ impl<'a, 'w> Exit<'a, 'w> {
 
     /// Ends the file.
     pub fn finish(mut self) -> Result<Done, SliceError> {
-        self.warnings.extend(self.floating_warnings());
+        self.warnings.extend(self.floating_warning());
         Ok(Done {
             beads: self.beads,
             warnings: self.warnings,

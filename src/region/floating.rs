@@ -1,24 +1,18 @@
-//! Islands that nothing below holds: where a part begins in the air.
+//! Islands inside the part that nothing below holds: what hangs from the roof
+//! of a cavity, where supports could not be taken out.
 //!
 //! In: a layer's outline and the layer below. Out: a point of each island that
-//! no solid lies under, and whether it is inside the part: what hangs in a
-//! cavity cannot be supported, nor could supports be taken out.
+//! no solid lies under, but around which there is solid.
+//!
+//! Not looked for: whether the cavity is closed above and below.
 
 use super::cover::{Cover, Covered, covered};
-use crate::plane::Area;
+use crate::plane::{Area, Ring, ring_contains};
 use glam::DVec2;
 
-/// An island that begins in the air.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Floating {
-    /// A point of its outline.
-    pub at: DVec2,
-    /// Solid is around it in the layer below.
-    pub inside: bool,
-}
-
-/// The islands of a layer that begin in the air over `below`.
-pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<Floating> {
+/// A point of each of a layer's islands that begin in the air over `below`,
+/// with solid around them.
+pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<DVec2> {
     let mut found = Vec::new();
     for island in outline.islands() {
         let Some(ring) = island.rings.first() else {
@@ -30,10 +24,9 @@ pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<Floating> {
         }
         let Some(&at) = ring.first() else { continue };
         let alone = covered(std::slice::from_ref(&island), below);
-        if alone == [Covered::Not] {
-            let around = |r: &Vec<DVec2>| crate::plane::ring_contains(r, at);
-            let inside = below.area.rings.iter().any(around);
-            found.push(Floating { at, inside });
+        let around = |r: &Ring| ring_contains(r, at);
+        if alone == [Covered::Not] && below.area.rings.iter().any(around) {
+            found.push(at);
         }
     }
     found
@@ -45,35 +38,27 @@ mod tests {
     use crate::plane::clip::difference;
     use crate::plane::grid::EdgeGrid;
 
-    fn rect(x0: f64, x1: f64) -> Area {
-        let ring = [(x0, 0.0), (x1, 0.0), (x1, 9.0), (x0, 9.0)]
+    fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Area {
+        let ring = [(x0, low), (x1, low), (x1, high), (x0, high)]
             .map(|(x, y)| DVec2::new(x, y))
             .to_vec();
         Area { rings: vec![ring] }
     }
 
     #[test]
-    fn only_what_has_nothing_below_floats() {
-        let frame = |x0: f64, x1: f64| {
-            let ring = [(x0, -9.0), (x1, -9.0), (x1, 18.0), (x0, 18.0)]
-                .map(|(x, y)| DVec2::new(x, y))
-                .to_vec();
-            Area { rings: vec![ring] }
-        };
-        let block = frame(0.0, 30.0);
-        let below = difference(&block, &rect(5.0, 25.0));
+    fn only_what_hangs_in_a_hole_floats() {
+        let block = rect(0.0, 30.0, 0.0, 30.0);
+        let below = difference(&block, &rect(5.0, 25.0, 5.0, 25.0));
         let grid = EdgeGrid::new(&below, 1.0);
         let cover = Cover {
             area: &below,
             grid: &grid,
         };
         let on = |area: &Area| floating(area, &cover);
-        // Within the hole; beside it all; over an edge; over all of it.
-        let inner = on(&rect(8.0, 12.0));
-        assert!(inner.len() == 1 && inner[0].inside, "{inner:?}");
-        let outer = on(&rect(40.0, 45.0));
-        assert!(outer.len() == 1 && !outer[0].inside, "{outer:?}");
-        assert!(on(&rect(3.0, 12.0)).is_empty());
-        assert!(on(&frame(-5.0, 50.0)).is_empty());
+        assert_eq!(on(&rect(8.0, 12.0, 8.0, 12.0)), [DVec2::splat(8.0)]);
+        // Beside it all, over an edge, and over all of it.
+        assert!(on(&rect(40.0, 45.0, 8.0, 12.0)).is_empty());
+        assert!(on(&rect(3.0, 12.0, 8.0, 12.0)).is_empty());
+        assert!(on(&rect(-5.0, 50.0, -5.0, 50.0)).is_empty());
     }
 }
