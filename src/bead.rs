@@ -25,6 +25,8 @@ pub enum Role {
     OuterWall,
     /// Walls behind the outer wall.
     InnerWall,
+    /// A wall, or a part of one, that hangs over the layer below.
+    Overhang,
     /// A bead as wide as the gap between walls that it fills.
     GapFill,
     /// Sparse fill of covered areas.
@@ -35,17 +37,24 @@ pub enum Role {
     TopSkin,
     /// Solid area facing downwards.
     BottomSkin,
+    /// Solid area over nothing, its lines held at both ends.
+    Bridge,
+    /// A pass over a finished top that makes it smooth.
+    Ironing,
 }
 
 impl Role {
     /// Every role, in the order summaries list them.
-    pub const ALL: [Role; 8] = [
+    pub const ALL: [Role; 11] = [
         Role::OuterWall,
         Role::InnerWall,
+        Role::Overhang,
         Role::GapFill,
         Role::TopSkin,
         Role::BottomSkin,
         Role::InternalSkin,
+        Role::Bridge,
+        Role::Ironing,
         Role::SparseInfill,
         Role::Skirt,
     ];
@@ -56,22 +65,15 @@ impl Role {
             Role::Skirt => "skirt",
             Role::OuterWall => "outer wall",
             Role::InnerWall => "inner wall",
+            Role::Overhang => "overhang",
             Role::GapFill => "gap fill",
             Role::SparseInfill => "sparse infill",
             Role::InternalSkin => "internal skin",
             Role::TopSkin => "top skin",
             Role::BottomSkin => "bottom skin",
+            Role::Bridge => "bridge",
+            Role::Ironing => "ironing",
         }
-    }
-
-    /// True for the two kinds of wall.
-    pub fn is_wall(self) -> bool {
-        matches!(self, Role::OuterWall | Role::InnerWall)
-    }
-
-    /// True for the solid kinds of fill.
-    pub fn is_skin(self) -> bool {
-        matches!(self, Role::TopSkin | Role::BottomSkin | Role::InternalSkin)
     }
 }
 

@@ -93,6 +93,7 @@
 //! |---|---|
 //! | accuracy | greatest distance between what is made and what is meant, mm |
 //! | bead | one extruded line: centre line, width, height, role |
+//! | bridge | skin whose lines hang between supports |
 //! | field | the function's values in a layer's plane |
 //! | first layer | the layer on the bed |
 //! | flow | material extruded, as a share of the beads' volume |
@@ -104,6 +105,7 @@
 //! | layer height | thickness of a layer, and height of its beads |
 //! | line width | width of a bead, squeezed as it lies there |
 //! | outline | border of the part in a layer: where f = 0 |
+//! | overhang | wall that the layer below does not hold |
 //! | prime | push forward what retraction has pulled back |
 //! | retraction | pulling filament back, lest it ooze on a travel |
 //! | ring | closed line, counter-clockwise round a part, clockwise round a hole |

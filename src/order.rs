@@ -9,6 +9,8 @@
 //! to a seam of the layer below, so that seams form lines up the part. A new
 //! line starts in the sharpest concave corner, or at the back.
 
+mod sweep;
+
 use crate::bead::{Bead, Role};
 use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
@@ -344,7 +346,15 @@ fn print_island(
             continue;
         };
         print_rings(patch.rings, out, head);
-        print_lines(patch.lines, out, head);
+        for fill in patch.fills {
+            match fill.after.is_empty() {
+                false => sweep::print(fill, out, head),
+                true if fill.lines.iter().any(|l| l.closed) => {
+                    print_rings(fill.lines, out, head);
+                }
+                true => print_lines(fill.lines, out, head),
+            }
+        }
     }
 }
 
@@ -444,6 +454,11 @@ impl Nearest {
         Nearest {
             tree: RTree::bulk_load(all),
         }
+    }
+
+    /// One more point.
+    fn push(&mut self, at: DVec2, number: usize) {
+        self.tree.insert(GeomWithData::new(at.to_array(), number));
     }
 
     /// Takes the point nearest to `from`; without one, that nearest to the

@@ -22,9 +22,12 @@ pub fn role_name(role: Role) -> &'static str {
         Role::Skirt => "Skirt/Brim",
         Role::OuterWall => "External perimeter",
         Role::InnerWall => "Perimeter",
+        Role::Overhang => "Overhang perimeter",
         Role::GapFill => "Gap fill",
         Role::SparseInfill => "Internal infill",
         Role::InternalSkin | Role::BottomSkin => "Solid infill",
         Role::TopSkin => "Top solid infill",
+        Role::Bridge => "Bridge infill",
+        Role::Ironing => "Ironing",
     }
 }

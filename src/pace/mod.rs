@@ -553,6 +553,50 @@ mod tests {
     }
 
     #[test]
+    fn bridges_have_their_own_speed_flow_and_fan() {
+        let mut s = Settings::default();
+        s.cooling.min_layer_time = 0.0;
+        s.cooling.fan_speed = Varying::Constant(40.0);
+        s.bridge_flow = 80.0;
+        let roles = [Role::TopSkin, Role::Bridge, Role::Bridge, Role::Overhang];
+        let beads = roles.map(|r| square(r, 20.0)).to_vec();
+        let fed = |bead: Bead| -> f64 {
+            let l = Pacer::plain(&s).paced(layer(1, vec![bead]));
+            let of = |m: &PacedMove| match m {
+                PacedMove::Print { bead, flow, .. } => bead.area() * flow,
+                _ => 0.0,
+            };
+            l.moves.iter().map(of).sum()
+        };
+        let (bridge, top) = (Role::Bridge, Role::TopSkin);
+        let share = fed(square(bridge, 20.0)) / fed(square(top, 20.0));
+        assert!((share - 0.8).abs() < 1e-9);
+        let mut pacer = Pacer::plain(&s);
+        let l = pacer.paced(layer(1, beads.clone()));
+        assert_eq!(speeds(&l), [40.0, 30.0, 30.0, 20.0]);
+        let fans = |l: &PacedLayer| -> Vec<f64> {
+            l.moves
+                .iter()
+                .filter_map(|m| match m {
+                    PacedMove::Fan(speed) => Some(*speed),
+                    _ => None,
+                })
+                .collect()
+        };
+        assert_eq!((l.fan, fans(&l)), (40.0, vec![100.0]));
+        // Back for what comes after, and never on layers without a fan.
+        let mut back = beads.clone();
+        back.rotate_left(1);
+        assert_eq!(fans(&pacer.paced(layer(2, back))), [100.0, 40.0]);
+        assert!(fans(&pacer.paced(layer(0, beads))).is_empty());
+        let ironed = Bead {
+            width: 0.1,
+            ..square(Role::Ironing, 20.0)
+        };
+        assert!((fed(ironed) - 0.1 * 0.1 * 0.2).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_short_layer_is_slowed_to_the_minimum_time() {
         for flavour in [
             crate::settings::Flavour::Marlin,

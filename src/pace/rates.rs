@@ -61,6 +61,9 @@ fn speed_of(role: Role, speed: &Speed) -> (&'static str, Varying) {
         Role::InternalSkin => ("speed.internal_skin", &speed.internal_skin),
         Role::TopSkin => ("speed.top_skin", &speed.top_skin),
         Role::BottomSkin => ("speed.bottom_skin", &speed.bottom_skin),
+        Role::Bridge => ("speed.bridge", &speed.bridge),
+        Role::Overhang => ("speed.overhang", &speed.overhang),
+        Role::Ironing => ("speed.ironing", &speed.ironing),
     };
     (key, value.clone())
 }
@@ -194,6 +197,19 @@ impl<'a> Rater<'a> {
         Ok(out)
     }
 
+    /// Share of a bead's volume that its role is printed with.
+    fn share(&self, bead: &Bead) -> f64 {
+        match bead.role {
+            Role::Bridge => 0.01 * self.settings.bridge_flow,
+            // What the nozzle passes over is full but for a share.
+            Role::Ironing => {
+                let full = bead.width * bead.height;
+                0.01 * self.settings.ironing_flow * full / bead.area()
+            }
+            _ => 1.0,
+        }
+    }
+
     fn places(
         &self,
         steps: &[Step],
@@ -228,14 +244,16 @@ impl<'a> Rater<'a> {
         if bead.role != Role::Skirt {
             bead.width *= width / 100.0;
         }
-        let fan =
-            match span.index < self.settings.cooling.fan_off_layers as usize {
-                true => 0.0,
-                false => fan,
-            };
+        let cooling = &self.settings.cooling;
+        let fan = match bead.role {
+            _ if span.index < cooling.fan_off_layers as usize => 0.0,
+            Role::Bridge => cooling.bridge_fan_speed,
+            Role::Overhang => cooling.overhang_fan_speed,
+            _ => fan,
+        };
         let rates = Rates {
             speed,
-            flow: flow * self.settings.filament.flow * 1e-4,
+            flow: flow * self.settings.filament.flow * 1e-4 * self.share(&bead),
             fan,
         };
         (bead, rates)

@@ -6,19 +6,23 @@
 
 use super::stages::Shell;
 use super::{BLOCK, Options, SliceError};
+use crate::bead::Bead;
 use crate::gcode::{Totals, Writer};
 use crate::layers::LayerSpan;
 use crate::order::{Head, LayerBeads, order};
 use crate::pace::Pacer;
 use crate::plane::Rect;
 use crate::preview::Pictures;
+use crate::region::floating::floating;
 use crate::report::{self, LayerFigures};
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Move, connect};
-use glam::DVec2;
+use crate::walls::Support;
+use glam::{DVec2, DVec3};
 use std::io;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The stages that run in order.
 pub(super) struct Exit<'a, 'w> {
@@ -37,6 +41,9 @@ pub(super) struct Exit<'a, 'w> {
     timings: &'a Timings,
     beads: usize,
     warnings: Vec<String>,
+    /// Where islands inside the part begin in the air: how often, and where
+    /// first.
+    floating: (usize, Option<DVec3>),
     figures: report::Tally,
 }
 
@@ -77,6 +84,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             timings,
             beads: 0,
             warnings: Vec::new(),
+            floating: (0, None),
             figures: report::Tally::default(),
         }
     }
@@ -91,10 +99,11 @@ impl<'a, 'w> Exit<'a, 'w> {
         self.layers.clone()
     }
 
-    /// Takes the next layer.
+    /// Takes the next layer, which stands on `below`.
     pub fn layer(
         &mut self,
         shell: &Shell,
+        below: Option<&Shell>,
         mut beads: LayerBeads,
         figures: Option<LayerFigures>,
     ) -> Result<(), SliceError> {
@@ -104,10 +113,14 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
         self.drop_skirt_off_the_bed(&mut beads, index);
         let written = self.layers.contains(&index);
+        if written && let Some(below) = below {
+            self.look_for_floating(shell, below);
+        }
         let from = self.head.at;
         let outline = &shell.outline.area;
         let path = self.timings.time(Stage::Travel, || {
             let beads = order(beads, outline, &mut self.head, self.settings);
+            let beads = self.overhangs(beads, shell, below);
             if written {
                 self.beads += beads.len();
             }
@@ -153,6 +166,51 @@ impl<'a, 'w> Exit<'a, 'w> {
         Ok(())
     }
 
+    /// The beads, with walls cut where they hang over the layer below.
+    fn overhangs(
+        &self,
+        beads: Vec<Bead>,
+        shell: &Shell,
+        below: Option<&Shell>,
+    ) -> Vec<Bead> {
+        let below = below.filter(|b| !Arc::ptr_eq(&b.outline, &shell.outline));
+        let support = below.and_then(|b| {
+            Support::new(&b.outline.area, &b.solid, self.settings)
+        });
+        match support {
+            Some(support) => support.cut(beads),
+            None => beads,
+        }
+    }
+
+    /// Counts the islands in cavities that begin in this layer.
+    fn look_for_floating(&mut self, shell: &Shell, below: &Shell) {
+        if Arc::ptr_eq(&below.outline, &shell.outline) {
+            return;
+        }
+        for at in floating(&shell.outline.area, &below.cover()) {
+            let at = (at + self.offset).extend(shell.span.bottom);
+            self.floating.0 += 1;
+            self.floating.1.get_or_insert(at);
+        }
+    }
+
+    /// What to say about them.
+    fn floating_warning(&self) -> Option<String> {
+        let (count, first) = self.floating;
+        let p = first?;
+        let others = match count {
+            1 => String::new(),
+            n => format!(" (and {} more like it)", n - 1),
+        };
+        Some(format!(
+            "what begins at x = {:.1}, y = {:.1}, z = {:.1} on the bed hangs \
+             in a cavity of the part{others}: nothing holds it while it is \
+             printed, and a support could hardly be taken out",
+            p.x, p.y, p.z
+        ))
+    }
+
     /// Forgets what the layers below have left, so that what follows depends
     /// on nothing but the part. It costs a travel from wherever the head is.
     fn restart(&mut self, span: &LayerSpan) {
@@ -162,7 +220,8 @@ impl<'a, 'w> Exit<'a, 'w> {
     }
 
     /// Ends the file.
-    pub fn finish(self) -> Result<Done, SliceError> {
+    pub fn finish(mut self) -> Result<Done, SliceError> {
+        self.warnings.extend(self.floating_warning());
         Ok(Done {
             beads: self.beads,
             warnings: self.warnings,

@@ -17,7 +17,7 @@ use crate::order::LayerBeads;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
 use crate::region::cover::Cover;
-use crate::region::exposure::{roomy, split};
+use crate::region::exposure::{Slope, roomy, slope_layers, split};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::settings::{Settings, WallOffset};
@@ -58,6 +58,14 @@ impl Shell {
     /// Points of the outline.
     fn points(&self) -> usize {
         self.outline.area.rings.iter().map(Vec::len).sum()
+    }
+
+    /// What it covers of its neighbours.
+    pub fn cover(&self) -> Cover<'_> {
+        Cover {
+            area: &self.outline.area,
+            grid: &self.solid,
+        }
     }
 }
 
@@ -146,8 +154,18 @@ impl<'a> Stages<'a> {
     /// those to be rehearsed, and the neighbours of all of these.
     pub fn needed(&self, layers: &Range<usize>, count: usize) -> Range<usize> {
         let first = layers.start - layers.start % BLOCK;
-        let below = first.saturating_sub(self.bottom_layers.max(1));
-        below..(layers.end + self.top_layers.max(1)).min(count)
+        let below = first.saturating_sub(self.reach_below());
+        below..(layers.end + self.reach_above()).min(count)
+    }
+
+    /// How many layers above a layer it has to know.
+    fn reach_above(&self) -> usize {
+        slope_layers(self.top_layers).max(1)
+    }
+
+    /// How many layers below a layer it has to know.
+    fn reach_below(&self) -> usize {
+        slope_layers(self.bottom_layers).max(1)
     }
 
     /// Outlines and walls of a slab's layers, as far as they are needed.
@@ -238,7 +256,7 @@ impl<'a> Stages<'a> {
         exit: &mut Exit<'_, '_>,
     ) -> Result<(), SliceError> {
         // Roles look at the next layer, whatever the skin's thickness.
-        let hidden = if last { 0 } else { self.top_layers.max(1) };
+        let hidden = if last { 0 } else { self.reach_above() };
         let of_run = exit.layers();
         loop {
             // A few layers at a time: their beads take as much memory as
@@ -277,9 +295,10 @@ impl<'a> Stages<'a> {
             });
             for (i, done) in ready.zip(done) {
                 let (beads, figures) = done?;
-                exit.layer(&window[i], beads, figures)?;
+                let below = i.checked_sub(1).and_then(|k| window.get(k));
+                exit.layer(&window[i], below, beads, figures)?;
             }
-            let keep = exit.next().saturating_sub(self.bottom_layers.max(1));
+            let keep = exit.next().saturating_sub(self.reach_below());
             while window.front().is_some_and(|s| s.span.index < keep) {
                 window.pop_front();
             }
@@ -323,10 +342,7 @@ impl<'a> Stages<'a> {
                 return None;
             }
             seen.push(&near.outline);
-            Some(Some(Cover {
-                area: &near.outline.area,
-                grid: &near.solid,
-            }))
+            Some(Some(near.cover()))
         };
         let above: Vec<_> = (1..=self.top_layers)
             .filter_map(|k| cover(i.checked_add(k)))
@@ -336,15 +352,56 @@ impl<'a> Stages<'a> {
             .collect();
         let layer = span.index;
         let (areas, skin) = self.timings.time(Stage::Skin, || {
-            let areas =
-                split(&walls.fill, &shell.roomy, &above, &below, self.settings);
-            let solid = |k: Option<usize>| {
-                k.and_then(|k| window.get(k)).map(|s| &*s.solid)
+            // The layers right above and below, the latter if it may not hold
+            // all of this one.
+            let next = |k: Option<usize>| {
+                let near = k.and_then(|k| window.get(k))?;
+                Some(near.cover())
             };
             let faces = skin::Faces {
-                above: solid(i.checked_add(1)),
-                below: solid(i.checked_sub(1)),
+                above: next(i.checked_add(1)),
+                below: next(i.checked_sub(1)),
             };
+            let support = i
+                .checked_sub(1)
+                .filter(|&k| !Arc::ptr_eq(&window[k].outline, &shell.outline))
+                .and(faces.below);
+            let slope =
+                |layers: usize, step: &dyn Fn(usize) -> Option<usize>| {
+                    let near = |k: usize| {
+                        let shell = window.get(step(k)?)?;
+                        Some(shell.cover())
+                    };
+                    let same = |k: usize| {
+                        let shell_k = step(k).and_then(|k| window.get(k));
+                        shell_k.is_some_and(|s| {
+                            Arc::ptr_eq(&s.outline, &shell.outline)
+                        })
+                    };
+                    let all = slope_layers(layers);
+                    Slope {
+                        last: near(layers),
+                        beyond: (layers + 1..=all)
+                            .filter(|&k| !same(k))
+                            .map(near)
+                            .collect(),
+                        reach: (all - layers) as f64 * height,
+                    }
+                };
+            let slopes = [
+                slope(self.top_layers, &|k| i.checked_add(k)),
+                slope(self.bottom_layers, &|k| i.checked_sub(k)),
+            ];
+            let areas = split(
+                &walls.fill,
+                &shell.roomy,
+                &above,
+                &below,
+                support,
+                &shell.outline.area,
+                &slopes,
+                self.settings,
+            );
             let skin =
                 skin::patches(&areas.skin, faces, layer, height, self.settings);
             (areas, skin)

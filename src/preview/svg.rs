@@ -15,11 +15,14 @@ fn colour(role: Role) -> &'static str {
     match role {
         Role::OuterWall => "#ff7d38",
         Role::InnerWall => "#ffd94d",
+        Role::Overhang => "#1f1fff",
         Role::GapFill => "#2fb6a8",
         Role::SparseInfill => "#b1302a",
         Role::InternalSkin => "#9654cc",
         Role::TopSkin => "#f04040",
         Role::BottomSkin => "#4d80ba",
+        Role::Bridge => "#4da6ff",
+        Role::Ironing => "#ff8c69",
         Role::Skirt => "#00876e",
     }
 }

@@ -7,7 +7,7 @@
 //! rest the first neighbours often tell that nothing that matters is covered;
 //! only where it is do all neighbours that touch the island go into one sweep.
 
-use crate::plane::clip::{crop, intersection, not_covered_by_all};
+use crate::plane::clip::{crop, difference, intersection, not_covered_by_all};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::nest::Nest;
 use crate::plane::{Area, Rect, Ring, edges, point_beside};
@@ -33,6 +33,45 @@ pub(super) enum Exposed {
     Part(Area),
     /// Everywhere, or in all but parts that do not matter.
     Everywhere,
+}
+
+/// How much of an island one cover covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Covered {
+    /// All of it.
+    Wholly,
+    /// Some of it, or all but a touch.
+    Partly,
+    /// Nothing.
+    Not,
+}
+
+/// How much of each island a cover covers.
+pub fn covered(islands: &[Area], cover: &Cover<'_>) -> Vec<Covered> {
+    let touching = touching(islands, std::slice::from_ref(cover));
+    let of = |(island, &touched): (&Area, &bool)| {
+        let p = island.rings.first().and_then(|r| r.first());
+        match p {
+            Some(_) if touched => Covered::Partly,
+            Some(&p) if cover.grid.contains(p) => Covered::Wholly,
+            _ => Covered::Not,
+        }
+    };
+    let touched = touching.iter().flatten();
+    islands.iter().zip(touched).map(of).collect()
+}
+
+/// What a cover leaves open of an area.
+pub fn open(area: &Area, cover: &Area) -> Area {
+    difference(area, &near(area, cover))
+}
+
+/// What a cover has around an area, enough to tell what it covers of it.
+pub fn near(area: &Area, cover: &Area) -> Area {
+    let mut bounds = area.bounds();
+    bounds.min -= 1.0;
+    bounds.max += 1.0;
+    crop(&cover.rings, bounds)
 }
 
 /// Nearer than this an edge counts as touching, mm.
@@ -257,7 +296,7 @@ impl Near {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::clip::{difference, union};
+    use crate::plane::clip::union;
     use glam::DVec2;
 
     fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
@@ -303,6 +342,25 @@ mod tests {
         for (f, e) in found.iter().zip([96.0, 100.0, 0.0, 60.0]) {
             assert!((f - e).abs() < 1e-6, "{found:?}");
         }
+    }
+
+    #[test]
+    fn one_cover_covers_all_some_or_nothing() {
+        let islands = [
+            rect(0.0, 0.0, 10.0, 10.0),
+            rect(20.0, 0.0, 30.0, 10.0),
+            rect(40.0, 0.0, 50.0, 10.0),
+        ];
+        let area = rect(-1.0, -1.0, 24.0, 11.0);
+        let grid = EdgeGrid::new(&area, 1.0);
+        let cover = Cover {
+            area: &area,
+            grid: &grid,
+        };
+        use Covered::{Not, Partly, Wholly};
+        assert_eq!(covered(&islands, &cover), [Wholly, Partly, Not]);
+        assert!((open(&islands[1], &area).content() - 60.0).abs() < 1e-6);
+        assert!((open(&islands[2], &area).content() - 100.0).abs() < 1e-6);
     }
 
     #[test]

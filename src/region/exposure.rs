@@ -10,13 +10,18 @@
 //!   layer i     ▒▒▒▒▒▒▒████ skin
 //! ```
 //!
+//! Below a slope, N layers are less than their thickness along its normal, and
+//! from some steepness on they recede by less than the walls are wide. So some
+//! more layers count beside what the first N leave open ([`Slope`]): down to a
+//! slope of 45° a shell is as thick as N layers.
+//!
 //! Exposed areas grow a little into the sparse area, which anchors their
 //! lines and makes thin ones printable; what is then too narrow or too small
 //! for sparse infill becomes skin as well. Skin and sparse area together are
 //! the fill.
 
-use super::cover::{Cover, Exposed, exposed};
-use crate::plane::clip::{difference, intersection};
+use super::cover::{Cover, Covered, Exposed, covered, exposed, open};
+use crate::plane::clip::{difference, intersection, union};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
 use crate::plane::{Area, point_beside};
@@ -30,6 +35,22 @@ pub struct FillAreas {
     pub skin: Area,
     /// To be filled at the infill's density.
     pub sparse: Area,
+}
+
+/// The layers on one side of a layer, as far as a slope's shell reaches.
+#[derive(Clone, Debug)]
+pub struct Slope<'a> {
+    /// The last layer of the skin's window; `None` beyond the part.
+    pub last: Option<Cover<'a>>,
+    /// The layers farther away that count near what `last` leaves open.
+    pub beyond: Vec<Option<Cover<'a>>>,
+    /// How far `last` recedes from the farthest one on a slope of 45°.
+    pub reach: Mm,
+}
+
+/// Layers that count on a slope, where `layers` do on a level.
+pub fn slope_layers(layers: usize) -> usize {
+    (layers as f64 * std::f64::consts::SQRT_2).ceil() as usize
 }
 
 /// Coarse enough to be cheap, finer than any bead: borders between skin and
@@ -49,11 +70,18 @@ pub fn roomy(fill: &Area, settings: &Settings) -> Area {
 /// Splits a layer's fill, of which `roomy` is what [`roomy()`] found. `above`
 /// and `below` are the layers that have to cover it, nearest first; `None`
 /// beyond the part. One that covers the same as another may be left out.
+/// `support` is the layer right below, if there is one that does not cover
+/// all of this one. `outline` is the layer's solid, and `slopes` are the
+/// layers that count beside what others leave open of it.
+#[expect(clippy::too_many_arguments, reason = "a layer's surroundings")]
 pub fn split(
     fill: &Area,
     roomy: &Area,
     above: &[Option<Cover<'_>>],
     below: &[Option<Cover<'_>>],
+    support: Option<Cover<'_>>,
+    outline: &Area,
+    slopes: &[Slope<'_>],
     settings: &Settings,
 ) -> FillAreas {
     // The farthest first: they leave the least to be looked at.
@@ -64,7 +92,9 @@ pub fn split(
         .copied()
         .collect();
     let sparse = match covers {
-        Some(covers) if !roomy.is_empty() => sparse(roomy, &covers, settings),
+        Some(covers) if !roomy.is_empty() => {
+            sparse(roomy, &covers, support, outline, slopes, settings)
+        }
         _ => Vec::new(),
     };
     let skin = less(fill, &sparse);
@@ -81,6 +111,9 @@ pub fn split(
 fn sparse(
     roomy: &Area,
     covers: &[Cover<'_>],
+    support: Option<Cover<'_>>,
+    outline: &Area,
+    slopes: &[Slope<'_>],
     settings: &Settings,
 ) -> Vec<Area> {
     let islands = roomy.islands();
@@ -90,20 +123,96 @@ fn sparse(
         part.content() >= settings.skin_min_area
             && !offset(part, -half, TOLERANCE).is_empty()
     };
-    let exposed = exposed(&islands, covers, matters);
+    let mut exposed = exposed(&islands, covers, matters);
+    for slope in slopes {
+        slope.expose(&islands, &mut exposed, outline);
+    }
     let mut sparse = Vec::new();
     for (island, exposed) in islands.into_iter().zip(exposed) {
         match exposed {
             Exposed::Nowhere => sparse.push(island),
             Exposed::Everywhere => {}
             Exposed::Part(part) => {
-                let grown = offset(&part, settings.skin_overlap, TOLERANCE);
+                let grown = grown(part, support, settings);
                 let left = printable(&difference(&island, &grown), settings);
                 sparse.extend(left.islands());
             }
         }
     }
     sparse
+}
+
+impl Slope<'_> {
+    /// Adds what lies under a slope of the outline to what is exposed.
+    fn expose(
+        &self,
+        islands: &[Area],
+        exposed: &mut [Exposed],
+        outline: &Area,
+    ) {
+        let mut open_to = vec![false; islands.len()];
+        for cover in &self.beyond {
+            let covers = cover.map(|c| covered(islands, &c));
+            for (i, open) in open_to.iter_mut().enumerate() {
+                let whole = |c: &Vec<Covered>| c[i] == Covered::Wholly;
+                *open |= !covers.as_ref().is_some_and(whole);
+            }
+        }
+        let wanted = |e: &Exposed| *e != Exposed::Everywhere;
+        let mut any = open_to.iter().zip(exposed.iter());
+        if !any.any(|(open, e)| *open && wanted(e)) {
+            return;
+        }
+        let Some(last) = self.last else { return };
+        let receded = open(outline, last.area);
+        if receded.is_empty() {
+            return;
+        }
+        let beside = offset(&receded, self.reach, TOLERANCE);
+        for ((island, exposed), open_to) in
+            islands.iter().zip(exposed).zip(open_to)
+        {
+            if !open_to || !wanted(exposed) {
+                continue;
+            }
+            let within = intersection(island, &beside);
+            let parts = self.beyond.iter().map(|cover| match cover {
+                Some(cover) => open(&within, cover.area),
+                None => within.clone(),
+            });
+            let mut all = parts.fold(Area::EMPTY, |all, p| union(&all, &p));
+            if let Exposed::Part(part) = &*exposed {
+                all = union(&all, part);
+            }
+            if !all.is_empty() {
+                *exposed = Exposed::Part(all);
+            }
+        }
+    }
+}
+
+/// An exposed part and what its lines reach onto: `skin_overlap` all around,
+/// and `bridge_anchor` around what hangs in the air.
+fn grown(part: Area, support: Option<Cover<'_>>, settings: &Settings) -> Area {
+    let all = offset(&part, settings.skin_overlap, TOLERANCE);
+    let (anchor, half) =
+        (settings.bridge_anchor, 0.5 * settings.bottom_skin_width());
+    let Some(support) = support else { return all };
+    if !settings.bridges || anchor <= settings.skin_overlap {
+        return all;
+    }
+    let parts = part.islands();
+    let hangs = covered(&parts, &support);
+    let mut rings = Vec::new();
+    for (part, hangs) in parts.into_iter().zip(hangs) {
+        if hangs != Covered::Wholly {
+            // What a bead's own width bridges needs no anchor.
+            let core = offset(&open(&part, support.area), -half, TOLERANCE);
+            rings.extend(core.rings);
+        }
+    }
+    let anchors = offset(&Area { rings }, half + anchor, TOLERANCE);
+    union(&all, &anchors)
 }
 
 /// An area without some islands of it.
@@ -190,7 +299,7 @@ mod tests {
         }
         let (above, below) = (covers(above, &over), covers(below, &under));
         let roomy = roomy(fill, settings);
-        split(fill, &roomy, &above, &below, settings)
+        split(fill, &roomy, &above, &below, None, fill, &[], settings)
     }
 
     fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
@@ -210,7 +319,8 @@ mod tests {
         assert!(f.skin.content() < 1e-6);
         let f = split_under(&fill, &[&all, &Area::EMPTY], &[&all], &settings);
         assert_eq!(f.skin, fill);
-        let beyond = split(&fill, &fill, &[None], &[], &settings);
+        let beyond =
+            split(&fill, &fill, &[None], &[], None, &fill, &[], &settings);
         assert_eq!(beyond.skin, fill);
     }
 

@@ -94,8 +94,13 @@ impl<'a> RidgeIndex<'a> {
         }
     }
 
+    /// True if no ridge comes closer than `reach` to the segment.
+    pub(super) fn clear(&self, a: DVec2, b: DVec2, reach: Mm) -> bool {
+        self.grid.clear(a, b, reach)
+    }
+
     /// The nearest point of a ridge within `reach`, and the thickness there.
-    fn nearest(&self, p: DVec2, reach: Mm) -> Option<(DVec2, Mm)> {
+    pub(super) fn nearest(&self, p: DVec2, reach: Mm) -> Option<(DVec2, Mm)> {
         let (number, q) = self.grid.nearest_within(p, reach)?;
         let (i, k) = self.segments[number];
         let r = &self.ridges[i];

@@ -17,7 +17,9 @@
 mod ball;
 pub mod cover;
 pub mod exposure;
+pub mod floating;
 pub mod line;
+pub(crate) mod patch;
 pub mod ridge;
 mod run;
 mod thin;

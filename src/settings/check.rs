@@ -140,13 +140,21 @@ fn widths(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
     Ok(())
 }
 
-fn line_widths(s: &Settings) -> [(&'static str, f64); 4] {
-    [
+fn line_widths(
+    s: &Settings,
+) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+    let own = [
         ("outer_wall_width", s.outer_wall_width),
         ("inner_wall_width", s.inner_wall_width),
         ("skin_width", s.skin_width),
         ("infill_width", s.infill_width),
-    ]
+    ];
+    let auto = [
+        ("top_skin_width", s.top_skin_width),
+        ("bottom_skin_width", s.bottom_skin_width),
+    ];
+    let given = auto.into_iter().filter_map(|(key, w)| Some((key, w?)));
+    own.into_iter().chain(given)
 }
 
 /// The lattice must be coarser than the accuracy asked of its vertices, and

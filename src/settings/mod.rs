@@ -100,8 +100,22 @@ table::settings! {
         /// Number of solid layers above each downward face; auto takes it
         /// from bottom_thickness.
         bottom_layers: Option<u32> = None, in 0..=50_000;
-        /// Line width of skin.
+        /// Line width of skin, the rings around it included.
         skin_width: Mm = 0.45, in 0.05..=10.0;
+        /// Width of the lines of skin that faces upwards; auto takes
+        /// skin_width.
+        top_skin_width: Option<Mm> = None, in 0.05..=10.0;
+        /// Width of the lines of skin that faces downwards, and of bridges;
+        /// auto takes skin_width.
+        bottom_skin_width: Option<Mm> = None, in 0.05..=10.0;
+        /// Pattern of skin that faces upwards.
+        top_skin_pattern: SkinPattern = SkinPattern::Lines;
+        /// Pattern of skin that faces downwards.
+        bottom_skin_pattern: SkinPattern = SkinPattern::Lines;
+        /// Pattern of skin that the layers above and below cover.
+        internal_skin_pattern: SkinPattern = SkinPattern::Lines;
+        /// Order of the lines of skin that faces upwards.
+        top_skin_order: SkinOrder = SkinOrder::Monotonic;
         /// Direction of skin lines on even layers, counter-clockwise from
         /// the x axis; odd layers are turned by a right angle.
         skin_angle: Degrees = 45.0, in -360.0..=360.0;
@@ -111,6 +125,27 @@ table::settings! {
         /// Pieces of sparse area smaller than this are filled solid, as
         /// skin.
         skin_min_area: Mm2 = 2.0, in 0.0..=1000.0;
+
+        ["Ironing: a second pass over tops"]
+        /// Whether to go over each top once more, with next to no material,
+        /// to make it smooth.
+        ironing: bool = false;
+        /// Distance between the lines of that pass.
+        ironing_spacing: Mm = 0.1, in 0.02..=2.0;
+        /// Material for that pass, as a share of what would fill its layer.
+        ironing_flow: Percent = 10.0, in 0.0..=100.0;
+
+        ["Bridges and overhangs"]
+        /// Whether skin over nothing gets lines across the gap, from support
+        /// to support.
+        bridges: bool = true;
+        /// How far a bridge's lines reach onto what holds them.
+        bridge_anchor: Mm = 1.5, in 0.0..=20.0;
+        /// Material of bridges, as a share of what skin would get.
+        bridge_flow: Percent = 100.0, in 10.0..=300.0;
+        /// Share of its width by which a wall may hang over the layer below
+        /// before it is printed as an overhang; 100 makes no wall one.
+        overhang_share: Percent = 50.0, in 0.0..=100.0;
 
         ["Sparse infill"]
         /// Share of the inside that is printed; 0 leaves it hollow. Infill
@@ -183,6 +218,15 @@ table::settings! {
         /// Speed of skin that faces downwards.
         bottom_skin: Varying<MmPerSec> = Varying::Constant(40.0),
             in 0.1..=2000.0;
+        /// Speed of bridges.
+        bridge: Varying<MmPerSec> = Varying::Constant(30.0),
+            in 0.1..=2000.0;
+        /// Speed of walls that hang over the layer below.
+        overhang: Varying<MmPerSec> = Varying::Constant(20.0),
+            in 0.1..=2000.0;
+        /// Speed of ironing.
+        ironing: Varying<MmPerSec> = Varying::Constant(20.0),
+            in 0.1..=2000.0;
         /// Speed of the skirt.
         skirt: MmPerSec = 30.0, in 0.1..=2000.0;
         /// Greatest printing speed on the first layer.
@@ -239,6 +283,10 @@ table::settings! {
         /// Speed of the part's fan.
         fan_speed: Varying<Percent> = Varying::Constant(100.0),
             in 0.0..=100.0;
+        /// Speed of the part's fan while bridges are printed.
+        bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speed of the part's fan while overhanging walls are printed.
+        overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Number of layers, from the bed, printed without the fan.
         fan_off_layers: u32 = 1, in 0..=50_000;
         /// A layer that would take less time than this is printed slower.
@@ -367,6 +415,25 @@ value::words! {
     }
 }
 value::words! {
+    /// Pattern of skin.
+    SkinPattern {
+        /// Parallel lines, turned by a right angle every layer.
+        Lines = "lines",
+        /// Rings inside one another, from the border inwards.
+        Concentric = "concentric",
+    }
+}
+value::words! {
+    /// Order of a skin's lines.
+    SkinOrder {
+        /// Swept one way: no line is printed between two older ones, so that
+        /// a surface shines evenly.
+        Monotonic = "monotonic",
+        /// Nearest first.
+        Nearest = "nearest",
+    }
+}
+value::words! {
     /// Pattern of the sparse infill.
     InfillPattern {
         /// Parallel lines, turned by a right angle every layer.
@@ -418,6 +485,16 @@ impl Settings {
     pub fn top_layers(&self) -> u32 {
         self.top_layers
             .unwrap_or_else(|| layers_in(self.top_thickness, self.layer_height))
+    }
+
+    /// Width of the lines of skin that faces upwards.
+    pub fn top_skin_width(&self) -> Mm {
+        self.top_skin_width.unwrap_or(self.skin_width)
+    }
+
+    /// Width of the lines of skin that faces downwards, and of bridges.
+    pub fn bottom_skin_width(&self) -> Mm {
+        self.bottom_skin_width.unwrap_or(self.skin_width)
     }
 
     /// Solid layers above a downward face: `bottom_layers` if set, else what

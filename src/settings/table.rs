@@ -59,8 +59,10 @@ impl Key {
         let range = self.range_with(&self.spaced_unit());
         match self.kind() {
             Kind::Number | Kind::Whole => range,
-            Kind::WholeOrAuto => format!("auto, or {range}"),
             Kind::Varying => format!("{range}, or \"expr: ...\""),
+            Kind::WholeOrAuto | Kind::NumberOrAuto => {
+                format!("auto, or {range}")
+            }
             Kind::Switch => "true or false".to_owned(),
             Kind::Text => "any text".to_owned(),
             Kind::Word(words) => alternatives(words),
@@ -92,6 +94,12 @@ impl Key {
             (Kind::Whole, _) => format!("a whole number, {range}"),
             (Kind::WholeOrAuto, _) => {
                 format!("\"auto\" or a whole number, {range}")
+            }
+            (Kind::NumberOrAuto, unit) => {
+                format!(
+                    "\"auto\" or a number from {range} (in {unit}, without \
+                     unit)"
+                )
             }
             (Kind::Text, _) => "text in quotes".to_owned(),
             (Kind::Switch | Kind::Word(_) | Kind::WordOrShape(_), _) => {
@@ -203,6 +211,9 @@ macro_rules! unit {
         $crate::settings::table::unit!($inner)
     };
     (Mm) => {
+        "mm"
+    };
+    (Option<Mm>) => {
         "mm"
     };
     (Mm2) => {

@@ -56,6 +56,7 @@ pub(super) enum Kind {
     WholeOrAuto,
     /// A number or an expression.
     Varying,
+    NumberOrAuto,
     Switch,
     Text,
     Word(&'static [&'static str]),
@@ -228,31 +229,46 @@ impl Value for u32 {
     }
 }
 
-impl Value for Option<u32> {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
-        *self = match raw {
-            Raw::Text("auto") | Raw::Word("auto") => None,
-            _ => {
-                let mut value = 0;
-                value.assign(raw, key)?;
-                Some(value)
+/// A value, or `auto`.
+macro_rules! or_auto {
+    ($value:ty, $kind:ident) => {
+        impl Value for Option<$value> {
+            fn assign(
+                &mut self,
+                raw: Raw<'_>,
+                key: &Key,
+            ) -> Result<(), Refused> {
+                *self = match raw {
+                    Raw::Text("auto") | Raw::Word("auto") => None,
+                    _ => {
+                        let mut value = <$value>::default();
+                        value.assign(raw, key)?;
+                        Some(value)
+                    }
+                };
+                Ok(())
             }
-        };
-        Ok(())
-    }
 
-    fn to_toml(&self) -> String {
-        self.map_or_else(|| "\"auto\"".to_owned(), |value| value.to_string())
-    }
+            fn to_toml(&self) -> String {
+                self.map_or_else(
+                    || "\"auto\"".to_owned(),
+                    |value| value.to_toml(),
+                )
+            }
 
-    fn number(&self) -> Option<f64> {
-        self.map(f64::from)
-    }
+            fn number(&self) -> Option<f64> {
+                self.and_then(|value| value.number())
+            }
 
-    fn kind(&self) -> Kind {
-        Kind::WholeOrAuto
-    }
+            fn kind(&self) -> Kind {
+                Kind::$kind
+            }
+        }
+    };
 }
+
+or_auto!(u32, WholeOrAuto);
+or_auto!(f64, NumberOrAuto);
 
 impl Value for bool {
     fn assign(&mut self, raw: Raw<'_>, _: &Key) -> Result<(), Refused> {

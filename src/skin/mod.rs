@@ -6,37 +6,54 @@
 //!   │ ╱╱╱╱╱╱╱╱╱╱ │   off the ring's centre line, one spacing apart, turned
 //!   ╰────────────╯   by 90° from layer to layer
 //! ```
+//!
+//! Inside the ring the area is split by what the neighbouring layers leave
+//! open: bridges where it hangs between supports, then bottom, top and
+//! internal skin, each with its own width and pattern. Where these are the
+//! same, lines run on from one to the other and only their roles change.
 
-use crate::bead::{Bead, Role, spacing};
+mod bridge;
+mod fill;
+mod roles;
+mod strokes;
+mod sweep;
+
+use crate::bead::Bead;
 use crate::plane::Area;
-use crate::plane::grid::EdgeGrid;
-use crate::plane::hatch::{Lines, Segment, hatch};
-use crate::region::{Lay, lay, shrink};
+use crate::region::cover::{Cover, Covered, covered};
 use crate::settings::Settings;
 use crate::units::Mm;
-use glam::DVec2;
+use fill::Filler;
+use roles::Sides;
 
 /// A connected skin area's beads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
     /// Beads around the area and its holes, and those in the middle of
-    /// places too thin for them.
+    /// places too thin for lines.
     pub rings: Vec<Bead>,
-    /// Straight beads inside the rings.
-    pub lines: Vec<Bead>,
+    /// What is inside the rings, in print order.
+    pub fills: Vec<Fill>,
 }
 
-/// The solids directly above and below a layer, if there are any.
+/// Beads of one role inside a skin's rings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fill {
+    /// The beads.
+    pub lines: Vec<Bead>,
+    /// For each bead those that have to be printed before it; empty if any
+    /// order will do.
+    pub after: Vec<Vec<u32>>,
+}
+
+/// The layers directly above and below a layer, if there are any.
 #[derive(Clone, Copy, Debug)]
 pub struct Faces<'a> {
-    /// The next layer's.
-    pub above: Option<&'a EdgeGrid>,
-    /// The layer's below.
-    pub below: Option<&'a EdgeGrid>,
+    /// The next layer.
+    pub above: Option<Cover<'a>>,
+    /// The layer below.
+    pub below: Option<Cover<'a>>,
 }
-
-/// Tolerance of the ring's offsets; nobody sees them.
-const TOLERANCE: Mm = 0.01;
 
 /// The beads of a layer's skin. Even layers get lines at `skin_angle`, odd
 /// ones at right angles to it.
@@ -47,84 +64,42 @@ pub fn patches(
     height: Mm,
     settings: &Settings,
 ) -> Vec<Patch> {
-    let width = settings.skin_width;
-    let space = spacing(width, width, height);
-    let plan = Lay::inside(width, height, settings);
-    let lines = Lines {
-        angle: settings.skin_angle - 90.0 * (layer % 2) as f64,
-        spacing: space,
-        phase: 0.0,
+    let islands = skin.islands();
+    let side = |face: Option<Cover<'_>>| match face {
+        Some(cover) => covered(&islands, &cover),
+        None => vec![Covered::Not; islands.len()],
     };
-    skin.islands()
+    let (above, below) = (side(faces.above), side(faces.below));
+    let filler = Filler {
+        faces,
+        on_bed: layer == 0,
+        angle: settings.skin_angle - 90.0 * (layer % 2) as f64,
+        height,
+        settings,
+    };
+    let sides = above.into_iter().zip(below).map(|(above, below)| Sides {
+        above: (above, faces.above.map(|c| c.grid)),
+        below: (below, faces.below.map(|c| c.grid)),
+    });
+    islands
         .iter()
-        .filter_map(|island| {
-            let laid = lay(island, plan, TOLERANCE);
-            let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
-            let inside = shrink(&laid.rings, half_nozzle, TOLERANCE);
-            let fill = hatch(&inside, lines, 0.5 * width);
-            let role = faces.role(island, &fill);
-            let bead = |points, closed| Bead {
-                role,
-                points,
-                closed,
-                width,
-                widths: Vec::new(),
-                height,
-            };
-            let rings = laid.lines.into_iter().map(|l| Bead {
-                widths: l.widths,
-                ..bead(l.points, l.closed)
-            });
-            let thin = laid.thin.into_iter().map(|l| Bead {
-                role: Role::GapFill,
-                width: l.width,
-                widths: l.widths,
-                ..bead(l.points, l.closed)
-            });
-            let rings: Vec<Bead> = rings.chain(thin).collect();
-            (!rings.is_empty()).then(|| Patch {
-                rings,
-                lines: fill
-                    .iter()
-                    .map(|s| bead(vec![s.from, s.to], false))
-                    .collect(),
-            })
-        })
+        .zip(sides)
+        .filter_map(|(island, sides)| filler.patch(island, sides))
         .collect()
-}
-
-impl Faces<'_> {
-    /// What a skin island is: the side on which most of it faces the air, as
-    /// points along its lines (where there are none, its ring's) tell.
-    fn role(&self, island: &Area, lines: &[Segment]) -> Role {
-        /// Distance between probes, mm.
-        const STEP: f64 = 1.0;
-        let along = lines.iter().flat_map(|s| {
-            let count = (s.from.distance(s.to) / STEP).ceil().max(1.0);
-            (0..count as usize)
-                .map(move |i| s.from.lerp(s.to, (i as f64 + 0.5) / count))
-        });
-        let probes: Vec<DVec2> = match lines.is_empty() {
-            true => island.rings.iter().flatten().copied().collect(),
-            false => along.collect(),
-        };
-        let share = |solid: &EdgeGrid| {
-            let open = probes.iter().filter(|p| !solid.contains(**p)).count();
-            open as f64 / probes.len() as f64
-        };
-        if self.below.is_none_or(|solid| share(solid) > 0.5) {
-            Role::BottomSkin
-        } else if self.above.is_none_or(|solid| share(solid) > 0.5) {
-            Role::TopSkin
-        } else {
-            Role::InternalSkin
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bead::{Role, spacing};
+    use crate::plane::clip::difference;
+    use crate::plane::grid::EdgeGrid;
+    use crate::settings::SkinPattern;
+    use glam::DVec2;
+
+    fn cover<'a>(area: &'a Area, grid: &'a EdgeGrid) -> Cover<'a> {
+        Cover { area, grid }
+    }
 
     fn square(half: f64) -> Area {
         let ring = [(-half, -half), (half, -half), (half, half), (-half, half)]
@@ -136,10 +111,11 @@ mod tests {
     #[test]
     fn a_square_gets_a_ring_and_lines_that_turn() {
         let settings = Settings::default();
-        let below = EdgeGrid::new(&square(12.0), 1.0);
+        let area = square(12.0);
+        let grid = EdgeGrid::new(&area, 1.0);
         let faces = Faces {
             above: None,
-            below: Some(&below),
+            below: Some(cover(&area, &grid)),
         };
         for layer in [0, 1] {
             let patches = patches(&square(10.0), faces, layer, 0.2, &settings);
@@ -147,30 +123,136 @@ mod tests {
             let p = &patches[0];
             assert_eq!(p.rings.len(), 1);
             assert_eq!(p.rings[0].role, Role::TopSkin);
-            let length: f64 = p.lines.iter().map(Bead::length).sum();
+            let lines = &p.fills[0].lines;
+            let length: f64 = lines.iter().map(Bead::length).sum();
             let space = spacing(0.45, 0.45, 0.2);
             let side = 20.0 - space - 0.4;
             assert!((length * space / (side * side) - 1.0).abs() < 0.01);
-            let d = p.lines[9].points[1] - p.lines[9].points[0];
+            let d = lines[9].points[1] - lines[9].points[0];
             let slope = d.y / d.x;
             let expected = if layer == 0 { 1.0 } else { -1.0 };
             assert!((slope - expected).abs() < 1e-9, "{slope}");
         }
     }
 
+    /// Content by role: length times spacing of the lines.
+    fn contents(patches: &[Patch], settings: &Settings) -> Vec<(Role, f64)> {
+        let space = spacing(settings.skin_width, settings.skin_width, 0.2);
+        let fills = patches.iter().flat_map(|p| &p.fills);
+        fills
+            .map(|f| {
+                let length: f64 = f.lines.iter().map(Bead::length).sum();
+                (f.lines[0].role, length * space)
+            })
+            .collect()
+    }
+
     #[test]
-    fn the_role_is_that_of_the_open_side() {
-        let settings = Settings::default();
-        let wide = EdgeGrid::new(&square(12.0), 1.0);
-        let narrow = EdgeGrid::new(&square(3.0), 1.0);
-        let role = |above, below| {
-            let faces = Faces { above, below };
-            patches(&square(10.0), faces, 0, 0.2, &settings)[0].rings[0].role
+    fn each_side_has_its_role_and_the_rest_is_internal() {
+        let base = Settings {
+            bridges: false,
+            ..Settings::default()
         };
-        assert_eq!(role(Some(&wide), Some(&wide)), Role::InternalSkin);
-        assert_eq!(role(Some(&narrow), Some(&wide)), Role::TopSkin);
-        assert_eq!(role(Some(&wide), Some(&narrow)), Role::BottomSkin);
-        assert_eq!(role(Some(&wide), None), Role::BottomSkin);
+        let wider = Settings {
+            top_skin_width: Some(0.5),
+            bottom_skin_pattern: SkinPattern::Concentric,
+            ..base.clone()
+        };
+        let rect = |x0: f64, x1: f64| Area {
+            rings: vec![
+                [(x0, -12.0), (x1, -12.0), (x1, 12.0), (x0, 12.0)]
+                    .map(|(x, y)| DVec2::new(x, y))
+                    .to_vec(),
+            ],
+        };
+        let (above, below) = (rect(-12.0, 5.0), rect(-4.0, 12.0));
+        let (over, under) =
+            (EdgeGrid::new(&above, 1.0), EdgeGrid::new(&below, 1.0));
+        let faces = Faces {
+            above: Some(cover(&above, &over)),
+            below: Some(cover(&below, &under)),
+        };
+        let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
+        let half = 0.5 * inner;
+        let expected = [
+            (Role::InternalSkin, 9.0 * inner),
+            (Role::BottomSkin, (half - 4.0) * inner),
+            (Role::TopSkin, (half - 5.0) * inner),
+        ];
+        let found =
+            contents(&patches(&square(10.0), faces, 1, 0.2, &base), &base);
+        for ((role, is), (own, should)) in found.iter().zip(expected) {
+            assert_eq!(*role, own);
+            assert!((is / should - 1.0).abs() < 0.02, "{role:?} {is}");
+        }
+        // The same areas with other widths and patterns.
+        let all = patches(&square(10.0), faces, 1, 0.2, &wider);
+        let fills = &all[0].fills;
+        assert_eq!(fills.len(), 3);
+        for (fill, (role, should)) in fills.iter().zip(expected) {
+            let width = if role == Role::TopSkin { 0.5 } else { 0.45 };
+            let space = spacing(width, width, 0.2);
+            let length: f64 = fill.lines.iter().map(Bead::length).sum();
+            assert_eq!(fill.lines[0].role, role);
+            assert_eq!(fill.lines[0].width, width);
+            let closed = role == Role::BottomSkin;
+            assert_eq!(fill.lines[0].closed, closed);
+            // Rings are as wide as their places.
+            let is = length * space;
+            assert!((is / should - 1.0).abs() < 0.06, "{role:?} {is}");
+        }
+    }
+
+    #[test]
+    fn a_roof_over_a_gap_is_a_bridge_but_not_on_the_bed() {
+        let settings = Settings::default();
+        let wide = square(12.0);
+        let frame = difference(&wide, &square(5.0));
+        let grid = EdgeGrid::new(&frame, 1.0);
+        let faces = Faces {
+            above: None,
+            below: Some(cover(&frame, &grid)),
+        };
+        let all = patches(&square(10.0), faces, 1, 0.2, &settings);
+        let found = contents(&all, &settings);
+        let reach = 10.0 + 2.0 * settings.bridge_anchor;
+        let bridge = found.iter().find(|f| f.0 == Role::Bridge).unwrap();
+        assert!((bridge.1 / reach.powi(2) - 1.0).abs() < 0.05, "{found:?}");
+        let above_bed = Faces {
+            below: None,
+            ..faces
+        };
+        let all = patches(&square(10.0), above_bed, 0, 0.2, &settings);
+        assert_eq!(contents(&all, &settings)[0].0, Role::BottomSkin);
+    }
+
+    #[test]
+    fn ironing_goes_over_tops_alone() {
+        let settings = Settings {
+            ironing: true,
+            ..Settings::default()
+        };
+        let wide = square(12.0);
+        let half = square(4.0);
+        let (under, over) =
+            (EdgeGrid::new(&wide, 1.0), EdgeGrid::new(&half, 1.0));
+        let faces = Faces {
+            above: Some(cover(&half, &over)),
+            below: Some(cover(&wide, &under)),
+        };
+        let all = patches(&square(10.0), faces, 1, 0.2, &settings);
+        let last = all[0].fills.last().unwrap();
+        assert_eq!(last.lines[0].role, Role::Ironing);
+        let length: f64 = last.lines.iter().map(Bead::length).sum();
+        let side = |inner: f64, off: f64| (inner + off).powi(2);
+        let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
+        let should = side(inner, -0.45) - side(8.0, 0.45);
+        let is = length * settings.ironing_spacing;
+        assert!((is / should - 1.0).abs() < 0.02, "{is} {should}");
+        for line in &last.lines {
+            let middle = line.points[0].midpoint(line.points[1]);
+            assert!(!over.contains(middle));
+        }
     }
 
     #[test]

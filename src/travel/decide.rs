@@ -71,9 +71,9 @@ impl<'a> Obstacles<'a> {
     /// True if the way from the end of what was printed before the `next`th
     /// bead to its beginning crosses an outer wall.
     pub fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
-        let grid = self
-            .outer
-            .get_or_init(|| self.grid(|r| r == Role::OuterWall));
+        let grid = self.outer.get_or_init(|| {
+            self.grid(|r| matches!(r, Role::OuterWall | Role::Overhang))
+        });
         let own = |i: usize| i == next || i + 1 == next;
         let crosses = points.windows(2).any(|p| {
             let mut crossed = false;

@@ -202,13 +202,16 @@ impl Example {
 pub const SKIRT: &str = "Skirt/Brim";
 pub const OUTER_WALL: &str = "External perimeter";
 pub const INNER_WALL: &str = "Perimeter";
-pub const ROLES: [&str; 8] = [
+pub const ROLES: [&str; 11] = [
     SKIRT,
     OUTER_WALL,
     INNER_WALL,
+    "Overhang perimeter",
     "Gap fill",
     "Top solid infill",
     "Solid infill",
+    "Bridge infill",
+    "Ironing",
     "Internal infill",
     "Custom",
 ];

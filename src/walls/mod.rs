@@ -1,5 +1,9 @@
 //! Beads of the walls.
 
+mod overhang;
+
+pub use overhang::Support;
+
 use crate::bead::{Bead, Role};
 use crate::region::Walls;
 use crate::region::line::Line;

@@ -1,0 +1,200 @@
+//! What runs around a solid area: a ring, and beads in places too thin for
+//! lines inside it.
+//!
+//! ```text
+//!   ╭───────────────────╮
+//!   │ ╭──────╮─ ─ ─ ─ ─ │   the ring; left, room for lines; right, one bead
+//!   │ ╰──────╯─ ─ ─ ─ ─ │   as wide as what the ring leaves; where that is
+//!   ╰───────────────────╯   too thin for a bead, the ring grows wider
+//! ```
+//!
+//! In: an area. Out: the ring's lines, the beads in thin places, and what is
+//! left for lines. Together they leave nothing open that is wider than the
+//! thinnest bead.
+
+use super::line::{Line, RidgeIndex, absorb};
+use super::ridge::Ridge;
+use super::{CELL, Lay, Skeleton, shrink, shrink_with};
+use crate::plane::Area;
+use crate::plane::grid::EdgeGrid;
+use crate::units::Mm;
+use glam::DVec2;
+
+/// The beads around a solid area.
+pub(crate) struct Patch {
+    /// The ring, cut where a bead runs in the middle.
+    pub rings: Vec<Line>,
+    /// Beads in places too thin for two sides of the ring, or for lines
+    /// between them.
+    pub thin: Vec<Line>,
+    /// The ring whole.
+    pub whole: Area,
+    /// Where these beads run inside the ring.
+    core: Vec<Ridge>,
+}
+
+/// How exactly the place is found at which a line has to end, mm.
+const END: Mm = 0.005;
+/// Distance of the places at which a line is looked at, mm.
+const STEP: Mm = 0.2;
+/// Slack in distances that are equal but for rounding and thinning, mm.
+const SLACK: Mm = 0.02;
+
+/// Lays the beads around a solid area.
+pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
+    let grid = EdgeGrid::new(area, CELL);
+    let limit = 2.0 * plan.inner + plan.limit;
+    let skeleton = Skeleton::new(area, &grid, limit, tolerance);
+    let rings = shrink_with(area, &grid, plan.centre, tolerance);
+    let laid = skeleton.lay(rings, 0.0, plan);
+    let (core, slivers) =
+        skeleton.thin_places(plan.inner, plan.limit, plan.least);
+    let away = plan.inner - plan.centre;
+    let mut thin = laid.thin;
+    thin.extend(core.iter().map(|r| Line::along(r, plan.extra)));
+    Patch {
+        rings: absorb(laid.lines, &slivers, away, tolerance),
+        thin,
+        whole: laid.rings,
+        core,
+    }
+}
+
+impl Patch {
+    /// What lies more than `distance` inside the ring's centre line.
+    pub fn inside(&self, distance: Mm, tolerance: Mm) -> Area {
+        shrink(&self.whole, distance, tolerance)
+    }
+
+    /// The pieces of a line that are not under the beads in thin places,
+    /// each as a range of its length from 0 to 1.
+    pub fn free(&self, lines: &[(DVec2, DVec2)]) -> Vec<Vec<(f64, f64)>> {
+        let thickest =
+            self.core.iter().map(Ridge::thickest).fold(0.0, f64::max);
+        if self.core.is_empty() {
+            return vec![vec![(0.0, 1.0)]; lines.len()];
+        }
+        let reach = 0.5 * thickest + SLACK;
+        let index = RidgeIndex::new(&self.core, reach);
+        let free = |p: DVec2| match index.nearest(p, reach) {
+            Some((q, t)) => p.distance(q) > 0.5 * t + SLACK,
+            None => true,
+        };
+        lines
+            .iter()
+            .map(|&(a, b)| match index.clear(a, b, reach) {
+                true => vec![(0.0, 1.0)],
+                false => pieces(a, b, free),
+            })
+            .collect()
+    }
+}
+
+/// Rings inside one another that fill an area, the outermost first, and the
+/// beads of places too thin for them.
+pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Line> {
+    let away = plan.inner - plan.centre;
+    let mut area = area.clone();
+    let mut rings: Vec<Line> = Vec::new();
+    let mut last: Vec<Line> = Vec::new();
+    while !area.is_empty() {
+        let grid = EdgeGrid::new(&area, CELL);
+        let skeleton = Skeleton::new(&area, &grid, plan.limit, tolerance);
+        let whole = shrink_with(&area, &grid, plan.centre, tolerance);
+        let laid = skeleton.lay(whole, 0.0, plan);
+        rings.extend(absorb(last, &laid.slivers, away, tolerance));
+        rings.extend(laid.thin);
+        last = laid.lines;
+        area = shrink(&laid.rings, away, tolerance);
+    }
+    rings.extend(last);
+    rings
+}
+
+/// The ranges of the line from `a` to `b` that are free.
+fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
+    let length = a.distance(b);
+    let count = (length / STEP).ceil().clamp(1.0, 1e6);
+    let mut from = (0.0, free(a));
+    let mut start = from.1.then_some(0.0);
+    let mut found = Vec::new();
+    for k in 1..=count as usize {
+        let t = k as f64 / count;
+        let to = (t, free(a.lerp(b, t)));
+        if from.1 != to.1 {
+            let (mut low, mut high) = (from.0, to.0);
+            while (high - low) * length > END {
+                let middle = 0.5 * (low + high);
+                match free(a.lerp(b, middle)) == from.1 {
+                    true => low = middle,
+                    false => high = middle,
+                }
+            }
+            match start.take() {
+                Some(start) => found.push((start, low)),
+                None => start = Some(high),
+            }
+        }
+        from = to;
+    }
+    found.extend(start.map(|s| (s, 1.0)));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+
+    fn strip(thickness: f64) -> Patch {
+        let ring = [(0.0, 0.0), (20.0, 0.0), (20.0, 1.0), (0.0, 1.0)]
+            .map(|(x, y)| DVec2::new(x, y * thickness))
+            .to_vec();
+        let plan = Lay::inside(0.45, 0.2, &Settings::default());
+        patch(&Area { rings: vec![ring] }, plan, 0.01)
+    }
+
+    #[test]
+    fn rings_fill_a_disc() {
+        let ring = (0..400)
+            .map(|i| {
+                let turn = std::f64::consts::TAU * f64::from(i) / 400.0;
+                DVec2::from_angle(turn) * 5.0
+            })
+            .collect();
+        let plan = Lay::inside(0.45, 0.2, &Settings::default());
+        let area = Area { rings: vec![ring] };
+        let rings = concentric(&area, plan, 0.01);
+        let space = 2.0 * plan.centre;
+        let filled: f64 = rings
+            .iter()
+            .map(|l| l.length() * (l.width - plan.extra))
+            .sum();
+        assert_eq!(rings.len(), (5.0 / space) as usize);
+        assert!((filled / area.content() - 1.0).abs() < 0.01, "{filled}");
+    }
+
+    #[test]
+    fn what_a_ring_leaves_of_a_strip_is_filled() {
+        // The ring's two sides take 0.814 mm.
+        let wide = strip(4.0);
+        assert!(wide.thin.is_empty() && wide.rings[0].widths.is_empty());
+        assert_eq!(wide.rings.len(), 1);
+        // 0.486 mm are left: one bead as wide, and its round ends.
+        let one = strip(1.3);
+        assert_eq!(one.thin.len(), 1);
+        assert!((one.thin[0].width - 0.486 - 0.043).abs() < 0.003);
+        // No line runs where the bead does, all where it does not.
+        let across = (DVec2::new(10.0, 0.0), DVec2::new(10.0, 4.0));
+        let free = one.free(&[across]);
+        let length: f64 = free[0].iter().map(|(a, b)| b - a).sum();
+        assert!((4.0 * length - (4.0 - 0.486)).abs() < 0.05, "{length}");
+        assert_eq!(wide.free(&[across]), [[(0.0, 1.0)]]);
+        // 0.156 mm: the ring's sides share it.
+        let shared = strip(0.97);
+        assert!(shared.thin.is_empty());
+        let widest = |l: &Line| l.widths.iter().copied().fold(0.0, f64::max);
+        let width = widest(&shared.rings[0]);
+        assert!((width - 0.45 - 0.078).abs() < 0.003, "{width}");
+    }
+}

@@ -1,0 +1,324 @@
+//! What is inside one skin's rings.
+//!
+//! In: an island of skin, and how much its neighbours cover of it. Out: its
+//! rings, and its fills by role, in print order: what is seen comes last.
+
+use super::bridge::bridges;
+use super::roles::{Path, Sides};
+use super::strokes::strokes;
+use super::{Faces, Fill, Patch, sweep};
+use crate::bead::{Bead, Role, spacing};
+use crate::plane::Area;
+use crate::plane::clip::difference;
+use crate::plane::hatch::{Lines, hatch};
+use crate::plane::offset::offset;
+use crate::region::Lay;
+use crate::region::cover::{Covered, open};
+use crate::region::line::Line;
+use crate::region::patch::{Patch as Around, concentric, patch};
+use crate::settings::{Settings, SkinOrder, SkinPattern};
+use crate::units::{Degrees, Mm};
+
+/// Tolerance of the offsets inside a skin; nobody sees them.
+const TOLERANCE: Mm = 0.01;
+
+/// How one kind of skin is filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Look {
+    pattern: SkinPattern,
+    width: Mm,
+}
+
+/// What the islands of a layer have in common.
+pub(super) struct Filler<'a> {
+    pub faces: Faces<'a>,
+    pub on_bed: bool,
+    pub angle: Degrees,
+    pub height: Mm,
+    pub settings: &'a Settings,
+}
+
+impl Filler<'_> {
+    /// The beads of an island; nothing if it is too small for any.
+    pub fn patch(&self, island: &Area, sides: Sides<'_>) -> Option<Patch> {
+        let settings = self.settings;
+        let width = settings.skin_width;
+        let plan = Lay::inside(width, self.height, settings);
+        let around = patch(island, plan, TOLERANCE);
+        let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
+        let inside = around.inside(half_nozzle, TOLERANCE);
+        let fills = self.fills(&inside, &around, sides);
+        let hangs = |bead: &Bead| {
+            let bridge = fills
+                .iter()
+                .flat_map(|f| &f.lines)
+                .any(|l| l.role == Role::Bridge);
+            bridge && bead.role == Role::BottomSkin
+        };
+        let rings = around.rings.iter().map(|l| {
+            let role = sides.most(&l.points, l.closed);
+            let bead = self.bead(role, l.clone());
+            match hangs(&bead) {
+                true => Bead {
+                    role: Role::Bridge,
+                    ..bead
+                },
+                false => bead,
+            }
+        });
+        let thin = around.thin.iter().cloned();
+        let thin = thin.map(|l| self.bead(Role::GapFill, l));
+        let rings: Vec<Bead> = rings.chain(thin).collect();
+        (!rings.is_empty()).then_some(Patch { rings, fills })
+    }
+
+    /// What is inside the rings.
+    fn fills(
+        &self,
+        inside: &Area,
+        around: &Around,
+        sides: Sides<'_>,
+    ) -> Vec<Fill> {
+        let mut rest = inside.clone();
+        let mut bridged = Vec::new();
+        if let Some(below) = self.faces.below
+            && self.settings.bridges
+            && !self.on_bed
+            && sides.below.0 != Covered::Wholly
+        {
+            bridged = bridges(inside, below.area, self.settings);
+            for bridge in &bridged {
+                rest = difference(&rest, &bridge.area);
+            }
+        }
+        // From below to above: what is seen is printed last.
+        let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
+        let looks = kinds.map(|role| self.look(role));
+        let only = sides.only();
+        let mut fills = Vec::new();
+        if only.is_some() || looks.iter().all(|l| *l == looks[0]) {
+            let look = self.look(only.unwrap_or(Role::InternalSkin));
+            let mut paths = self.paths(&rest, look, self.angle, around);
+            for role in kinds {
+                let pieces = match only {
+                    Some(one) if one != role => continue,
+                    Some(_) => std::mem::take(&mut paths),
+                    None => cut_to(&paths, role, sides),
+                };
+                fills.push(self.fill(role, look, self.angle, pieces));
+            }
+        } else {
+            for (area, role) in self.areas(&rest, sides) {
+                let look = self.look(role);
+                let paths = self.paths(&area, look, self.angle, around);
+                fills.push(self.fill(role, look, self.angle, paths));
+            }
+        }
+        let at = fills.len().saturating_sub(1);
+        for bridge in bridged {
+            let look = Look {
+                pattern: SkinPattern::Lines,
+                width: self.settings.bottom_skin_width(),
+            };
+            let paths = self.paths(&bridge.area, look, bridge.angle, around);
+            fills.insert(
+                at.min(fills.len()),
+                self.fill(Role::Bridge, look, bridge.angle, paths),
+            );
+        }
+        if self.settings.ironing && only.is_none_or(|r| r == Role::TopSkin) {
+            fills.extend(self.ironing(inside, sides));
+        }
+        fills.retain(|f| !f.lines.is_empty());
+        fills
+    }
+
+    fn look(&self, role: Role) -> Look {
+        let s = self.settings;
+        let (pattern, width) = match role {
+            Role::TopSkin => (s.top_skin_pattern, s.top_skin_width()),
+            Role::BottomSkin => (s.bottom_skin_pattern, s.bottom_skin_width()),
+            _ => (s.internal_skin_pattern, s.skin_width),
+        };
+        Look { pattern, width }
+    }
+
+    /// An area split by role, each part wide enough for a bead: what is not
+    /// goes with the part beside it.
+    fn areas(&self, area: &Area, sides: Sides<'_>) -> Vec<(Area, Role)> {
+        let half = 0.5 * self.settings.skin_width;
+        let wide = |area: &Area| {
+            let core = offset(area, -half, TOLERANCE);
+            offset(&core, half + TOLERANCE, TOLERANCE)
+        };
+        let mut rest = area.clone();
+        let mut parts = Vec::new();
+        let faces = [
+            (Role::BottomSkin, sides.below.0, self.faces.below),
+            (Role::TopSkin, sides.above.0, self.faces.above),
+        ];
+        for (role, covers, face) in faces {
+            let part = match (covers, face) {
+                (Covered::Wholly, _) => continue,
+                (Covered::Partly, Some(face)) => {
+                    let part = wide(&open(&rest, face.area));
+                    let other = wide(&difference(&rest, &part));
+                    difference(&rest, &other)
+                }
+                _ => rest.clone(),
+            };
+            rest = difference(&rest, &part);
+            parts.push((part, role));
+        }
+        parts.insert(0, (rest, Role::InternalSkin));
+        parts
+    }
+
+    /// The centre lines that fill an area.
+    fn paths(
+        &self,
+        area: &Area,
+        look: Look,
+        angle: Degrees,
+        around: &Around,
+    ) -> Vec<(i64, Line)> {
+        let line = |path: Path, width, closed| Line {
+            points: path.points,
+            closed,
+            width,
+            widths: path.widths,
+        };
+        if look.pattern == SkinPattern::Concentric {
+            let plan = Lay::inside(look.width, self.height, self.settings);
+            // Up to the ring's own side.
+            let rings = concentric(area, plan, TOLERANCE);
+            return rings.into_iter().map(|l| (0, l)).collect();
+        }
+        let lines = Lines {
+            angle,
+            spacing: spacing(look.width, look.width, self.height),
+            phase: 0.0,
+        };
+        let shortest = 0.5 * look.width;
+        let all = strokes(area, lines, look.width, shortest);
+        let ends: Vec<_> = all
+            .iter()
+            .filter_map(|s| Some((*s.points.first()?, *s.points.last()?)))
+            .collect();
+        let free = around.free(&ends);
+        all.into_iter()
+            .zip(free)
+            .flat_map(|(s, free)| {
+                let path = Path {
+                    points: s.points,
+                    widths: s.widths,
+                };
+                free.into_iter().map(move |(a, b)| (s.row, path.part(a, b)))
+            })
+            .filter(|(_, p)| p.length() >= shortest)
+            .map(|(row, p)| (row, line(p, look.width, false)))
+            .collect()
+    }
+
+    /// Lines as the beads of a fill.
+    fn fill(
+        &self,
+        role: Role,
+        look: Look,
+        angle: Degrees,
+        paths: Vec<(i64, Line)>,
+    ) -> Fill {
+        let swept = match role {
+            Role::TopSkin => {
+                look.pattern == SkinPattern::Lines
+                    && self.settings.top_skin_order == SkinOrder::Monotonic
+            }
+            Role::Ironing => true,
+            _ => false,
+        };
+        let after = match swept {
+            true => sweep::after(&paths, angle, look.width),
+            false => Vec::new(),
+        };
+        let lines = paths.into_iter().map(|(_, l)| self.bead(role, l));
+        Fill {
+            lines: lines.collect(),
+            after,
+        }
+    }
+
+    /// A second pass over the parts that face upwards, one line's width off
+    /// their border.
+    fn ironing(&self, inside: &Area, sides: Sides<'_>) -> Option<Fill> {
+        let spacing = self.settings.ironing_spacing;
+        let top = match self.faces.above {
+            Some(above) if sides.above.0 != Covered::Not => {
+                open(inside, above.area)
+            }
+            _ => inside.clone(),
+        };
+        let inset = 0.5 * self.settings.top_skin_width();
+        let top = offset(&top, -inset, TOLERANCE);
+        let lines = Lines {
+            angle: self.angle,
+            spacing,
+            phase: 0.0,
+        };
+        let segments = hatch(&top, lines, inset);
+        let paths = segments.into_iter().map(|s| {
+            let line = Line {
+                points: vec![s.from, s.to],
+                closed: false,
+                width: spacing,
+                widths: Vec::new(),
+            };
+            (s.row, line)
+        });
+        let look = Look {
+            pattern: SkinPattern::Lines,
+            width: spacing,
+        };
+        let paths: Vec<(i64, Line)> = paths.collect();
+        (!paths.is_empty())
+            .then(|| self.fill(Role::Ironing, look, self.angle, paths))
+    }
+
+    fn bead(&self, role: Role, line: Line) -> Bead {
+        Bead {
+            role,
+            points: line.points,
+            closed: line.closed,
+            width: line.width,
+            widths: line.widths,
+            height: self.height,
+        }
+    }
+}
+
+/// The pieces of lines that have a role.
+fn cut_to(
+    paths: &[(i64, Line)],
+    role: Role,
+    sides: Sides<'_>,
+) -> Vec<(i64, Line)> {
+    let of = |(row, line): &(i64, Line)| {
+        let path = Path {
+            points: line.points.clone(),
+            widths: line.widths.clone(),
+        };
+        let (row, width) = (*row, line.width);
+        let pieces = sides.cut(path).into_iter();
+        pieces
+            .filter(move |(own, _)| *own == role)
+            .map(move |(_, p)| {
+                let line = Line {
+                    points: p.points,
+                    closed: false,
+                    width,
+                    widths: p.widths,
+                };
+                (row, line)
+            })
+    };
+    paths.iter().flat_map(of).collect()
+}

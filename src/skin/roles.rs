@@ -1,0 +1,267 @@
+//! What a place of the skin is: top, bottom or internal.
+//!
+//! The next layer's outline tells where skin faces upwards, that of the layer
+//! below where it faces downwards; what both cover is skin for a layer farther
+//! away. Lines are cut where they pass these outlines.
+
+use crate::bead::Role;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::path_length;
+use crate::region::cover::Covered;
+use crate::units::Mm;
+use glam::DVec2;
+
+/// The neighbours of an island of skin.
+#[derive(Clone, Copy)]
+pub(super) struct Sides<'a> {
+    /// What is above: how much of the island it covers, and where.
+    pub above: (Covered, Option<&'a EdgeGrid>),
+    /// What is below.
+    pub below: (Covered, Option<&'a EdgeGrid>),
+}
+
+/// A path with its widths, if they vary.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Path {
+    pub points: Vec<DVec2>,
+    pub widths: Vec<Mm>,
+}
+
+/// Pieces shorter than this go with what is beside them, mm.
+const SHORT: Mm = 1.0;
+
+impl Sides<'_> {
+    /// The role at a point.
+    pub fn role(&self, p: DVec2) -> Role {
+        let open = |side: (Covered, Option<&EdgeGrid>)| match side.0 {
+            Covered::Wholly => false,
+            Covered::Partly => side.1.is_none_or(|grid| !grid.contains(p)),
+            Covered::Not => true,
+        };
+        match () {
+            () if open(self.below) => Role::BottomSkin,
+            () if open(self.above) => Role::TopSkin,
+            () => Role::InternalSkin,
+        }
+    }
+
+    /// The role of all of the island, if it is the same everywhere.
+    pub fn only(&self) -> Option<Role> {
+        match (self.below.0, self.above.0) {
+            (Covered::Not, _) => Some(Role::BottomSkin),
+            (Covered::Wholly, Covered::Not) => Some(Role::TopSkin),
+            (Covered::Wholly, Covered::Wholly) => Some(Role::InternalSkin),
+            _ => None,
+        }
+    }
+
+    /// The role of most of a path.
+    pub fn most(&self, points: &[DVec2], closed: bool) -> Role {
+        if let Some(role) = self.only() {
+            return role;
+        }
+        let pieces = self.cut(Path {
+            points: points
+                .iter()
+                .chain(&points[..usize::from(closed)])
+                .copied()
+                .collect(),
+            widths: Vec::new(),
+        });
+        let mut lengths = [
+            (Role::BottomSkin, 0.0),
+            (Role::TopSkin, 0.0),
+            (Role::InternalSkin, 0.0),
+        ];
+        for (role, piece) in &pieces {
+            for (own, length) in &mut lengths {
+                if own == role {
+                    *length += path_length(&piece.points, false);
+                }
+            }
+        }
+        let most = lengths.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        most.map_or(Role::InternalSkin, |m| m.0)
+    }
+
+    /// A path in pieces of one role each.
+    pub fn cut(&self, path: Path) -> Vec<(Role, Path)> {
+        if let Some(role) = self.only() {
+            return vec![(role, path)];
+        }
+        let grids = [self.above, self.below]
+            .into_iter()
+            .filter(|s| s.0 == Covered::Partly)
+            .filter_map(|s| s.1);
+        let grids: Vec<&EdgeGrid> = grids.collect();
+        let mut pieces: Vec<(Role, Path)> = Vec::new();
+        for i in 1..path.points.len() {
+            let (a, b) = (path.points[i - 1], path.points[i]);
+            let widths = path.widths.get(i - 1..=i);
+            let width = |t: f64| widths.map(|w| w[0] + t * (w[1] - w[0]));
+            let mut cuts: Vec<f64> =
+                grids.iter().flat_map(|g| g.crossings(a, b)).collect();
+            cuts.sort_by(f64::total_cmp);
+            let mut from = 0.0;
+            for to in cuts.into_iter().chain([1.0]) {
+                if to - from <= 1e-9 {
+                    continue;
+                }
+                let role = self.role(a.lerp(b, 0.5 * (from + to)));
+                let end = if to < 1.0 { a.lerp(b, to) } else { b };
+                match pieces.last_mut() {
+                    Some((own, piece)) if *own == role => {
+                        if from > 0.0 {
+                            // Straight on.
+                            piece.points.pop();
+                            piece.widths.pop();
+                        }
+                        piece.points.push(end);
+                        piece.widths.extend(width(to));
+                    }
+                    _ => pieces.push((
+                        role,
+                        Path {
+                            points: vec![a.lerp(b, from), end],
+                            widths: [from, to]
+                                .into_iter()
+                                .filter_map(width)
+                                .collect(),
+                        },
+                    )),
+                }
+                from = to;
+            }
+        }
+        join_short(pieces)
+    }
+}
+
+/// Gives short pieces the role of the longer one beside them.
+fn join_short(mut pieces: Vec<(Role, Path)>) -> Vec<(Role, Path)> {
+    let length = |p: &(Role, Path)| path_length(&p.1.points, false);
+    loop {
+        let shortest = (0..pieces.len())
+            .min_by(|&i, &j| length(&pieces[i]).total_cmp(&length(&pieces[j])));
+        let Some(i) = shortest else { return pieces };
+        if pieces.len() < 2 || length(&pieces[i]) >= SHORT {
+            return pieces;
+        }
+        let before = i.checked_sub(1).map(|k| length(&pieces[k]));
+        let after = pieces.get(i + 1).map(length);
+        pieces[i].0 = match before >= after {
+            true => pieces[i - 1].0,
+            false => pieces[i + 1].0,
+        };
+        let mut joined: Vec<(Role, Path)> = Vec::new();
+        for (role, path) in pieces {
+            match joined.last_mut() {
+                Some((own, whole)) if *own == role => {
+                    whole.points.extend(path.points.into_iter().skip(1));
+                    whole.widths.extend(path.widths.into_iter().skip(1));
+                }
+                _ => joined.push((role, path)),
+            }
+        }
+        pieces = joined;
+    }
+}
+
+impl Path {
+    /// Length of the path.
+    pub fn length(&self) -> Mm {
+        path_length(&self.points, false)
+    }
+
+    /// Its part between two shares of its length.
+    pub fn part(&self, from: f64, to: f64) -> Path {
+        if from <= 0.0 && to >= 1.0 {
+            return self.clone();
+        }
+        let length = self.length();
+        let (from, to) = (from * length, to * length);
+        let mut part = Path {
+            points: Vec::new(),
+            widths: Vec::new(),
+        };
+        let mut done = 0.0;
+        for i in 1..self.points.len() {
+            let (a, b) = (self.points[i - 1], self.points[i]);
+            let step = a.distance(b);
+            let mut push = |at: Mm| {
+                let t = ((at - done) / step.max(1e-12)).clamp(0.0, 1.0);
+                part.points.push(a.lerp(b, t));
+                if let Some(w) = self.widths.get(i - 1..=i) {
+                    part.widths.push(w[0] + t * (w[1] - w[0]));
+                }
+            };
+            let (low, high) = (from.max(done), to.min(done + step));
+            if high > low {
+                if done <= from {
+                    push(low);
+                }
+                push(high);
+            }
+            done += step;
+        }
+        part
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::Area;
+
+    fn rect(x0: f64, x1: f64) -> EdgeGrid {
+        let ring = [(x0, -9.0), (x1, -9.0), (x1, 9.0), (x0, 9.0)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec();
+        EdgeGrid::new(&Area { rings: vec![ring] }, 1.0)
+    }
+
+    #[test]
+    fn a_line_is_cut_where_its_role_changes() {
+        // Below ends at 3; above begins at 5, and has a slit near 8.
+        let (below, left) = (rect(3.0, 20.0), rect(5.0, 20.0));
+        let sides = Sides {
+            above: (Covered::Partly, Some(&left)),
+            below: (Covered::Partly, Some(&below)),
+        };
+        let path = Path {
+            points: vec![DVec2::ZERO, DVec2::X * 4.0, DVec2::X * 10.0],
+            widths: vec![0.4, 0.4, 0.7],
+        };
+        let pieces = sides.cut(path.clone());
+        let roles: Vec<Role> = pieces.iter().map(|p| p.0).collect();
+        use Role::{BottomSkin, InternalSkin, TopSkin};
+        assert_eq!(roles, [BottomSkin, TopSkin, InternalSkin]);
+        let lengths: Vec<f64> = pieces.iter().map(|p| p.1.length()).collect();
+        for (l, e) in lengths.iter().zip([3.0, 2.0, 5.0]) {
+            assert!((l - e).abs() < 1e-9, "{lengths:?}");
+        }
+        assert_eq!(pieces[1].1.widths, [0.4, 0.4, 0.45]);
+        assert_eq!(sides.most(&path.points, false), InternalSkin);
+        // A top 0.5 mm long is none.
+        let above = rect(3.5, 20.0);
+        let sides = Sides {
+            above: (Covered::Partly, Some(&above)),
+            ..sides
+        };
+        let roles: Vec<Role> = sides.cut(path).iter().map(|p| p.0).collect();
+        assert_eq!(roles, [BottomSkin, InternalSkin]);
+    }
+
+    #[test]
+    fn a_part_of_a_path_keeps_its_widths() {
+        let path = Path {
+            points: vec![DVec2::ZERO, DVec2::X * 4.0, DVec2::X * 10.0],
+            widths: vec![0.4, 0.4, 0.7],
+        };
+        let part = path.part(0.2, 0.6);
+        let x: Vec<f64> = part.points.iter().map(|p| p.x).collect();
+        assert_eq!(x, [2.0, 4.0, 6.0]);
+        assert!((part.widths[2] - 0.5).abs() < 1e-9);
+        assert_eq!(path.part(0.0, 1.0), path);
+    }
+}

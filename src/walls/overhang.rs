@@ -1,0 +1,318 @@
+//! Which parts of the walls hang over the layer below.
+//!
+//! ```text
+//!   ───┄┄┄┄┄┄┄┄┄───     a wall's centre line, dotted where the layer below
+//!   ▒▒▒╲       ╱▒▒▒     (▒) does not hold it; it is cut there into pieces
+//!   ▒▒▒▒╲_____╱▒▒▒▒     that follow each other without a travel
+//! ```
+//!
+//! In: a layer's beads in print order, and the solid of the layer below. Out:
+//! the same beads, walls and gaps between them cut where they begin or cease
+//! to hang. A wall that has grown wider reaches another one beside it, which
+//! holds it, and is left as it is. By how much a bead may hang over is a share of its width: at half
+//! of it, it is the centre line that must not leave the solid.
+
+use crate::bead::{Bead, Role};
+use crate::plane::Area;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::offset::offset;
+use crate::plane::path_length;
+use crate::settings::Settings;
+use crate::units::Mm;
+use glam::DVec2;
+
+/// What holds a layer's walls.
+pub struct Support<'a> {
+    solid: &'a EdgeGrid,
+    /// The solid shrunk or grown, if not half of a wall may hang over.
+    moved: Option<EdgeGrid>,
+    /// Widths beyond which outer and inner walls reach what is beside them.
+    wide: [Mm; 2],
+}
+
+/// Shorter pieces, and shorter gaps between two, go with what is beside
+/// them, mm.
+const SHORT: Mm = 1.0;
+/// Share by which a wall that reaches what is beside it is wider than usual.
+const WIDER: f64 = 0.1;
+/// Tolerance of the moved solid, mm.
+const TOLERANCE: Mm = 0.01;
+
+impl<'a> Support<'a> {
+    /// The solid of the layer below, `area`, of which `solid` is the grid;
+    /// nothing if no wall is to be an overhang.
+    pub fn new(
+        area: &Area,
+        solid: &'a EdgeGrid,
+        settings: &Settings,
+    ) -> Option<Support<'a>> {
+        let share = settings.overhang_share;
+        if share >= 100.0 {
+            return None;
+        }
+        let by = (0.01 * share - 0.5) * settings.outer_wall_width;
+        let moved = (by != 0.0)
+            .then(|| EdgeGrid::new(&offset(area, by, TOLERANCE), 1.0));
+        let wide = [settings.outer_wall_width, settings.inner_wall_width];
+        Some(Support {
+            solid,
+            moved,
+            wide: wide.map(|w| w * (1.0 + WIDER)),
+        })
+    }
+
+    /// The beads, cut where they begin or cease to hang.
+    pub fn cut(&self, beads: Vec<Bead>) -> Vec<Bead> {
+        let mut out = Vec::with_capacity(beads.len());
+        for bead in beads {
+            match bead.role {
+                Role::OuterWall | Role::InnerWall => {
+                    self.cut_one(bead, &mut out);
+                }
+                _ => out.push(bead),
+            }
+        }
+        out
+    }
+
+    fn cut_one(&self, bead: Bead, out: &mut Vec<Bead>) {
+        let grid = self.moved.as_ref().unwrap_or(self.solid);
+        let n = bead.points.len();
+        // Where along the bead, as segment + share of it, edges are crossed.
+        let mut cuts: Vec<f64> = Vec::new();
+        for (i, (a, b)) in bead.segments().enumerate() {
+            let first = cuts.len();
+            cuts.extend(grid.crossings(a, b).iter().map(|t| i as f64 + t));
+            cuts[first..].sort_by(f64::total_cmp);
+        }
+        let usual = match bead.role {
+            Role::OuterWall => self.wide[0],
+            _ => self.wide[1],
+        };
+        if !bead.widths.is_empty() {
+            let wide = |i: usize| bead.widths.get(i % n) > Some(&usual);
+            let change = (0..n).filter(|&i| wide(i) != wide(i + 1));
+            cuts.extend(change.flat_map(|i| [i as f64, (i + 1) as f64]));
+            cuts.sort_by(f64::total_cmp);
+        }
+        cuts.dedup_by(|a, b| *a - *b < 1e-9);
+        let segments = if bead.closed { n } else { n.saturating_sub(1) };
+        if segments == 0 {
+            out.push(bead);
+            return;
+        }
+        cuts.retain(|c| *c < segments as f64);
+        let mut ends = vec![0.0];
+        ends.extend(cuts);
+        ends.push(segments as f64);
+        let mut pieces: Vec<Piece> = Vec::new();
+        for pair in ends.windows(2) {
+            if pair[1] - pair[0] < 1e-9 {
+                continue;
+            }
+            let (middle, width) = at(&bead, 0.5 * (pair[0] + pair[1]));
+            let wide = width.unwrap_or(bead.width) > usual;
+            let piece = Piece {
+                from: pair[0],
+                to: pair[1],
+                hangs: !wide && !grid.contains(middle),
+                wide,
+            };
+            add(&mut pieces, piece);
+        }
+        let pieces = join(pieces, &bead);
+        if let [one] = pieces.as_slice() {
+            let role = if one.hangs { Role::Overhang } else { bead.role };
+            out.push(Bead { role, ..bead });
+            return;
+        }
+        out.extend(pieces.iter().map(|piece| part(&bead, piece)));
+    }
+}
+
+/// A part of a bead, in segments.
+#[derive(Clone, Copy)]
+struct Piece {
+    from: f64,
+    to: f64,
+    hangs: bool,
+    /// It reaches what is beside it, in part at least.
+    wide: bool,
+}
+
+/// Adds a piece, to the last one if it is like it.
+fn add(pieces: &mut Vec<Piece>, piece: Piece) {
+    match pieces.last_mut() {
+        Some(last) if last.hangs == piece.hangs => {
+            last.to = piece.to;
+            last.wide |= piece.wide;
+        }
+        _ => pieces.push(piece),
+    }
+}
+
+/// A bead's point and width at a place along it.
+fn at(bead: &Bead, place: f64) -> (DVec2, Option<Mm>) {
+    let n = bead.points.len();
+    let i = (place as usize).min(if bead.closed { n - 1 } else { n - 2 });
+    let (t, next) = (place - i as f64, (i + 1) % n);
+    let widths = bead.widths.get(i).zip(bead.widths.get(next));
+    (
+        bead.points[i].lerp(bead.points[next], t),
+        widths.map(|(a, b)| a + t * (b - a)),
+    )
+}
+
+/// The bead's part, with its points between the ends.
+fn part(bead: &Bead, piece: &Piece) -> Bead {
+    let n = bead.points.len();
+    let (mut points, mut widths) = (Vec::new(), Vec::new());
+    let mut push = |place: f64| {
+        let (p, w) = at(bead, place);
+        points.push(p);
+        widths.extend(w);
+    };
+    push(piece.from);
+    for i in piece.from as usize + 1..piece.to.ceil() as usize {
+        if i as f64 > piece.from {
+            push(i as f64);
+        }
+    }
+    push(piece.to);
+    // Exactly where the loop closes: the next piece must find it.
+    if bead.closed && piece.to >= n as f64 {
+        points.pop();
+        points.push(bead.points[0]);
+    }
+    Bead {
+        role: if piece.hangs {
+            Role::Overhang
+        } else {
+            bead.role
+        },
+        points,
+        widths,
+        closed: false,
+        ..*bead
+    }
+}
+
+/// Joins short pieces to those beside them: what holds between two hanging
+/// pieces hangs with them, and a short one that hangs does not count.
+fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
+    let length = |p: &Piece| path_length(&part(bead, p).points, false);
+    // Gaps between hanging pieces first, so that a row of short ones counts.
+    for hangs in [false, true] {
+        let last = pieces.len().saturating_sub(1);
+        for (i, piece) in pieces.iter_mut().enumerate() {
+            // The ends of a bead have but one neighbour.
+            let inside = i > 0 && i < last;
+            let short = piece.hangs == hangs && length(piece) < SHORT;
+            if short && (hangs || inside) && !piece.wide {
+                piece.hangs = !hangs;
+            }
+        }
+        let mut joined: Vec<Piece> = Vec::new();
+        for piece in pieces {
+            add(&mut joined, piece);
+        }
+        pieces = joined;
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<DVec2> {
+        [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec()
+    }
+
+    fn wall(points: Vec<DVec2>) -> Bead {
+        Bead {
+            role: Role::OuterWall,
+            points,
+            closed: true,
+            width: 0.4,
+            widths: Vec::new(),
+            height: 0.2,
+        }
+    }
+
+    fn cut(bead: Bead, below: Vec<DVec2>, share: f64) -> Vec<Bead> {
+        let settings = Settings {
+            overhang_share: share,
+            outer_wall_width: 0.4,
+            ..Settings::default()
+        };
+        let area = Area { rings: vec![below] };
+        let grid = EdgeGrid::new(&area, 1.0);
+        let support = Support::new(&area, &grid, &settings);
+        support.map_or(vec![bead.clone()], |s| s.cut(vec![bead]))
+    }
+
+    fn lengths(beads: &[Bead]) -> Vec<(Role, f64)> {
+        beads.iter().map(|b| (b.role, b.length())).collect()
+    }
+
+    #[test]
+    fn a_wall_is_cut_where_it_leaves_the_layer_below() {
+        // The layer below ends at x = 6; the wall goes on to 10.
+        let loop_ = wall(rect(0.0, 0.0, 10.0, 4.0));
+        let below = rect(-1.0, -1.0, 6.0, 5.0);
+        let pieces = cut(loop_.clone(), below.clone(), 50.0);
+        let found = lengths(&pieces);
+        let expected = [
+            (Role::OuterWall, 6.0),
+            (Role::Overhang, 12.0),
+            (Role::OuterWall, 10.0),
+        ];
+        assert_eq!(found.len(), 3, "{found:?}");
+        for ((role, is), (own, should)) in found.iter().zip(expected) {
+            assert_eq!(*role, own);
+            assert!((is - should).abs() < 1e-9);
+        }
+        // One path without a gap, back to where it began.
+        for pair in pieces.windows(2) {
+            assert_eq!(pair[0].points.last(), pair[1].points.first());
+        }
+        assert_eq!(pieces[2].points.last(), pieces[0].points.first());
+        // A quarter of the width less, or more, moves the cut by 0.1 mm.
+        for (share, reach) in [(25.0, 5.9), (75.0, 6.1)] {
+            let found = lengths(&cut(loop_.clone(), below.clone(), share));
+            assert!((found[0].1 - reach).abs() < 1e-4, "{found:?}");
+        }
+        let whole = vec![loop_.clone()];
+        assert_eq!(cut(loop_.clone(), below, 100.0), whole);
+        let wide = rect(-1.0, -1.0, 11.0, 5.0);
+        assert_eq!(cut(loop_.clone(), wide, 50.0), whole);
+        let away = rect(50.0, 0.0, 51.0, 1.0);
+        let all = cut(loop_, away, 50.0);
+        assert_eq!((all.len(), all[0].role), (1, Role::Overhang));
+        assert!(all[0].closed);
+    }
+
+    #[test]
+    fn widths_go_with_their_pieces_and_short_ones_do_not_count() {
+        let mut bead = wall(rect(0.0, 0.0, 10.0, 4.0));
+        bead.widths = vec![0.36, 0.4, 0.4, 0.36];
+        let pieces = cut(bead.clone(), rect(-1.0, -1.0, 5.0, 5.0), 50.0);
+        assert!((pieces[0].widths[1] - 0.38).abs() < 1e-9);
+        assert!(pieces.iter().all(|p| p.widths.len() == p.points.len()));
+        // One side is wider and leans on another wall.
+        let mut wide = bead.clone();
+        wide.widths = vec![0.4, 0.4, 0.6, 0.6];
+        let pieces = cut(wide, rect(-1.0, -1.0, 5.0, 5.0), 50.0);
+        let found = lengths(&pieces);
+        assert_eq!(found.len(), 3, "{found:?}");
+        assert!((found[1].1 - 7.0).abs() < 2.1 && found[1].0 == Role::Overhang);
+        // A notch 0.5 mm wide in the layer below.
+        let mut below = rect(-1.0, -1.0, 11.0, 5.0);
+        let notch = [(5.0, -1.0), (5.0, 1.0), (5.5, 1.0), (5.5, -1.0)];
+        below.splice(1..1, notch.map(|(x, y)| DVec2::new(x, y)));
+        assert_eq!(cut(bead.clone(), below, 50.0), [bead]);
+    }
+}
