@@ -4,7 +4,8 @@
 //! layer hands to the next passes through here, and is forgotten at the
 //! beginning of every block: see [`Exit::restart`].
 
-use super::stages::Shell;
+use super::stages::{Filled, Shell};
+use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
 use crate::gcode::{Totals, Writer};
 use crate::layers::LayerSpan;
@@ -12,7 +13,7 @@ use crate::order::{Head, LayerBeads, order};
 use crate::pace::Pacer;
 use crate::plane::Rect;
 use crate::preview::Pictures;
-use crate::report::{self, LayerFigures};
+use crate::report;
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Move, connect};
@@ -36,6 +37,7 @@ pub(super) struct Exit<'a, 'w> {
     next: usize,
     timings: &'a Timings,
     beads: usize,
+    tally: Tally,
     warnings: Vec<String>,
     figures: report::Tally,
 }
@@ -44,6 +46,8 @@ pub(super) struct Exit<'a, 'w> {
 pub(super) struct Done {
     /// Beads printed.
     pub beads: usize,
+    /// What was counted.
+    pub tally: Tally,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// What the print takes.
@@ -76,6 +80,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             layers,
             timings,
             beads: 0,
+            tally: Tally::default(),
             warnings: Vec::new(),
             figures: report::Tally::default(),
         }
@@ -95,15 +100,22 @@ impl<'a, 'w> Exit<'a, 'w> {
     pub fn layer(
         &mut self,
         shell: &Shell,
-        mut beads: LayerBeads,
-        figures: Option<LayerFigures>,
+        filled: Filled,
     ) -> Result<(), SliceError> {
+        let Filled {
+            mut beads,
+            gap,
+            figures,
+        } = filled;
         let index = shell.span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {
             self.restart(&shell.span);
         }
         self.drop_skirt_off_the_bed(&mut beads, index);
         let written = self.layers.contains(&index);
+        if written {
+            self.tally.add(&shell.outline, gap);
+        }
         let from = self.head.at;
         let outline = &shell.outline.area;
         let path = self.timings.time(Stage::Travel, || {
@@ -162,6 +174,7 @@ impl<'a, 'w> Exit<'a, 'w> {
     pub fn finish(self) -> Result<Done, SliceError> {
         Ok(Done {
             beads: self.beads,
+            tally: self.tally,
             warnings: self.warnings,
             totals: self.writer.finish()?,
             figures: self.figures,

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   slabs of layers, in parallel     layers, in parallel      in order
-//!   field → contour → walls      ──► skin, infill         ──► order, travel,
+//!   field → contour              ──► walls, skin, infill  ──► order, travel,
 //!                                    (needs neighbours)       pace, G-code
 //! ```
 //!
@@ -47,7 +47,6 @@ use std::collections::VecDeque;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use tally::Tally;
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
@@ -180,7 +179,6 @@ pub fn slice(
         writer,
         settings,
     );
-    let mut tally = Tally::default();
 
     // As many slabs at a time as there are threads. A slab is the unit in
     // which the field is walked, so the division must depend neither on them
@@ -209,13 +207,8 @@ pub fn slice(
         let Some(shells) = next.take() else { break };
         for mut shell in shells? {
             // Also where one slab ends and the next begins.
-            if let Some(below) = window.back()
-                && below.outline == shell.outline
-            {
-                shell.outline = below.outline.clone();
-            }
-            if layers.contains(&shell.span.index) {
-                tally.add(&shell);
+            if let Some(below) = window.back() {
+                shell.share(below);
             }
             window.push_back(shell);
         }
@@ -237,7 +230,7 @@ pub fn slice(
         }
     }
     let done = exit.finish()?;
-    let mut warnings = done.warnings;
+    let (tally, mut warnings) = (done.tally, done.warnings);
     let all = layers == (0..spans.len());
     if done.beads == 0 && all {
         return Err(SliceError::NothingToPrint);
