@@ -47,7 +47,7 @@ pub fn ridges(
     for ring in &area.rings {
         let balls = border.balls(ring, first_edge);
         split_runs(&balls, grid, &mut runs);
-        first_edge += ring.len();
+        first_edge += EdgeGrid::numbers(std::slice::from_ref(ring));
     }
     join(&mut runs, grid);
     runs.into_iter()
