@@ -266,6 +266,31 @@ mod tests {
     }
 
     #[test]
+    fn sweeps_too_large_for_one_are_cut() {
+        const N: u32 = 161;
+        let squares = |x0: f64| Area {
+            rings: (0..N * N)
+                .map(|i| (x0 + f64::from(i % N), f64::from(i / N)))
+                .flat_map(|(x, y)| rect(x, y, x + 0.6, y + 0.6).rings)
+                .collect(),
+        };
+        let (a, cover) = (squares(0.0), squares(0.2));
+        assert!(edge_count(&a) + edge_count(&cover) > 2 * SWEEP_EDGES);
+        let open = not_covered_by_all(&a, &[&cover, &a]);
+        let exact = f64::from(N * N) * 0.2 * 0.6;
+        assert!((open.content() - exact).abs() < 1e-3, "{}", open.content());
+        // What is cut is in two islands, and all else in one.
+        let islands = open.islands();
+        assert!(islands.len() >= (N * N) as usize);
+        assert!(islands.iter().all(|i| i.content() < 0.2 * 0.6 + 1e-6));
+        // Where a cover is far away, all is open.
+        let far = squares(120.3);
+        let open = not_covered_by_all(&a, &[&far, &a]).content();
+        let both = intersection(&a, &far).content();
+        assert!((open - (a.content() - both)).abs() < 1e-3, "{open}");
+    }
+
+    #[test]
     fn uncovered_is_the_union_over_the_covers() {
         let a = rect(0.0, 0.0, 10.0, 10.0);
         let left = rect(-1.0, -1.0, 7.0, 11.0);

@@ -51,9 +51,18 @@ impl Seen {
     }
 
     fn add(&mut self, edge: usize, from: Mm, to: Mm) {
+        let (low, high) = (from.min(to), from.max(to));
+        // Along a long edge each goes on where the one before ends: kept
+        // apart, all of them would be looked through for every ball.
+        if let Some(s) = self.stretches.get_mut(self.last[edge] as usize)
+            && low <= s.1
+            && s.0 <= high
+        {
+            (s.0, s.1) = (s.0.min(low), s.1.max(high));
+            return;
+        }
         let entry = self.stretches.len() as u32;
-        self.stretches
-            .push((from.min(to), from.max(to), self.last[edge]));
+        self.stretches.push((low, high, self.last[edge]));
         self.last[edge] = entry;
     }
 
