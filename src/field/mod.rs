@@ -53,7 +53,7 @@ pub const NODES: usize = LEAF + 1;
 pub const SLAB: usize = 32;
 /// Cells in a slab of a large lattice, at most: what its layers' outlines need of
 /// memory is then bounded by the bed and not by the part's height.
-const SLAB_CELLS: usize = 32_000_000;
+const SLAB_CELLS: usize = 16_000_000;
 
 /// Why a field cannot be evaluated.
 #[derive(Debug, thiserror::Error)]

@@ -62,6 +62,9 @@ const WIDTH: u32 = 4;
 const COARSE: u32 = 1;
 /// Millimetres in a unit of the last decimal of a coordinate.
 const MICRON: f64 = 1e-3;
+/// Text after which the buffer is emptied, bytes: a large layer's is many
+/// times that.
+const FULL: usize = 1 << 16;
 /// Units of the last decimal of filament in a millimetre.
 const E_UNITS: f64 = 1e5;
 
@@ -207,7 +210,7 @@ impl<'a, W: Write> Writer<'a, W> {
             out,
             settings,
             end,
-            buffer: Vec::with_capacity(1 << 16),
+            buffer: Vec::with_capacity(2 * FULL),
             totals: Totals::default(),
             layer: 0,
             xy: None,
@@ -308,7 +311,7 @@ impl<'a, W: Write> Writer<'a, W> {
     /// If the output cannot be written, or a number is none.
     pub fn layer(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
         let before = self.filament.exact;
-        self.compose(layer)?;
+        self.compose(layer, Self::flush)?;
         self.totals.filament_length += self.filament.exact - before;
         self.totals.time += layer.time;
         self.totals.layers += 1;
@@ -321,9 +324,12 @@ impl<'a, W: Write> Writer<'a, W> {
     /// # Errors
     /// If a number is none.
     pub fn rehearse(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
-        self.compose(layer)?;
-        self.buffer.clear();
-        Ok(())
+        let forget = |writer: &mut Self| {
+            writer.buffer.clear();
+            Ok(())
+        };
+        self.compose(layer, forget)?;
+        forget(self)
     }
 
     /// Forgets what the machine has been told, as if the next layer were
@@ -344,8 +350,12 @@ impl<'a, W: Write> Writer<'a, W> {
         };
     }
 
-    /// The text of a layer.
-    fn compose(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
+    /// The text of a layer; `pass_on` empties the buffer whenever it is full.
+    fn compose(
+        &mut self,
+        layer: &PacedLayer,
+        pass_on: impl Fn(&mut Self) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
         self.layer = layer.span.index;
         self.line(";LAYER_CHANGE");
         let z = self.count("z", layer.span.top, XYZ)?;
@@ -372,6 +382,9 @@ impl<'a, W: Write> Writer<'a, W> {
         self.set_fan(layer.fan);
         for step in &layer.moves {
             self.step(step)?;
+            if self.buffer.len() >= FULL {
+                pass_on(self)?;
+            }
         }
         self.count("time", layer.time, XYZ)?;
         Ok(())

@@ -4,7 +4,8 @@
 //! layer hands to the next passes through here, and is forgotten at the
 //! beginning of every block: see [`Exit::restart`].
 
-use super::stages::Shell;
+use super::stages::{Filled, Shell};
+use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
 use crate::bead::Bead;
 use crate::gcode::{Totals, Writer};
@@ -14,7 +15,7 @@ use crate::pace::Pacer;
 use crate::plane::Rect;
 use crate::preview::Pictures;
 use crate::region::floating::floating;
-use crate::report::{self, LayerFigures};
+use crate::report;
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Move, connect};
@@ -40,6 +41,7 @@ pub(super) struct Exit<'a, 'w> {
     next: usize,
     timings: &'a Timings,
     beads: usize,
+    tally: Tally,
     warnings: Vec<String>,
     /// Where islands inside the part begin in the air: how often, and where
     /// first.
@@ -51,6 +53,8 @@ pub(super) struct Exit<'a, 'w> {
 pub(super) struct Done {
     /// Beads printed.
     pub beads: usize,
+    /// What was counted.
+    pub tally: Tally,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// What the print takes.
@@ -83,6 +87,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             layers,
             timings,
             beads: 0,
+            tally: Tally::default(),
             warnings: Vec::new(),
             floating: (0, None),
             figures: report::Tally::default(),
@@ -104,15 +109,22 @@ impl<'a, 'w> Exit<'a, 'w> {
         &mut self,
         shell: &Shell,
         below: Option<&Shell>,
-        mut beads: LayerBeads,
-        figures: Option<LayerFigures>,
+        filled: Filled,
     ) -> Result<(), SliceError> {
+        let Filled {
+            mut beads,
+            gap,
+            figures,
+        } = filled;
         let index = shell.span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {
             self.restart(&shell.span);
         }
         self.drop_skirt_off_the_bed(&mut beads, index);
         let written = self.layers.contains(&index);
+        if written {
+            self.tally.add(&shell.outline, gap);
+        }
         if written && let Some(below) = below {
             self.look_for_floating(shell, below);
         }
@@ -224,6 +236,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         self.warnings.extend(self.floating_warning());
         Ok(Done {
             beads: self.beads,
+            tally: self.tally,
             warnings: self.warnings,
             totals: self.writer.finish()?,
             figures: self.figures,

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   slabs of layers, in parallel     layers, in parallel      in order
-//!   field → contour → walls      ──► skin, infill         ──► order, travel,
+//!   field → contour              ──► walls, skin, infill  ──► order, travel,
 //!                                    (needs neighbours)       pace, G-code
 //! ```
 //!
@@ -51,7 +51,6 @@ use std::collections::VecDeque;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use tally::Tally;
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
@@ -196,7 +195,6 @@ pub fn slice(
         writer,
         Pacer::new(settings, rater),
     );
-    let mut tally = Tally::default();
 
     // As many slabs at a time as there are threads. A slab is the unit in
     // which the field is walked, so the division must depend neither on them
@@ -225,13 +223,8 @@ pub fn slice(
         let Some(shells) = next.take() else { break };
         for mut shell in shells? {
             // Also where one slab ends and the next begins.
-            if let Some(below) = window.back()
-                && below.outline == shell.outline
-            {
-                shell.outline = below.outline.clone();
-            }
-            if layers.contains(&shell.span.index) {
-                tally.add(&shell);
+            if let Some(below) = window.back() {
+                shell.share(below);
             }
             window.push_back(shell);
         }
@@ -253,7 +246,7 @@ pub fn slice(
         }
     }
     let done = exit.finish()?;
-    let mut warnings = done.warnings;
+    let (tally, mut warnings) = (done.tally, done.warnings);
     let all = layers == (0..spans.len());
     if done.beads == 0 && all {
         return Err(SliceError::NothingToPrint);

@@ -22,7 +22,7 @@ use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
-use crate::units::Mm;
+use crate::units::{Mm, Mm2};
 use crate::vary::Surroundings;
 use crate::{skin, walls};
 use glam::DVec2;
@@ -42,16 +42,24 @@ const BATCH_POINTS: usize = 100_000;
 /// Heights closer than this differ by rounding only, mm.
 const SAME_HEIGHT: Mm = 1e-9;
 
-/// A layer whose outline and walls are known. Layers that are the same as
-/// the one below, as those of a prism are, share all of it.
+/// A layer whose outline is known. Layers that are the same as the one below,
+/// as those of a prism are, share all of it.
 pub(super) struct Shell {
     pub span: LayerSpan,
     pub outline: Arc<Outline>,
     /// The outline again, for asking what is where.
     pub solid: Arc<EdgeGrid>,
-    pub walls: Arc<Walls>,
+    /// The outlines of the offset fields, if walls are made of these.
+    offsets: Arc<Vec<Area>>,
+    /// What is inside, as long as a layer above may be the same.
+    inside: Option<Arc<Inside>>,
+}
+
+/// What a layer's outline encloses.
+struct Inside {
+    walls: Walls,
     /// What sparse infill fits into.
-    roomy: Arc<Area>,
+    roomy: Area,
 }
 
 impl Shell {
@@ -67,10 +75,31 @@ impl Shell {
             grid: &self.solid,
         }
     }
+    /// Shares with the layer below what is the same.
+    pub fn share(&mut self, below: &Shell) {
+        if below.outline == self.outline && self.offsets.is_empty() {
+            self.outline = below.outline.clone();
+            self.solid = below.solid.clone();
+        }
+    }
+
+    /// True if the layer below has the same walls.
+    fn same(&self, below: &Shell) -> bool {
+        let dh = below.span.height() - self.span.height();
+        dh.abs() < SAME_HEIGHT
+            && Arc::ptr_eq(&self.outline, &below.outline)
+            && self.offsets.is_empty()
+    }
 }
 
-/// A layer's beads, and how far it is off if it was measured.
-type Done = (LayerBeads, Option<LayerFigures>);
+/// A layer that has been filled.
+pub(super) struct Filled {
+    pub beads: LayerBeads,
+    /// Area of gaps that nothing fills.
+    pub gap: Mm2,
+    /// How far it is off, if it was measured.
+    pub figures: Option<LayerFigures>,
+}
 
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
@@ -168,7 +197,7 @@ impl<'a> Stages<'a> {
         slope_layers(self.bottom_layers).max(1)
     }
 
-    /// Outlines and walls of a slab's layers, as far as they are needed.
+    /// Outlines of a slab's layers, as far as they are needed.
     pub fn shells(
         &self,
         spans: &[LayerSpan],
@@ -190,60 +219,50 @@ impl<'a> Stages<'a> {
             .collect::<Result<Vec<_>, FieldError>>()?;
         let mut shells: Vec<Shell> = Vec::with_capacity(spans.len());
         for (&span, outline) in spans.iter().zip(outlines_of_slab) {
-            let areas: Vec<Area> = offset_outlines
+            let offsets: Vec<Area> = offset_outlines
                 .iter_mut()
                 .filter_map(|o| o.next().map(|o| o.area))
                 .collect();
             if !needed.contains(&span.index) {
                 continue;
             }
-            let same = shells.last().filter(|below| {
-                let dh = below.span.height() - span.height();
-                dh.abs() < SAME_HEIGHT
-                    && areas.is_empty()
-                    && *below.outline == outline
-            });
-            let shell = match same {
-                Some(below) => Shell {
-                    span,
-                    outline: below.outline.clone(),
-                    solid: below.solid.clone(),
-                    walls: below.walls.clone(),
-                    roomy: below.roomy.clone(),
-                },
-                None => self.shell(span, outline, areas),
+            let same = shells.last().filter(|below| *below.outline == outline);
+            let solid = match same {
+                Some(below) => below.solid.clone(),
+                None => Arc::new(EdgeGrid::new(&outline.area, 1.0)),
             };
-            shells.push(shell);
+            let outline = match same {
+                Some(below) => below.outline.clone(),
+                None => Arc::new(outline),
+            };
+            shells.push(Shell {
+                span,
+                outline,
+                solid,
+                offsets: Arc::new(offsets),
+                inside: None,
+            });
         }
         Ok(shells)
     }
 
-    /// A layer's walls; from the outlines `areas` of the offset fields, if
-    /// there are any.
-    fn shell(
-        &self,
-        span: LayerSpan,
-        outline: Outline,
-        areas: Vec<Area>,
-    ) -> Shell {
-        let height = span.height();
+    /// A layer's walls and what they leave.
+    fn inside(&self, shell: &Shell) -> Inside {
+        let height = shell.span.height();
         let walls = self.timings.time(Stage::Walls, || {
-            let outline = &outline.area;
-            match areas.is_empty() {
+            let outline = &shell.outline.area;
+            match shell.offsets.is_empty() {
                 true => walls(outline, height, self.settings),
-                false => field_walls(outline, areas, height, self.settings),
+                false => {
+                    let areas = shell.offsets.to_vec();
+                    field_walls(outline, areas, height, self.settings)
+                }
             }
         });
         let roomy = self
             .timings
             .time(Stage::Skin, || roomy(&walls.fill, self.settings));
-        Shell {
-            span,
-            solid: Arc::new(EdgeGrid::new(&outline.area, 1.0)),
-            outline: Arc::new(outline),
-            walls: Arc::new(walls),
-            roomy: Arc::new(roomy),
-        }
+        Inside { walls, roomy }
     }
 
     /// Fills, orders and writes the window's layers whose upper neighbours
@@ -275,28 +294,10 @@ impl<'a> Stages<'a> {
             if ready.is_empty() {
                 return Ok(());
             }
-            let shells: &VecDeque<Shell> = window;
-            let done: Vec<Result<Done, SliceError>> = pool.install(|| {
-                ready
-                    .clone()
-                    .into_par_iter()
-                    .map(|i| {
-                        let index = shells[i].span.index;
-                        let figures = match of_run.contains(&index) {
-                            true => {
-                                let k = index - of_run.start;
-                                self.figures(&shells[i], k)?
-                            }
-                            false => None,
-                        };
-                        Ok((self.beads(shells, i)?, figures))
-                    })
-                    .collect()
-            });
-            for (i, done) in ready.zip(done) {
-                let (beads, figures) = done?;
+            let filled = self.fill(pool, window, ready.clone(), &of_run)?;
+            for (i, filled) in ready.zip(filled) {
                 let below = i.checked_sub(1).and_then(|k| window.get(k));
-                exit.layer(&window[i], below, beads, figures)?;
+                exit.layer(&window[i], below, filled)?;
             }
             let keep = exit.next().saturating_sub(self.reach_below());
             while window.front().is_some_and(|s| s.span.index < keep) {
@@ -305,10 +306,73 @@ impl<'a> Stages<'a> {
         }
     }
 
+    /// Fills some layers of the window.
+    fn fill(
+        &self,
+        pool: &rayon::ThreadPool,
+        window: &mut VecDeque<Shell>,
+        which: Range<usize>,
+        of_run: &Range<usize>,
+    ) -> Result<Vec<Filled>, SliceError> {
+        // Layers that are the same, together.
+        let mut groups: Vec<Range<usize>> = Vec::new();
+        for i in which {
+            match groups.last_mut() {
+                Some(group) if window[i].same(&window[i - 1]) => {
+                    group.end = i + 1;
+                }
+                _ => groups.push(i..i + 1),
+            }
+        }
+        let shells: &VecDeque<Shell> = window;
+        let fill = |i: usize, inside: &Inside| {
+            let figures = match of_run.contains(&shells[i].span.index) {
+                true => self.figures(
+                    &shells[i],
+                    &inside.walls,
+                    shells[i].span.index - of_run.start,
+                )?,
+                false => None,
+            };
+            Ok(Filled {
+                beads: self.beads(shells, i, inside)?,
+                gap: inside.walls.gap,
+                figures,
+            })
+        };
+        let fill_group = |group: &Range<usize>| {
+            let first = group.start;
+            let below = first
+                .checked_sub(1)
+                .map(|k| &shells[k])
+                .filter(|below| shells[first].same(below))
+                .and_then(|below| below.inside.clone());
+            let inside =
+                below.unwrap_or_else(|| Arc::new(self.inside(&shells[first])));
+            let filled = group.clone().into_par_iter();
+            let filled: Result<Vec<Filled>, SliceError> =
+                filled.map(|i| fill(i, &inside)).collect();
+            Ok((filled?, inside))
+        };
+        let done: Result<Vec<_>, SliceError> =
+            pool.install(|| groups.par_iter().map(fill_group).collect());
+        let mut all = Vec::new();
+        for (group, (filled, inside)) in groups.iter().zip(done?) {
+            all.extend(filled);
+            let last = group.end - 1;
+            let again = |above: &Shell| above.same(&window[last]);
+            if window.get(group.end).is_none_or(again) {
+                window[last].inside = Some(inside);
+            }
+        }
+        Ok(all)
+    }
+
     /// How far the `k`th layer of the run is off, if it is to be measured.
     fn figures(
         &self,
         shell: &Shell,
+        walls: &Walls,
         k: usize,
     ) -> Result<Option<LayerFigures>, ReportError> {
         let parts = LayerParts {
@@ -316,7 +380,7 @@ impl<'a> Stages<'a> {
             z: shell.span.sample_z() + self.bed,
             outline: &shell.outline,
             edges: &shell.solid,
-            walls: &shell.walls,
+            walls,
         };
         self.timings
             .time(Stage::Report, || self.gauge.layer(parts, k))
@@ -327,9 +391,11 @@ impl<'a> Stages<'a> {
         &self,
         window: &VecDeque<Shell>,
         i: usize,
+        inside: &Inside,
     ) -> Result<LayerBeads, SliceError> {
         let shell = &window[i];
-        let Shell { span, walls, .. } = shell;
+        let Inside { walls, roomy } = inside;
+        let span = shell.span;
         let height = span.height();
         // A neighbour that is the same as the layer, or as another of its
         // neighbours, covers nothing less.
@@ -394,7 +460,7 @@ impl<'a> Stages<'a> {
             ];
             let areas = split(
                 &walls.fill,
-                &shell.roomy,
+                roomy,
                 &above,
                 &below,
                 support,

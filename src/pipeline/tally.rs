@@ -1,6 +1,6 @@
 //! Counts over all layers, and the warnings that follow from them.
 
-use super::stages::Shell;
+use crate::contour::Outline;
 use crate::units::Mm2;
 
 /// What is counted over all layers.
@@ -21,15 +21,16 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub fn add(&mut self, shell: &Shell) {
-        self.gap += shell.walls.gap;
-        self.solid += shell.outline.area.content();
-        self.nan_samples += shell.outline.nan_samples;
-        self.nan_layers += usize::from(shell.outline.nan_samples > 0);
-        self.forced_rings += shell.outline.forced_rings;
-        self.dropped_rings += shell.outline.dropped_rings;
+    /// Counts a layer with gaps of this area.
+    pub fn add(&mut self, outline: &Outline, gap: Mm2) {
+        self.gap += gap;
+        self.solid += outline.area.content();
+        self.nan_samples += outline.nan_samples;
+        self.nan_layers += usize::from(outline.nan_samples > 0);
+        self.forced_rings += outline.forced_rings;
+        self.dropped_rings += outline.dropped_rings;
         self.layers += 1;
-        if shell.outline.area.is_empty() {
+        if outline.area.is_empty() {
             self.empty += 1;
         } else {
             self.bridged += std::mem::take(&mut self.empty);

@@ -60,7 +60,7 @@ const SAME: f64 = 1e-12;
 impl<'a> Border<'a> {
     /// The border of `area`.
     pub fn new(area: &'a Area) -> Border<'a> {
-        let count = area.rings.iter().map(Vec::len).sum();
+        let count = EdgeGrid::numbers(&area.rings);
         let mut first = Vec::with_capacity(area.rings.len() + 1);
         let mut before = Vec::with_capacity(count);
         let mut lengths = Vec::with_capacity(area.rings.len());
@@ -70,6 +70,10 @@ impl<'a> Border<'a> {
             for (a, b) in edges(ring) {
                 before.push(way);
                 way += a.distance(b);
+            }
+            // The grid has one number more than edges for each ring.
+            if !ring.is_empty() {
+                before.push(way);
             }
             lengths.push(way);
         }

@@ -47,7 +47,9 @@ pub fn intersection(a: &Area, b: &Area) -> Area {
 }
 
 /// What is in `a` but not in all of `covers`: the part of `a` that at least
-/// one of them leaves open. One sweep for any number of covers.
+/// one of them leaves open. One sweep for any number of covers, unless they
+/// have so many edges that it is cut into parts: islands of the result may
+/// then touch each other along the cuts.
 pub fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
     if a.is_empty() || covers.is_empty() {
         return Area::EMPTY;
@@ -55,6 +57,44 @@ pub fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
     if covers.iter().any(|c| c.is_empty()) {
         return a.clone();
     }
+    let count =
+        edge_count(a) + covers.iter().map(|c| edge_count(c)).sum::<usize>();
+    let bounds = a.bounds();
+    if count <= SWEEP_EDGES || (bounds.max - bounds.min).max_element() < 1.0 {
+        return open(a, covers);
+    }
+    let mut rings = Vec::new();
+    for half in halves(bounds) {
+        let mut a = crop(&a.rings, half);
+        // Along the cut a cropped ring runs to and fro.
+        a = sweep(&a, FillRule::NonZero);
+        let covers: Vec<Area> =
+            covers.iter().map(|c| crop(&c.rings, half)).collect();
+        let covers: Vec<&Area> = covers.iter().collect();
+        rings.extend(not_covered_by_all(&a, &covers).rings);
+    }
+    Area { rings }
+}
+
+/// Edges beyond which a sweep is cut into two: the library takes some 300
+/// bytes for each.
+const SWEEP_EDGES: usize = 80_000;
+
+/// The lower and the upper half of a box, cut across its longer side.
+fn halves(all: Rect) -> [Rect; 2] {
+    let (mut low, mut high) = (all, all);
+    let (size, middle) = (all.max - all.min, all.min.midpoint(all.max));
+    // On the grid, so that both sides round the cut alike.
+    let middle = (middle * GRID).round() / GRID;
+    match size.x > size.y {
+        true => (low.max.x, high.min.x) = (middle.x, middle.x),
+        false => (low.max.y, high.min.y) = (middle.y, middle.y),
+    }
+    [low, high]
+}
+
+/// What at least one of the covers leaves open, in one sweep.
+fn open(a: &Area, covers: &[&Area]) -> Area {
     // Reversing a cover's rings and drawing a box around everything makes
     // its complement; overlapping complements are united by the winding
     // rule, so that the intersection of the covers is never built.
@@ -223,6 +263,31 @@ mod tests {
             max: DVec2::splat(21.0),
         };
         assert!(crop(&frame.rings, away).is_empty());
+    }
+
+    #[test]
+    fn sweeps_too_large_for_one_are_cut() {
+        const N: u32 = 161;
+        let squares = |x0: f64| Area {
+            rings: (0..N * N)
+                .map(|i| (x0 + f64::from(i % N), f64::from(i / N)))
+                .flat_map(|(x, y)| rect(x, y, x + 0.6, y + 0.6).rings)
+                .collect(),
+        };
+        let (a, cover) = (squares(0.0), squares(0.2));
+        assert!(edge_count(&a) + edge_count(&cover) > 2 * SWEEP_EDGES);
+        let open = not_covered_by_all(&a, &[&cover, &a]);
+        let exact = f64::from(N * N) * 0.2 * 0.6;
+        assert!((open.content() - exact).abs() < 1e-3, "{}", open.content());
+        // What is cut is in two islands, and all else in one.
+        let islands = open.islands();
+        assert!(islands.len() >= (N * N) as usize);
+        assert!(islands.iter().all(|i| i.content() < 0.2 * 0.6 + 1e-6));
+        // Where a cover is far away, all is open.
+        let far = squares(120.3);
+        let open = not_covered_by_all(&a, &[&far, &a]).content();
+        let both = intersection(&a, &far).content();
+        assert!((open - (a.content() - both)).abs() < 1e-3, "{open}");
     }
 
     #[test]

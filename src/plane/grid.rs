@@ -4,16 +4,22 @@
 //! Cheaper to build than a tree (two passes over the edges), and as fast to
 //! ask where the edges are spread evenly, as a layer's are.
 
-use super::{Area, Rect, edges};
+use super::{Area, Rect, Ring};
 use crate::units::Mm;
 use glam::DVec2;
 
 /// Edges by the cells they pass through.
+///
+/// Edges are numbered in the order of their rings, and so that each ring has
+/// one number more than edges: [`EdgeGrid::numbers`].
 #[derive(Clone, Debug)]
 pub struct EdgeGrid {
-    edges: Vec<(DVec2, DVec2)>,
-    /// Number of each edge's ring.
-    rings: Vec<u32>,
+    /// Ring by ring, the first point again at the end: an edge runs from the
+    /// point with its number to the next. Half the memory of pairs of points.
+    points: Vec<DVec2>,
+    /// The first point's number of each ring (or other chain of edges), and
+    /// the number of what it belongs to.
+    chains: Vec<(u32, u32)>,
     origin: DVec2,
     cell: Mm,
     columns: usize,
@@ -30,11 +36,15 @@ const CELLS_PER_EDGE: f64 = 4.0;
 impl EdgeGrid {
     /// A grid of the area's edges for questions about the distance `reach`.
     pub fn new(area: &Area, reach: Mm) -> EdgeGrid {
-        let rings = area.rings.iter().enumerate();
-        EdgeGrid::of(
-            rings.flat_map(|(i, r)| edges(r).map(move |e| (i, e))),
-            reach,
-        )
+        let mut points = Vec::with_capacity(EdgeGrid::numbers(&area.rings));
+        let mut chains = Vec::with_capacity(area.rings.len());
+        for (i, ring) in area.rings.iter().enumerate() {
+            let Some(first) = ring.first() else { continue };
+            chains.push((points.len() as u32, i as u32));
+            points.extend_from_slice(ring);
+            points.push(*first);
+        }
+        EdgeGrid::build(points, chains, reach)
     }
 
     /// A grid of any segments, each with the number of what it belongs to.
@@ -42,59 +52,92 @@ impl EdgeGrid {
         segments: impl Iterator<Item = (usize, (DVec2, DVec2))>,
         reach: Mm,
     ) -> EdgeGrid {
-        let (rings, edges): (Vec<u32>, Vec<(DVec2, DVec2)>) =
-            segments.map(|(i, e)| (i as u32, e)).unzip();
-        let bounds = Rect::around(edges.iter().flat_map(|(a, b)| [a, b]));
-        let (origin, size) = match edges.is_empty() {
-            true => (DVec2::ZERO, DVec2::ZERO),
-            false => (bounds.min, bounds.max - bounds.min),
+        let mut points: Vec<DVec2> = Vec::new();
+        let mut chains: Vec<(u32, u32)> = Vec::new();
+        for (i, (a, b)) in segments {
+            let goes_on = chains.last().is_some_and(|c| c.1 == i as u32)
+                && points.last() == Some(&a);
+            if !goes_on {
+                chains.push((points.len() as u32, i as u32));
+                points.push(a);
+            }
+            points.push(b);
+        }
+        EdgeGrid::build(points, chains, reach)
+    }
+
+    /// How many numbers the edges of some rings take.
+    pub fn numbers(rings: &[Ring]) -> usize {
+        let of_ring = |r: &Ring| r.len() + usize::from(!r.is_empty());
+        rings.iter().map(of_ring).sum()
+    }
+
+    fn build(
+        points: Vec<DVec2>,
+        chains: Vec<(u32, u32)>,
+        reach: Mm,
+    ) -> EdgeGrid {
+        let count = points.len() - chains.len();
+        let bounds = Rect::around(&points);
+        let (origin, size) = match count {
+            0 => (DVec2::ZERO, DVec2::ZERO),
+            _ => (bounds.min, bounds.max - bounds.min),
         };
-        let limit = CELLS_PER_EDGE * edges.len() as f64 + 16.0;
+        let limit = CELLS_PER_EDGE * count as f64 + 16.0;
         let even = (size.x * size.y / limit).sqrt();
         let long = (size.x + size.y) / limit;
         let cell = reach.max(even).max(long).max(1e-9);
         let columns = (size.x / cell) as usize + 1;
         let rows = (size.y / cell) as usize + 1;
         let mut grid = EdgeGrid {
-            edges,
-            rings,
+            points,
+            chains,
             origin,
             cell,
             columns,
             rows,
-            starts: vec![0; columns * rows + 1],
+            starts: Vec::new(),
             members: Vec::new(),
         };
         // Count, sum up, then fill from the back of each cell's share.
-        let mut starts = std::mem::take(&mut grid.starts);
-        for &(a, b) in &grid.edges {
-            grid.walk(a, b, |c| starts[c + 1] += 1);
-        }
+        let mut starts = vec![0; columns * rows + 1];
+        grid.walk_all(|c, _| starts[c + 1] += 1);
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
         let total = starts.last().copied().unwrap_or(0);
         let mut members = vec![0; total as usize];
         let mut next = starts.clone();
-        for (i, &(a, b)) in grid.edges.iter().enumerate() {
-            grid.walk(a, b, |c| {
-                members[next[c] as usize] = i as u32;
-                next[c] += 1;
-            });
-        }
+        grid.walk_all(|c, i| {
+            members[next[c] as usize] = i;
+            next[c] += 1;
+        });
         grid.starts = starts;
         grid.members = members;
         grid
     }
 
-    /// The ends of an edge.
-    pub fn edge(&self, number: usize) -> (DVec2, DVec2) {
-        self.edges[number]
+    /// The cells of all edges, with the edges' numbers.
+    fn walk_all(&self, mut visit: impl FnMut(usize, u32)) {
+        let ends = self.chains.iter().skip(1).map(|c| c.0 as usize);
+        let ends = ends.chain([self.points.len()]);
+        for (chain, end) in self.chains.iter().zip(ends) {
+            for i in chain.0 as usize..end - 1 {
+                let (a, b) = self.edge(i);
+                self.walk(a, b, |c| visit(c, i as u32));
+            }
+        }
     }
 
     /// The number of what an edge belongs to.
     pub fn owner(&self, edge: usize) -> usize {
-        self.rings[edge] as usize
+        let chain = self.chains.partition_point(|c| c.0 as usize <= edge);
+        self.chains[chain - 1].1 as usize
+    }
+
+    /// The ends of an edge.
+    pub fn edge(&self, number: usize) -> (DVec2, DVec2) {
+        (self.points[number], self.points[number + 1])
     }
 
     fn column(&self, x: f64) -> usize {
@@ -146,7 +189,7 @@ impl EdgeGrid {
     /// border may count either way).
     pub fn contains(&self, p: DVec2) -> bool {
         let top = self.origin.y + self.rows as f64 * self.cell;
-        if self.edges.is_empty() || p.y < self.origin.y || p.y > top {
+        if self.members.is_empty() || p.y < self.origin.y || p.y > top {
             return false;
         }
         let row = self.row(p.y);
@@ -155,7 +198,7 @@ impl EdgeGrid {
         let mut inside = false;
         for column in 0..=self.column(p.x) {
             for &m in self.members(row * self.columns + column) {
-                let (a, b) = self.edges[m as usize];
+                let (a, b) = self.edge(m as usize);
                 if (a.y > p.y) == (b.y > p.y) {
                     continue;
                 }
@@ -171,12 +214,12 @@ impl EdgeGrid {
     /// come more than once.
     pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<f64> {
         let mut found = Vec::new();
-        if self.edges.is_empty() {
+        if self.members.is_empty() {
             return found;
         }
         self.walk(a, b, |cell| {
             for &m in self.members(cell) {
-                let (c, d) = self.edges[m as usize];
+                let (c, d) = self.edge(m as usize);
                 found.extend(crossing(a, b, c, d));
             }
         });
@@ -193,12 +236,12 @@ impl EdgeGrid {
         b: DVec2,
         mut visit: impl FnMut(f64, usize),
     ) {
-        if self.edges.is_empty() {
+        if self.members.is_empty() {
             return;
         }
         self.walk(a, b, |cell| {
             for &m in self.members(cell) {
-                let (c, d) = self.edges[m as usize];
+                let (c, d) = self.edge(m as usize);
                 let (c_left, d_left) = (is_left(a, b, c), is_left(a, b, d));
                 if c_left == d_left || is_left(c, d, a) == is_left(c, d, b) {
                     continue;
@@ -219,7 +262,7 @@ impl EdgeGrid {
         distance: Mm,
         mut visit: impl FnMut(usize),
     ) {
-        if self.edges.is_empty() {
+        if self.members.is_empty() {
             return;
         }
         let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
@@ -228,7 +271,7 @@ impl EdgeGrid {
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
             for &m in &self.members[from..to] {
-                let (c, d) = self.edges[m as usize];
+                let (c, d) = self.edge(m as usize);
                 if distance_squared(a, b, c, d) < distance * distance {
                     visit(m as usize);
                 }
@@ -260,13 +303,13 @@ impl EdgeGrid {
         reach: Mm,
     ) -> Option<(usize, DVec2)> {
         let (edge, q) = self.nearest_edge(p, reach)?;
-        Some((self.rings[edge] as usize, q))
+        Some((self.owner(edge), q))
     }
 
     /// The point of the edges nearest to `p` and the number of its edge, if
     /// it is within `reach`.
     pub fn nearest_edge(&self, p: DVec2, reach: Mm) -> Option<(usize, DVec2)> {
-        if self.edges.is_empty() {
+        if self.members.is_empty() {
             return None;
         }
         let mut best: Option<(f64, u32, DVec2)> = None;
@@ -274,7 +317,7 @@ impl EdgeGrid {
         let mut limit = reach * reach;
         let mut look = |cell: usize, limit: &mut f64| {
             for &m in self.members(cell) {
-                let (a, b) = self.edges[m as usize];
+                let (a, b) = self.edge(m as usize);
                 let q = nearest_on(p, a, b);
                 let d = p.distance_squared(q);
                 // Of equally near edges the first one, however cells and
@@ -329,7 +372,7 @@ impl EdgeGrid {
         distance: Mm,
         mut visit: impl FnMut(usize),
     ) {
-        if self.edges.is_empty() {
+        if self.members.is_empty() {
             return;
         }
         let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
@@ -338,9 +381,9 @@ impl EdgeGrid {
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
             for &m in &self.members[from..to] {
-                let (c, d) = self.edges[m as usize];
+                let (c, d) = self.edge(m as usize);
                 if distance_squared(a, b, c, d) < distance * distance {
-                    visit(self.rings[m as usize] as usize);
+                    visit(self.owner(m as usize));
                 }
             }
         }
@@ -361,7 +404,7 @@ impl EdgeGrid {
         hi: DVec2,
         mut visit: impl FnMut(usize),
     ) {
-        if self.edges.is_empty() {
+        if self.members.is_empty() {
             return;
         }
         let (c0, c1) = (self.column(lo.x), self.column(hi.x));
@@ -369,7 +412,7 @@ impl EdgeGrid {
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
             for &m in &self.members[from..to] {
-                let (c, d) = self.edges[m as usize];
+                let (c, d) = self.edge(m as usize);
                 let (elo, ehi) = (c.min(d), c.max(d));
                 if elo.cmple(hi).all() && ehi.cmpge(lo).all() {
                     visit(m as usize);
@@ -387,7 +430,7 @@ impl EdgeGrid {
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
             for &m in &self.members[from..to] {
-                let (c, d) = self.edges[m as usize];
+                let (c, d) = self.edge(m as usize);
                 let (elo, ehi) = (c.min(d), c.max(d));
                 if elo.x > hi.x || ehi.x < lo.x || elo.y > hi.y || ehi.y < lo.y
                 {
@@ -453,6 +496,7 @@ fn crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::edges;
     use super::*;
 
     #[test]

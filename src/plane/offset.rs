@@ -55,15 +55,22 @@ pub fn offset_with(
         let width = (bounds.max - bounds.min).min_element();
         inside_shrinks && width <= 2.0 * distance.abs()
     };
+    // One that is much thinner than long is turned inside out as well, and
+    // lies at the distance on the wrong side.
+    let mut turned = false;
     let rings: Vec<Ring> = area
         .rings
         .iter()
         .filter(|r| !vanishes(r))
-        .map(|r| moved(r, -distance, tolerance))
-        .filter(|r| r.len() >= 3)
+        .map(|r| (r, moved(r, -distance, tolerance)))
+        .filter(|(_, m)| m.len() >= 3)
+        .map(|(r, m)| {
+            turned |= (signed_area(r) > 0.0) != (signed_area(&m) > 0.0);
+            m
+        })
         .collect();
     let moved = Area { rings };
-    match moved.rings.iter().all(clear) {
+    match !turned && moved.rings.iter().all(clear) {
         true => moved,
         // A hole's loops cancel against the ring around it: all or none.
         false => positive(&moved),
@@ -352,6 +359,16 @@ mod tests {
                 let d = p.distance(near.1);
                 assert!((d - distance.abs()).abs() < 3e-3, "{distance}: {d}");
             }
+        }
+    }
+
+    #[test]
+    fn a_sliver_across_the_axes_vanishes() {
+        for width in [1e-7, 1e-4, 1e-3, 0.01, 0.1, 0.39] {
+            let (along, up) = (DVec2::new(4.0, 3.0), DVec2::new(-0.6, 0.8));
+            let ring = vec![DVec2::ZERO, along, along + up * width, up * width];
+            let inner = offset(&Area { rings: vec![ring] }, -0.2, 1e-3);
+            assert!(inner.is_empty(), "{width}: {inner:?}");
         }
     }
 

@@ -51,9 +51,18 @@ impl Seen {
     }
 
     fn add(&mut self, edge: usize, from: Mm, to: Mm) {
+        let (low, high) = (from.min(to), from.max(to));
+        // Along a long edge each goes on where the one before ends: kept
+        // apart, all of them would be looked through for every ball.
+        if let Some(s) = self.stretches.get_mut(self.last[edge] as usize)
+            && low <= s.1
+            && s.0 <= high
+        {
+            (s.0, s.1) = (s.0.min(low), s.1.max(high));
+            return;
+        }
         let entry = self.stretches.len() as u32;
-        self.stretches
-            .push((from.min(to), from.max(to), self.last[edge]));
+        self.stretches.push((low, high, self.last[edge]));
         self.last[edge] = entry;
     }
 
@@ -93,22 +102,22 @@ struct Grown {
 impl<'a> Border<'a> {
     /// The border of an area, of which `grid` has the edges.
     pub fn new(area: &Area, grid: &'a EdgeGrid, radius: Mm) -> Border<'a> {
+        let numbers = EdgeGrid::numbers(&area.rings);
         let mut border = Border {
             grid,
             radius,
-            seen: Seen::new(area.rings.iter().map(Vec::len).sum()),
-            next: Vec::new(),
-            last: Vec::new(),
+            seen: Seen::new(numbers),
+            next: Vec::with_capacity(numbers),
+            last: Vec::with_capacity(numbers),
         };
-        for ring in &area.rings {
+        for ring in area.rings.iter().filter(|r| !r.is_empty()) {
             let first = border.next.len() as u32;
-            let n = ring.len() as u32;
-            border.next.extend((1..n).map(|k| first + k));
-            border.next.extend((n > 0).then_some(first));
-            border
-                .last
-                .extend((n > 0).then_some(first + n.wrapping_sub(1)));
-            border.last.extend((1..n).map(|k| first + k - 1));
+            let last = first + ring.len() as u32 - 1;
+            // The number that is no edge counts as the first one.
+            border.next.extend(first + 1..=last);
+            border.next.extend([first, first]);
+            border.last.push(last);
+            border.last.extend(first..=last);
         }
         border
     }

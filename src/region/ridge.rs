@@ -33,6 +33,7 @@ pub struct Ridge {
     /// The line returns to its first point: a thin ring.
     pub closed: bool,
 }
+
 /// The ridges of an area where it is thinner than `limit`. `grid` holds the
 /// area's edges. Lines are thinned to `tolerance`, in place and thickness.
 pub fn ridges(
@@ -47,7 +48,7 @@ pub fn ridges(
     for ring in &area.rings {
         let balls = border.balls(ring, first_edge);
         split_runs(&balls, grid, &mut runs);
-        first_edge += ring.len();
+        first_edge += EdgeGrid::numbers(std::slice::from_ref(ring));
     }
     join(&mut runs, grid);
     runs.into_iter()
@@ -248,6 +249,58 @@ mod tests {
             assert!((p.length() - 4.7).abs() < 0.005);
             assert!((t - 0.6).abs() < 0.005);
         }
+    }
+
+    /// More runs than can be compared each with each.
+    #[test]
+    fn runs_are_joined_however_many_there_are() {
+        // Thin squares: their borders begin in the middle of a strip, which
+        // cuts each ridge in two.
+        let frame = |x: f64, y: f64| {
+            let ring = |h: f64| -> Vec<DVec2> {
+                [(0.0, -h), (h, -h), (h, h), (-h, h), (-h, -h)]
+                    .map(|(a, b)| DVec2::new(x + a, y + b))
+                    .to_vec()
+            };
+            let mut hole = ring(1.0);
+            hole.reverse();
+            [ring(1.5), hole]
+        };
+        let area = Area {
+            rings: (0..2500)
+                .flat_map(|i| {
+                    let (x, y) = (f64::from(i % 50), f64::from(i / 50));
+                    frame(4.0 * x, 4.0 * y)
+                })
+                .collect(),
+        };
+        let alone = Area {
+            rings: frame(0.0, 0.0).to_vec(),
+        };
+        let each = ridges_of(&alone, 0.8).len();
+        assert_eq!(ridges_of(&area, 0.8).len(), 2500 * each);
+    }
+
+    #[test]
+    fn odd_rings_do_no_harm() {
+        let strip = [(0.0, 0.0), (20.0, 0.0), (20.0, 0.5), (0.0, 0.5)];
+        // Every point three times, and spikes without width.
+        let mut odd: Vec<(f64, f64)> =
+            strip.iter().flat_map(|&p| [p; 3]).collect();
+        odd.insert(3, (10.0, 0.0));
+        odd.insert(4, (10.0, -3.0));
+        odd.insert(5, (10.0, 0.0));
+        let found = ridges_of(&area(&odd), 0.8);
+        let long: f64 = found.iter().map(total).sum();
+        assert!((long - 19.5).abs() < 1.2, "{long}");
+        // Not a number, nowhere, no points, one point, all the same.
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut ring = area(&strip).rings.remove(0);
+            ring[2].x = bad;
+            let all = vec![ring, Vec::new(), vec![DVec2::ZERO]];
+            ridges_of(&Area { rings: all }, 0.8);
+        }
+        assert!(ridges_of(&area(&[(1.0, 1.0); 9]), 0.8).is_empty());
     }
 
     #[test]

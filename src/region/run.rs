@@ -56,18 +56,18 @@ pub(super) fn split_runs(
 /// Joins runs that end where another begins: along a strip the balls change
 /// sides where the border's numbering begins anew.
 pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
-    /// Runs beyond which the few that could be joined are not worth it.
-    const MANY: usize = 2000;
+    let mut ends = Ends::new(runs);
     let mut i = 0;
-    while i < runs.len() && runs.len() <= MANY {
-        let next = (0..runs.len())
-            .filter(|&j| j != i)
+    while i < runs.len() {
+        let next = ends
+            .beside(&runs[i], i)
+            .into_iter()
             .find_map(|j| Some((j, runs[i].meets(&runs[j], grid)?)));
         let Some((j, meeting)) = next else {
             i += 1;
             continue;
         };
-        let mut other = runs[j].balls.clone();
+        let mut other = std::mem::take(&mut runs[j].balls);
         if meeting.turn_other {
             other.reverse();
         }
@@ -76,13 +76,62 @@ pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
             run.reverse();
         }
         run.extend(other);
-        runs.remove(j);
-        i = i.min(j);
+        ends.owner[j] = i;
     }
+    runs.retain(|r| !r.balls.is_empty());
     for run in runs {
         let ends = (run.balls.first(), run.balls.last());
         let meet = matches!(ends, (Some(a), Some(b)) if a.meets(b, grid));
         run.closed |= meet && run.length() > 8.0 * STEP;
+    }
+}
+
+/// Where runs end.
+struct Ends {
+    /// The ends as edges without length.
+    grid: EdgeGrid,
+    /// Farthest distance of ends that meet.
+    reach: Mm,
+    /// By run, the one it has been joined to; itself, if to none.
+    owner: Vec<usize>,
+}
+
+impl Ends {
+    fn new(runs: &[Run]) -> Ends {
+        let open = || {
+            let all = runs.iter().enumerate().filter(|(_, r)| !r.closed);
+            all.flat_map(|(i, r)| {
+                let ends = r.balls.first().into_iter().chain(r.balls.last());
+                ends.map(move |ball| (i, ball))
+            })
+        };
+        let reach = open().map(|(_, ball)| ball.far()).fold(0.0, f64::max);
+        let points = open().map(|(i, ball)| (i, (ball.centre, ball.centre)));
+        Ends {
+            grid: EdgeGrid::of(points, reach),
+            reach,
+            owner: (0..runs.len()).collect(),
+        }
+    }
+
+    /// The runs that end near to where the `i`th does, in order.
+    fn beside(&mut self, run: &Run, i: usize) -> Vec<usize> {
+        let mut found = Vec::new();
+        if !run.closed {
+            for ball in run.balls.first().into_iter().chain(run.balls.last()) {
+                let c = ball.centre;
+                self.grid.visit_near(c, c, self.reach, |j| found.push(j));
+            }
+        }
+        for j in &mut found {
+            while self.owner[*j] != *j {
+                *j = self.owner[*j];
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        found.retain(|&j| j != i);
+        found
     }
 }
 
@@ -93,10 +142,14 @@ struct Meeting {
 }
 
 impl Ball {
+    /// How far the end of a run may be from where another goes on.
+    fn far(&self) -> Mm {
+        (1.5 * STEP).max(1.1 * self.thickness)
+    }
+
     /// True if runs that end with these two are one.
     fn meets(&self, other: &Ball, grid: &EdgeGrid) -> bool {
-        let far = (1.5 * STEP).max(1.1 * self.thickness);
-        self.centre.distance_squared(other.centre) < far * far
+        self.centre.distance_squared(other.centre) < self.far().powi(2)
             && (self.thickness - other.thickness).abs() < 0.4 * STEP
             && self.leads_to(other, grid)
     }

@@ -98,7 +98,7 @@ pub(super) fn parts(
                 _ => (0.0, limit),
             };
             for t in &mut part.thickness {
-                *t = t.clamp(bounds.0, bounds.1);
+                *t = t.max(bounds.0).min(bounds.1);
             }
             (part, room == Room::Bead)
         })

@@ -309,8 +309,7 @@ impl<'a> Comb<'a> {
         let (start, end) = (place(&from), place(&to));
         let total = rings.length[ring];
         let forwards = (end - start).rem_euclid(total);
-        let (first, last) = (rings.first[ring], rings.first[ring + 1]);
-        let count = last - first;
+        let (first, count) = (rings.first[ring], rings.count(ring));
         let next = |e: usize| first + (e - first + 1) % count;
         let previous = |e: usize| first + (e - first + count - 1) % count;
         way.push(self.inwards(from.at, from.edge, 0.5));
@@ -469,6 +468,10 @@ impl Rings {
                 before.push(far);
                 far += p.distance(ring[(i + 1) % ring.len()]);
             }
+            // The grid has one number more than edges for each ring.
+            if !ring.is_empty() {
+                before.push(far);
+            }
             first.push(before.len());
             length.push(far);
         }
@@ -486,7 +489,7 @@ impl Rings {
     }
 
     fn count(&self, ring: usize) -> usize {
-        self.first[ring + 1] - self.first[ring]
+        (self.first[ring + 1] - self.first[ring]).saturating_sub(1)
     }
 }
 
