@@ -24,18 +24,19 @@
 
 mod divide;
 mod doubt;
+mod hidden;
 mod link;
 mod march;
 mod refine;
+mod small;
 mod trace;
 mod untangle;
 
 use crate::field::{Batch, Field, FieldError, LEAF, Leaf};
-use crate::plane::{Area, Rect, Ring};
+use crate::plane::Area;
 use crate::timings::{Stage, Stopwatch, Timings};
 use crate::units::Mm;
-use glam::DVec2;
-use link::{Chains, Joined};
+use link::Chains;
 use march::{Marcher, Precision};
 use std::time::Duration;
 
@@ -49,7 +50,8 @@ pub struct Outline {
     /// Rings that had to be closed by a straight line because the field
     /// contradicted itself where they broke off.
     pub forced_rings: usize,
-    /// Islands and holes smaller than what was asked for, which are left out.
+    /// Places with islands or holes that are smaller than what was asked for,
+    /// or thinner than the accuracy, and left out.
     pub dropped_rings: usize,
 }
 
@@ -148,29 +150,18 @@ fn close(
         .into_iter()
         .zip(nan)
         .map(|(chains, nan_samples)| {
-            let (rings, forced_rings) = chains.into_rings();
-            let all = rings.len();
-            let rings: Vec<Joined> = rings
-                .into_iter()
-                .filter(|r| extent(&r.points) >= detail.smallest)
-                .collect();
+            let (mut rings, forced_rings) = chains.into_rings();
+            let left_out = small::leave_out(&mut rings, detail);
             let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;
-            let rings: Vec<Ring> = untangle::thin(&rings, tolerance)
-                .into_iter()
-                .filter(|r| !r.is_empty())
-                .collect();
+            let mut rings = untangle::thin(&rings, tolerance);
+            let all = rings.len();
+            rings.retain(|r| !r.is_empty());
             Outline {
                 nan_samples,
                 forced_rings,
-                dropped_rings: all - rings.len(),
+                dropped_rings: left_out + all - rings.len(),
                 area: Area { rings },
             }
         })
         .collect())
-}
-
-/// The longer side of the box around a ring.
-fn extent(ring: &[DVec2]) -> Mm {
-    let r = Rect::around(ring);
-    (r.max - r.min).max_element()
 }
