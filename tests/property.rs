@@ -87,6 +87,30 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(config(100))]
+
+    /// Nothing that can be printed is lost, however coarse the lattice.
+    #[test]
+    fn coarse_lattices_hide_nothing(
+        solid in solid(),
+        spacing in prop_oneof![Just(0.4), Just(1.0), Just(2.0)],
+        z in -0.7..0.7,
+    ) {
+        let outline = sliced(&solid, spacing, z);
+        let inside = |p: DVec2| solid.value(p.extend(z)) < 0.0;
+        let found = check::complete(
+            &outline.area,
+            HALF,
+            DETAIL.smallest,
+            &inside,
+        );
+        if let Err(fault) = found {
+            return Err(TestCaseError::fail(format!("{spacing}: {fault}")));
+        }
+    }
+}
+
 /// How often the outlines of random solids are wrong, by spacing: for
 /// whoever changes how they are found.
 ///

@@ -16,7 +16,9 @@
 use super::link::Crossing;
 use super::march::{CASES, JOINED_5, JOINED_10, Scratch, Vertex};
 use super::refine::{Bracket, refine};
-use super::trace::{Chord, End, Traced, gradients, line, lines_cross, trace};
+use super::trace::{
+    Chord, End, Look, Traced, gradients, line, lines_cross, look, trace,
+};
 use crate::field::{FieldError, Lattice, Sampler};
 use crate::plane::Rect;
 use crate::units::Mm;
@@ -327,17 +329,25 @@ fn connect(
             for (n, &(from, to)) in list.iter().enumerate() {
                 let (from, to) = (vertex(from), vertex(to));
                 let ends = [from, to].map(|v| out.vertices[v as usize].end);
-                owners.push((out.pieces.len(), n > 0));
-                chords.push(Chord {
-                    from: ends[0],
-                    to: ends[1],
-                    cell: p.cell(a, b),
-                    // The tip of a corner may reach between the nodes,
-                    // a whole cell of the lattice far.
-                    beyond: parts as f64,
-                    unsure: true,
-                    z: z[cell.layer],
-                });
+                let (near, far) = (fineness.tolerance, fineness.trusted);
+                // Both of a saddle, so that they can be compared.
+                if list.len() > 1
+                    || !matches!(
+                        look(ends[0], ends[1], near, far),
+                        Look::Straight
+                    )
+                {
+                    owners.push((out.pieces.len(), n > 0));
+                    chords.push(Chord {
+                        from: ends[0],
+                        to: ends[1],
+                        cell: p.cell(a, b),
+                        // The tip of a corner may reach between the nodes,
+                        // a whole cell of the lattice far.
+                        beyond: parts as f64,
+                        z: z[cell.layer],
+                    });
+                }
                 out.pieces.push(Piece {
                     layer: cell.layer,
                     from,

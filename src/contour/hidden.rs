@@ -11,21 +11,27 @@
 //! ```
 //!
 //! So a feature is found if it holds a disc as wide as the smallest one asked
-//! for: there is a sample in it. The same cells are where the outline may bend
-//! between two points at which its gradients agree.
+//! for: there is a sample in it.
 //!
-//! Not for lattices finer than the smallest feature: there a disc 1.4 times as
-//! wide as a cell holds a node, and the proofs would cost more than the samples.
+//! Not on lattices that are hardly coarser than the smallest feature: there the
+//! proofs would cost several times what the samples do, and little is hidden.
+//! What is certain there is that a disc 1.4 times as wide as a cell holds a node.
 
-use super::march::{Place, Scratch, bits};
+use super::march::{Place, Scratch};
 use crate::field::{Bound, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use crate::plane::Rect;
 use crate::units::Mm;
 use glam::DVec2;
 
+/// Cells as wide as this many of the smallest features are not looked into.
+const FINE: f64 = 2.0;
 /// Distance of the samples in a box that is not ruled out, as a share of the
 /// smallest feature: a disc as wide as that holds one of them.
 const PITCH: f64 = 0.7;
+
+/// Parts of a cell that are smaller than this many distances of samples are
+/// sampled all over: sooner done than ruling some of them out.
+const CHEAP: f64 = 8.0;
 
 /// What the search needs.
 struct Search<'a> {
@@ -36,36 +42,6 @@ struct Search<'a> {
     lattice: &'a Lattice,
     sampler: &'a mut dyn Sampler,
     scratch: &'a mut Scratch,
-}
-
-/// Nodes of a row, a bit for each.
-#[derive(Clone, Copy, Default)]
-struct Row {
-    inside: u16,
-    /// Those whose values are so small that the field may be zero near them.
-    near: u16,
-}
-
-impl Row {
-    fn new(values: &[f32; NODES], safe: f32) -> Row {
-        let mut row = Row::default();
-        for (i, &f) in values.iter().enumerate() {
-            let far = f.abs() > safe;
-            row.inside |= u16::from(f < 0.0) << i;
-            row.near |= u16::from(!far) << i;
-        }
-        row
-    }
-
-    /// Of the cells between this row and the one above, those with corners of
-    /// one sign, those with both, and those that a near node is a corner of.
-    fn cells(self, above: Row) -> (u16, u16, u16) {
-        const CELLS: u16 = (1 << LEAF) - 1;
-        let (a, b) = (self.inside, above.inside);
-        let other = ((a ^ (a >> 1)) | (b ^ (b >> 1)) | (a ^ b)) & CELLS;
-        let near = self.near | above.near;
-        (!other & CELLS, other, (near | near >> 1) & CELLS)
-    }
 }
 
 /// True if a box of these bounds hides nothing.
@@ -90,7 +66,7 @@ pub(super) fn hidden(
     sampler: &mut dyn Sampler,
     scratch: &mut Scratch,
 ) -> Result<Vec<Place>, FieldError> {
-    if lattice.spacing <= smallest {
+    if lattice.spacing <= FINE * smallest {
         return Ok(Vec::new());
     }
     let (values, _) = values.as_chunks();
@@ -102,10 +78,14 @@ pub(super) fn hidden(
         sampler,
         scratch,
     };
-    let (open, mixed) = search.unproven();
-    let (open, mixed) = (search.unclear(open), search.unclear(mixed));
-    let mut found = search.explore(open, PITCH * smallest)?;
-    found.extend(mixed);
+    // Cells with corners of both signs are divided, the others asked first.
+    let (open, mut found): (Vec<Place>, Vec<Place>) =
+        search.unclear().into_iter().partition(|&cell| {
+            let corners = search.corners(cell);
+            let inside = corners.iter().filter(|f| **f < 0.0).count();
+            matches!(inside, 0 | 4)
+        });
+    found.extend(search.explore(open, PITCH * smallest)?);
     found.sort_unstable();
     found.dedup();
     Ok(found)
@@ -118,7 +98,8 @@ impl Search<'_> {
         [at, at + 1, at + NODES, at + NODES + 1].map(|k| self.values[n][k])
     }
 
-    fn area(&self, (n, [i, j]): Place) -> Rect {
+    /// The square of `size` × `size` cells that begins at a cell.
+    fn area(&self, (n, [i, j]): Place, size: usize) -> Rect {
         let (i, j) = (self.leaves[n].i + i, self.leaves[n].j + j);
         let node = |i: usize, j: usize| {
             let (x, y) = (self.lattice.x[i], self.lattice.y[j]);
@@ -126,7 +107,7 @@ impl Search<'_> {
         };
         Rect {
             min: node(i, j),
-            max: node(i + 1, j + 1),
+            max: node(i + size, j + size),
         }
     }
 
@@ -134,51 +115,31 @@ impl Search<'_> {
         self.z[self.leaves[owner.0].layer]
     }
 
-    /// Cells that the bounds of their leaf do not clear: those with corners
-    /// of one sign, and the others.
-    fn unproven(&mut self) -> (Vec<Place>, Vec<Place>) {
-        let whole: Vec<(Rect, f32)> = (0..self.leaves.len())
-            .map(|n| {
-                let [first, last] =
-                    [[0, 0], [LEAF - 1, LEAF - 1]].map(|k| self.area((n, k)));
-                let (min, max) = (first.min, last.max);
-                (Rect { min, max }, self.height((n, [0, 0])))
-            })
-            .collect();
+    /// The cells that neither their own bounds clear nor those of a square
+    /// of cells that they are in.
+    fn unclear(&mut self) -> Vec<Place> {
+        let mut squares: Vec<Place> =
+            (0..self.leaves.len()).map(|n| (n, [0, 0])).collect();
+        let mut size = LEAF;
         let mut bounds = Vec::new();
-        self.sampler.bounds(&whole, &mut bounds);
-        let (mut open, mut mixed) = (Vec::new(), Vec::new());
-        for (n, bound) in bounds.iter().enumerate() {
-            if is_clear(bound) {
-                continue;
+        loop {
+            let boxes: Vec<(Rect, f32)> = squares
+                .iter()
+                .map(|&s| (self.area(s, size), self.height(s)))
+                .collect();
+            self.sampler.bounds(&boxes, &mut bounds);
+            let mut kept = bounds.iter().map(|b| !is_clear(b));
+            squares.retain(|_| kept.next() == Some(true));
+            if size == 1 {
+                return squares;
             }
-            for (j, (near, other)) in
-                self.near(n, bound).into_iter().enumerate()
-            {
-                open.extend(bits(near).map(|i| (n, [i, j])));
-                mixed.extend(bits(other).map(|i| (n, [i, j])));
-            }
+            size /= 2;
+            let of = |(n, [i, j]): Place| {
+                [(0, 0), (size, 0), (0, size), (size, size)]
+                    .map(|(a, b)| (n, [i + a, j + b]))
+            };
+            squares = squares.into_iter().flat_map(of).collect();
         }
-        (open, mixed)
-    }
-
-    /// By row of a leaf, the cells with corners of one sign and values so
-    /// small that by a bound the field may have the other one, and the cells
-    /// with corners of both signs.
-    fn near(&self, n: usize, bound: &Bound) -> [(u16, u16); LEAF] {
-        let half = 0.5 * self.lattice.spacing;
-        // The nearest corner is at most half a cell away. What is not a
-        // number is never safe.
-        let safe = bound.change(half, half) as f32;
-        let rows: &[[f32; NODES]] = self.values[n].as_chunks().0;
-        let mut out = [(0, 0); LEAF];
-        for (out, pair) in out.iter_mut().zip(rows.windows(2)) {
-            let (low, high) =
-                (Row::new(&pair[0], safe), Row::new(&pair[1], safe));
-            let (same, other, near) = low.cells(high);
-            *out = (same & near, other);
-        }
-        out
     }
 
     /// The owners of parts whose centre's sign is not that of the corners.
@@ -201,23 +162,6 @@ impl Search<'_> {
         Ok(other.map(|(p, _)| p.owner).collect())
     }
 
-    /// Of some cells, those that their own bounds do not clear.
-    fn unclear(&mut self, cells: Vec<Place>) -> Vec<Place> {
-        let bounds = self.bounds(&cells);
-        let pairs = cells.into_iter().zip(&bounds);
-        pairs.filter(|p| !is_clear(p.1)).map(|p| p.0).collect()
-    }
-
-    fn bounds(&mut self, cells: &[Place]) -> Vec<Bound> {
-        let boxes: Vec<(Rect, f32)> = cells
-            .iter()
-            .map(|&c| (self.area(c), self.height(c)))
-            .collect();
-        let mut bounds = Vec::new();
-        self.sampler.bounds(&boxes, &mut bounds);
-        bounds
-    }
-
     /// Divides cells with corners of one sign into quarters, and these again,
     /// where the field may be zero, until they are no larger than `pitch`.
     /// Returns the cells in which a quarter's centre has the other sign.
@@ -232,7 +176,7 @@ impl Search<'_> {
             .map(|owner| Part {
                 owner,
                 inside: self.corners(owner)[0] < 0.0,
-                area: self.area(owner),
+                area: self.area(owner, 1),
             })
             .collect();
         let mut size = self.lattice.spacing;
@@ -247,6 +191,9 @@ impl Search<'_> {
             }
             size *= 0.5;
             parts = parts.iter().flat_map(quarters).collect();
+            if size < CHEAP * pitch {
+                continue;
+            }
             let boxes: Vec<(Rect, f32)> = parts
                 .iter()
                 .map(|p| (p.area, self.height(p.owner)))

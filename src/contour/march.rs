@@ -13,7 +13,7 @@
 //!
 //! Where the straight pieces do not explain the outline, it is followed within
 //! its cell (`trace`); where that fails, where a saddle's pieces bend, and
-//! where a cell may hide something (`doubt`), the cell is divided (`divide`).
+//! where a cell may hide something (`doubt`, `hidden`), the cell is divided (`divide`).
 
 use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
@@ -311,7 +311,6 @@ impl<'a> Marcher<'a> {
                 },
                 // What goes on there is for the cell's division to find.
                 beyond: 0.0,
-                unsure: false,
                 z: self.z[s.layer],
             });
         }

@@ -7,15 +7,17 @@
 //! The lattice only finds the topology (`march`). Each vertex is then moved
 //! along its lattice edge onto f = 0 (`refine`), the outline followed between
 //! them where it bends or has a corner (`trace`), and cells that this does not
-//! explain, or that may hide what is thinner than the lattice is wide
-//! (`doubt`), are sampled more finely (`divide`). The pieces are joined at
-//! shared lattice edges (`link`), and last the rings are thinned so that they
-//! do not cross (`untangle`).
+//! explain, or that may hide what is thinner than the lattice is wide (by its
+//! nodes: `doubt`; on coarse lattices by proof: `hidden`), are sampled more
+//! finely (`divide`). The pieces are joined at shared lattice edges (`link`),
+//! what is too small is left out (`small`), and last the rings are thinned so
+//! that they do not cross (`untangle`).
 //!
 //! Inside is f < 0; a NaN is outside. Where the field jumps from one to the
 //! other, that is the outline. Rings smaller than a given size are left out
-//! and counted. Not guaranteed: that a feature thinner than the lattice's
-//! spacing is found where the field of another one hides it from the nodes.
+//! and counted. Not guaranteed: on a lattice about as fine as that size, that
+//! a feature without a node in it is found where the field of another one hides
+//! it.
 //!
 //! The `contour` crate is the oracle of the tests and not the engine: it
 //! stitches through hash maps and nested vectors over the whole grid handed

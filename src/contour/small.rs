@@ -14,16 +14,23 @@
 
 use super::Detail;
 use super::link::Joined;
-use crate::plane::{Rect, Ring, ring_length, signed_area};
+use crate::plane::{Rect, Ring, edges, ring_length, signed_area};
 use glam::DVec2;
 
 /// True if a ring is to be left out.
 fn is_small(ring: &[DVec2], detail: Detail) -> bool {
     let r = Rect::around(ring);
     let extent = (r.max - r.min).max_element();
-    // A ring's content is about its width times half its length.
-    let thin = 0.5 * detail.accuracy * ring_length(ring);
-    extent < detail.smallest || signed_area(ring).abs() < thin
+    if extent < detail.smallest {
+        return true;
+    }
+    // A ring's content is about its width times half its length, and most
+    // rings have more even by the sum of their steps along both axes.
+    let least = 0.5 * detail.accuracy;
+    let content = signed_area(ring).abs();
+    let steps: f64 =
+        edges(ring).map(|(a, b)| (b - a).abs().element_sum()).sum();
+    content < least * steps && content < least * ring_length(ring)
 }
 
 /// Takes the rings out that are too small; returns the number of places where
@@ -42,7 +49,7 @@ pub(super) fn leave_out(rings: &mut Vec<Joined>, detail: Detail) -> usize {
 
 /// The number of groups that rings form which lie in the same square of a
 /// given size, or in neighbouring ones.
-pub(super) fn places(rings: &[Ring], size: f64) -> usize {
+fn places(rings: &[Ring], size: f64) -> usize {
     if size <= 0.0 {
         return rings.len();
     }

@@ -39,12 +39,6 @@ const RESIDUE: f64 = 0.1;
 /// Chords are not looked at when they are shorter than this share of the
 /// tolerance.
 const SHORT: f64 = 0.3;
-/// Distance of the points at which an unsure chord is asked, as a multiple of
-/// the tolerance: half the accuracy, or little more.
-const PITCH: f64 = 6.0;
-/// How far off an outline is thought to be at least, as a share of the
-/// tolerance.
-const LEAST: f64 = 0.4;
 /// Halvings of a chord: from 2 mm to below a micrometre.
 const DEPTH: u8 = 12;
 
@@ -66,9 +60,6 @@ pub(super) struct Chord {
     pub cell: Rect,
     /// How far beyond the cell the outline is followed, in cells.
     pub beyond: f64,
-    /// The cell is one that may hide something: agreeing gradients prove
-    /// nothing.
-    pub unsure: bool,
     /// Height.
     pub z: f32,
 }
@@ -99,8 +90,6 @@ struct Asked {
     o: Open,
     reach: Mm,
     flat: f64,
-    /// Where it bends if it is straight but for that.
-    bend: Option<DVec2>,
     /// Points along it, with one in the middle, at which to ask.
     count: usize,
 }
@@ -111,8 +100,8 @@ pub(super) enum Look {
     Straight,
     /// It bends a little, and passes through this point.
     Bent(DVec2),
-    /// The field must be asked: how far off the outline may be, mm, and how
-    /// far for it to be straight after all, by the field along it, mm.
+    /// The field must be asked: how far off the outline may be, mm, and the
+    /// field in the chord's middle up to which it is straight after all.
     Ask(Mm, f64),
 }
 
@@ -147,7 +136,7 @@ pub(super) fn look(p: End, q: End, tolerance: Mm, trusted: Mm) -> Look {
     if length <= SHORT * tolerance {
         return Look::Straight;
     }
-    let least = LEAST * tolerance;
+    let least = 0.4 * tolerance;
     let unknown = Look::Ask(least, 0.0);
     let (Some(u), Some(v)) =
         (p.gradient.try_normalize(), q.gradient.try_normalize())
@@ -155,7 +144,8 @@ pub(super) fn look(p: End, q: End, tolerance: Mm, trusted: Mm) -> Look {
         return unknown;
     };
     if fits {
-        return Look::Ask(least, tolerance);
+        let slope = p.gradient.length().min(q.gradient.length());
+        return Look::Ask(least, tolerance * slope);
     }
     let out = -chord.perp() / length;
     if u.dot(out) <= 0.0 || v.dot(out) <= 0.0 {
@@ -201,41 +191,30 @@ pub(super) fn trace(
     while !open.is_empty() {
         let mut asked: Vec<Asked> = Vec::new();
         for o in open {
-            let length = o.a.point.distance(o.b.point);
-            let slope = o.a.gradient.length().min(o.b.gradient.length());
-            let unsure = chords[o.chord].unsure && length > PITCH * tolerance;
-            let least = LEAST * tolerance;
-            let (reach, flat, bend) = match look(o.a, o.b, tolerance, trusted) {
-                Look::Straight if unsure => (least, tolerance, None),
-                Look::Bent(p) if unsure => {
-                    let middle = 0.5 * (o.a.point + o.b.point);
-                    let off = tolerance + p.distance(middle);
-                    (least, off, Some(p))
-                }
-                Look::Ask(reach, flat) => (reach, flat, None),
-                Look::Straight => continue,
+            match look(o.a, o.b, tolerance, trusted) {
+                Look::Straight => {}
                 Look::Bent(p) => {
                     let place = 0.5 * (o.span[0] + o.span[1]);
                     traced[o.chord].points.push((place, p));
-                    continue;
                 }
-            };
-            if o.depth >= DEPTH {
-                continue;
+                Look::Ask(reach, flat) if o.depth < DEPTH => {
+                    let length = o.a.point.distance(o.b.point);
+                    let mut parts = 2;
+                    while flat > 0.0
+                        && parts < 64
+                        && length > trusted * parts as f64
+                    {
+                        parts *= 2;
+                    }
+                    asked.push(Asked {
+                        o,
+                        reach,
+                        flat,
+                        count: parts - 1,
+                    });
+                }
+                Look::Ask(..) => {}
             }
-            let pitch = if unsure { PITCH * tolerance } else { trusted };
-            let mut parts = 2;
-            while flat > 0.0 && parts < 64 && length > pitch * f64::from(parts)
-            {
-                parts *= 2;
-            }
-            asked.push(Asked {
-                o,
-                reach,
-                flat: flat * slope,
-                bend,
-                count: parts as usize - 1,
-            });
         }
         let (middles, asked) = round.corners(asked, &mut traced)?;
         open = round.halve(asked, &middles, &mut traced)?;
@@ -376,11 +355,7 @@ impl Round<'_> {
                     t.points.push((0.5 * (o.span[0] + o.span[1]), c.point));
                     t.beside = t.beside.or(c.beside);
                 }
-                None if along.iter().all(|f| f.abs() <= asked.flat) => {
-                    let place = 0.5 * (o.span[0] + o.span[1]);
-                    let bend = asked.bend.map(|p| (place, p));
-                    traced[o.chord].points.extend(bend);
-                }
+                None if along.iter().all(|f| f.abs() <= asked.flat) => {}
                 None => {
                     middles.push(middle);
                     rest.push(asked);
@@ -464,8 +439,7 @@ impl Round<'_> {
             let off = root.point.distance(searches[k].0);
             // Without gradients a corner shows in the middle of its chord,
             // by at least half its height. One look could be misled.
-            let sure = !self.chords[o.chord].unsure;
-            if off <= 0.5 * self.tolerance && o.depth > 0 && sure {
+            if off <= 0.5 * self.tolerance && o.depth > 0 {
                 continue;
             }
             for (a, b, span) in [

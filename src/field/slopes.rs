@@ -270,12 +270,6 @@ impl Bound {
         };
         x.iter().all(|&dx| y.iter().all(|&dy| within(dx, dy)))
     }
-
-    /// How much the field may change over a distance along both axes.
-    pub fn change(&self, dx: f64, dy: f64) -> f64 {
-        let most = self.slopes.map(|[lo, hi]| lo.abs().max(hi.abs()));
-        dx * most[0] + dy * most[1]
-    }
 }
 
 /// Evaluates tapes over boxes. Kept between uses for its memory.

@@ -24,18 +24,6 @@ pub(crate) struct Interval {
     pub nan: bool,
 }
 
-/// The lesser of two numbers, neither of them NaN: one instruction.
-#[inline]
-fn less(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// The greater of two numbers, neither of them NaN.
-#[inline]
-fn more(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
 impl Interval {
     /// Every number, and NaN: nothing is known.
     pub const ANYTHING: Self = Self {
@@ -106,7 +94,6 @@ impl Interval {
         self.lo.abs().max(self.hi.abs())
     }
 
-    #[inline]
     pub fn hull(self, other: Self) -> Self {
         Self {
             lo: self.lo.min(other.lo),
@@ -130,7 +117,6 @@ impl Interval {
         Self::sane(f(self.lo), f(self.hi), self.nan)
     }
 
-    #[inline]
     pub fn neg(self) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
@@ -142,7 +128,6 @@ impl Interval {
         }
     }
 
-    #[inline]
     pub fn abs(self) -> Self {
         if self.is_empty() || self.lo >= 0.0 {
             self
@@ -157,7 +142,6 @@ impl Interval {
         }
     }
 
-    #[inline]
     pub fn square(self) -> Self {
         let a = self.abs();
         a.rising(|v| v * v)
@@ -180,7 +164,6 @@ impl Interval {
         }
     }
 
-    #[inline]
     pub fn sqrt(self) -> Self {
         if self.hi < 0.0 || self.is_empty() {
             return Self::EMPTY;
@@ -302,28 +285,7 @@ impl Interval {
         }
     }
 
-    /// Whether the ends of two intervals are all finite: then neither is
-    /// empty, and the plain rules hold.
-    #[inline]
-    fn plain(self, o: Self) -> bool {
-        // An infinity or a NaN times 0 is NaN.
-        0.0 * self.lo + 0.0 * self.hi + (0.0 * o.lo + 0.0 * o.hi) == 0.0
-    }
-
-    #[inline]
     pub fn add(self, o: Self) -> Self {
-        if self.plain(o) {
-            return Self {
-                lo: self.lo + o.lo,
-                hi: self.hi + o.hi,
-                nan: self.nan || o.nan,
-            };
-        }
-        self.add_any(o)
-    }
-
-    #[cold]
-    fn add_any(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
@@ -338,27 +300,11 @@ impl Interval {
         )
     }
 
-    #[inline]
     pub fn sub(self, o: Self) -> Self {
         self.add(o.neg())
     }
 
-    #[inline]
     pub fn mul(self, o: Self) -> Self {
-        if self.plain(o) {
-            let (a, b) = (self.lo * o.lo, self.lo * o.hi);
-            let (c, d) = (self.hi * o.lo, self.hi * o.hi);
-            return Self {
-                lo: less(less(a, b), less(c, d)),
-                hi: more(more(a, b), more(c, d)),
-                nan: self.nan || o.nan,
-            };
-        }
-        self.mul_any(o)
-    }
-
-    #[cold]
-    fn mul_any(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
@@ -408,7 +354,6 @@ impl Interval {
         q.or_nan(undefined)
     }
 
-    #[inline]
     pub fn min(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
@@ -420,7 +365,6 @@ impl Interval {
         }
     }
 
-    #[inline]
     pub fn max(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
