@@ -172,7 +172,7 @@ pub(super) fn refine(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{Bound, Leaf};
+    use crate::field::Bound;
     use crate::plane::Rect;
 
     /// Evaluates a function of x.
