@@ -53,11 +53,14 @@ fn places(rings: &[Ring], size: f64) -> usize {
     if size <= 0.0 {
         return rings.len();
     }
-    let square = |p: &DVec2| {
-        let k = (*p / size).floor();
+    let square = |p: DVec2| {
+        let k = (p / size).floor();
         (k.x as i64, k.y as i64)
     };
-    let points = rings.iter().flatten();
+    let points = rings.iter().flat_map(|r| edges(r)).flat_map(|(a, b)| {
+        let steps = (a.distance(b) / size).ceil().max(1.0);
+        (0..steps as usize).map(move |k| a.lerp(b, k as f64 / steps))
+    });
     let mut free: Vec<(i64, i64)> = points.map(square).collect();
     free.sort_unstable();
     free.dedup();
