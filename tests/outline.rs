@@ -348,3 +348,35 @@ fn what_is_thinner_than_the_lattice_is_found() {
         }
     }
 }
+
+/// A slit that a wall beside it hides from the nodes: none of them has the
+/// slit's field, since the block's own border is nearer.
+#[test]
+fn a_hidden_slit_is_found_on_a_coarse_lattice() {
+    let (x, y, _) = Tree::axes();
+    for spacing in [0.4, 1.0, 2.0] {
+        for at in [-0.9_f32, -0.3, 0.2, 0.7] {
+            // A part 0.8 mm thick with a hole 0.3 mm wide in it.
+            let part = (y.abs() - 0.4).max(x.abs() - 5.0);
+            let hole = 0.15 - ((x.clone() - at).square() + y.square()).sqrt();
+            let f = part.max(hole);
+            let o = spaced(&f, 6.0, &[0.0], spacing, Backend::Vm).remove(0);
+            assert_eq!(o.area.rings.len(), 2, "{spacing} {at}");
+            let content = 8.0 - 0.0225 * std::f64::consts::PI;
+            let off = (o.area.content() - content).abs();
+            assert!(off < ACCURACY * o.area.perimeter(), "{spacing} {at}");
+        }
+    }
+}
+
+/// A crack of which the samples show but some pieces is no string of holes.
+#[test]
+fn cracks_thinner_than_the_accuracy_are_left_out() {
+    let (x, y, _) = Tree::axes();
+    let block = (x.abs() - 5.0).max(y.abs() - 2.0);
+    // 2 µm wide, and less than a hundredth off the rows of the lattice.
+    let crack = (y.clone() + x.clone() * 0.009).abs() - 0.001;
+    let o = spaced(&block.max(-crack), 6.0, &[0.0], 0.1, Backend::Vm).remove(0);
+    assert_eq!(o.area.rings.len(), 1);
+    assert!(o.dropped_rings > 0);
+}

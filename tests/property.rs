@@ -15,13 +15,15 @@ mod csg;
 
 use csg::{Solid, solid};
 use glam::DVec2;
-use isoslice::contour::{Detail, outlines};
+use isoslice::contour::{Detail, Outline, outlines};
 use isoslice::field::{Backend, Field};
 use isoslice::model::{Source, SourceKind, load};
 use isoslice::plane::Rect;
 use isoslice::timings::Timings;
 use proptest::prelude::*;
-use proptest::test_runner::{Config, RngAlgorithm, RngSeed};
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
+use std::time::{Duration, Instant};
 
 const DETAIL: Detail = Detail {
     accuracy: 0.005,
@@ -43,8 +45,7 @@ fn config(cases: u32) -> Config {
     }
 }
 
-/// Everything wrong with the outline of a solid at a height.
-fn judge(solid: &Solid, spacing: f64, z: f64) -> Result<(), String> {
+fn sliced(solid: &Solid, spacing: f64, z: f64) -> Outline {
     let bounds = Rect {
         min: DVec2::splat(-HALF),
         max: DVec2::splat(HALF),
@@ -53,9 +54,13 @@ fn judge(solid: &Solid, spacing: f64, z: f64) -> Result<(), String> {
     let vm = Some(Backend::Vm);
     let field =
         Field::new(&solid.tree(), 0.0, bounds, spacing, heights, vm).unwrap();
-    let outline = outlines(&field, &[z], DETAIL, &Timings::default())
+    outlines(&field, &[z], DETAIL, &Timings::default())
         .unwrap()
-        .remove(0);
+        .remove(0)
+}
+
+/// Everything wrong with the outline of a solid at a height.
+fn judge(solid: &Solid, outline: &Outline, z: f64) -> Result<(), String> {
     if outline.forced_rings > 0 {
         return Err(format!("{} rings do not close", outline.forced_rings));
     }
@@ -76,8 +81,63 @@ proptest! {
         spacing in prop_oneof![Just(0.1), Just(0.2), Just(0.4)],
         z in -0.7..0.7,
     ) {
-        if let Err(fault) = judge(&solid, spacing, z) {
+        if let Err(fault) = judge(&solid, &sliced(&solid, spacing, z), z) {
             return Err(TestCaseError::fail(fault));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(100))]
+
+    /// Nothing that can be printed is lost, however coarse the lattice.
+    #[test]
+    fn coarse_lattices_hide_nothing(
+        solid in solid(),
+        spacing in prop_oneof![Just(0.4), Just(1.0), Just(2.0)],
+        z in -0.7..0.7,
+    ) {
+        let outline = sliced(&solid, spacing, z);
+        let inside = |p: DVec2| solid.value(p.extend(z)) < 0.0;
+        let found = check::complete(
+            &outline.area,
+            HALF,
+            DETAIL.smallest,
+            &inside,
+        );
+        if let Err(fault) = found {
+            return Err(TestCaseError::fail(format!("{spacing}: {fault}")));
+        }
+    }
+}
+
+/// How often the outlines of random solids are wrong, by spacing: for
+/// whoever changes how they are found.
+///
+///     cargo test --release --test property -- --ignored --nocapture
+#[test]
+#[ignore = "takes minutes"]
+fn survey() {
+    let count = std::env::var("SOLIDS").map_or(1000, |n| n.parse().unwrap());
+    for spacing in [0.1, 0.2, 0.4, 1.0, 2.0] {
+        let mut runner = TestRunner::new(config(1));
+        let mut faults: Vec<String> = Vec::new();
+        let mut time = Duration::ZERO;
+        for _ in 0..count {
+            let strategy = (solid(), -0.7..0.7_f64);
+            let (solid, z) = strategy.new_tree(&mut runner).unwrap().current();
+            let start = Instant::now();
+            let outline = sliced(&solid, spacing, z);
+            time += start.elapsed();
+            faults.extend(judge(&solid, &outline, z).err());
+        }
+        println!(
+            "spacing {spacing}: {} of {count} wrong; {:.2} ms each",
+            faults.len(),
+            1000.0 * time.as_secs_f64() / f64::from(count)
+        );
+        for fault in faults {
+            println!("    {fault}");
         }
     }
 }

@@ -13,10 +13,11 @@
 //!
 //! Where the straight pieces do not explain the outline, it is followed within
 //! its cell (`trace`); where that fails, where a saddle's pieces bend, and
-//! where a cell may hide something (`doubt`), the cell is divided (`divide`).
+//! where a cell may hide something (`doubt`, `hidden`), the cell is divided (`divide`).
 
 use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
+use super::hidden::hidden;
 use super::link::{Chains, Crossing, NONE};
 use super::refine::{Bracket, refine};
 use super::trace::{Chord, End, Look, Traced, gradients, look, trace};
@@ -116,7 +117,7 @@ impl Precision {
 }
 
 /// A cell of a batch: its leaf, and column and row in it.
-type Place = (usize, [usize; 2]);
+pub(super) type Place = (usize, [usize; 2]);
 
 /// Walks batches of leaves and adds their pieces to the layers' chains.
 pub(super) struct Marcher<'a> {
@@ -220,6 +221,15 @@ impl<'a> Marcher<'a> {
             &mut self.scratch,
         )?;
         divide.extend(self.unexplained(batch.leaves, &chords, &traced));
+        divide.extend(hidden(
+            batch.leaves,
+            batch.values,
+            &self.z,
+            self.lattice,
+            self.precision.smallest,
+            batch.sampler,
+            &mut self.scratch,
+        )?);
         let divided = self.divide(divide, true, &mut batch)?;
         self.append(layers, &chords, traced, &divided);
         Ok(())

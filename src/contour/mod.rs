@@ -7,15 +7,17 @@
 //! The lattice only finds the topology (`march`). Each vertex is then moved
 //! along its lattice edge onto f = 0 (`refine`), the outline followed between
 //! them where it bends or has a corner (`trace`), and cells that this does not
-//! explain, or that may hide what is thinner than the lattice is wide
-//! (`doubt`), are sampled more finely (`divide`). The pieces are joined at
-//! shared lattice edges (`link`), and last the rings are thinned so that they
-//! do not cross (`untangle`).
+//! explain, or that may hide what is thinner than the lattice is wide (by its
+//! nodes: `doubt`; on coarse lattices by proof: `hidden`), are sampled more
+//! finely (`divide`). The pieces are joined at shared lattice edges (`link`),
+//! what is too small is left out (`small`), and last the rings are thinned so
+//! that they do not cross (`untangle`).
 //!
 //! Inside is f < 0; a NaN is outside. Where the field jumps from one to the
 //! other, that is the outline. Rings smaller than a given size are left out
-//! and counted. Not guaranteed: that a feature thinner than the lattice's
-//! spacing is found where the field of another one hides it from the nodes.
+//! and counted. Not guaranteed: on a lattice about as fine as that size, that
+//! a feature without a node in it is found where the field of another one hides
+//! it.
 //!
 //! The `contour` crate is the oracle of the tests and not the engine: it
 //! stitches through hash maps and nested vectors over the whole grid handed
@@ -24,18 +26,19 @@
 
 mod divide;
 mod doubt;
+mod hidden;
 mod link;
 mod march;
 mod refine;
+mod small;
 mod trace;
 mod untangle;
 
 use crate::field::{Batch, Field, FieldError, LEAF, Leaf};
-use crate::plane::{Area, Rect, Ring};
+use crate::plane::Area;
 use crate::timings::{Stage, Stopwatch, Timings};
 use crate::units::Mm;
-use glam::DVec2;
-use link::{Chains, Joined};
+use link::Chains;
 use march::{Marcher, Precision};
 use std::time::Duration;
 
@@ -49,7 +52,8 @@ pub struct Outline {
     /// Rings that had to be closed by a straight line because the field
     /// contradicted itself where they broke off.
     pub forced_rings: usize,
-    /// Islands and holes smaller than what was asked for, which are left out.
+    /// Places with islands or holes that are smaller than what was asked for,
+    /// or thinner than the accuracy, and left out.
     pub dropped_rings: usize,
 }
 
@@ -148,29 +152,18 @@ fn close(
         .into_iter()
         .zip(nan)
         .map(|(chains, nan_samples)| {
-            let (rings, forced_rings) = chains.into_rings();
-            let all = rings.len();
-            let rings: Vec<Joined> = rings
-                .into_iter()
-                .filter(|r| extent(&r.points) >= detail.smallest)
-                .collect();
+            let (mut rings, forced_rings) = chains.into_rings();
+            let left_out = small::leave_out(&mut rings, detail);
             let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;
-            let rings: Vec<Ring> = untangle::thin(&rings, tolerance)
-                .into_iter()
-                .filter(|r| !r.is_empty())
-                .collect();
+            let mut rings = untangle::thin(&rings, tolerance);
+            let all = rings.len();
+            rings.retain(|r| !r.is_empty());
             Outline {
                 nan_samples,
                 forced_rings,
-                dropped_rings: all - rings.len(),
+                dropped_rings: left_out + all - rings.len(),
                 area: Area { rings },
             }
         })
         .collect())
-}
-
-/// The longer side of the box around a ring.
-fn extent(ring: &[DVec2]) -> Mm {
-    let r = Rect::around(ring);
-    (r.max - r.min).max_element()
 }

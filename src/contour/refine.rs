@@ -172,6 +172,8 @@ pub(super) fn refine(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::Bound;
+    use crate::plane::Rect;
 
     /// Evaluates a function of x.
     struct Line<F: Fn(f32) -> f32>(F);
@@ -198,6 +200,8 @@ mod tests {
         ) -> Result<(), FieldError> {
             Ok(())
         }
+
+        fn bounds(&mut self, _: &[(Rect, f32)], _: &mut Vec<Bound>) {}
     }
 
     fn root(f: impl Fn(f32) -> f32) -> f64 {

@@ -2,7 +2,11 @@
 
 use super::axis::{Axis, Grouping, Level};
 use super::tapes::{Axes, Evaluable, Proof, Split, Tapes, Workspace, bug};
-use super::{Batch, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit};
+use super::{
+    Batch, Bound, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit,
+};
+use crate::model::Interval;
+use crate::plane::Rect;
 use crate::units::{Mm, Seconds};
 use std::sync::Arc;
 use std::time::Instant;
@@ -164,6 +168,15 @@ impl<F: Evaluable> Sampler for TapeSampler<'_, '_, F> {
         out: &mut Vec<[f32; 2]>,
     ) -> Result<(), FieldError> {
         self.ws.gradients(self.tapes, self.axes, [x, y, z], out)
+    }
+
+    fn bounds(&mut self, boxes: &[(Rect, f32)], out: &mut Vec<Bound>) {
+        out.clear();
+        out.extend(boxes.iter().map(|(r, z)| {
+            let plane = [0, 1].map(|k| Interval::new(r.min[k], r.max[k]));
+            let z = Interval::point(f64::from(*z));
+            self.ws.bound(self.tapes, [plane[0], plane[1], z])
+        }));
     }
 }
 

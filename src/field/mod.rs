@@ -31,9 +31,11 @@ mod hoist;
 mod lanes;
 mod lattice;
 mod ranges;
+mod slopes;
 mod tapes;
 
 pub use lattice::Lattice;
+pub use slopes::Bound;
 
 use crate::plane::Rect;
 use crate::units::Mm;
@@ -116,6 +118,10 @@ pub trait Sampler {
         z: &[f32],
         out: &mut Vec<[f32; 2]>,
     ) -> Result<(), FieldError>;
+
+    /// Bounds of the field over boxes within leaves of the batch, each at a
+    /// height, written over `out`.
+    fn bounds(&mut self, boxes: &[(Rect, f32)], out: &mut Vec<Bound>);
 }
 
 /// A batch of sampled leaves.

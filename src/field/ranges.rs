@@ -171,7 +171,7 @@ impl Ranges {
 
 /// The side that `min` always takes. A side that may be NaN is kept, for
 /// then so is the result.
-fn lesser(a: Interval, b: Interval) -> Choice {
+pub(super) fn lesser(a: Interval, b: Interval) -> Choice {
     if a.hi < b.lo && !b.nan {
         Choice::Left
     } else if b.hi < a.lo && !a.nan {
@@ -182,7 +182,7 @@ fn lesser(a: Interval, b: Interval) -> Choice {
 }
 
 /// The side that `max` always takes.
-fn greater(a: Interval, b: Interval) -> Choice {
+pub(super) fn greater(a: Interval, b: Interval) -> Choice {
     lesser(a.neg(), b.neg())
 }
 

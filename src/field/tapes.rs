@@ -4,6 +4,7 @@ use super::axis::{self, Axis, Level, Located};
 use super::hoist::{Hoisted, hoist};
 use super::lanes::Lanes;
 use super::ranges::{Ranges, Readable, inputs};
+use super::slopes::{Bound, Slope, Slopes, coordinate, slope_of};
 use super::{FieldError, Leaf, NODES};
 use crate::model::Interval;
 use fidget::context::{Context, Node};
@@ -164,6 +165,9 @@ pub(super) struct Workspace<'a, F: Function> {
     /// By input of the tapes. Simplified tapes keep the order.
     sources: Vec<Source>,
     ranges: Ranges,
+    slopes: Slopes,
+    /// By input, its bounds.
+    bounds: Vec<Slope>,
     runner: Runner<F>,
     grad: F::GradSliceEval,
     simplify: F::Workspace,
@@ -194,6 +198,8 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             parts: &split.parts,
             sources,
             ranges: Ranges::default(),
+            slopes: Slopes::default(),
+            bounds: vec![Slope::constant(Interval::ANYTHING); slots],
             runner: Runner {
                 float: F::new_float_slice_eval(),
                 lanes: Lanes::default(),
@@ -243,6 +249,23 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             _ => None,
         };
         Ok(Proof::Ambiguous(simpler))
+    }
+
+    /// The field's bounds over any box, given by its extent along each axis.
+    pub(super) fn bound(
+        &mut self,
+        tapes: &mut Tapes<F>,
+        over: [Interval; 3],
+    ) -> Bound {
+        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
+        for &slot in &*used {
+            self.bounds[slot] = match self.sources[slot] {
+                Source::Coordinate(a) => coordinate(over[a], a),
+                Source::Part(a, p) => slope_of(&self.parts[a][p], over[a], a),
+            };
+        }
+        let bounds = &self.bounds;
+        Bound::new(self.slopes.eval(&tapes.f, |slot| bounds[slot]))
     }
 
     /// The field at the nodes of leaves, written over `out`.

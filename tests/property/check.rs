@@ -120,20 +120,22 @@ pub fn accuracy(
 }
 
 /// Points on a grid over ±`half` that the outline has on the wrong side,
-/// though nothing changes within `smallest` of them.
+/// though they lie in the middle of a disc as wide as the `smallest` feature
+/// on which nothing changes.
 pub fn complete(
     area: &Area,
     half: f64,
     smallest: f64,
     inside: &impl Fn(DVec2) -> bool,
 ) -> Result<(), String> {
-    const SIDE: u32 = 60;
+    const SIDE: u32 = 150;
     for k in 0..SIDE * SIDE {
         let at = |k: u32| {
             half * (2.0 * (f64::from(k) + 0.5) / f64::from(SIDE) - 1.0)
         };
         let p = DVec2::new(at(k % SIDE), at(k / SIDE));
-        if area.contains(p) != inside(p) && !border_within(p, smallest, inside)
+        if area.contains(p) != inside(p)
+            && !border_within(p, 0.5 * smallest, inside)
         {
             return Err(format!("{p} is on the wrong side"));
         }
