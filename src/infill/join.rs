@@ -199,6 +199,29 @@ mod tests {
     }
 
     #[test]
+    fn islands_are_not_joined() {
+        let at = |x: f64| -> Vec<DVec2> {
+            ring(5.0).iter().map(|p| *p + DVec2::new(x, 0.0)).collect()
+        };
+        let area = Area {
+            rings: vec![at(-20.0), at(0.0), at(20.0), at(40.0)],
+        };
+        for angle in [0.0, 45.0, 90.0] {
+            let (count, paths) = joined(&area, angle, 8.0);
+            assert!(paths.len() >= 4 && paths.len() < count);
+            for path in &paths {
+                let island = |p: &DVec2| ((p.x + 10.0) / 20.0).floor();
+                let first = island(&path.points[0]);
+                assert!(
+                    path.points.iter().all(|p| island(p) == first),
+                    "{angle}: {:?}",
+                    path.points
+                );
+            }
+        }
+    }
+
+    #[test]
     fn joins_follow_the_border_and_never_cross_a_hole() {
         let mut hole = ring(4.0);
         hole.reverse();

@@ -262,18 +262,55 @@ impl EdgeGrid {
         distance: Mm,
         mut visit: impl FnMut(usize),
     ) {
+        self.near(a, b, distance, |edge| {
+            visit(edge);
+            true
+        });
+    }
+
+    /// Calls `visit` with every edge that comes closer than `distance` to the
+    /// segment, as long as it returns true.
+    fn near(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        distance: Mm,
+        mut visit: impl FnMut(usize) -> bool,
+    ) {
         if self.members.is_empty() {
             return;
         }
+        let limit = distance * distance;
         let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
-        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
+        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let slope = (high.x - low.x) / (high.y - low.y);
         for row in self.row(lo.y)..=self.row(hi.y) {
+            // The stretch of the segment that is near this row; rows at the
+            // grid's edge have all that is beyond them.
+            let bottom = self.origin.y + row as f64 * self.cell - distance;
+            let top = bottom + self.cell + 2.0 * distance;
+            let at = |y: f64, end: DVec2, open: bool| match open {
+                true => end.x,
+                false => {
+                    let x = low.x + slope * (y - low.y);
+                    x.clamp(low.x.min(high.x), low.x.max(high.x))
+                }
+            };
+            let x0 = at(bottom, low, bottom <= low.y || row == 0);
+            let x1 = at(top, high, top >= high.y || row + 1 == self.rows);
+            let c0 = self.column(x0.min(x1) - distance);
+            let c1 = self.column(x0.max(x1) + distance);
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
             for &m in &self.members[from..to] {
                 let (c, d) = self.edge(m as usize);
-                if distance_squared(a, b, c, d) < distance * distance {
-                    visit(m as usize);
+                let (elo, ehi) = (c.min(d), c.max(d));
+                if elo.x > hi.x || ehi.x < lo.x || elo.y > hi.y || ehi.y < lo.y
+                {
+                    continue;
+                }
+                if distance_squared(a, b, c, d) < limit && !visit(m as usize) {
+                    return;
                 }
             }
         }
@@ -372,21 +409,10 @@ impl EdgeGrid {
         distance: Mm,
         mut visit: impl FnMut(usize),
     ) {
-        if self.members.is_empty() {
-            return;
-        }
-        let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
-        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
-        for row in self.row(lo.y)..=self.row(hi.y) {
-            let from = self.starts[row * self.columns + c0] as usize;
-            let to = self.starts[row * self.columns + c1 + 1] as usize;
-            for &m in &self.members[from..to] {
-                let (c, d) = self.edge(m as usize);
-                if distance_squared(a, b, c, d) < distance * distance {
-                    visit(self.owner(m as usize));
-                }
-            }
-        }
+        self.near(a, b, distance, |edge| {
+            visit(self.owner(edge));
+            true
+        });
     }
 
     /// True if the box around some edge meets the box.
@@ -423,25 +449,12 @@ impl EdgeGrid {
 
     /// True if no edge comes closer than `distance` to the segment.
     pub fn clear(&self, a: DVec2, b: DVec2, distance: Mm) -> bool {
-        let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
-        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
-        let limit = distance * distance;
-        for row in self.row(lo.y)..=self.row(hi.y) {
-            let from = self.starts[row * self.columns + c0] as usize;
-            let to = self.starts[row * self.columns + c1 + 1] as usize;
-            for &m in &self.members[from..to] {
-                let (c, d) = self.edge(m as usize);
-                let (elo, ehi) = (c.min(d), c.max(d));
-                if elo.x > hi.x || ehi.x < lo.x || elo.y > hi.y || ehi.y < lo.y
-                {
-                    continue;
-                }
-                if distance_squared(a, b, c, d) < limit {
-                    return false;
-                }
-            }
-        }
-        true
+        let mut clear = true;
+        self.near(a, b, distance, |_| {
+            clear = false;
+            false
+        });
+        clear
     }
 }
 

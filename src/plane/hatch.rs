@@ -10,6 +10,7 @@
 //! of different islands and layers get lines that continue each other.
 
 use super::border::{Border, Piece};
+use super::grid::EdgeGrid;
 use super::{Area, edges};
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
@@ -99,8 +100,14 @@ fn hits(area: &Area, lines: Lines) -> Vec<Hit> {
     // A row through a vertex counts the edge that starts there and goes up,
     // not the one that ends there: `ceil` on both ends does just that.
     let mut hits: Vec<Hit> = Vec::new();
-    let all = area.rings.iter().flat_map(|r| edges(r));
-    for (edge, (a, b)) in all.enumerate() {
+    // As in a grid of the edges, a ring has one number more than edges.
+    let mut first = 0;
+    let numbered = area.rings.iter().flat_map(|r| {
+        let from = first;
+        first += EdgeGrid::numbers(std::slice::from_ref(r));
+        edges(r).enumerate().map(move |(i, e)| (from + i, e))
+    });
+    for (edge, (a, b)) in numbered {
         let (va, vb) = (across.dot(a), across.dot(b));
         let (ra, rb) = (row_of(va).ceil() as i64, row_of(vb).ceil() as i64);
         for row in ra.min(rb)..ra.max(rb) {

@@ -21,7 +21,9 @@
 //! the fill.
 
 use super::cover::{Cover, Covered, Exposed, covered, exposed, open};
-use crate::plane::clip::{difference, intersection, union};
+use crate::plane::clip::{
+    crop, difference, intersection, not_covered_by_all, union,
+};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
 use crate::plane::{Area, point_beside};
@@ -127,13 +129,15 @@ fn sparse(
     for slope in slopes {
         slope.expose(&islands, &mut exposed, outline);
     }
+    let hanging = hanging(&exposed, support, settings);
     let mut sparse = Vec::new();
-    for (island, exposed) in islands.into_iter().zip(exposed) {
+    let all = islands.into_iter().zip(exposed).zip(hanging);
+    for ((island, exposed), hanging) in all {
         match exposed {
             Exposed::Nowhere => sparse.push(island),
             Exposed::Everywhere => {}
             Exposed::Part(part) => {
-                let grown = grown(part, support, settings);
+                let grown = grown(&part, &hanging, settings);
                 let left = printable(&difference(&island, &grown), settings);
                 sparse.extend(left.islands());
             }
@@ -158,61 +162,113 @@ impl Slope<'_> {
                 *open |= !covers.as_ref().is_some_and(whole);
             }
         }
-        let wanted = |e: &Exposed| *e != Exposed::Everywhere;
-        let mut any = open_to.iter().zip(exposed.iter());
-        if !any.any(|(open, e)| *open && wanted(e)) {
+        let candidates: Vec<usize> = (0..islands.len())
+            .filter(|&i| open_to[i] && exposed[i] != Exposed::Everywhere)
+            .collect();
+        let Some(last) = self.last else { return };
+        if candidates.is_empty() {
             return;
         }
-        let Some(last) = self.last else { return };
-        let receded = open(outline, last.area);
+        // All islands at once: one at a time would be quadratic.
+        let rings = candidates.iter().flat_map(|&i| &islands[i].rings);
+        let all = Area {
+            rings: rings.cloned().collect(),
+        };
+        let mut bounds = all.bounds();
+        bounds.min -= self.reach + 1.0;
+        bounds.max += self.reach + 1.0;
+        let here = crop(&outline.rings, bounds);
+        let receded = open(&here, last.area);
         if receded.is_empty() {
             return;
         }
         let beside = offset(&receded, self.reach, TOLERANCE);
-        for ((island, exposed), open_to) in
-            islands.iter().zip(exposed).zip(open_to)
-        {
-            if !open_to || !wanted(exposed) {
+        let within = intersection(&all, &beside);
+        let covers: Option<Vec<&Area>> =
+            self.beyond.iter().map(|c| c.map(|c| c.area)).collect();
+        let found = match covers {
+            Some(covers) => not_covered_by_all(&within, &covers),
+            None => within,
+        };
+        let parts = by_island(islands, found.islands());
+        for (exposed, more) in exposed.iter_mut().zip(parts) {
+            if more.is_empty() {
                 continue;
             }
-            let within = intersection(island, &beside);
-            let parts = self.beyond.iter().map(|cover| match cover {
-                Some(cover) => open(&within, cover.area),
-                None => within.clone(),
-            });
-            let mut all = parts.fold(Area::EMPTY, |all, p| union(&all, &p));
-            if let Exposed::Part(part) = &*exposed {
-                all = union(&all, part);
-            }
-            if !all.is_empty() {
-                *exposed = Exposed::Part(all);
-            }
+            *exposed = match std::mem::replace(exposed, Exposed::Nowhere) {
+                Exposed::Nowhere => Exposed::Part(more),
+                Exposed::Part(part) => Exposed::Part(union(&part, &more)),
+                Exposed::Everywhere => Exposed::Everywhere,
+            };
         }
     }
 }
 
-/// An exposed part and what its lines reach onto: `skin_overlap` all around,
-/// and `bridge_anchor` around what hangs in the air.
-fn grown(part: Area, support: Option<Cover<'_>>, settings: &Settings) -> Area {
-    let all = offset(&part, settings.skin_overlap, TOLERANCE);
-    let (anchor, half) =
-        (settings.bridge_anchor, 0.5 * settings.bottom_skin_width());
-    let Some(support) = support else { return all };
-    if !settings.bridges || anchor <= settings.skin_overlap {
-        return all;
-    }
-    let parts = part.islands();
-    let hangs = covered(&parts, &support);
-    let mut rings = Vec::new();
-    for (part, hangs) in parts.into_iter().zip(hangs) {
-        if hangs != Covered::Wholly {
-            // What a bead's own width bridges needs no anchor.
-            let core = offset(&open(&part, support.area), -half, TOLERANCE);
-            rings.extend(core.rings);
+/// Areas by the island that each of them lies in.
+fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
+    let nest = Nest::new(islands.iter().filter_map(|p| p.rings.first()));
+    let mut sorted: Vec<Area> = vec![Area::EMPTY; islands.len()];
+    for area in areas {
+        let p = area.rings.first().and_then(|r| point_beside(r));
+        if let Some(i) = p.and_then(|p| nest.around(p)) {
+            sorted[i].rings.extend(area.rings);
         }
     }
-    let anchors = offset(&Area { rings }, half + anchor, TOLERANCE);
-    union(&all, &anchors)
+    sorted
+}
+
+/// What of the exposed parts hangs in the air, by island, if bridges are to be
+/// anchored beyond the overlap that skin has anyway.
+fn hanging(
+    exposed: &[Exposed],
+    support: Option<Cover<'_>>,
+    settings: &Settings,
+) -> Vec<Area> {
+    let none = || vec![Area::EMPTY; exposed.len()];
+    let Some(support) = support else {
+        return none();
+    };
+    if !settings.bridges || settings.bridge_anchor <= settings.skin_overlap {
+        return none();
+    }
+    let mut parts: Vec<Area> = Vec::new();
+    let mut owners: Vec<usize> = Vec::new();
+    for (i, exposed) in exposed.iter().enumerate() {
+        if let Exposed::Part(part) = exposed {
+            let islands = part.islands();
+            owners.extend(std::iter::repeat_n(i, islands.len()));
+            parts.extend(islands);
+        }
+    }
+    let covered = covered(&parts, &support);
+    let mut all = Area::EMPTY;
+    for (part, covered) in parts.iter().zip(&covered) {
+        if *covered != Covered::Wholly {
+            all.rings.extend(part.rings.iter().cloned());
+        }
+    }
+    // What a bead's own width bridges needs no anchor.
+    let half = 0.5 * settings.bottom_skin_width();
+    let core = offset(&open(&all, support.area), -half, TOLERANCE);
+    let mut hanging = none();
+    for (owner, core) in
+        owners.into_iter().zip(by_island(&parts, core.islands()))
+    {
+        hanging[owner].rings.extend(core.rings);
+    }
+    hanging
+}
+
+/// An exposed part and what its lines reach onto: `skin_overlap` all around,
+/// and `bridge_anchor` around what hangs in the air.
+fn grown(part: &Area, hanging: &Area, settings: &Settings) -> Area {
+    let all = offset(part, settings.skin_overlap, TOLERANCE);
+    if hanging.is_empty() {
+        return all;
+    }
+    let half = 0.5 * settings.bottom_skin_width();
+    let anchor = half + settings.bridge_anchor;
+    union(&all, &offset(hanging, anchor, TOLERANCE))
 }
 
 /// An area without some islands of it.
@@ -222,14 +278,7 @@ fn less(area: &Area, islands: &[Area]) -> Area {
     }
     // By connected part: most are all sparse, or have no sparse area in them.
     let parts = area.islands();
-    let nest = Nest::new(parts.iter().filter_map(|p| p.rings.first()));
-    let mut inside: Vec<Area> = vec![Area::EMPTY; parts.len()];
-    for island in islands {
-        let p = island.rings.first().and_then(|r| point_beside(r));
-        if let Some(i) = p.and_then(|p| nest.around(p)) {
-            inside[i].rings.extend(island.rings.iter().cloned());
-        }
-    }
+    let inside = by_island(&parts, islands.to_vec());
     let rings = parts.into_iter().zip(inside).flat_map(|(part, inside)| {
         match inside == part {
             true => Vec::new(),

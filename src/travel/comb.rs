@@ -79,6 +79,10 @@ const PASSED: f64 = 0.1;
 /// the clearance.
 const SPACING: f64 = 0.7;
 
+/// How much longer than the longest way allowed a way along rings may be: as
+/// much as pulling it tight may gain.
+const SLACK: f64 = 2.0;
+
 /// How often a way is pulled tight at most.
 const ROUNDS: usize = 4;
 
@@ -106,8 +110,9 @@ impl<'a> Comb<'a> {
     }
 
     /// The way points between `a` and `b`, none if the straight way is inside;
-    /// nothing if they are not in one island.
-    pub fn way(&self, a: DVec2, b: DVec2) -> Option<Vec<DVec2>> {
+    /// nothing if they are not in one island, or if the way along the rings is
+    /// so much longer than `longest` that pulling it tight cannot help.
+    pub fn way(&self, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
         let ends = [a, b];
         // Off the walls first, which the ends may be on.
         let (a, b) = (self.off(a), self.off(b));
@@ -115,6 +120,13 @@ impl<'a> Comb<'a> {
             return Some(inner(&ends, &[a, b]));
         }
         let marks = self.marks(a.at, b.at)?;
+        let along: Mm = marks
+            .chunks_exact(2)
+            .map(|pair| self.ring_way(pair[0], pair[1]).abs())
+            .sum();
+        if along > SLACK * longest {
+            return None;
+        }
         let around = |spacing: Mm| {
             let mut way = vec![a];
             match marks.is_empty() {
@@ -298,17 +310,26 @@ impl<'a> Comb<'a> {
         Some(self.inwards(p.lerp(q, end), edge, end))
     }
 
+    /// Length of the shorter way along a ring, negative if it runs against the
+    /// ring's direction.
+    fn ring_way(&self, from: Mark, to: Mark) -> Mm {
+        let rings = self.rings();
+        let total = rings.length[rings.ring(from.edge)];
+        let way = rings.place(self.grid, &to) - rings.place(self.grid, &from);
+        let forwards = way.rem_euclid(total);
+        match forwards <= 0.5 * total {
+            true => forwards,
+            false => forwards - total,
+        }
+    }
+
     /// Appends the shorter way along a ring, points no closer than `spacing`.
     fn along(&self, from: Mark, to: Mark, spacing: Mm, way: &mut Vec<Stop>) {
         let rings = self.rings();
         let ring = rings.ring(from.edge);
-        let place = |mark: &Mark| {
-            let (p, _) = self.grid.edge(mark.edge);
-            rings.before[mark.edge] + p.distance(mark.at)
-        };
-        let (start, end) = (place(&from), place(&to));
-        let total = rings.length[ring];
-        let forwards = (end - start).rem_euclid(total);
+        let way_round = self.ring_way(from, to);
+        let ahead =
+            rings.place(self.grid, &to) >= rings.place(self.grid, &from);
         let (first, count) = (rings.first[ring], rings.count(ring));
         let next = |e: usize| first + (e - first + 1) % count;
         let previous = |e: usize| first + (e - first + count - 1) % count;
@@ -321,21 +342,17 @@ impl<'a> Comb<'a> {
                 last = p;
             }
         };
-        if forwards <= 0.5 * total {
+        if way_round >= 0.0 {
             // Once round at most, also where both are on one edge.
             let mut left = count;
-            while (edge != to.edge || (left == count && end < start))
-                && left > 0
-            {
+            while (edge != to.edge || (left == count && !ahead)) && left > 0 {
                 add(self.grid.edge(edge).1, edge, 1.0);
                 edge = next(edge);
                 left -= 1;
             }
         } else {
             let mut left = count;
-            while (edge != to.edge || (left == count && end > start))
-                && left > 0
-            {
+            while (edge != to.edge || (left == count && ahead)) && left > 0 {
                 add(self.grid.edge(edge).0, edge, 0.0);
                 edge = previous(edge);
                 left -= 1;
@@ -484,6 +501,12 @@ impl Rings {
         }
     }
 
+    /// How far along its ring a mark is.
+    fn place(&self, grid: &EdgeGrid, mark: &Mark) -> Mm {
+        let (p, _) = grid.edge(mark.edge);
+        self.before[mark.edge] + p.distance(mark.at)
+    }
+
     fn ring(&self, edge: usize) -> usize {
         self.first.partition_point(|f| *f <= edge) - 1
     }
@@ -536,7 +559,7 @@ mod tests {
         let grid = EdgeGrid::new(&area, 0.5);
         let comb = Comb::new(&area, &grid, 0.5);
         let (a, b) = (a.into(), b.into());
-        let points = comb.way(a, b)?;
+        let points = comb.way(a, b, 1e3)?;
         let all: Vec<DVec2> = [&[a], &points[..], &[b]]
             .into_iter()
             .flatten()

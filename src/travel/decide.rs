@@ -19,13 +19,16 @@ use std::cell::OnceCell;
 pub struct Obstacles<'a> {
     solid: &'a EdgeGrid,
     beads: &'a [Bead],
-    outer: OnceCell<EdgeGrid>,
     inner: OnceCell<EdgeGrid>,
     tops: OnceCell<EdgeGrid>,
     width: Mm,
     /// Depth of the fill's border below the outline.
     border: Mm,
 }
+
+/// How near to the middle of a wall counts as on it, as a share of its width:
+/// a little less than half, since ways keep that distance where they can.
+const NEAR: f64 = 0.4;
 
 /// Size of a grid's cells, mm: some lengths of a wall's segments.
 const CELL: Mm = 1.0;
@@ -41,7 +44,6 @@ impl<'a> Obstacles<'a> {
         Obstacles {
             solid,
             beads,
-            outer: OnceCell::new(),
             inner: OnceCell::new(),
             tops: OnceCell::new(),
             width: settings.outer_wall_width,
@@ -68,29 +70,14 @@ impl<'a> Obstacles<'a> {
         })
     }
 
-    /// True if the way from the end of what was printed before the `next`th
-    /// bead to its beginning crosses an outer wall.
-    pub fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
-        let grid = self.outer.get_or_init(|| {
-            self.grid(|r| matches!(r, Role::OuterWall | Role::Overhang))
-        });
-        let own = |i: usize| i == next || i + 1 == next;
-        let crosses = points.windows(2).any(|p| {
-            let mut crossed = false;
-            grid.visit_crossed(p[0], p[1], |_, edge| {
-                crossed |= !own(grid.owner(edge));
-            });
-            crossed
-        });
-        // A wall that it begins or ends on it may not follow either. That
-        // wall's neighbours, such as the bead of a thin place that goes on
-        // where a ring ends, are as near as the wall itself.
-        crosses
-            || trimmed(points, self.width).windows(2).any(|p| {
-                let mut near = false;
-                grid.visit_near(p[0], p[1], 0.4 * self.width, |_| near = true);
-                near
-            })
+    /// True if the way crosses an outer wall, or follows one: if it comes too
+    /// near to the outline, whose walls lie half their width inside. Its ends
+    /// may be on walls.
+    pub fn outer_wall(&self, points: &[DVec2]) -> bool {
+        let near = (0.5 + NEAR) * self.width;
+        trimmed(points, self.width)
+            .windows(2)
+            .any(|p| !self.solid.clear(p[0], p[1], near))
     }
 
     /// True if the way crosses a wall behind an outer one. Leaving a wall
@@ -111,7 +98,7 @@ impl<'a> Obstacles<'a> {
         let grid = self.tops.get_or_init(|| self.grid(|r| r == Role::TopSkin));
         points.windows(2).any(|p| {
             let mut over = false;
-            grid.visit_near(p[0], p[1], 0.4 * self.width, |i| {
+            grid.visit_near(p[0], p[1], NEAR * self.width, |i| {
                 over |= i + 1 < next;
             });
             over

@@ -140,16 +140,16 @@ impl Planner<'_> {
             return straight(b, false);
         }
         // Retracted anyway, it goes straight unless that leads over what shows.
-        let in_the_way = self.shows(&direct, next);
+        let in_the_way = self.shows(&direct);
         if settings.travel.combing == Combing::Off {
             return straight(b, true);
         }
         let around = || {
-            let points = self.comb.way(a, b)?;
+            let longest = a.distance(b) + settings.travel.max_detour;
+            let points = self.comb.way(a, b, longest)?;
             let way: Vec<DVec2> =
                 std::iter::once(a).chain(points).chain([b]).collect();
-            let longer = path_length(&way, false) - a.distance(b);
-            (longer <= settings.travel.max_detour).then_some(way)
+            (path_length(&way, false) <= longest).then_some(way)
         };
         let Some(way) = around() else {
             return straight(b, true);
@@ -165,8 +165,8 @@ impl Planner<'_> {
     }
 
     /// True if a way leads out of the part or over an outer wall.
-    fn shows(&self, way: &[DVec2], next: usize) -> bool {
-        self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
+    fn shows(&self, way: &[DVec2]) -> bool {
+        self.obstacles.air(way) || self.obstacles.outer_wall(way)
     }
 
     /// Whether to retract on a way.
@@ -176,8 +176,7 @@ impl Planner<'_> {
         !retract.when_crossing
             || path_length(way, false) > retract.max_unretracted
             || o.air(way)
-            || (retract.check_walls
-                && (o.outer_wall(way, next) || o.inner_wall(way)))
+            || (retract.check_walls && (o.outer_wall(way) || o.inner_wall(way)))
             || (travel.combing != Combing::Everywhere && o.top_skin(way, next))
     }
 }
