@@ -37,7 +37,7 @@ const PRINTABLE: f64 = 0.25;
 
 /// Layers are filled until their outlines have so many points, and then
 /// written: their beads take several times the memory of their outlines.
-const BATCH_POINTS: usize = 100_000;
+const BATCH_POINTS: usize = 50_000;
 
 /// Heights closer than this differ by rounding only, mm.
 const SAME_HEIGHT: Mm = 1e-9;
