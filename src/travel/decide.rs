@@ -19,6 +19,7 @@ use std::cell::OnceCell;
 pub struct Obstacles<'a> {
     solid: &'a EdgeGrid,
     beads: &'a [Bead],
+    open: OnceCell<EdgeGrid>,
     inner: OnceCell<EdgeGrid>,
     tops: OnceCell<EdgeGrid>,
     width: Mm,
@@ -29,6 +30,9 @@ pub struct Obstacles<'a> {
 /// How near to the middle of a wall counts as on it, as a share of its width:
 /// a little less than half, since ways keep that distance where they can.
 const NEAR: f64 = 0.4;
+
+/// Share of a depth that is left of it when it is rounded.
+const ROUNDED: f64 = 0.95;
 
 /// Size of a grid's cells, mm: some lengths of a wall's segments.
 const CELL: Mm = 1.0;
@@ -44,6 +48,7 @@ impl<'a> Obstacles<'a> {
         Obstacles {
             solid,
             beads,
+            open: OnceCell::new(),
             inner: OnceCell::new(),
             tops: OnceCell::new(),
             width: settings.outer_wall_width,
@@ -51,12 +56,12 @@ impl<'a> Obstacles<'a> {
         }
     }
 
-    fn grid(&self, wanted: impl Fn(Role) -> bool) -> EdgeGrid {
+    fn grid(&self, wanted: impl Fn(&Bead) -> bool) -> EdgeGrid {
         let segments = self
             .beads
             .iter()
             .enumerate()
-            .filter(|(_, b)| wanted(b.role))
+            .filter(|(_, b)| wanted(b))
             .flat_map(|(i, b)| b.segments().map(move |s| (i, s)));
         EdgeGrid::of(segments, CELL)
     }
@@ -72,12 +77,75 @@ impl<'a> Obstacles<'a> {
 
     /// True if the way crosses an outer wall, or follows one: if it comes too
     /// near to the outline, whose walls lie half their width inside. Its ends
-    /// may be on walls.
-    pub fn outer_wall(&self, points: &[DVec2]) -> bool {
-        let near = (0.5 + NEAR) * self.width;
-        trimmed(points, self.width)
+    /// may be on walls, but may not lead over them. `next` is the number of the
+    /// bead that it leads to.
+    pub fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
+        let middle = 0.5 * self.width;
+        let near = middle + NEAR * self.width;
+        let along = trimmed(points, self.width);
+        let follows = along
             .windows(2)
-            .any(|p| !self.solid.clear(p[0], p[1], near))
+            .any(|p| !self.solid.clear(p[0], p[1], near));
+        // Beads of thin places reach into the part, where they go on as two,
+        // and so do walls that grow wider.
+        let open = self.open.get_or_init(|| {
+            self.grid(|b| {
+                matches!(b.role, Role::OuterWall | Role::Overhang)
+                    && (!b.closed || !b.widths.is_empty())
+            })
+        });
+        let ends = [points.first(), points.last()];
+        let at_end = |p: DVec2| {
+            let mut ends = ends.iter().flatten();
+            ends.any(|e| e.distance(p) < middle)
+        };
+        let crosses = |p: &[DVec2]| {
+            let mut crossed = false;
+            open.visit_crossed(p[0], p[1], |t, edge| {
+                let i = open.owner(edge);
+                let own = i == next || i + 1 == next;
+                crossed |= !own || !at_end(p[0].lerp(p[1], t));
+            });
+            crossed
+        };
+        follows
+            || points.windows(2).any(crosses)
+            || self.leads_over(points.iter().copied(), middle)
+            || self.leads_over(points.iter().rev().copied(), middle)
+    }
+
+    /// True if the beginning of a way comes nearer to the outline than the
+    /// middle of its wall, unless it begins there.
+    fn leads_over(
+        &self,
+        points: impl Iterator<Item = DVec2>,
+        middle: Mm,
+    ) -> bool {
+        let mut left = self.width;
+        let mut before: Option<DVec2> = None;
+        let mut least = 0.0;
+        for p in points {
+            match before {
+                None => {
+                    let near = self.solid.nearest_edge(p, middle);
+                    let depth = near.map_or(middle, |(_, q)| p.distance(q));
+                    least = ROUNDED * depth;
+                }
+                Some(q) => {
+                    let length = q.distance(p);
+                    let end = q.lerp(p, (left / length).min(1.0));
+                    if !self.solid.clear(q, end, least) {
+                        return true;
+                    }
+                    left -= length;
+                    if left <= 0.0 {
+                        break;
+                    }
+                }
+            }
+            before = Some(p);
+        }
+        false
     }
 
     /// True if the way crosses a wall behind an outer one. Leaving a wall
@@ -85,7 +153,7 @@ impl<'a> Obstacles<'a> {
     pub fn inner_wall(&self, points: &[DVec2]) -> bool {
         let grid = self
             .inner
-            .get_or_init(|| self.grid(|r| r == Role::InnerWall));
+            .get_or_init(|| self.grid(|b| b.role == Role::InnerWall));
         let inside = trimmed(points, 1.2 * self.border);
         inside
             .windows(2)
@@ -95,7 +163,9 @@ impl<'a> Obstacles<'a> {
     /// True if the way passes over a top skin printed before the `next`th
     /// bead; the bead that it comes from does not count.
     pub fn top_skin(&self, points: &[DVec2], next: usize) -> bool {
-        let grid = self.tops.get_or_init(|| self.grid(|r| r == Role::TopSkin));
+        let grid = self
+            .tops
+            .get_or_init(|| self.grid(|b| b.role == Role::TopSkin));
         points.windows(2).any(|p| {
             let mut over = false;
             grid.visit_near(p[0], p[1], NEAR * self.width, |i| {

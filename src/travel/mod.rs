@@ -140,7 +140,7 @@ impl Planner<'_> {
             return straight(b, false);
         }
         // Retracted anyway, it goes straight unless that leads over what shows.
-        let in_the_way = self.shows(&direct);
+        let in_the_way = self.shows(&direct, next);
         if settings.travel.combing == Combing::Off {
             return straight(b, true);
         }
@@ -165,8 +165,8 @@ impl Planner<'_> {
     }
 
     /// True if a way leads out of the part or over an outer wall.
-    fn shows(&self, way: &[DVec2]) -> bool {
-        self.obstacles.air(way) || self.obstacles.outer_wall(way)
+    fn shows(&self, way: &[DVec2], next: usize) -> bool {
+        self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
     }
 
     /// Whether to retract on a way.
@@ -176,7 +176,8 @@ impl Planner<'_> {
         !retract.when_crossing
             || path_length(way, false) > retract.max_unretracted
             || o.air(way)
-            || (retract.check_walls && (o.outer_wall(way) || o.inner_wall(way)))
+            || (retract.check_walls
+                && (o.outer_wall(way, next) || o.inner_wall(way)))
             || (travel.combing != Combing::Everywhere && o.top_skin(way, next))
     }
 }
