@@ -325,3 +325,53 @@ fn by_role(
     }
     parts
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::grid::EdgeGrid;
+    use glam::DVec2;
+
+    fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Vec<DVec2> {
+        [(x0, low), (x1, low), (x1, high), (x0, high)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec()
+    }
+
+    #[test]
+    fn rings_of_two_roles_keep_all_of_their_sides() {
+        // The right half of the ring has something above.
+        let above = Area {
+            rings: vec![rect(5.0, 30.0, -20.0, 20.0)],
+        };
+        let grid = EdgeGrid::new(&above, 1.0);
+        let sides = Sides {
+            above: (Covered::Partly, Some(&grid)),
+            below: (Covered::Wholly, None),
+        };
+        let ring = |points| Line {
+            points,
+            closed: true,
+            width: 0.4,
+            widths: vec![0.4, 0.5, 0.4, 0.5],
+        };
+        let lines = vec![
+            (0, ring(rect(0.0, 10.0, 0.0, 10.0))),
+            (0, ring(rect(0.0, 3.0, 12.0, 15.0))),
+        ];
+        let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
+        let parts = by_role(lines.clone(), kinds, sides);
+        let lengths = |role: Role| -> Vec<f64> {
+            let part = parts.iter().find(|p| p.0 == role);
+            let lines = part.iter().flat_map(|p| &p.1);
+            lines.map(|(_, l)| l.length()).collect()
+        };
+        assert_eq!(lengths(Role::InternalSkin), [20.0]);
+        assert_eq!(lengths(Role::BottomSkin), []);
+        // In one piece, although the ring begins in it; one ring stays whole.
+        assert_eq!(lengths(Role::TopSkin), [20.0, 12.0]);
+        assert_eq!(parts[2].1[1], lines[1]);
+        let piece = &parts[2].1[0].1;
+        assert_eq!(piece.widths.len(), piece.points.len());
+    }
+}
