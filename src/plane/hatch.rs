@@ -72,7 +72,7 @@ struct Hit {
     row: i64,
     /// Coordinate along the row.
     along: Mm,
-    /// Number of the edge, through all rings.
+    /// Number of the edge, as a grid of the rings has it.
     edge: usize,
 }
 
@@ -100,14 +100,13 @@ fn hits(area: &Area, lines: Lines) -> Vec<Hit> {
     // A row through a vertex counts the edge that starts there and goes up,
     // not the one that ends there: `ceil` on both ends does just that.
     let mut hits: Vec<Hit> = Vec::new();
-    // As in a grid of the edges, a ring has one number more than edges.
     let mut first = 0;
-    let numbered = area.rings.iter().flat_map(|r| {
-        let from = first;
-        first += EdgeGrid::numbers(std::slice::from_ref(r));
-        edges(r).enumerate().map(move |(i, e)| (from + i, e))
+    let all = area.rings.iter().flat_map(|ring| {
+        let own = first;
+        first += EdgeGrid::numbers(std::slice::from_ref(ring));
+        edges(ring).zip(own..)
     });
-    for (edge, (a, b)) in numbered {
+    for ((a, b), edge) in all {
         let (va, vb) = (across.dot(a), across.dot(b));
         let (ra, rb) = (row_of(va).ceil() as i64, row_of(vb).ceil() as i64);
         for row in ra.min(rb)..ra.max(rb) {
@@ -147,6 +146,41 @@ mod tests {
         hole.reverse();
         Area {
             rings: vec![ring(5.0), hole],
+        }
+    }
+
+    #[test]
+    fn pieces_know_where_on_the_border_they_end() {
+        // Five squares in a row, the last of them with a hole.
+        let square = |x: f64, h: f64| -> Vec<DVec2> {
+            [(-h, -h), (h, -h), (h, h), (-h, h)]
+                .map(|(u, v)| DVec2::new(x + u, v))
+                .to_vec()
+        };
+        let mut rings: Vec<_> =
+            (0..5).map(|i| square(10.0 * f64::from(i), 4.0)).collect();
+        rings.push(square(40.0, 2.0));
+        rings[5].reverse();
+        let area = Area { rings };
+        let border = Border::new(&area);
+        let lines = Lines {
+            angle: 30.0,
+            spacing: 0.7,
+            phase: 0.1,
+        };
+        let pieces = hatch_border(&border, lines, 0.1);
+        assert!(pieces.len() > 60);
+        for (_, piece) in pieces {
+            let ends = [(piece.from, 0), (piece.to, 1)];
+            for (foot, end) in ends {
+                let foot = foot.unwrap();
+                let ring = &area.rings[foot.ring];
+                let side = ring[0].distance(ring[1]);
+                let k = (foot.at / side) as usize;
+                let on = ring[k % 4]
+                    .lerp(ring[(k + 1) % 4], foot.at / side - k as f64);
+                assert!(on.distance(piece.points[end]) < 1e-9, "{foot:?}");
+            }
         }
     }
 

@@ -48,12 +48,13 @@ pub fn offset_with(
         super::edges(ring).all(|(a, b)| grid.clear(a, b, clearance))
     };
     // A ring no wider than twice the distance vanishes when its inside
-    // shrinks. Turned inside out, all its edges would cross all others.
+    // shrinks, one hardly wider all but does. Turned inside out, or shrunk to
+    // a point, all its edges would cross all others.
     let vanishes = |ring: &Ring| {
         let bounds = Rect::around(ring);
         let inside_shrinks = (signed_area(ring) > 0.0) == (distance < 0.0);
         let width = (bounds.max - bounds.min).min_element();
-        inside_shrinks && width <= 2.0 * distance.abs()
+        inside_shrinks && width <= 2.0 * distance.abs() + tolerance
     };
     // One that is much thinner than long is turned inside out as well, and
     // lies at the distance on the wrong side.
@@ -296,6 +297,10 @@ mod tests {
         // The hole closes when the frame grows.
         let grown = offset(&frame, 4.0, 1e-3);
         assert_eq!(grown.rings.len(), 1);
+        // As it does where less than the tolerance is left of it.
+        let grown = offset(&frame, 3.4997, 1e-3);
+        assert_eq!(grown.rings.len(), 1);
+        assert_eq!(offset(&frame, 3.499, 1e-3).rings.len(), 2);
     }
 
     #[test]

@@ -7,29 +7,30 @@
 //! Not looked for: whether the cavity is closed above and below.
 
 use super::cover::{Cover, Covered, covered};
-use crate::plane::{Area, Ring, ring_contains};
+use crate::plane::Area;
+use crate::plane::nest::Nest;
 use glam::DVec2;
 
 /// A point of each of a layer's islands that begin in the air over `below`,
 /// with solid around them.
 pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<DVec2> {
-    let mut found = Vec::new();
-    for island in outline.islands() {
-        let Some(ring) = island.rings.first() else {
-            continue;
-        };
+    let mut free = outline.islands();
+    free.retain(|island| {
         // Nearly always the first point tells.
-        if ring.iter().any(|&p| below.grid.contains(p)) {
-            continue;
-        }
-        let Some(&at) = ring.first() else { continue };
-        let alone = covered(std::slice::from_ref(&island), below);
-        let around = |r: &Ring| ring_contains(r, at);
-        if alone == [Covered::Not] && below.area.rings.iter().any(around) {
-            found.push(at);
-        }
+        let mut points = island.rings.first().into_iter().flatten();
+        !points.any(|&p| below.grid.contains(p))
+    });
+    if free.is_empty() {
+        return Vec::new();
     }
-    found
+    let around = Nest::new(below.area.rings.iter());
+    let covered = covered(&free, below);
+    free.iter()
+        .zip(covered)
+        .filter(|(_, covered)| *covered == Covered::Not)
+        .filter_map(|(island, _)| island.rings.first()?.first().copied())
+        .filter(|&p| around.around(p).is_some())
+        .collect()
 }
 
 #[cfg(test)]
@@ -58,6 +59,15 @@ mod tests {
         assert_eq!(on(&rect(8.0, 12.0, 8.0, 12.0)), [DVec2::splat(8.0)]);
         // Beside it all, over an edge, and over all of it.
         assert!(on(&rect(40.0, 45.0, 8.0, 12.0)).is_empty());
+        let two = Area {
+            rings: [
+                rect(7.0, 9.0, 8.0, 9.0).rings,
+                rect(40.0, 45.0, 8.0, 12.0).rings,
+                rect(15.0, 19.0, 8.0, 12.0).rings,
+            ]
+            .concat(),
+        };
+        assert_eq!(on(&two), [DVec2::new(7.0, 8.0), DVec2::new(15.0, 8.0)]);
         assert!(on(&rect(3.0, 12.0, 8.0, 12.0)).is_empty());
         assert!(on(&rect(-5.0, 50.0, -5.0, 50.0)).is_empty());
     }

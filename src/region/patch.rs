@@ -66,16 +66,32 @@ impl Patch {
         shrink(&self.whole, distance, tolerance)
     }
 
-    /// The pieces of a line that are not under the beads in thin places,
-    /// each as a range of its length from 0 to 1.
-    pub fn free(&self, lines: &[(DVec2, DVec2)]) -> Vec<Vec<(f64, f64)>> {
+    /// Where lines are not under the beads in thin places.
+    pub fn free(&self) -> Free<'_> {
         let thickest =
             self.core.iter().map(Ridge::thickest).fold(0.0, f64::max);
-        if self.core.is_empty() {
-            return vec![vec![(0.0, 1.0)]; lines.len()];
-        }
         let reach = 0.5 * thickest + SLACK;
-        let index = RidgeIndex::new(&self.core, reach);
+        let index =
+            (!self.core.is_empty()).then(|| RidgeIndex::new(&self.core, reach));
+        Free { index, reach }
+    }
+}
+
+/// The places that the beads in thin places leave free.
+pub(crate) struct Free<'a> {
+    index: Option<RidgeIndex<'a>>,
+    /// No bead reaches farther from its middle.
+    reach: Mm,
+}
+
+impl Free<'_> {
+    /// The pieces of each line that are free, as ranges of its length from 0
+    /// to 1.
+    pub fn of(&self, lines: &[(DVec2, DVec2)]) -> Vec<Vec<(f64, f64)>> {
+        let Some(index) = &self.index else {
+            return vec![vec![(0.0, 1.0)]; lines.len()];
+        };
+        let reach = self.reach;
         let free = |p: DVec2| match index.nearest(p, reach) {
             Some((q, t)) => p.distance(q) > 0.5 * t + SLACK,
             None => true,
@@ -186,10 +202,10 @@ mod tests {
         assert!((one.thin[0].width - 0.486 - 0.043).abs() < 0.003);
         // No line runs where the bead does, all where it does not.
         let across = (DVec2::new(10.0, 0.0), DVec2::new(10.0, 4.0));
-        let free = one.free(&[across]);
+        let free = one.free().of(&[across]);
         let length: f64 = free[0].iter().map(|(a, b)| b - a).sum();
         assert!((4.0 * length - (4.0 - 0.486)).abs() < 0.05, "{length}");
-        assert_eq!(wide.free(&[across]), [[(0.0, 1.0)]]);
+        assert_eq!(wide.free().of(&[across]), [[(0.0, 1.0)]]);
         // 0.156 mm: the ring's sides share it.
         let shared = strip(0.97);
         assert!(shared.thin.is_empty());

@@ -22,12 +22,16 @@
 use crate::plane::clip::{difference, intersection};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
+use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
-use crate::plane::{Area, edges};
+use crate::plane::{Area, Ring, edges, point_beside, signed_area};
 use crate::region::cover::near;
 use crate::settings::Settings;
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{RTree, RTreeObject};
+use std::collections::BTreeSet;
 
 /// A part of a fill whose lines hang between supports.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,35 +55,86 @@ const COMMON: f64 = 0.75;
 /// Share of the lines' length that must be held at both ends.
 const HELD: f64 = 0.6;
 
-/// The bridges of an area over a layer.
+/// The bridges of an area over a layer, and what they leave of the area.
 pub(super) fn bridges(
     area: &Area,
     below: &Area,
     settings: &Settings,
-) -> Vec<Bridge> {
+) -> (Vec<Bridge>, Area) {
     let width = settings.bottom_skin_width();
     let below = near(area, below);
     let hanging = difference(area, &below);
     // What a bead's own width bridges needs no care.
     let core = offset(&hanging, -0.5 * width, TOLERANCE);
     if core.is_empty() {
-        return Vec::new();
+        return (Vec::new(), area.clone());
     }
     let grid = EdgeGrid::new(&below, width);
-    let mut left = area.clone();
-    let mut found = Vec::new();
-    for island in core.islands() {
-        let gap = intersection(&offset(&island, 0.5 * width, TOLERANCE), area);
+    let gaps = intersection(&offset(&core, 0.5 * width, TOLERANCE), area);
+    let reach = settings.bridge_anchor.max(0.5 * width);
+    let (mut found, mut grown) = (Vec::new(), Vec::new());
+    for gap in gaps.islands() {
         let Some(angle) = direction(&gap, &grid, width) else {
             continue;
         };
-        let reach = settings.bridge_anchor.max(0.5 * width);
-        let grown = offset(&gap, reach, TOLERANCE);
-        let area = intersection(&left, &grown);
-        left = difference(&left, &area);
+        let area = Area::EMPTY;
         found.push(Bridge { area, angle });
+        grown.push(offset(&gap, reach, TOLERANCE));
     }
-    found
+    // Many at a time: one by one, each would be clipped with all of the area.
+    let mut left = area.clone();
+    for set in apart(&grown) {
+        let rings = set.iter().flat_map(|&i| grown[i].rings.iter().cloned());
+        let reached = Area {
+            rings: rings.collect(),
+        };
+        let nest = Nest::new(set.iter().filter_map(|&i| outer(&grown[i])));
+        for part in intersection(&left, &reached).islands() {
+            let p = part.rings.first().and_then(|r| point_beside(r));
+            if let Some(k) = p.and_then(|p| nest.around(p)) {
+                found[set[k]].area.rings.extend(part.rings);
+            }
+        }
+        left = difference(&left, &reached);
+    }
+    found.retain(|b| !b.area.is_empty());
+    (found, left)
+}
+
+/// Areas in sets of which no two boxes meet, as numbers; few sets, where few
+/// boxes meet at one place. Empty areas are in none.
+fn apart(areas: &[Area]) -> Vec<Vec<usize>> {
+    let filled = (0..areas.len()).filter(|&i| !areas[i].is_empty());
+    let boxes = filled.map(|i| {
+        let b = areas[i].bounds();
+        let corners = (b.min.to_array(), b.max.to_array());
+        let r = Rectangle::from_corners(corners.0, corners.1);
+        GeomWithData::new(r, i)
+    });
+    let boxes: Vec<_> = boxes.collect();
+    let tree = RTree::bulk_load(boxes.clone());
+    let mut set_of: Vec<Option<usize>> = vec![None; areas.len()];
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for own in &boxes {
+        let beside = tree.locate_in_envelope_intersecting(&own.envelope());
+        let taken: BTreeSet<usize> =
+            beside.filter_map(|b| set_of[b.data]).collect();
+        let set = (0..).find(|k| !taken.contains(k)).unwrap_or(sets.len());
+        if set == sets.len() {
+            sets.push(Vec::new());
+        }
+        set_of[own.data] = Some(set);
+        sets[set].push(own.data);
+    }
+    sets
+}
+
+/// The ring around a connected area.
+fn outer(area: &Area) -> Option<&Ring> {
+    let content = |r: &&Ring| signed_area(r);
+    area.rings
+        .iter()
+        .max_by(|a, b| content(a).total_cmp(&content(b)))
 }
 
 /// The best direction of lines across a gap, if they can hang there.
@@ -192,7 +247,9 @@ mod tests {
             rect(-1.0, -1.0, 10.0, 41.0),
             rect(20.0, -1.0, 31.0, 41.0),
         ]);
-        let found = bridges(&deck, &pillars, &settings);
+        let (found, rest) = bridges(&deck, &pillars, &settings);
+        let all = found[0].area.content() + rest.content();
+        assert!((all - deck.content()).abs() < 1e-3, "{all}");
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].angle, 0.0);
         let reach = 10.0 + 2.0 * settings.bridge_anchor;
@@ -207,7 +264,7 @@ mod tests {
                 .map(|r| r.iter().map(|p| turn.rotate(*p)).collect())
                 .collect(),
         };
-        let found = bridges(&turned(&deck), &turned(&pillars), &settings);
+        let (found, _) = bridges(&turned(&deck), &turned(&pillars), &settings);
         assert!((found[0].angle - 20.0).abs() < 0.1, "{}", found[0].angle);
     }
 
@@ -217,7 +274,7 @@ mod tests {
         let roof = rect(0.0, 0.0, 40.0, 30.0);
         let hole = rect(10.0, 10.0, 30.0, 16.0);
         let below = difference(&rect(-1.0, -1.0, 41.0, 31.0), &hole);
-        let found = bridges(&roof, &below, &settings);
+        let (found, _) = bridges(&roof, &below, &settings);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].angle, 90.0);
     }
@@ -227,7 +284,7 @@ mod tests {
         let settings = Settings::default();
         let deck = rect(0.0, 0.0, 30.0, 10.0);
         let house = rect(-1.0, -1.0, 20.0, 11.0);
-        assert!(bridges(&deck, &house, &settings).is_empty());
+        assert!(bridges(&deck, &house, &settings).0.is_empty());
         let disc = |r: f64| Area {
             rings: vec![
                 (0..200)
@@ -238,8 +295,8 @@ mod tests {
                     .collect(),
             ],
         };
-        assert!(bridges(&disc(9.0), &disc(6.0), &settings).is_empty());
-        assert!(bridges(&deck, &deck, &settings).is_empty());
+        assert!(bridges(&disc(9.0), &disc(6.0), &settings).0.is_empty());
+        assert!(bridges(&deck, &deck, &settings).0.is_empty());
     }
 
     #[test]
@@ -250,10 +307,35 @@ mod tests {
             joined(&[rect(5.0, 5.0, 25.0, 9.0), rect(40.0, 5.0, 44.0, 25.0)]);
         let below = difference(&rect(-1.0, -1.0, 61.0, 31.0), &holes);
         let mut angles: Vec<f64> = bridges(&deck, &below, &settings)
+            .0
             .iter()
             .map(|b| b.angle)
             .collect();
         angles.sort_by(f64::total_cmp);
         assert_eq!(angles, [0.0, 90.0]);
+    }
+
+    #[test]
+    fn neighbours_share_what_is_between_them() {
+        // A lattice of holes nearer to each other than two anchors.
+        let settings = Settings::default();
+        let deck = rect(0.0, 0.0, 60.0, 60.0);
+        let mut below = rect(-1.0, -1.0, 61.0, 61.0);
+        let pitch = 6.0;
+        for i in 0..81 {
+            let (x, y) = (f64::from(i % 9), f64::from(i / 9));
+            let (x, y) = (4.0 + pitch * x, 4.0 + pitch * y);
+            let hole = rect(x, y, x + 5.0, y + 4.0);
+            below = difference(&below, &hole);
+        }
+        let (found, rest) = bridges(&deck, &below, &settings);
+        assert_eq!(found.len(), 81);
+        assert!(found.iter().all(|b| b.angle == 90.0));
+        let all: f64 = found.iter().map(|b| b.area.content()).sum();
+        let all = all + rest.content();
+        assert!((all - 3600.0).abs() < 0.01, "{all}");
+        for b in &found {
+            assert!(b.area.content() > 19.9);
+        }
     }
 }

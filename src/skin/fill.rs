@@ -15,7 +15,7 @@ use crate::plane::offset::offset;
 use crate::region::Lay;
 use crate::region::cover::{Covered, open};
 use crate::region::line::Line;
-use crate::region::patch::{Patch as Around, concentric, patch};
+use crate::region::patch::{Free, Patch as Around, concentric, patch};
 use crate::settings::{Settings, SkinOrder, SkinPattern};
 use crate::units::{Degrees, Mm};
 
@@ -48,15 +48,11 @@ impl Filler<'_> {
         let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
         let inside = around.inside(half_nozzle, TOLERANCE);
         let fills = self.fills(&inside, &around, sides);
-        let hangs = |bead: &Bead| {
-            let bridge = fills
-                .iter()
-                .flat_map(|f| &f.lines)
-                .any(|l| l.role == Role::Bridge);
-            bridge && bead.role == Role::BottomSkin
-        };
+        let mut lines = fills.iter().flat_map(|f| &f.lines);
+        let bridge = lines.any(|l| l.role == Role::Bridge);
+        let hangs = |bead: &Bead| bridge && bead.role == Role::BottomSkin;
         let rings = around.rings.iter().map(|l| {
-            let role = sides.most(&l.points, l.closed);
+            let role = sides.most(l);
             let bead = self.bead(role, l.clone());
             match hangs(&bead) {
                 true => Bead {
@@ -86,11 +82,9 @@ impl Filler<'_> {
             && !self.on_bed
             && sides.below.0 != Covered::Wholly
         {
-            bridged = bridges(inside, below.area, self.settings);
-            for bridge in &bridged {
-                rest = difference(&rest, &bridge.area);
-            }
+            (bridged, rest) = bridges(inside, below.area, self.settings);
         }
+        let free = around.free();
         // From below to above: what is seen is printed last.
         let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
         let looks = kinds.map(|role| self.look(role));
@@ -98,34 +92,31 @@ impl Filler<'_> {
         let mut fills = Vec::new();
         if only.is_some() || looks.iter().all(|l| *l == looks[0]) {
             let look = self.look(only.unwrap_or(Role::InternalSkin));
-            let mut paths = self.paths(&rest, look, self.angle, around);
-            for role in kinds {
-                let pieces = match only {
-                    Some(one) if one != role => continue,
-                    Some(_) => std::mem::take(&mut paths),
-                    None => cut_to(&paths, role, sides),
-                };
+            let paths = self.paths(&rest, look, self.angle, &free);
+            let parts = match only {
+                Some(role) => vec![(role, paths)],
+                None => by_role(paths, kinds, sides),
+            };
+            for (role, pieces) in parts {
                 fills.push(self.fill(role, look, self.angle, pieces));
             }
         } else {
             for (area, role) in self.areas(&rest, sides) {
                 let look = self.look(role);
-                let paths = self.paths(&area, look, self.angle, around);
+                let paths = self.paths(&area, look, self.angle, &free);
                 fills.push(self.fill(role, look, self.angle, paths));
             }
         }
+        let look = Look {
+            pattern: SkinPattern::Lines,
+            width: self.settings.bottom_skin_width(),
+        };
+        let hung = bridged.iter().map(|bridge| {
+            let paths = self.paths(&bridge.area, look, bridge.angle, &free);
+            self.fill(Role::Bridge, look, bridge.angle, paths)
+        });
         let at = fills.len().saturating_sub(1);
-        for bridge in bridged {
-            let look = Look {
-                pattern: SkinPattern::Lines,
-                width: self.settings.bottom_skin_width(),
-            };
-            let paths = self.paths(&bridge.area, look, bridge.angle, around);
-            fills.insert(
-                at.min(fills.len()),
-                self.fill(Role::Bridge, look, bridge.angle, paths),
-            );
-        }
+        fills.splice(at..at, hung);
         if self.settings.ironing && only.is_none_or(|r| r == Role::TopSkin) {
             fills.extend(self.ironing(inside, sides));
         }
@@ -180,7 +171,7 @@ impl Filler<'_> {
         area: &Area,
         look: Look,
         angle: Degrees,
-        around: &Around,
+        free: &Free<'_>,
     ) -> Vec<(i64, Line)> {
         let line = |path: Path, width, closed| Line {
             points: path.points,
@@ -205,7 +196,7 @@ impl Filler<'_> {
             .iter()
             .filter_map(|s| Some((*s.points.first()?, *s.points.last()?)))
             .collect();
-        let free = around.free(&ends);
+        let free = free.of(&ends);
         all.into_iter()
             .zip(free)
             .flat_map(|(s, free)| {
@@ -295,30 +286,92 @@ impl Filler<'_> {
     }
 }
 
-/// The pieces of lines that have a role.
-fn cut_to(
-    paths: &[(i64, Line)],
-    role: Role,
+/// Lines cut into pieces of one role each, by role.
+fn by_role(
+    paths: Vec<(i64, Line)>,
+    roles: [Role; 3],
     sides: Sides<'_>,
-) -> Vec<(i64, Line)> {
-    let of = |(row, line): &(i64, Line)| {
-        let path = Path {
-            points: line.points.clone(),
-            widths: line.widths.clone(),
-        };
-        let (row, width) = (*row, line.width);
-        let pieces = sides.cut(path).into_iter();
-        pieces
-            .filter(move |(own, _)| *own == role)
-            .map(move |(_, p)| {
-                let line = Line {
-                    points: p.points,
-                    closed: false,
-                    width,
-                    widths: p.widths,
-                };
-                (row, line)
-            })
+) -> Vec<(Role, Vec<(i64, Line)>)> {
+    let mut parts: Vec<_> = roles.map(|role| (role, Vec::new())).into();
+    let mut push = |role, line| {
+        if let Some(part) = parts.iter_mut().find(|p| p.0 == role) {
+            part.1.push(line);
+        }
     };
-    paths.iter().flat_map(of).collect()
+    for (row, line) in paths {
+        let mut pieces = sides.cut(Path::along(&line));
+        if let [(role, _)] = pieces.as_slice() {
+            push(*role, (row, line));
+            continue;
+        }
+        // A ring's beginning is no place to cut it.
+        if line.closed
+            && let Some(last) = pieces.pop()
+        {
+            match pieces.first_mut() {
+                Some(first) if first.0 == last.0 => first.1.begin_with(last.1),
+                _ => pieces.push(last),
+            }
+        }
+        for (role, piece) in pieces {
+            let line = Line {
+                points: piece.points,
+                closed: false,
+                width: line.width,
+                widths: piece.widths,
+            };
+            push(role, (row, line));
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::grid::EdgeGrid;
+    use glam::DVec2;
+
+    fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Vec<DVec2> {
+        [(x0, low), (x1, low), (x1, high), (x0, high)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec()
+    }
+
+    #[test]
+    fn rings_of_two_roles_keep_all_of_their_sides() {
+        // The right half of the ring has something above.
+        let above = Area {
+            rings: vec![rect(5.0, 30.0, -20.0, 20.0)],
+        };
+        let grid = EdgeGrid::new(&above, 1.0);
+        let sides = Sides {
+            above: (Covered::Partly, Some(&grid)),
+            below: (Covered::Wholly, None),
+        };
+        let ring = |points| Line {
+            points,
+            closed: true,
+            width: 0.4,
+            widths: vec![0.4, 0.5, 0.4, 0.5],
+        };
+        let lines = vec![
+            (0, ring(rect(0.0, 10.0, 0.0, 10.0))),
+            (0, ring(rect(0.0, 3.0, 12.0, 15.0))),
+        ];
+        let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
+        let parts = by_role(lines.clone(), kinds, sides);
+        let lengths = |role: Role| -> Vec<f64> {
+            let part = parts.iter().find(|p| p.0 == role);
+            let lines = part.iter().flat_map(|p| &p.1);
+            lines.map(|(_, l)| l.length()).collect()
+        };
+        assert_eq!(lengths(Role::InternalSkin), [20.0]);
+        assert_eq!(lengths(Role::BottomSkin), []);
+        // In one piece, although the ring begins in it; one ring stays whole.
+        assert_eq!(lengths(Role::TopSkin), [20.0, 12.0]);
+        assert_eq!(parts[2].1[1], lines[1]);
+        let piece = &parts[2].1[0].1;
+        assert_eq!(piece.widths.len(), piece.points.len());
+    }
 }

@@ -8,6 +8,7 @@ use crate::bead::Role;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::path_length;
 use crate::region::cover::Covered;
+use crate::region::line::Line;
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -56,18 +57,11 @@ impl Sides<'_> {
     }
 
     /// The role of most of a path.
-    pub fn most(&self, points: &[DVec2], closed: bool) -> Role {
+    pub fn most(&self, line: &Line) -> Role {
         if let Some(role) = self.only() {
             return role;
         }
-        let pieces = self.cut(Path {
-            points: points
-                .iter()
-                .chain(&points[..usize::from(closed)])
-                .copied()
-                .collect(),
-            widths: Vec::new(),
-        });
+        let pieces = self.cut(Path::along(line));
         let mut lengths = [
             (Role::BottomSkin, 0.0),
             (Role::TopSkin, 0.0),
@@ -168,6 +162,25 @@ fn join_short(mut pieces: Vec<(Role, Path)>) -> Vec<(Role, Path)> {
 }
 
 impl Path {
+    /// All of a line, up to where it closes.
+    pub fn along(line: &Line) -> Path {
+        let end = usize::from(line.closed);
+        let again = |n: usize| ..end.min(n);
+        let (points, widths) = (&line.points, &line.widths);
+        Path {
+            points: [points, &points[again(points.len())]].concat(),
+            widths: [widths, &widths[again(widths.len())]].concat(),
+        }
+    }
+
+    /// Puts a path that ends where this one begins before it.
+    pub fn begin_with(&mut self, mut before: Path) {
+        before.points.pop();
+        before.widths.pop();
+        self.points.splice(..0, before.points);
+        self.widths.splice(..0, before.widths);
+    }
+
     /// Length of the path.
     pub fn length(&self) -> Mm {
         path_length(&self.points, false)
@@ -241,7 +254,13 @@ mod tests {
             assert!((l - e).abs() < 1e-9, "{lengths:?}");
         }
         assert_eq!(pieces[1].1.widths, [0.4, 0.4, 0.45]);
-        assert_eq!(sides.most(&path.points, false), InternalSkin);
+        let line = Line {
+            points: path.points.clone(),
+            closed: false,
+            width: 0.4,
+            widths: Vec::new(),
+        };
+        assert_eq!(sides.most(&line), InternalSkin);
         // A top 0.5 mm long is none.
         let above = rect(3.5, 20.0);
         let sides = Sides {
