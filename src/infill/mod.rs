@@ -1,6 +1,6 @@
 //! Sparse infill: a pattern's lines inside the covered areas.
 //!
-//! One pattern per file, each a [`Pattern`]. A pattern's place depends on
+//! One pattern per file, each a `Pattern`. A pattern's place depends on
 //! the settings, the layer's height and where the part stands only, so that
 //! layers stand on each other and islands continue each other.
 //!

@@ -3,7 +3,7 @@
 //!
 //! In: a bead. Out: the bead, or pieces of it that follow each other without
 //! a break, each with its rates. Where a setting is an expression a bead is
-//! asked about every [`STEP`] and cut where the answer changes noticeably.
+//! asked about every `STEP` and cut where the answer changes noticeably.
 
 use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;

@@ -4,8 +4,8 @@
 //!
 //! A travel goes straight where that is hidden inside the part; else round
 //! what is in its way, if there is a way inside the same island that is not
-//! much longer ([`comb`]); else straight. It is retracted if what it passes
-//! over shows ([`decide`]), or if it is long.
+//! much longer (`comb`); else straight. It is retracted if what it passes
+//! over shows (`decide`), or if it is long.
 
 mod comb;
 mod decide;
