@@ -113,6 +113,20 @@ fn the_nozzle_cools_as_the_print_grows() {
 }
 
 #[test]
+fn a_fan_that_varies_is_never_off_between_layers() {
+    let settings = settings(&["cooling.fan_speed=expr: 50 + 2*z"]);
+    let (text, _) = slice(&formula(BALL, &settings), &settings, 1);
+    let body = text.split(";LAYER_CHANGE").skip(3);
+    let layers: Vec<&str> = body.collect();
+    for layer in &layers[..layers.len() - 1] {
+        assert!(!layer.contains("M107"), "{layer}");
+    }
+    // Once a layer, but for bridges and overhangs.
+    let told = text.matches("M106").count();
+    assert!(told >= layers.len() && told < 3 * layers.len(), "{told}");
+}
+
+#[test]
 fn limits_hold_and_what_has_no_value_is_an_error() {
     let fast =
         print(&["speed.outer_wall=expr: 1e6*z", "filament.max_flow=500"]);

@@ -168,7 +168,7 @@ impl<'a> Pacer<'a> {
     ) -> Result<PacedLayer, VaryError> {
         let LayerPath { span, moves } = path;
         self.motion.clear();
-        let fan = self.rater.fan(&span);
+        let mut fan = self.rater.fan(&span).unwrap_or(f64::NAN);
         self.fan = fan;
         let mut out = Vec::with_capacity(moves.len() + 8);
         for step in moves {
@@ -183,6 +183,14 @@ impl<'a> Pacer<'a> {
                     }
                 }
             }
+        }
+        if fan.is_nan() {
+            // What the first bead wants holds from the layer's beginning.
+            let first = |m: &PacedMove| matches!(m, PacedMove::Fan(_));
+            fan = match out.iter().position(first).map(|i| out.remove(i)) {
+                Some(PacedMove::Fan(speed)) => speed,
+                _ => 0.0,
+            };
         }
         self.prime(&mut out);
         let (slowing, time) = self.cool();

@@ -143,12 +143,11 @@ impl<'a> Rater<'a> {
         }
     }
 
-    /// Speed of the fan at a layer's beginning.
-    pub fn fan(&self, span: &LayerSpan) -> Percent {
+    /// Speed of the fan at a layer's beginning, unless its first bead says it.
+    pub fn fan(&self, span: &LayerSpan) -> Option<Percent> {
         match span.index < self.settings.cooling.fan_off_layers as usize {
-            true => 0.0,
-            // An expression speaks up with the first bead.
-            false => self.fan.constant().unwrap_or(0.0),
+            true => Some(0.0),
+            false => self.fan.constant(),
         }
     }
 

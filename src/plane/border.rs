@@ -9,7 +9,8 @@
 //! ```
 
 use super::grid::EdgeGrid;
-use super::{Area, Rect, edges};
+use super::places::Places;
+use super::{Area, Rect};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -40,12 +41,7 @@ pub struct Piece {
 pub struct Border<'a> {
     area: &'a Area,
     grid: EdgeGrid,
-    /// Number of each ring's first edge; one more than rings.
-    first: Vec<usize>,
-    /// Way along its ring to each edge's beginning.
-    before: Vec<Mm>,
-    /// Length of each ring.
-    lengths: Vec<Mm>,
+    places: Places,
     bounds: Rect,
 }
 
@@ -60,30 +56,10 @@ const SAME: f64 = 1e-12;
 impl<'a> Border<'a> {
     /// The border of `area`.
     pub fn new(area: &'a Area) -> Border<'a> {
-        let count = EdgeGrid::numbers(&area.rings);
-        let mut first = Vec::with_capacity(area.rings.len() + 1);
-        let mut before = Vec::with_capacity(count);
-        let mut lengths = Vec::with_capacity(area.rings.len());
-        for ring in &area.rings {
-            first.push(before.len());
-            let mut way = 0.0;
-            for (a, b) in edges(ring) {
-                before.push(way);
-                way += a.distance(b);
-            }
-            // The grid has one number more than edges for each ring.
-            if !ring.is_empty() {
-                before.push(way);
-            }
-            lengths.push(way);
-        }
-        first.push(before.len());
         Border {
             area,
             grid: EdgeGrid::new(area, CELL),
-            first,
-            before,
-            lengths,
+            places: Places::new(area),
             bounds: area.bounds(),
         }
     }
@@ -110,8 +86,8 @@ impl<'a> Border<'a> {
 
     /// The place of a point on an edge, which is counted through all rings.
     pub(super) fn foot(&self, edge: usize, p: DVec2) -> Foot {
-        let ring = self.first.partition_point(|&f| f <= edge) - 1;
-        let at = self.before[edge] + self.grid.edge(edge).0.distance(p);
+        let ring = self.places.ring(edge);
+        let at = self.places.begin(edge) + self.grid.edge(edge).0.distance(p);
         Foot { ring, at }
     }
 
@@ -119,7 +95,7 @@ impl<'a> Border<'a> {
     pub fn way(&self, from: Foot, to: Foot) -> Mm {
         let way = to.at - from.at;
         match way < 0.0 {
-            true => way + self.lengths[from.ring],
+            true => way + self.places.length(from.ring),
             false => way,
         }
     }
@@ -127,8 +103,7 @@ impl<'a> Border<'a> {
     /// The ring's points between two places on it, in its direction.
     pub fn between(&self, from: Foot, to: Foot) -> Vec<DVec2> {
         let ring = &self.area.rings[from.ring];
-        let before = &self.before[self.first[from.ring]..];
-        let before = &before[..ring.len()];
+        let before = self.places.of_ring(from.ring);
         // The first points behind the two places.
         let next = before.partition_point(|&w| w <= from.at);
         let end = before.partition_point(|&w| w < to.at);

@@ -12,6 +12,7 @@ pub mod grid;
 pub mod hatch;
 pub mod nest;
 pub mod offset;
+pub mod places;
 pub mod simplify;
 
 use crate::units::{Mm, Mm2};
@@ -184,6 +185,15 @@ pub fn ring_contains(ring: &[DVec2], p: DVec2) -> bool {
         let x = a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
         inside ^ (p.x < x)
     })
+}
+
+/// A rectangle, for tests.
+#[cfg(test)]
+pub(crate) fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
+    let ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+        .map(|(x, y)| DVec2::new(x, y))
+        .to_vec();
+    Area { rings: vec![ring] }
 }
 
 #[cfg(test)]

@@ -257,15 +257,9 @@ impl Sides {
 #[cfg(test)]
 mod tests {
     use super::super::clip::{difference, unite};
+    use super::super::rect;
     use super::*;
     use std::f64::consts::PI;
-
-    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
-        let ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec();
-        Area { rings: vec![ring] }
-    }
 
     #[test]
     fn shrinking_keeps_convex_corners_and_rounds_concave_ones() {

@@ -297,14 +297,7 @@ impl Near {
 mod tests {
     use super::*;
     use crate::plane::clip::union;
-    use glam::DVec2;
-
-    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
-        let ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec();
-        Area { rings: vec![ring] }
-    }
+    use crate::plane::rect;
 
     /// What is covered of each island.
     fn contents(islands: &[Area], covers: &[Area]) -> Vec<f64> {

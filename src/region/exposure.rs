@@ -327,7 +327,7 @@ fn printable(area: &Area, settings: &Settings) -> Area {
 mod tests {
     use super::*;
     use crate::plane::grid::EdgeGrid;
-    use glam::DVec2;
+    use crate::plane::rect;
 
     fn split_under(
         fill: &Area,
@@ -349,13 +349,6 @@ mod tests {
         let (above, below) = (covers(above, &over), covers(below, &under));
         let roomy = roomy(fill, settings);
         split(fill, &roomy, &above, &below, None, fill, &[], settings)
-    }
-
-    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
-        let ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec();
-        Area { rings: vec![ring] }
     }
 
     #[test]

@@ -223,13 +223,7 @@ fn hang(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
-        let ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec();
-        Area { rings: vec![ring] }
-    }
+    use crate::plane::rect;
 
     fn joined(parts: &[Area]) -> Area {
         let rings = parts.iter().flat_map(|a| a.rings.clone());

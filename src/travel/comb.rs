@@ -24,6 +24,7 @@
 
 use crate::plane::grid::{EdgeGrid, nearest_on};
 use crate::plane::nest::Nest;
+use crate::plane::places::Places;
 use crate::plane::{Area, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
@@ -43,12 +44,7 @@ struct Rings {
     nest: Nest,
     /// Island that each ring belongs to.
     island: Vec<Option<usize>>,
-    /// Number of each ring's first edge in the grid; one more than rings.
-    first: Vec<usize>,
-    /// Length of the ring before each edge, by edge.
-    before: Vec<Mm>,
-    /// Length of each ring.
-    length: Vec<Mm>,
+    places: Places,
 }
 
 /// A point of a way, and how far from the outline it is known to be.
@@ -272,7 +268,7 @@ impl<'a> Comb<'a> {
         }
         let mut marks: Vec<Mark> = Vec::new();
         self.grid.visit_crossed(a, b, |t, edge| {
-            if rings.island[rings.ring(edge)] == Some(island) {
+            if rings.island[rings.places.ring(edge)] == Some(island) {
                 let at = a.lerp(b, t);
                 marks.push(Mark { t, edge, at });
             }
@@ -281,7 +277,8 @@ impl<'a> Comb<'a> {
         marks.dedup_by(|p, q| p.edge == q.edge);
         let pairs = marks.chunks(2).all(|pair| {
             pair.len() == 2
-                && rings.ring(pair[0].edge) == rings.ring(pair[1].edge)
+                && rings.places.ring(pair[0].edge)
+                    == rings.places.ring(pair[1].edge)
         });
         // Else it passes through a vertex, where what is crossed is counted
         // more than once or not at all.
@@ -314,7 +311,7 @@ impl<'a> Comb<'a> {
     /// ring's direction.
     fn ring_way(&self, from: Mark, to: Mark) -> Mm {
         let rings = self.rings();
-        let total = rings.length[rings.ring(from.edge)];
+        let total = rings.places.length(rings.places.ring(from.edge));
         let way = rings.place(self.grid, &to) - rings.place(self.grid, &from);
         let forwards = way.rem_euclid(total);
         match forwards <= 0.5 * total {
@@ -326,11 +323,12 @@ impl<'a> Comb<'a> {
     /// Appends the shorter way along a ring, points no closer than `spacing`.
     fn along(&self, from: Mark, to: Mark, spacing: Mm, way: &mut Vec<Stop>) {
         let rings = self.rings();
-        let ring = rings.ring(from.edge);
+        let ring = rings.places.ring(from.edge);
         let way_round = self.ring_way(from, to);
         let ahead =
             rings.place(self.grid, &to) >= rings.place(self.grid, &from);
-        let (first, count) = (rings.first[ring], rings.count(ring));
+        let first = rings.places.first(ring);
+        let count = rings.places.of_ring(ring).len();
         let next = |e: usize| first + (e - first + 1) % count;
         let previous = |e: usize| first + (e - first + count - 1) % count;
         way.push(self.inwards(from.at, from.edge, 0.5));
@@ -369,8 +367,9 @@ impl<'a> Comb<'a> {
         /// Where to begin to look, as a share of the distance: off the edge.
         const START: f64 = 1e-3;
         let rings = self.rings();
-        let ring = rings.ring(edge);
-        let (first, count) = (rings.first[ring], rings.count(ring));
+        let ring = rings.places.ring(edge);
+        let first = rings.places.first(ring);
+        let count = rings.places.of_ring(ring).len();
         let normal = |e: usize| {
             let (a, b) = self.grid.edge(e);
             // The part is to the left.
@@ -477,42 +476,17 @@ impl Rings {
             ring.first().and_then(|p| nest.around(*p))
         });
         let island = island.collect();
-        let mut first = vec![0];
-        let (mut before, mut length) = (Vec::new(), Vec::new());
-        for ring in &outline.rings {
-            let mut far = 0.0;
-            for (i, p) in ring.iter().enumerate() {
-                before.push(far);
-                far += p.distance(ring[(i + 1) % ring.len()]);
-            }
-            // The grid has one number more than edges for each ring.
-            if !ring.is_empty() {
-                before.push(far);
-            }
-            first.push(before.len());
-            length.push(far);
-        }
         Rings {
             nest,
             island,
-            first,
-            before,
-            length,
+            places: Places::new(outline),
         }
     }
 
     /// How far along its ring a mark is.
     fn place(&self, grid: &EdgeGrid, mark: &Mark) -> Mm {
         let (p, _) = grid.edge(mark.edge);
-        self.before[mark.edge] + p.distance(mark.at)
-    }
-
-    fn ring(&self, edge: usize) -> usize {
-        self.first.partition_point(|f| *f <= edge) - 1
-    }
-
-    fn count(&self, ring: usize) -> usize {
-        (self.first[ring + 1] - self.first[ring]).saturating_sub(1)
+        self.places.begin(mark.edge) + p.distance(mark.at)
     }
 }
 
