@@ -182,8 +182,10 @@ impl<'a> Pacer<'a> {
                     self.travel(&span, points, retract, &mut out);
                 }
                 Move::Print(bead) => {
+                    let limit = speed_limit(&bead, &span, self.settings);
                     let pieces = self.rater.pieces(bead, &span, solid)?;
-                    for (piece, rates) in pieces {
+                    for (piece, mut rates) in pieces {
+                        rates.speed = rates.speed.min(limit);
                         self.print(&span, piece, rates, &mut out);
                     }
                 }
@@ -299,7 +301,7 @@ impl<'a> Pacer<'a> {
             self.fan = rates.fan;
             out.push(PacedMove::Fan(rates.fan));
         }
-        let speed = print_speed(settings, span, &bead, &rates);
+        let speed = print_speed(settings, &bead, &rates);
         let filament = bead.area() * rates.flow
             / filament_area(settings.filament.diameter);
         let mut from = start;
@@ -455,26 +457,28 @@ impl Slowing {
     }
 }
 
-/// Speed of a bead before cooling: what its rates ask for, the first layer's,
-/// and what the filament's flow allows, whichever is least.
-fn print_speed(
-    settings: &Settings,
-    span: &LayerSpan,
-    bead: &Bead,
-    rates: &Rates,
-) -> MmPerSec {
-    let mut v = rates.speed;
-    if span.index == 0 {
-        v = v.min(settings.speed.first_layer);
+/// Greatest speed of a bead, whatever its role's: the first layer's, and that
+/// of small walls.
+fn speed_limit(bead: &Bead, span: &LayerSpan, settings: &Settings) -> MmPerSec {
+    let speed = &settings.speed;
+    let first = match span.index {
+        0 => speed.first_layer,
+        _ => f64::INFINITY,
+    };
+    match is_small_perimeter(bead, settings) {
+        true => first.min(speed.small_perimeter),
+        false => first,
     }
-    if is_small_perimeter(bead, settings) {
-        v = v.min(settings.speed.small_perimeter);
-    }
+}
+
+/// Speed of a bead before cooling: what its rates ask for, and what the
+/// filament's flow allows, whichever is less.
+fn print_speed(settings: &Settings, bead: &Bead, rates: &Rates) -> MmPerSec {
     let area = bead.area() * rates.flow;
-    if area > 0.0 && settings.filament.max_flow > 0.0 {
-        v = v.min(settings.filament.max_flow / area);
+    match area > 0.0 && settings.filament.max_flow > 0.0 {
+        true => rates.speed.min(settings.filament.max_flow / area),
+        false => rates.speed,
     }
-    v
 }
 
 /// True for a wall round a thin pin or a small hole; one with a gap at its
