@@ -16,9 +16,7 @@
 use super::link::Crossing;
 use super::march::{CASES, JOINED_5, JOINED_10, Scratch, Vertex};
 use super::refine::{Bracket, refine};
-use super::trace::{
-    Chord, End, Look, Traced, gradients, line, lines_cross, look, trace,
-};
+use super::trace::{Chord, End, Look, Traced, line, lines_cross, look, trace};
 use crate::field::{FieldError, Lattice, Sampler};
 use crate::plane::Rect;
 use crate::units::Mm;
@@ -258,8 +256,7 @@ fn find_vertices(
         }
         patch.slots = slots;
     }
-    refine(&mut brackets, &heights, sampler, scratch)?;
-    let gradients = gradients(&brackets, &heights, sampler, scratch)?;
+    let gradients = refine(&mut brackets, &heights, sampler, scratch)?;
     for ((n, b), gradient) in numbers.into_iter().zip(&brackets).zip(gradients)
     {
         let point = b.point();

@@ -20,7 +20,7 @@ use super::doubt::doubts;
 use super::hidden::hidden;
 use super::link::{Chains, Crossing, NONE};
 use super::refine::{Bracket, refine};
-use super::trace::{Chord, End, Look, Traced, gradients, look, trace};
+use super::trace::{Chord, End, Look, Traced, look, trace};
 use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use crate::plane::Rect;
 use crate::units::Mm;
@@ -149,7 +149,7 @@ pub(super) struct Scratch {
     pub y: Vec<f32>,
     pub z: Vec<f32>,
     pub values: Vec<f32>,
-    pub gradients: Vec<[f32; 2]>,
+    pub slopes: Vec<[f32; 3]>,
 }
 
 impl Scratch {
@@ -259,8 +259,7 @@ impl<'a> Marcher<'a> {
         let heights: Vec<f32> =
             self.layers.iter().map(|&k| self.z[k]).collect();
         let (sampler, scratch) = (&mut *batch.sampler, &mut self.scratch);
-        refine(&mut self.brackets, &heights, sampler, scratch)?;
-        let gradients = gradients(&self.brackets, &heights, sampler, scratch)?;
+        let gradients = refine(&mut self.brackets, &heights, sampler, scratch)?;
         self.vertices.clear();
         let found = self.brackets.iter().zip(&self.edges).zip(gradients);
         self.vertices

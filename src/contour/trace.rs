@@ -424,9 +424,8 @@ impl Round<'_> {
             heights.push(self.chords[asked[k].o.chord].z);
             found.push(k);
         }
-        refine(&mut brackets, &heights, self.sampler, self.scratch)?;
         let gradients =
-            gradients(&brackets, &heights, self.sampler, self.scratch)?;
+            refine(&mut brackets, &heights, self.sampler, self.scratch)?;
         let mut halves = Vec::new();
         for ((b, gradient), k) in brackets.iter().zip(gradients).zip(found) {
             let o = &asked[k].o;
@@ -457,33 +456,6 @@ impl Round<'_> {
         }
         Ok(halves)
     }
-}
-
-/// The field's gradients where brackets have arrived; zero where it jumps.
-pub(super) fn gradients(
-    brackets: &[Bracket],
-    heights: &[f32],
-    sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
-) -> Result<Vec<DVec2>, FieldError> {
-    if brackets.is_empty() {
-        return Ok(Vec::new());
-    }
-    scratch.clear();
-    for (b, &z) in brackets.iter().zip(heights) {
-        scratch.push(b.point(), z);
-    }
-    let s = &mut *scratch;
-    sampler.gradients(&s.x, &s.y, &s.z, &mut s.gradients)?;
-    let found =
-        brackets
-            .iter()
-            .zip(&s.gradients)
-            .map(|(b, g)| match b.jumps() {
-                true => DVec2::ZERO,
-                false => DVec2::new(f64::from(g[0]), f64::from(g[1])),
-            });
-    Ok(found.collect())
 }
 
 /// The corner that the gradients at a chord's ends speak of, if it lies in

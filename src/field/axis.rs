@@ -4,13 +4,9 @@
 //! Out: their values and slopes at the nodes, their ranges over tiles, blocks
 //! and leaves, and their values anywhere else on request.
 
-use super::FieldError;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Seed};
 use super::ranges::range_of;
-use super::tapes::bug;
 use crate::model::Interval;
-use fidget::eval::{BulkEvaluator, Function};
-use fidget::types::Grad;
 use fidget::vm::VmFunction;
 
 /// The three sizes of box that are proved.
@@ -76,28 +72,23 @@ const OFF: u32 = u32::MAX;
 #[derive(Default)]
 pub(super) struct Scratch {
     lanes: Lanes,
-    grads: <VmFunction as Function>::GradSliceEval,
     fresh: Vec<f32>,
-    seeds: Vec<Grad>,
-    dual: Vec<Grad>,
+    slopes: Vec<[f32; 3]>,
 }
 
 impl Axis {
     /// Evaluates the parts at the nodes; `nodes` must not be empty.
-    ///
-    /// # Errors
-    /// If the evaluator fails, which is a bug.
     pub(super) fn new(
         nodes: Vec<f32>,
         density: f64,
         groupings: [Grouping; 3],
         parts: &[VmFunction],
-    ) -> Result<Axis, FieldError> {
+    ) -> Axis {
         let mut scratch = Scratch::default();
         let n = nodes.len();
         let columns = parts.iter().map(|f| {
-            let mut grads = Vec::new();
-            scratch.dual(f, &nodes, &mut grads)?;
+            let mut slopes = Vec::new();
+            scratch.slopes(f, &nodes, &mut slopes);
             let ranges = groupings.map(|g| {
                 (0..n.div_ceil(g.step))
                     .map(|b| {
@@ -109,21 +100,19 @@ impl Axis {
                     })
                     .collect()
             });
-            let mut values = Vec::new();
-            scratch.values(f, &nodes, &mut values);
-            Ok(Column {
-                values,
-                slopes: grads.iter().map(|g| g.dx).collect(),
+            Column {
+                values: slopes.iter().map(|s| s[0]).collect(),
+                slopes: slopes.iter().map(|s| s[1]).collect(),
                 ranges,
-            })
+            }
         });
-        let columns = columns.collect::<Result<_, FieldError>>()?;
-        Ok(Axis {
+        let columns = columns.collect();
+        Axis {
             nodes,
             groupings,
             density,
             columns,
-        })
+        }
     }
 
     /// Box `b`'s extent, mm.
@@ -211,40 +200,34 @@ impl Axis {
         scratch.fresh = fresh;
     }
 
-    /// A part's values and slopes at located points, as changing with
-    /// coordinate `axis`.
-    ///
-    /// # Errors
-    /// If the evaluator fails, which is a bug.
-    pub(super) fn grads_at(
+    /// A part's values and slopes at located points, written over `values`
+    /// and `slopes`.
+    pub(super) fn slopes_at(
         &self,
         part: usize,
         f: &VmFunction,
-        axis: usize,
         at: &Located,
         scratch: &mut Scratch,
-        out: &mut Vec<Grad>,
-    ) -> Result<(), FieldError> {
-        let Column { values, slopes, .. } = &self.columns[part];
-        let mut fresh = std::mem::take(&mut scratch.dual);
-        scratch.dual(f, &at.missing, &mut fresh)?;
+        values: &mut Vec<f32>,
+        slopes: &mut Vec<f32>,
+    ) {
+        let known = &self.columns[part];
+        let mut fresh = std::mem::take(&mut scratch.slopes);
+        scratch.slopes(f, &at.missing, &mut fresh);
         let mut next = fresh.iter();
-        out.clear();
-        out.extend(at.on.iter().map(|&n| {
+        values.clear();
+        slopes.clear();
+        for &n in &at.on {
             let (v, d) = match n {
                 OFF => {
-                    next.next().map_or((f32::NAN, f32::NAN), |g| (g.v, g.dx))
+                    next.next().map_or((f32::NAN, f32::NAN), |s| (s[0], s[1]))
                 }
-                n => (values[n as usize], slopes[n as usize]),
+                n => (known.values[n as usize], known.slopes[n as usize]),
             };
-            match axis {
-                0 => Grad::new(v, d, 0.0, 0.0),
-                1 => Grad::new(v, 0.0, d, 0.0),
-                _ => Grad::new(v, 0.0, 0.0, d),
-            }
-        }));
-        scratch.dual = fresh;
-        Ok(())
+            values.push(v);
+            slopes.push(d);
+        }
+        scratch.slopes = fresh;
     }
 }
 
@@ -254,24 +237,19 @@ impl Scratch {
         self.lanes.eval(f, &[points], points.len(), out);
     }
 
-    /// Values, and derivatives as dx.
-    fn dual(
+    /// Values and derivatives, with nothing along y.
+    fn slopes(
         &mut self,
         f: &VmFunction,
         points: &[f32],
-        out: &mut Vec<Grad>,
-    ) -> Result<(), FieldError> {
+        out: &mut Vec<[f32; 3]>,
+    ) {
         out.clear();
-        if points.is_empty() {
-            return Ok(());
-        }
-        let tape = f.grad_slice_tape(Default::default());
-        self.seeds.clear();
-        let seeds = points.iter().map(|&p| Grad::new(p, 1.0, 0.0, 0.0));
-        self.seeds.extend(seeds);
-        let vars: &[&[Grad]] = &[&self.seeds];
-        let grads = self.grads.eval(&tape, vars).map_err(bug)?;
-        out.extend_from_slice(&grads[0]);
-        Ok(())
+        let seed = Seed {
+            values: points,
+            slopes: None,
+            axis: 0,
+        };
+        self.lanes.slopes(f, &[seed], points.len(), out);
     }
 }

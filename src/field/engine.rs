@@ -66,25 +66,19 @@ pub(super) struct Plane {
 
 impl Plane {
     /// Evaluates along the lattice what one coordinate decides.
-    ///
-    /// # Errors
-    /// If fidget's evaluator fails, which is a bug.
-    pub(super) fn new(
-        split: Split,
-        lattice: &Lattice,
-    ) -> Result<Plane, FieldError> {
+    pub(super) fn new(split: Split, lattice: &Lattice) -> Plane {
         let density = 1.0 / lattice.spacing;
         let make = |nodes: &[f32], parts| {
             Axis::new(nodes.to_vec(), density, IN_PLANE, parts)
         };
-        Ok(Plane {
-            x: make(&lattice.x, &split.parts[0])?,
-            y: make(&lattice.y, &split.parts[1])?,
+        Plane {
+            x: make(&lattice.x, &split.parts[0]),
+            y: make(&lattice.y, &split.parts[1]),
             split,
-        })
+        }
     }
 
-    fn layers(&self, z: &[f32]) -> Result<Axis, FieldError> {
+    fn layers(&self, z: &[f32]) -> Axis {
         Axis::new(z.to_vec(), 0.0, UPWARDS, &self.split.parts[2])
     }
 
@@ -126,6 +120,7 @@ impl<F: Evaluable> FidgetEngine<F> {
             axes: Axes([&self.plane.x, &self.plane.y, layers]),
             cells: self.plane.cells(),
             ws: Workspace::new(&self.root, &self.plane.split),
+            boxes: Vec::new(),
             leaves: Vec::new(),
             values: Vec::new(),
         }
@@ -138,6 +133,8 @@ struct Walk<'a, F: Evaluable> {
     /// Cells of the lattice along x and y.
     cells: [usize; 2],
     ws: Workspace<'a, F>,
+    /// Of a block, the leaves that are to be sampled.
+    boxes: Vec<[usize; 3]>,
     leaves: Vec<Leaf>,
     values: Vec<f32>,
 }
@@ -160,14 +157,14 @@ impl<F: Evaluable> Sampler for TapeSampler<'_, '_, F> {
         self.ws.values(self.tapes, self.axes, [x, y, z], out)
     }
 
-    fn gradients(
+    fn slopes(
         &mut self,
         x: &[f32],
         y: &[f32],
         z: &[f32],
-        out: &mut Vec<[f32; 2]>,
-    ) -> Result<(), FieldError> {
-        self.ws.gradients(self.tapes, self.axes, [x, y, z], out)
+        out: &mut Vec<[f32; 3]>,
+    ) {
+        self.ws.slopes(self.tapes, self.axes, [x, y, z], out);
     }
 
     fn bounds(&mut self, boxes: &[(Rect, f32)], out: &mut Vec<Bound>) {
@@ -211,12 +208,16 @@ impl<F: Evaluable> Walk<'_, F> {
         };
         let tapes = own.as_mut().unwrap_or(root);
         let layers = self.axes.0[2].nodes().len();
+        let mut blocks = Vec::new();
         for k in 0..layers.div_ceil(BLOCK_LAYERS) {
             for j in Self::inside(j, TILE, BLOCK, self.cells[1]) {
-                for i in Self::inside(i, TILE, BLOCK, self.cells[0]) {
-                    self.block(tapes, [i, j, k], visit)?;
-                }
+                let row = Self::inside(i, TILE, BLOCK, self.cells[0]);
+                blocks.extend(row.map(|i| [i, j, k]));
             }
+        }
+        self.ws.sift(tapes, self.axes, Level::Block, &mut blocks)?;
+        for at in blocks {
+            self.block(tapes, at, visit)?;
         }
         if let Some(tapes) = own {
             self.ws.recycle(tapes);
@@ -238,29 +239,23 @@ impl<F: Evaluable> Walk<'_, F> {
             Proof::Ambiguous(simpler) => simpler,
         };
         let tapes = own.as_mut().unwrap_or(parent);
-        self.leaves.clear();
         let layers = self.axes.0[2].nodes().len();
+        let mut boxes = std::mem::take(&mut self.boxes);
+        boxes.clear();
         for layer in Self::inside(k, BLOCK_LAYERS, 1, layers) {
             for j in Self::inside(j, BLOCK, LEAF, self.cells[1]) {
-                for i in Self::inside(i, BLOCK, LEAF, self.cells[0]) {
-                    let at = [i, j, layer];
-                    let proof = self.ws.prove(
-                        tapes,
-                        self.axes,
-                        Level::Leaf,
-                        at,
-                        false,
-                    )?;
-                    if let Proof::Ambiguous(_) = proof {
-                        self.leaves.push(Leaf {
-                            layer,
-                            i: i * LEAF,
-                            j: j * LEAF,
-                        });
-                    }
-                }
+                let row = Self::inside(i, BLOCK, LEAF, self.cells[0]);
+                boxes.extend(row.map(|i| [i, j, layer]));
             }
         }
+        self.ws.sift(tapes, self.axes, Level::Leaf, &mut boxes)?;
+        self.leaves.clear();
+        self.leaves.extend(boxes.iter().map(|&[i, j, layer]| Leaf {
+            layer,
+            i: i * LEAF,
+            j: j * LEAF,
+        }));
+        self.boxes = boxes;
         self.sample(tapes, visit)?;
         if let Some(tapes) = own {
             self.ws.recycle(tapes);
@@ -291,7 +286,7 @@ impl<F: Evaluable> Walk<'_, F> {
 impl<F: Evaluable> Engine for FidgetEngine<F> {
     fn trial(&self, z: Mm) -> Result<Seconds, FieldError> {
         const LEAVES: usize = 12;
-        let layers = self.plane.layers(&[z as f32])?;
+        let layers = self.plane.layers(&[z as f32]);
         let mut walk = self.walk(&layers);
         let pick = |k: usize, cells: usize| k * 7919 % (cells / LEAF) * LEAF;
         let leaves: Vec<Leaf> = (0..LEAVES)
@@ -317,14 +312,16 @@ impl<F: Evaluable> Engine for FidgetEngine<F> {
         if z.is_empty() {
             return Ok(());
         }
-        let layers = self.plane.layers(z)?;
+        let layers = self.plane.layers(z);
         let mut walk = self.walk(&layers);
         let mut root = Tapes::new(self.root.clone());
         let [columns, rows] = walk.cells.map(|n| n.div_ceil(TILE));
-        for j in 0..rows {
-            for i in 0..columns {
-                walk.tile(&mut root, [i, j], visit)?;
-            }
+        let mut tiles: Vec<[usize; 3]> = (0..rows)
+            .flat_map(|j| (0..columns).map(move |i| [i, j, 0]))
+            .collect();
+        walk.ws.sift(&root, walk.axes, Level::Tile, &mut tiles)?;
+        for [i, j, _] in tiles {
+            walk.tile(&mut root, [i, j], visit)?;
         }
         Ok(())
     }
@@ -338,7 +335,7 @@ impl<F: Evaluable> Engine for FidgetEngine<F> {
         if z.is_empty() {
             return Ok(());
         }
-        let layers = self.plane.layers(z)?;
+        let layers = self.plane.layers(z);
         let mut walk = self.walk(&layers);
         walk.leaves = leaves.to_vec();
         walk.sample(&mut Tapes::new(self.root.clone()), visit)

@@ -1,26 +1,49 @@
-//! Values of the field at many points, by interpretation.
+//! Values and slopes of the field at many points, by interpretation.
 //!
 //! fidget's interpreter runs each operation over the whole batch through
-//! bounds-checked vectors of vectors, half a nanosecond for an addition;
-//! its native code is slow where functions are called. Here an operation runs
-//! over a fixed number of lanes, which the compiler turns into vector
-//! instructions and which stay in the nearest cache, so that what is left
-//! of the time is the sines and exponentials themselves. Every value equals
-//! fidget's, bit for bit.
+//! bounds-checked vectors of vectors; its native code is slow where functions
+//! are called, and costs its compilation. Here an operation runs over a fixed
+//! number of lanes, which stay in the nearest cache, with the widest vector
+//! instructions the processor has. They change nothing but the time: a value
+//! is the same, bit for bit, on any processor, and where no function is called
+//! (`wide` has its own) the same as fidget's.
 
+use super::dual::Dual;
 use super::ranges::Readable;
-use fidget::compiler::RegOp;
-use fidget::types::FloatExt;
+use super::span::{BOXES, Span};
+use super::tape::{Number, run};
+use super::wide::{WIDTH, Wide};
+use crate::model::Interval;
+use fidget::compiler::RegTape;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Points per pass: 60 registers of them fit 16 kB.
 const LANES: usize = 64;
+/// Points per pass with slopes.
+const DUAL_LANES: usize = 32;
 
-type Register = [f32; LANES];
+/// Boxes per pass.
+const BOX_LANES: usize = 32;
+
+type Register = [Wide; LANES / WIDTH];
+type DualRegister = [Dual; DUAL_LANES / WIDTH];
+type SpanRegister = [Span; BOX_LANES / BOXES];
+
+/// What a tape reads, at each point, along with its slope.
+#[derive(Clone, Copy)]
+pub(super) struct Seed<'a> {
+    pub values: &'a [f32],
+    /// Derivatives by the coordinate `axis`; none if it is the coordinate.
+    pub slopes: Option<&'a [f32]>,
+    pub axis: usize,
+}
 
 /// The interpreter's registers, kept for their memory.
 #[derive(Default)]
 pub(super) struct Lanes {
-    slots: Vec<Register>,
+    numbers: Vec<Register>,
+    duals: Vec<DualRegister>,
+    spans: Vec<SpanRegister>,
 }
 
 impl Lanes {
@@ -34,144 +57,206 @@ impl Lanes {
         count: usize,
         out: &mut Vec<f32>,
     ) {
-        let slots = f.operations().slot_count();
-        if self.slots.len() < slots {
-            self.slots.resize(slots, [0.0; LANES]);
+        let tape = f.operations();
+        if self.numbers.len() < tape.slot_count() {
+            let zero = [Wide::ZERO; LANES / WIDTH];
+            self.numbers.resize(tape.slot_count(), zero);
         }
-        for from in (0..count).step_by(LANES) {
-            self.pass(f, inputs, from, LANES.min(count - from), out);
-        }
+        let registers = &mut self.numbers[..];
+        Arch::new().dispatch(Values {
+            tape,
+            registers,
+            inputs,
+            count,
+            out,
+        });
     }
 
-    fn pass(
+    /// Appends value and derivatives along x and y of the function's (first)
+    /// output at `count` points to `out`.
+    pub(super) fn slopes(
         &mut self,
         f: &impl Readable,
-        inputs: &[&[f32]],
-        from: usize,
-        n: usize,
-        out: &mut Vec<f32>,
+        inputs: &[Seed<'_>],
+        count: usize,
+        out: &mut Vec<[f32; 3]>,
     ) {
-        let v = &mut self.slots;
-        macro_rules! unary {
-            ($o:ident, $a:ident, $f:expr) => {{
-                let a = v[usize::from($a)];
-                let o = &mut v[usize::from($o)];
-                for i in 0..LANES {
-                    o[i] = $f(a[i]);
-                }
-            }};
+        let tape = f.operations();
+        if self.duals.len() < tape.slot_count() {
+            let zero = [Dual::splat(0.0); DUAL_LANES / WIDTH];
+            self.duals.resize(tape.slot_count(), zero);
         }
-        macro_rules! binary {
-            ($o:ident, $a:ident, $b:ident, $f:expr) => {{
-                let (a, b) = (v[usize::from($a)], v[usize::from($b)]);
-                let o = &mut v[usize::from($o)];
-                for i in 0..LANES {
-                    o[i] = $f(a[i], b[i]);
-                }
-            }};
+        let registers = &mut self.duals[..];
+        Arch::new().dispatch(Slopes {
+            tape,
+            registers,
+            inputs,
+            count,
+            out,
+        });
+    }
+}
+
+impl Lanes {
+    /// Appends to `out` for each of `count` boxes whether the function's
+    /// (first) output is known to be of one sign there; nothing where it has
+    /// to be asked about alone. `input` is the range of an input over a box.
+    pub(super) fn signs(
+        &mut self,
+        f: &impl Readable,
+        count: usize,
+        input: impl Fn(usize, usize) -> Interval,
+        out: &mut Vec<Option<bool>>,
+    ) {
+        let tape = f.operations();
+        if self.spans.len() < tape.slot_count() {
+            let unknown = [Span::UNKNOWN; BOX_LANES / BOXES];
+            self.spans.resize(tape.slot_count(), unknown);
         }
-        use RegOp::*;
-        for &op in f.operations().iter().rev() {
-            match op {
-                Output(a, 0) => {
-                    out.extend_from_slice(&v[usize::from(a)][..n]);
-                }
-                Output(..) => {}
-                Input(o, i) => {
-                    let o = &mut v[usize::from(o)];
-                    let values = &inputs[i as usize][from..from + n];
-                    o[..n].copy_from_slice(values);
-                    // Lanes to spare repeat a point: whatever was there
-                    // before could be slow to compute with.
-                    o[n..].fill(values[n - 1]);
-                }
-                CopyReg(o, a) => v[usize::from(o)] = v[usize::from(a)],
-                CopyImm(o, imm) => v[usize::from(o)] = [imm; LANES],
-                Load(o, mem) => v[usize::from(o)] = v[mem as usize],
-                Store(a, mem) => v[mem as usize] = v[usize::from(a)],
-                NegReg(o, a) => unary!(o, a, |a: f32| -a),
-                AbsReg(o, a) => unary!(o, a, f32::abs),
-                RecipReg(o, a) => unary!(o, a, |a: f32| 1.0 / a),
-                SqrtReg(o, a) => unary!(o, a, f32::sqrt),
-                SquareReg(o, a) => unary!(o, a, |a: f32| a * a),
-                FloorReg(o, a) => unary!(o, a, f32::floor),
-                CeilReg(o, a) => unary!(o, a, f32::ceil),
-                RoundReg(o, a) => unary!(o, a, f32::round),
-                SinReg(o, a) => unary!(o, a, f32::sin),
-                CosReg(o, a) => unary!(o, a, f32::cos),
-                TanReg(o, a) => unary!(o, a, f32::tan),
-                AsinReg(o, a) => unary!(o, a, f32::asin),
-                AcosReg(o, a) => unary!(o, a, f32::acos),
-                AtanReg(o, a) => unary!(o, a, f32::atan),
-                ExpReg(o, a) => unary!(o, a, f32::exp),
-                LnReg(o, a) => unary!(o, a, f32::ln),
-                NotReg(o, a) => unary!(o, a, FloatExt::not),
-                RandReg(o, a) => unary!(o, a, FloatExt::rand),
-                AddRegReg(o, a, b) => binary!(o, a, b, |a, b| a + b),
-                AddRegImm(o, a, b) => unary!(o, a, |a: f32| a + b),
-                SubRegReg(o, a, b) => binary!(o, a, b, |a, b| a - b),
-                SubRegImm(o, a, b) => unary!(o, a, |a: f32| a - b),
-                SubImmReg(o, b, a) => unary!(o, b, |b: f32| a - b),
-                MulRegReg(o, a, b) => binary!(o, a, b, |a, b| a * b),
-                MulRegImm(o, a, b) => unary!(o, a, |a: f32| a * b),
-                DivRegReg(o, a, b) => binary!(o, a, b, |a, b| a / b),
-                DivRegImm(o, a, b) => unary!(o, a, |a: f32| a / b),
-                DivImmReg(o, b, a) => unary!(o, b, |b: f32| a / b),
-                AtanRegReg(o, a, b) => binary!(o, a, b, f32::atan2),
-                AtanRegImm(o, a, b) => unary!(o, a, |a: f32| a.atan2(b)),
-                AtanImmReg(o, b, a) => unary!(o, b, |b: f32| a.atan2(b)),
-                ModRegReg(o, a, b) => binary!(o, a, b, f32::rem_euclid),
-                ModRegImm(o, a, b) => unary!(o, a, |a: f32| a.rem_euclid(b)),
-                ModImmReg(o, b, a) => unary!(o, b, |b: f32| a.rem_euclid(b)),
-                CompareRegReg(o, a, b) => binary!(o, a, b, FloatExt::compare),
-                CompareRegImm(o, a, b) => {
-                    unary!(o, a, |a: f32| FloatExt::compare(a, b))
-                }
-                CompareImmReg(o, b, a) => {
-                    unary!(o, b, |b: f32| FloatExt::compare(a, b))
-                }
-                MixRegReg(o, a, b) => binary!(o, a, b, FloatExt::mix),
-                MixRegImm(o, a, b) => {
-                    unary!(o, a, |a: f32| FloatExt::mix(a, b))
-                }
-                MixImmReg(o, b, a) => {
-                    unary!(o, b, |b: f32| FloatExt::mix(a, b))
-                }
-                MinRegReg(o, a, b) => binary!(o, a, b, min),
-                MinRegImm(o, a, b) => unary!(o, a, |a| min(a, b)),
-                MaxRegReg(o, a, b) => binary!(o, a, b, max),
-                MaxRegImm(o, a, b) => unary!(o, a, |a| max(a, b)),
-                AndRegReg(o, a, b) => binary!(o, a, b, and),
-                AndRegImm(o, a, b) => unary!(o, a, |a| and(a, b)),
-                OrRegReg(o, a, b) => binary!(o, a, b, or),
-                OrRegImm(o, a, b) => unary!(o, a, |a| or(a, b)),
-            }
+        let registers = &mut self.spans[..];
+        Arch::new().dispatch(Signs {
+            tape,
+            registers,
+            input,
+            count,
+            out,
+        });
+    }
+}
+
+/// Numbers `from` and on of a list. Lanes to spare repeat the last one:
+/// whatever was there before could be slow to compute with.
+#[inline(always)]
+fn load(list: &[f32], from: usize) -> Wide {
+    if let Some(all) = list.get(from..from + WIDTH)
+        && let Ok(all) = all.try_into()
+    {
+        return Wide(all);
+    }
+    let last = list.last().copied().unwrap_or_default();
+    let at = |k| list.get(from + k).copied().unwrap_or(last);
+    Wide(std::array::from_fn(at))
+}
+
+struct Values<'a> {
+    tape: &'a RegTape,
+    registers: &'a mut [Register],
+    inputs: &'a [&'a [f32]],
+    count: usize,
+    out: &'a mut Vec<f32>,
+}
+
+impl WithSimd for Values<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for from in (0..self.count).step_by(LANES) {
+            run(
+                self.tape,
+                self.registers,
+                |i, register| {
+                    let values = self.inputs[i];
+                    for (k, wide) in register.iter_mut().enumerate() {
+                        *wide = load(values, from + k * WIDTH);
+                    }
+                },
+                |result| {
+                    let mut left = self.count - from;
+                    for wide in result {
+                        let n = left.min(WIDTH);
+                        self.out.extend_from_slice(&wide.0[..n]);
+                        left -= n;
+                    }
+                },
+            );
         }
     }
 }
 
-/// The lesser one; NaN if one of them is.
-#[inline]
-fn min(a: f32, b: f32) -> f32 {
-    let lesser = if a < b { a } else { b };
-    if a.is_nan() { f32::NAN } else { lesser }
+struct Slopes<'a> {
+    tape: &'a RegTape,
+    registers: &'a mut [DualRegister],
+    inputs: &'a [Seed<'a>],
+    count: usize,
+    out: &'a mut Vec<[f32; 3]>,
 }
 
-/// The greater one; NaN if one of them is.
-#[inline]
-fn max(a: f32, b: f32) -> f32 {
-    let greater = if a > b { a } else { b };
-    if a.is_nan() { f32::NAN } else { greater }
+impl WithSimd for Slopes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for from in (0..self.count).step_by(DUAL_LANES) {
+            run(
+                self.tape,
+                self.registers,
+                |i, register| {
+                    let seed = &self.inputs[i];
+                    for (k, dual) in register.iter_mut().enumerate() {
+                        let from = from + k * WIDTH;
+                        let slope = match seed.slopes {
+                            Some(slopes) => load(slopes, from),
+                            None => Wide::splat(1.0),
+                        };
+                        let along = |axis| match seed.axis == axis {
+                            true => slope,
+                            false => Wide::ZERO,
+                        };
+                        *dual = Dual {
+                            v: load(seed.values, from),
+                            dx: along(0),
+                            dy: along(1),
+                        };
+                    }
+                },
+                |result| {
+                    let left = self.count - from;
+                    let all = result.iter().flat_map(|d| {
+                        (0..WIDTH).map(|k| [d.v.0[k], d.dx.0[k], d.dy.0[k]])
+                    });
+                    self.out.extend(all.take(left));
+                },
+            );
+        }
+    }
 }
 
-#[inline]
-fn and(a: f32, b: f32) -> f32 {
-    if a == 0.0 { a } else { b }
+struct Signs<'a, I> {
+    tape: &'a RegTape,
+    registers: &'a mut [SpanRegister],
+    input: I,
+    count: usize,
+    out: &'a mut Vec<Option<bool>>,
 }
 
-#[inline]
-fn or(a: f32, b: f32) -> f32 {
-    if a != 0.0 { a } else { b }
+impl<I: Fn(usize, usize) -> Interval> WithSimd for Signs<'_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let last = self.count.saturating_sub(1);
+        for from in (0..self.count).step_by(BOX_LANES) {
+            run(
+                self.tape,
+                self.registers,
+                |i, register| {
+                    for k in 0..BOX_LANES {
+                        let range = (self.input)(i, (from + k).min(last));
+                        register[k / BOXES].set(k % BOXES, range);
+                    }
+                },
+                |result| {
+                    let all =
+                        (from..self.count.min(from + BOX_LANES)).map(|k| {
+                            let k = k - from;
+                            result[k / BOXES].is_uniform(k % BOXES)
+                        });
+                    self.out.extend(all);
+                },
+            );
+        }
+    }
 }
 
 #[cfg(test)]

@@ -20,19 +20,24 @@
 //!
 //! What one coordinate alone decides, like sin(k·x), is taken out of the
 //! expression (`hoist`) and evaluated once per column, row or layer (`axis`);
-//! `ranges` proves, `lanes` interprets, `tapes` brings them together for the
+//! `ranges` proves, `lanes` interprets (`tape`), for many points (`wide`,
+//! `dual`) or boxes (`span`) at a time, `tapes` brings them together for the
 //! walk in `engine`.
 //!
 //! This is the one place where `f64` millimetres become fidget's `f32`.
 
 mod axis;
+mod dual;
 mod engine;
 mod hoist;
 mod lanes;
 mod lattice;
 mod ranges;
 mod slopes;
+mod span;
+mod tape;
 mod tapes;
+mod wide;
 
 pub use lattice::Lattice;
 pub use slopes::Bound;
@@ -107,17 +112,14 @@ pub trait Sampler {
         out: &mut Vec<f32>,
     ) -> Result<(), FieldError>;
 
-    /// In-plane gradients (∂f/∂x, ∂f/∂y), written over `out`.
-    ///
-    /// # Errors
-    /// If the evaluator fails, which is a bug.
-    fn gradients(
+    /// Field values and in-plane slopes (f, ∂f/∂x, ∂f/∂y), written over `out`.
+    fn slopes(
         &mut self,
         x: &[f32],
         y: &[f32],
         z: &[f32],
-        out: &mut Vec<[f32; 2]>,
-    ) -> Result<(), FieldError>;
+        out: &mut Vec<[f32; 3]>,
+    );
 
     /// Bounds of the field over boxes within leaves of the batch, each at a
     /// height, written over `out`.
@@ -182,7 +184,7 @@ impl Field {
                 "it has variables besides x, y and z".into(),
             ));
         }
-        let plane = Arc::new(Plane::new(Split::new(&ctx, root)?, &lattice)?);
+        let plane = Arc::new(Plane::new(Split::new(&ctx, root)?, &lattice));
         let vm = FidgetEngine::<VmFunction>::new(plane.clone())?;
         let jit = FidgetEngine::<JitFunction>::new(plane)?;
         let z = 0.5 * (z[0] + z[1]);

@@ -2,15 +2,15 @@
 
 use super::axis::{self, Axis, Level, Located};
 use super::hoist::{Hoisted, hoist};
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Seed};
 use super::ranges::{Ranges, Readable, inputs};
 use super::slopes::{Bound, Slope, Slopes, coordinate, slope_of};
+use super::tape::calls;
 use super::{FieldError, Leaf, NODES};
 use crate::model::Interval;
 use fidget::context::{Context, Node};
 use fidget::eval::{BulkEvaluator, Function, MathFunction};
 use fidget::jit::JitFunction;
-use fidget::types::Grad;
 use fidget::var::Var;
 use fidget::vm::{VmFunction, VmTrace};
 use std::collections::HashMap;
@@ -32,7 +32,6 @@ impl Evaluable for JitFunction {
 }
 
 type FloatTape<F> = <<F as Function>::FloatSliceEval as BulkEvaluator>::Tape;
-type GradTape<F> = <<F as Function>::GradSliceEval as BulkEvaluator>::Tape;
 
 /// Leaves evaluated at once: what they need of memory fits a core's cache.
 const AT_ONCE: usize = 12;
@@ -100,11 +99,28 @@ impl<'a> Axes<'a> {
     }
 }
 
+impl Axes<'_> {
+    /// The range of a source over box number `at` of the `level`s.
+    fn over(
+        &self,
+        source: Option<&Source>,
+        level: Level,
+        at: [usize; 3],
+    ) -> Interval {
+        match source {
+            Some(&Source::Coordinate(a)) => self.0[a].extent(level, at[a]),
+            Some(&Source::Part(a, p)) => self.0[a].range(p, level, at[a]),
+            None => Interval::ANYTHING,
+        }
+    }
+}
+
 /// A function and those of its tapes that were asked for.
 pub(super) struct Tapes<F: Function> {
     pub f: F,
     float: Option<FloatTape<F>>,
-    grad: Option<GradTape<F>>,
+    /// Whether it calls functions, once known.
+    calls: Option<bool>,
     /// The inputs it reads, once known.
     inputs: Option<Vec<usize>>,
 }
@@ -114,9 +130,18 @@ impl<F: Function> Tapes<F> {
         Tapes {
             f,
             float: None,
-            grad: None,
+            calls: None,
             inputs: None,
         }
+    }
+}
+
+impl<F: Evaluable> Tapes<F> {
+    /// Whether to run native code. Not where it would call functions: those
+    /// of the system may round otherwise than ours, and it is slow there.
+    fn is_native(&mut self) -> bool {
+        let calls = || calls(self.f.operations());
+        F::COMPILED && !*self.calls.get_or_insert_with(calls)
     }
 }
 
@@ -135,18 +160,18 @@ struct Runner<F: Function> {
 }
 
 impl<F: Evaluable> Runner<F> {
-    /// Appends the function's values at `count` points to `out`; if its
-    /// `tape` has to be compiled, `spare` is memory for it.
+    /// Appends a function's values at `count` points to `out`; if it has to
+    /// be compiled to `tape`, for its `native` code, `spare` is memory for it.
     fn run(
         &mut self,
-        f: &F,
-        tape: &mut Option<FloatTape<F>>,
+        (f, tape): (&F, &mut Option<FloatTape<F>>),
+        native: bool,
         vars: &[&[f32]],
         count: usize,
         spare: &mut Vec<F::TapeStorage>,
         out: &mut Vec<f32>,
     ) -> Result<(), FieldError> {
-        if !F::COMPILED {
+        if !native {
             self.lanes.eval(f, vars, count, out);
             return Ok(());
         }
@@ -165,11 +190,12 @@ pub(super) struct Workspace<'a, F: Function> {
     /// By input of the tapes. Simplified tapes keep the order.
     sources: Vec<Source>,
     ranges: Ranges,
-    slopes: Slopes,
+    /// By box, what is known of it.
+    signs: Vec<Option<bool>>,
+    bounder: Slopes,
     /// By input, its bounds.
     bounds: Vec<Slope>,
     runner: Runner<F>,
-    grad: F::GradSliceEval,
     simplify: F::Workspace,
     axis: axis::Scratch,
     /// Memory of functions and tapes that are done with: mapping executable
@@ -178,7 +204,8 @@ pub(super) struct Workspace<'a, F: Function> {
     tapes: Vec<F::TapeStorage>,
     /// By input: what it is at each point.
     values: Vec<Vec<f32>>,
-    grads: Vec<Vec<Grad>>,
+    /// By input: its slope at each point.
+    slopes: Vec<Vec<f32>>,
     /// By axis: the nodes the points are on.
     located: [Located; 3],
 }
@@ -198,21 +225,59 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             parts: &split.parts,
             sources,
             ranges: Ranges::default(),
-            slopes: Slopes::default(),
+            signs: Vec::new(),
+            bounder: Slopes::default(),
             bounds: vec![Slope::constant(Interval::ANYTHING); slots],
             runner: Runner {
                 float: F::new_float_slice_eval(),
                 lanes: Lanes::default(),
             },
-            grad: F::new_grad_slice_eval(),
             simplify: Default::default(),
             axis: axis::Scratch::default(),
             functions: Vec::new(),
             tapes: Vec::new(),
             values: vec![Vec::new(); slots],
-            grads: vec![Vec::new(); slots],
+            slopes: vec![Vec::new(); slots],
             located: Default::default(),
         }
+    }
+
+    /// Keeps of the boxes, numbers of the axes' `level`s, those in which the
+    /// field may change its sign.
+    pub(super) fn sift(
+        &mut self,
+        tapes: &Tapes<F>,
+        axes: Axes<'_>,
+        level: Level,
+        boxes: &mut Vec<[usize; 3]>,
+    ) -> Result<(), FieldError> {
+        let mut signs = std::mem::take(&mut self.signs);
+        signs.clear();
+        let sources = &self.sources;
+        self.runner.lanes.signs(
+            &tapes.f,
+            boxes.len(),
+            |slot, k| axes.over(sources.get(slot), level, boxes[k]),
+            &mut signs,
+        );
+        let mut kept = 0;
+        for (k, sign) in signs.iter().enumerate() {
+            let at = boxes[k];
+            let uniform = match sign {
+                Some(uniform) => *uniform,
+                None => {
+                    let proof = self.prove(tapes, axes, level, at, false)?;
+                    matches!(proof, Proof::Uniform)
+                }
+            };
+            if !uniform {
+                boxes[kept] = at;
+                kept += 1;
+            }
+        }
+        boxes.truncate(kept);
+        self.signs = signs;
+        Ok(())
     }
 
     /// Evaluates over the box number `at` of the axes' `level`s and, if
@@ -226,11 +291,7 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         simplify: bool,
     ) -> Result<Proof<F>, FieldError> {
         let sources = &self.sources;
-        let input = |slot: usize| match sources.get(slot) {
-            Some(&Source::Coordinate(a)) => axes.0[a].extent(level, at[a]),
-            Some(&Source::Part(a, p)) => axes.0[a].range(p, level, at[a]),
-            None => Interval::ANYTHING,
-        };
+        let input = |slot: usize| axes.over(sources.get(slot), level, at);
         let (range, trace) = self.ranges.eval(&tapes.f, input);
         // A field that is nowhere below zero has no inside, even where it
         // touches zero.
@@ -265,7 +326,7 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             };
         }
         let bounds = &self.bounds;
-        Bound::new(self.slopes.eval(&tapes.f, |slot| bounds[slot]))
+        Bound::new(self.bounder.eval(&tapes.f, |slot| bounds[slot]))
     }
 
     /// The field at the nodes of leaves, written over `out`.
@@ -277,6 +338,7 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         out: &mut Vec<f32>,
     ) -> Result<(), FieldError> {
         out.clear();
+        let native = tapes.is_native();
         let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
         for leaves in leaves.chunks(AT_ONCE) {
             let count = leaves.len() * NODES * NODES;
@@ -312,8 +374,8 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
                 vars[slot] = &self.values[slot];
             }
             self.runner.run(
-                &tapes.f,
-                &mut tapes.float,
+                (&tapes.f, &mut tapes.float),
+                native,
                 &vars,
                 count,
                 &mut self.tapes,
@@ -342,6 +404,7 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         points: [&[f32]; 3],
         out: &mut Vec<f32>,
     ) -> Result<(), FieldError> {
+        let native = tapes.is_native();
         let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
         self.locate(used, axes, points);
         for &slot in &*used {
@@ -365,8 +428,8 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         out.clear();
         let count = points[0].len();
         self.runner.run(
-            &tapes.f,
-            &mut tapes.float,
+            (&tapes.f, &mut tapes.float),
+            native,
             &vars,
             count,
             &mut self.tapes,
@@ -374,62 +437,53 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         )
     }
 
-    /// The in-plane gradient at any points, written over `out`.
-    pub(super) fn gradients(
+    /// Value and in-plane slopes at any points, written over `out`.
+    pub(super) fn slopes(
         &mut self,
         tapes: &mut Tapes<F>,
         axes: Axes<'_>,
         points: [&[f32]; 3],
-        out: &mut Vec<[f32; 2]>,
-    ) -> Result<(), FieldError> {
+        out: &mut Vec<[f32; 3]>,
+    ) {
         let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
         self.locate(used, axes, points);
         for &slot in &*used {
-            let grads = &mut self.grads[slot];
-            match self.sources[slot] {
-                Source::Part(a, p) => axes.0[a].grads_at(
+            if let Source::Part(a, p) = self.sources[slot] {
+                axes.0[a].slopes_at(
                     p,
                     &self.parts[a][p],
-                    a,
                     &self.located[a],
                     &mut self.axis,
-                    grads,
-                )?,
-                Source::Coordinate(a) => {
-                    let d: [f32; 3] =
-                        std::array::from_fn(|b| f32::from(a == b));
-                    grads.clear();
-                    let all = points[a].iter();
-                    grads.extend(all.map(|&v| Grad::new(v, d[0], d[1], d[2])));
-                }
+                    &mut self.values[slot],
+                    &mut self.slopes[slot],
+                );
             }
         }
-        let any = used.first().copied().unwrap_or(0);
-        let count = points[0].len();
-        if used.is_empty() {
-            self.grads[0].resize(count, Grad::from(0.0));
-        }
-        let mut vars: Vec<&[Grad]> =
-            vec![&self.grads[any][..count]; self.grads.len()];
+        let seed = |values, slopes, axis| Seed {
+            values,
+            slopes,
+            axis,
+        };
+        // Inputs that are not read may be anything.
+        let mut seeds = vec![seed(points[0], None, 0); self.values.len()];
         for &slot in &*used {
-            vars[slot] = &self.grads[slot];
+            seeds[slot] = match self.sources[slot] {
+                Source::Coordinate(a) => seed(points[a], None, a),
+                Source::Part(a, _) => {
+                    let slopes = Some(&self.slopes[slot][..]);
+                    seed(&self.values[slot], slopes, a)
+                }
+            };
         }
-        let tape = tapes.grad.get_or_insert_with(|| {
-            tapes
-                .f
-                .grad_slice_tape(self.tapes.pop().unwrap_or_default())
-        });
-        let grads = self.grad.eval(tape, &vars).map_err(bug)?;
         out.clear();
-        out.extend(grads[0].iter().map(|g| [g.dx, g.dy]));
-        Ok(())
+        let lanes = &mut self.runner.lanes;
+        lanes.slopes(&tapes.f, &seeds, points[0].len(), out);
     }
 
     /// Takes back the memory of tapes that are done with.
     pub(super) fn recycle(&mut self, tapes: Tapes<F>) {
         use fidget::eval::Tape;
         self.tapes.extend(tapes.float.and_then(Tape::recycle));
-        self.tapes.extend(tapes.grad.and_then(Tape::recycle));
         self.functions.extend(tapes.f.recycle());
     }
 }

@@ -1,0 +1,161 @@
+//! Interpretation of a tape, for whatever kind of number.
+
+use fidget::compiler::{RegOp, RegTape};
+
+/// What a tape's operations can be carried out on.
+pub(super) trait Number: Copy {
+    fn splat(v: f32) -> Self;
+    fn neg(self) -> Self;
+    fn abs(self) -> Self;
+    fn recip(self) -> Self;
+    fn sqrt(self) -> Self;
+    fn square(self) -> Self;
+    fn floor(self) -> Self;
+    fn ceil(self) -> Self;
+    fn round(self) -> Self;
+    fn sin(self) -> Self;
+    fn cos(self) -> Self;
+    fn tan(self) -> Self;
+    fn asin(self) -> Self;
+    fn acos(self) -> Self;
+    fn atan(self) -> Self;
+    fn exp(self) -> Self;
+    fn ln(self) -> Self;
+    fn not(self) -> Self;
+    fn rand(self) -> Self;
+    fn add(self, o: Self) -> Self;
+    fn sub(self, o: Self) -> Self;
+    fn mul(self, o: Self) -> Self;
+    /// The product with a constant.
+    fn scale(self, by: f32) -> Self;
+    fn div(self, o: Self) -> Self;
+    fn atan2(self, o: Self) -> Self;
+    fn modulo(self, o: Self) -> Self;
+    fn compare(self, o: Self) -> Self;
+    fn mix(self, o: Self) -> Self;
+    fn min(self, o: Self) -> Self;
+    fn max(self, o: Self) -> Self;
+    fn and(self, o: Self) -> Self;
+    fn or(self, o: Self) -> Self;
+}
+
+/// Runs a tape on `N` numbers at a time: `input` fills in those of an input,
+/// and `output` is shown the result. `v` are the registers.
+#[inline(always)]
+pub(super) fn run<T: Number, const N: usize>(
+    tape: &RegTape,
+    v: &mut [[T; N]],
+    input: impl Fn(usize, &mut [T; N]),
+    mut output: impl FnMut(&[T; N]),
+) {
+    macro_rules! unary {
+        ($o:ident, $a:ident, $f:expr) => {{
+            let (o, a) = (usize::from($o), usize::from($a));
+            for k in 0..N {
+                v[o][k] = $f(v[a][k]);
+            }
+        }};
+    }
+    macro_rules! binary {
+        ($o:ident, $a:ident, $b:ident, $f:expr) => {{
+            let [o, a, b] = [$o, $a, $b].map(usize::from);
+            for k in 0..N {
+                v[o][k] = $f(v[a][k], v[b][k]);
+            }
+        }};
+    }
+    // With a constant on the right, or on the left.
+    macro_rules! right {
+        ($o:ident, $a:ident, $imm:ident, $f:expr) => {{
+            let imm = T::splat($imm);
+            unary!($o, $a, |a: T| $f(a, imm))
+        }};
+    }
+    macro_rules! left {
+        ($o:ident, $imm:ident, $b:ident, $f:expr) => {{
+            let imm = T::splat($imm);
+            unary!($o, $b, |b: T| $f(imm, b))
+        }};
+    }
+    use RegOp::*;
+    for &op in tape.iter().rev() {
+        match op {
+            Output(a, 0) => output(&v[usize::from(a)]),
+            Output(..) => {}
+            Input(o, i) => input(i as usize, &mut v[usize::from(o)]),
+            CopyReg(o, a) => v[usize::from(o)] = v[usize::from(a)],
+            CopyImm(o, imm) => v[usize::from(o)] = [T::splat(imm); N],
+            Load(o, mem) => v[usize::from(o)] = v[mem as usize],
+            Store(a, mem) => v[mem as usize] = v[usize::from(a)],
+            NegReg(o, a) => unary!(o, a, T::neg),
+            AbsReg(o, a) => unary!(o, a, T::abs),
+            RecipReg(o, a) => unary!(o, a, T::recip),
+            SqrtReg(o, a) => unary!(o, a, T::sqrt),
+            SquareReg(o, a) => unary!(o, a, T::square),
+            FloorReg(o, a) => unary!(o, a, T::floor),
+            CeilReg(o, a) => unary!(o, a, T::ceil),
+            RoundReg(o, a) => unary!(o, a, T::round),
+            SinReg(o, a) => unary!(o, a, T::sin),
+            CosReg(o, a) => unary!(o, a, T::cos),
+            TanReg(o, a) => unary!(o, a, T::tan),
+            AsinReg(o, a) => unary!(o, a, T::asin),
+            AcosReg(o, a) => unary!(o, a, T::acos),
+            AtanReg(o, a) => unary!(o, a, T::atan),
+            ExpReg(o, a) => unary!(o, a, T::exp),
+            LnReg(o, a) => unary!(o, a, T::ln),
+            NotReg(o, a) => unary!(o, a, T::not),
+            RandReg(o, a) => unary!(o, a, T::rand),
+            AddRegReg(o, a, b) => binary!(o, a, b, T::add),
+            AddRegImm(o, a, b) => right!(o, a, b, T::add),
+            SubRegReg(o, a, b) => binary!(o, a, b, T::sub),
+            SubRegImm(o, a, b) => right!(o, a, b, T::sub),
+            SubImmReg(o, b, a) => left!(o, a, b, T::sub),
+            MulRegReg(o, a, b) => binary!(o, a, b, T::mul),
+            MulRegImm(o, a, b) => unary!(o, a, |a: T| a.scale(b)),
+            DivRegReg(o, a, b) => binary!(o, a, b, T::div),
+            DivRegImm(o, a, b) => right!(o, a, b, T::div),
+            DivImmReg(o, b, a) => left!(o, a, b, T::div),
+            AtanRegReg(o, a, b) => binary!(o, a, b, T::atan2),
+            AtanRegImm(o, a, b) => right!(o, a, b, T::atan2),
+            AtanImmReg(o, b, a) => left!(o, a, b, T::atan2),
+            ModRegReg(o, a, b) => binary!(o, a, b, T::modulo),
+            ModRegImm(o, a, b) => right!(o, a, b, T::modulo),
+            ModImmReg(o, b, a) => left!(o, a, b, T::modulo),
+            CompareRegReg(o, a, b) => binary!(o, a, b, T::compare),
+            CompareRegImm(o, a, b) => right!(o, a, b, T::compare),
+            CompareImmReg(o, b, a) => left!(o, a, b, T::compare),
+            MixRegReg(o, a, b) => binary!(o, a, b, T::mix),
+            MixRegImm(o, a, b) => right!(o, a, b, T::mix),
+            MixImmReg(o, b, a) => left!(o, a, b, T::mix),
+            MinRegReg(o, a, b) => binary!(o, a, b, T::min),
+            MinRegImm(o, a, b) => right!(o, a, b, T::min),
+            MaxRegReg(o, a, b) => binary!(o, a, b, T::max),
+            MaxRegImm(o, a, b) => right!(o, a, b, T::max),
+            AndRegReg(o, a, b) => binary!(o, a, b, T::and),
+            AndRegImm(o, a, b) => right!(o, a, b, T::and),
+            OrRegReg(o, a, b) => binary!(o, a, b, T::or),
+            OrRegImm(o, a, b) => right!(o, a, b, T::or),
+        }
+    }
+}
+
+/// Whether a tape calls functions that native code has to leave itself for.
+pub(super) fn calls(tape: &RegTape) -> bool {
+    use RegOp::*;
+    tape.iter().any(|op| {
+        matches!(
+            op,
+            SinReg(..)
+                | CosReg(..)
+                | TanReg(..)
+                | AsinReg(..)
+                | AcosReg(..)
+                | AtanReg(..)
+                | ExpReg(..)
+                | LnReg(..)
+                | AtanRegReg(..)
+                | AtanRegImm(..)
+                | AtanImmReg(..)
+        )
+    })
+}

@@ -1,0 +1,393 @@
+//! Eight numbers at a time, and the functions of them.
+//!
+//! Every function is a fixed sequence of additions, multiplications and
+//! divisions, each rounded as IEEE 754 says, without a branch. So the
+//! compiler can turn it into whatever vector instructions there are, and the
+//! result is the same, bit for bit, on any processor, which the system's sine
+//! is not. Inside they reckon in `f64`; what they return is the nearest `f32`
+//! but for one case in thousands, and there the one next to it.
+//!
+//! Sine and cosine: the kernels of FreeBSD's msun (Sun Microsystems 1993,
+//! Bruce D. Evans), after reduction by multiples of π/2 in two parts.
+
+use super::tape::Number;
+use fidget::types::FloatExt;
+
+/// Numbers in a [`Wide`].
+pub(super) const WIDTH: usize = 8;
+
+/// Some numbers, each on its own.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(super) struct Wide(pub [f32; WIDTH]);
+
+impl Wide {
+    pub(super) const ZERO: Wide = Wide([0.0; WIDTH]);
+    pub(super) const NAN: Wide = Wide([f32::NAN; WIDTH]);
+
+    #[inline(always)]
+    pub(super) fn map(self, f: impl Fn(f32) -> f32) -> Wide {
+        let mut out = self;
+        for v in &mut out.0 {
+            *v = f(*v);
+        }
+        out
+    }
+
+    #[inline(always)]
+    pub(super) fn zip(self, o: Wide, f: impl Fn(f32, f32) -> f32) -> Wide {
+        let mut out = self;
+        for (v, w) in out.0.iter_mut().zip(o.0) {
+            *v = f(*v, w);
+        }
+        out
+    }
+
+    /// Where `mask` is true of own and another's values, `a`; else `b`.
+    #[inline(always)]
+    pub(super) fn choose_by(
+        self,
+        o: Wide,
+        mask: impl Fn(f32, f32) -> bool,
+        a: Wide,
+        b: Wide,
+    ) -> Wide {
+        let mut out = b;
+        for k in 0..WIDTH {
+            let yes = mask(self.0[k], o.0[k]);
+            out.0[k] = if yes { a.0[k] } else { b.0[k] };
+        }
+        out
+    }
+
+    /// A function made of those of a turn's sine and cosine; by the `rare`
+    /// one where a number is too large for the common way.
+    #[inline(always)]
+    fn turn(self, f: impl Fn(Turn) -> f64, rare: impl Fn(f32) -> f32) -> Wide {
+        let mut out = self.map(|v| f(Turn::of(f64::from(v))) as f32);
+        let large = |v: &f32| f64::from(v.abs()) > Turn::MOST;
+        if self.0.iter().any(large) {
+            for (o, v) in out.0.iter_mut().zip(self.0) {
+                if large(&v) {
+                    *o = rare(v);
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Adding and subtracting it rounds to a whole number, which then stands in
+/// the lowest bits.
+const ROUND: f64 = 6_755_399_441_055_744.0;
+
+/// Sine and cosine of an angle.
+#[derive(Clone, Copy)]
+pub(super) struct Turn {
+    pub sin: f64,
+    pub cos: f64,
+}
+
+impl Turn {
+    /// Greatest angle that is reduced exactly enough.
+    pub(super) const MOST: f64 = 1e8;
+    /// π/2 without its last bits, so that multiples of it are exact.
+    const QUARTER: f64 = 1.570_796_310_901_641_8;
+    /// The rest of π/2.
+    const REST: f64 = 1.589_325_477_352_819_7e-8;
+
+    #[inline(always)]
+    pub(super) fn of(x: f64) -> Turn {
+        let raised = x * std::f64::consts::FRAC_2_PI + ROUND;
+        let quarters = raised - ROUND;
+        let x = x - quarters * Self::QUARTER - quarters * Self::REST;
+        let z = x * x;
+        let w = z * z;
+        let r = -1.983_933_483_609_663_2e-4 + z * 2.718_311_493_989_822e-6;
+        let s = z * x;
+        let sin = (x + s
+            * (-1.666_666_664_162_652_4e-1 + z * 8.333_329_385_889_463e-3))
+            + s * w * r;
+        let r = -1.388_676_377_460_993e-3 + z * 2.439_044_879_627_741e-5;
+        let cos = ((1.0 + z * -4.999_999_972_510_031e-1)
+            + w * 4.166_662_332_373_906e-2)
+            + (w * z) * r;
+        // By the quarter: which is which, and the signs.
+        let n = raised.to_bits();
+        let swap = n & 1 != 0;
+        let (a, b) = if swap { (cos, sin) } else { (sin, cos) };
+        let sign =
+            |v: f64, n: u64| f64::from_bits(v.to_bits() ^ (n >> 1 << 63));
+        Turn {
+            sin: sign(a, n),
+            cos: sign(b, n.wrapping_add(1)),
+        }
+    }
+}
+
+/// eˣ within a part in 10⁹; right for x from −708 to 708.
+#[inline(always)]
+pub(super) fn exp(x: f64) -> f64 {
+    // x = n·ln 2 + r, and a series for eʳ.
+    let raised = x * std::f64::consts::LOG2_E + ROUND;
+    let r = x - (raised - ROUND) * std::f64::consts::LN_2;
+    let q = r * r;
+    let low = (1.0 + r) + q * (0.5 + r * (1.0 / 6.0));
+    let high = (1.0 / 24.0 + r * (1.0 / 120.0))
+        + q * ((1.0 / 720.0 + r * (1.0 / 5040.0)) + q * (1.0 / 40320.0));
+    let scale = f64::from_bits(raised.to_bits().wrapping_add(1023) << 52);
+    (low + q * q * high) * scale
+}
+
+/// The natural logarithm of a normal positive number, within a part in 10⁹.
+#[inline(always)]
+pub(super) fn ln(v: f64) -> f64 {
+    /// √½, from which to its double the mantissas go.
+    const LEAST: u64 = 0x3fe6_a09e_667f_3bcd;
+    const ONE: u64 = 0x3ff0_0000_0000_0000;
+    const MANTISSA: u64 = (1 << 52) - 1;
+    /// 2⁵², in whose lowest bits a whole number may be put.
+    const WHOLE: u64 = 0x4330_0000_0000_0000;
+    let bits = v.to_bits().wrapping_add(ONE - LEAST);
+    let exponent = f64::from_bits((bits >> 52) | WHOLE)
+        - (4_503_599_627_370_496.0 + 1023.0);
+    let m = f64::from_bits((bits & MANTISSA) + LEAST);
+    // ln m = 2·artanh s, by its series.
+    let s = (m - 1.0) / (m + 1.0);
+    let z = s * s;
+    let w = z * z;
+    let series = (1.0 / 3.0 + z * (1.0 / 5.0))
+        + w * ((1.0 / 7.0 + z * (1.0 / 9.0))
+            + w * (1.0 / 11.0 + z * (1.0 / 13.0)));
+    exponent * std::f64::consts::LN_2 + 2.0 * (s + s * z * series)
+}
+
+/// eˣ of an `f32`.
+#[inline(always)]
+fn exp_single(v: f32) -> f32 {
+    // Beyond these ends the result is infinite or zero.
+    let x = f64::from(v);
+    let x = if x > 90.0 { 90.0 } else { x };
+    let x = if x < -110.0 { -110.0 } else { x };
+    exp(x) as f32
+}
+
+/// The natural logarithm of an `f32`.
+#[inline(always)]
+fn ln_single(v: f32) -> f32 {
+    let log = ln(f64::from(v)) as f32;
+    let log = if v == 0.0 { f32::NEG_INFINITY } else { log };
+    let log = if v < 0.0 { f32::NAN } else { log };
+    // Infinite or not a number.
+    if v < f32::INFINITY { log } else { v }
+}
+
+#[inline(always)]
+fn min(a: f32, b: f32) -> f32 {
+    let lesser = if a < b { a } else { b };
+    if a.is_nan() { f32::NAN } else { lesser }
+}
+
+#[inline(always)]
+fn max(a: f32, b: f32) -> f32 {
+    let greater = if a > b { a } else { b };
+    if a.is_nan() { f32::NAN } else { greater }
+}
+
+impl Number for Wide {
+    #[inline(always)]
+    fn splat(v: f32) -> Self {
+        Wide([v; WIDTH])
+    }
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.map(f32::abs)
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        self.map(|a| 1.0 / a)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(f32::sqrt)
+    }
+    #[inline(always)]
+    fn square(self) -> Self {
+        self.map(|a| a * a)
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        self.map(f32::floor)
+    }
+    #[inline(always)]
+    fn ceil(self) -> Self {
+        self.map(f32::ceil)
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        self.map(f32::round)
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.turn(|t| t.sin, libm::sinf)
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.turn(|t| t.cos, libm::cosf)
+    }
+    #[inline(always)]
+    fn tan(self) -> Self {
+        self.turn(|t| t.sin / t.cos, libm::tanf)
+    }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        self.map(libm::asinf)
+    }
+    #[inline(always)]
+    fn acos(self) -> Self {
+        self.map(libm::acosf)
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        self.map(libm::atanf)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.map(exp_single)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.map(ln_single)
+    }
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.map(FloatExt::not)
+    }
+    #[inline(always)]
+    fn rand(self) -> Self {
+        self.map(FloatExt::rand)
+    }
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        self.zip(o, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        self.zip(o, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul(self, o: Self) -> Self {
+        self.zip(o, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn scale(self, by: f32) -> Self {
+        self.map(|a| a * by)
+    }
+    #[inline(always)]
+    fn div(self, o: Self) -> Self {
+        self.zip(o, |a, b| a / b)
+    }
+    #[inline(always)]
+    fn atan2(self, o: Self) -> Self {
+        self.zip(o, libm::atan2f)
+    }
+    #[inline(always)]
+    fn modulo(self, o: Self) -> Self {
+        self.zip(o, f32::rem_euclid)
+    }
+    #[inline(always)]
+    fn compare(self, o: Self) -> Self {
+        self.zip(o, FloatExt::compare)
+    }
+    #[inline(always)]
+    fn mix(self, o: Self) -> Self {
+        self.zip(o, FloatExt::mix)
+    }
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        self.zip(o, min)
+    }
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        self.zip(o, max)
+    }
+    #[inline(always)]
+    fn and(self, o: Self) -> Self {
+        self.zip(o, |a, b| if a == 0.0 { a } else { b })
+    }
+    #[inline(always)]
+    fn or(self, o: Self) -> Self {
+        self.zip(o, |a, b| if a != 0.0 { a } else { b })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distance of two numbers in steps from one `f32` to the next.
+    fn steps(a: f32, b: f32) -> u64 {
+        if a == b || a.is_nan() && b.is_nan() {
+            return 0;
+        }
+        let place = |v: f32| {
+            let bits = i64::from(v.to_bits() & 0x7fff_ffff);
+            if v < 0.0 { -bits } else { bits }
+        };
+        place(a).abs_diff(place(b))
+    }
+
+    #[test]
+    fn functions_are_right_to_the_last_bit_or_next_to_it() {
+        type Case = (&'static str, fn(Wide) -> Wide, fn(f64) -> f64);
+        let cases: [Case; 5] = [
+            ("exp", Wide::exp, f64::exp),
+            ("ln", Wide::ln, f64::ln),
+            ("sin", Wide::sin, f64::sin),
+            ("cos", Wide::cos, f64::cos),
+            ("tan", Wide::tan, f64::tan),
+        ];
+        let awkward = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            1e-45,
+            1e-30,
+            88.8,
+            -88.0,
+            -103.9,
+            3e38,
+            -3e38,
+            1e8,
+            1.1e8,
+            1e9,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::NAN,
+        ];
+        for (name, f, exact) in cases {
+            let (mut off, mut count) = (0, 0);
+            let mut check = |v: f32| {
+                let (got, want) = (f(Wide::splat(v)).0[3], exact(v.into()));
+                let d = steps(got, want as f32);
+                assert!(d <= 1, "{name}({v}) is {got} and not {want}");
+                off += d;
+                count += 1;
+            };
+            awkward.into_iter().for_each(&mut check);
+            let mut seed = 1u64;
+            for _ in 0..300_000 {
+                seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
+                // Any bits, and such as occur.
+                check(f32::from_bits((seed >> 32) as u32));
+                check((seed >> 40) as f32 / (1 << 18) as f32 - 32.0);
+            }
+            assert!(1000 * off < count, "{name}: {off} of {count}");
+        }
+    }
+}
