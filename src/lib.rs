@@ -94,6 +94,7 @@
 //! | accuracy | greatest distance between what is made and what is meant, mm |
 //! | bead | one extruded line: centre line, width, height, role |
 //! | bridge | skin whose lines hang between supports |
+//! | comb | lead a travel round what is in its way |
 //! | field | the function's values in a layer's plane |
 //! | first layer | the layer on the bed |
 //! | flow | material extruded, as a share of the beads' volume |
@@ -118,6 +119,7 @@
 //! | spacing | distance of the centre lines of neighbouring beads |
 //! | travel | move without extruding |
 //! | wall | bead along the outline; the outer wall is the one that shows |
+//! | wipe | go on along a bead while retracting |
 //! | z-hop | lifting the nozzle on a travel |
 
 pub mod adhesion;

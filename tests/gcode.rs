@@ -11,7 +11,7 @@ use isoslice::layers::LayerSpan;
 use isoslice::pace::rates::Rater;
 use isoslice::pace::{PacedLayer, PacedMove, Pacer};
 use isoslice::settings::{Flavour, Settings};
-use isoslice::travel::{LayerPath, Move};
+use isoslice::travel::{LayerPath, Move, Travel};
 use isoslice::units::filament_area;
 
 /// The defaults, with the writer's own templates.
@@ -38,10 +38,12 @@ fn bead(role: Role, width: f64, closed: bool, at: &[(f64, f64)]) -> Bead {
 }
 
 fn travel(at: &[(f64, f64)], retract: bool) -> Move {
-    Move::Travel {
+    Move::Travel(Travel {
         points: points(at),
         retract,
-    }
+        hop: retract,
+        ..Travel::default()
+    })
 }
 
 fn layer(index: usize, moves: Vec<Move>) -> LayerPath {
@@ -112,10 +114,11 @@ fn rough(layers: usize) -> Vec<LayerPath> {
                     p += size * turn;
                     at.push(p);
                 }
-                moves.push(Move::Travel {
-                    points: vec![at[0]],
-                    retract: random() > 0.5,
-                });
+                let retract = random() > 0.5;
+                moves.push(Move::Travel(Travel {
+                    hop: retract,
+                    ..Travel::straight(at[0], retract)
+                }));
                 moves.push(Move::Print(Bead {
                     role: Role::SparseInfill,
                     points: at,
@@ -259,7 +262,7 @@ fn volume(job: &[LayerPath]) -> f64 {
         .flat_map(|l| &l.moves)
         .map(|m| match m {
             Move::Print(b) => b.area() * b.length(),
-            Move::Travel { .. } => 0.0,
+            Move::Travel(_) => 0.0,
         })
         .sum()
 }
@@ -398,6 +401,91 @@ fn retractions_are_primed_and_the_last_one_stays() {
     let plain = volume(&tiny()) / filament_area(1.75);
     assert!((totals.filament_length - plain - 4.0 * 0.05).abs() < 1e-5);
     assert!((m.fed + m.retracted - totals.filament_length).abs() < 1e-5);
+}
+
+/// A bead, a wipe back along it, and another bead.
+fn wiped() -> Vec<LayerPath> {
+    let line = |y: f64| {
+        let at = [(100.0, y), (110.0, y)];
+        Move::Print(bead(Role::OuterWall, 0.45, false, &at))
+    };
+    let away = Move::Travel(Travel {
+        wipe: points(&[(108.0, 100.0), (107.0, 100.0)]),
+        points: points(&[(100.0, 104.0)]),
+        retract: true,
+        ..Travel::default()
+    });
+    let moves = vec![
+        travel(&[(100.0, 100.0)], true),
+        line(100.0),
+        away,
+        line(104.0),
+    ];
+    vec![layer(0, moves.clone()), layer(1, moves)]
+}
+
+#[test]
+fn a_wipe_spreads_the_retraction_over_its_way() {
+    for (before, relative_e) in
+        [(25.0, true), (0.0, true), (100.0, true), (25.0, false)]
+    {
+        let mut s = settings();
+        s.retract.before_wipe = before;
+        s.retract.extra_prime = 0.03;
+        s.gcode.relative_e = relative_e;
+        let (text, totals) = written(&s, wiped());
+        let (mut e, mut back, mut wiping) = (0.0, 0.0_f64, false);
+        let (mut net, mut wipes, mut primes) = (0.0, 0, 0);
+        let mut on_wipe = Vec::new();
+        for line in text.lines() {
+            match line {
+                ";WIPE_START" => {
+                    assert!((back - 0.008 * before).abs() < 1e-9, "{back}");
+                    wiping = true;
+                    on_wipe.clear();
+                }
+                ";WIPE_END" => {
+                    assert!((back - 0.8).abs() < 1e-9, "{back}");
+                    wiping = false;
+                    wipes += 1;
+                }
+                "G92 E0" => e = 0.0,
+                _ => {}
+            }
+            let words = || line.split(' ').skip(1);
+            let word = words().find_map(|w| w.strip_prefix('E'));
+            let across = words().any(|w| w.starts_with('X'));
+            if !line.starts_with("G1") {
+                continue;
+            }
+            let number = word.map(|w| w.parse::<f64>().unwrap());
+            let step = match (number, relative_e) {
+                (Some(n), true) => n,
+                (Some(n), false) => n - std::mem::replace(&mut e, n),
+                (None, _) => 0.0,
+            };
+            net += step;
+            if wiping {
+                assert!(across && step <= 0.0, "{line}");
+                on_wipe.push(step);
+                back -= step;
+            } else if step < 0.0 {
+                assert!(!across, "{line}");
+                back -= step;
+            } else if back > 0.0 && step > 0.0 {
+                assert!((step - back - 0.03).abs() < 1e-9, "{line}");
+                (back, primes) = (0.0, primes + 1);
+            }
+            if wiping && on_wipe.len() == 2 {
+                // 2 mm and 1 mm.
+                let of = (on_wipe[0], 2.0 * on_wipe[1]);
+                assert!((of.0 - of.1).abs() < 2e-5, "{of:?}");
+            }
+        }
+        assert_eq!((wipes, primes), (2, 4), "{text}");
+        // What is back at the end has not been printed.
+        assert!((net + back - totals.filament_length).abs() < 1e-5);
+    }
 }
 
 #[test]

@@ -16,6 +16,12 @@ pub(super) const CUSTOM: &str = "Custom";
 /// can be joined with those of the part's other layers.
 pub(super) const END_OF_LAYERS: &str = "; end of layers";
 
+/// Stands before a wipe.
+pub(super) const WIPE_START: &str = ";WIPE_START";
+
+/// Stands after a wipe.
+pub(super) const WIPE_END: &str = ";WIPE_END";
+
 /// The role's name in PrusaSlicer's dialect.
 pub fn role_name(role: Role) -> &'static str {
     match role {

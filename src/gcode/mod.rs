@@ -452,6 +452,11 @@ impl<'a, W: Write> Writer<'a, W> {
             PacedMove::Retract { length, speed } => {
                 self.retract(*length, *speed)
             }
+            PacedMove::Wipe {
+                points,
+                length,
+                speed,
+            } => self.wipe(points, *length, *speed),
             PacedMove::Prime {
                 length: _,
                 extra,
@@ -557,6 +562,39 @@ impl<'a, W: Write> Writer<'a, W> {
         self.filament.back = self.count("retraction", length, E)?;
         self.retracted = true;
         self.filament_move(speed)
+    }
+
+    /// Pulls filament back on the way through `points`.
+    fn wipe(
+        &mut self,
+        points: &[DVec2],
+        length: Mm,
+        speed: MmPerSec,
+    ) -> Result<(), WriteError> {
+        self.accelerate(self.settings.printer.travel_acceleration);
+        self.line(comments::WIPE_START);
+        let from = match self.xy {
+            Some((x, y)) => DVec2::new(x as f64, y as f64) * MICRON,
+            None => points.first().copied().unwrap_or_default(),
+        };
+        let before = self.filament.back;
+        let back = self.count("retraction", length, E)?;
+        let ends = || [from].into_iter().chain(points.iter().copied());
+        let steps = || ends().zip(ends().skip(1)).map(|(p, q)| p.distance(q));
+        let whole: f64 = steps().sum();
+        let mut done = 0.0;
+        for (&p, step) in points.iter().zip(steps()) {
+            done += step;
+            let share = (back as f64 * (done / whole).min(1.0)).round();
+            self.filament.back = before + share as i64;
+            self.go(p, speed, Some(0.0))?;
+        }
+        // What rounding has left, if the last points are one place.
+        self.filament.back = before + back;
+        self.retracted = true;
+        self.filament_move(self.settings.retract.speed)?;
+        self.line(comments::WIPE_END);
+        Ok(())
     }
 
     fn prime(&mut self, extra: Mm, speed: MmPerSec) -> Result<(), WriteError> {

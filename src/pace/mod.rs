@@ -36,8 +36,9 @@ pub mod rates;
 use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
 use crate::plane::grid::EdgeGrid;
+use crate::plane::path_length;
 use crate::settings::Settings;
-use crate::travel::{LayerPath, Move};
+use crate::travel::{LayerPath, Move, Travel};
 use crate::units::{Celsius, Mm, MmPerSec, Percent, Seconds, filament_area};
 use crate::vary::VaryError;
 use fan::fan_speed;
@@ -60,6 +61,10 @@ const MAX_TRIALS: usize = 12;
 /// G-code resolves.
 const SAME_PLACE: Mm = 1e-4;
 
+/// Speed of a wipe, as a share of that of travels: it touches what has just
+/// been printed.
+const WIPE_SPEED: f64 = 0.8;
+
 /// One step of the machine, with its speed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PacedMove {
@@ -70,9 +75,19 @@ pub enum PacedMove {
         /// Speed of the filament.
         speed: MmPerSec,
     },
+    /// Go on along what has been printed while filament is pulled back.
+    Wipe {
+        /// Way points.
+        points: Vec<DVec2>,
+        /// Length of filament, spread evenly over the way.
+        length: Mm,
+        /// Speed of the head.
+        speed: MmPerSec,
+    },
     /// Push filament forward again.
     Prime {
-        /// Length of filament pulled back before.
+        /// Length of filament pulled back before, in the retraction and the
+        /// wipe together; none after a travel that only oozed.
         length: Mm,
         /// Length pushed in addition, to make up for what oozed out.
         extra: Mm,
@@ -131,6 +146,9 @@ pub struct Pacer<'a> {
     xy: Option<DVec2>,
     z: Option<Mm>,
     retracted: bool,
+    /// Filament that has oozed out since the last bead, mm, and is to be
+    /// replaced before the next one.
+    oozed: Mm,
     /// True while a hop (or the approach to the first layer) lasts.
     lifted: bool,
     /// Speed of the fan so far in the layer.
@@ -147,6 +165,7 @@ impl<'a> Pacer<'a> {
             xy: None,
             z: None,
             retracted: false,
+            oozed: 0.0,
             lifted: false,
             fan: 0.0,
         }
@@ -178,8 +197,8 @@ impl<'a> Pacer<'a> {
         let mut out = Vec::with_capacity(moves.len() + 8);
         for step in moves {
             match step {
-                Move::Travel { points, retract } => {
-                    self.travel(&span, points, retract, &mut out);
+                Move::Travel(travel) => {
+                    self.travel(&span, travel, &mut out);
                 }
                 Move::Print(bead) => {
                     let limit = speed_limit(&bead, &span, self.settings);
@@ -229,18 +248,25 @@ impl<'a> Pacer<'a> {
     fn travel(
         &mut self,
         span: &LayerSpan,
-        points: Vec<DVec2>,
-        retract: bool,
+        travel: Travel,
         out: &mut Vec<PacedMove>,
     ) {
+        let Travel {
+            wipe,
+            points,
+            retract,
+            hop,
+            prime,
+        } = travel;
         if points.is_empty() {
             return;
         }
         let settings = self.settings;
         if retract && !self.retracted {
-            self.retract(out);
-            self.lifted |= settings.retract.z_hop > 0.0;
+            self.retract(wipe, out);
+            self.lifted |= hop && settings.retract.z_hop > 0.0;
         }
+        self.oozed += prime;
         let mut hop = settings.retract.z_hop.max(0.0);
         if self.z.is_none() {
             self.lifted = true;
@@ -292,7 +318,7 @@ impl<'a> Pacer<'a> {
         if self.xy.is_none_or(|at| at.distance(start) > SAME_PLACE) {
             // The travel stage owes a travel here; a straight one is better
             // than a bead drawn from somewhere else.
-            self.travel(span, vec![start], false, out);
+            self.travel(span, Travel::straight(start, false), out);
         }
         self.lifted = false;
         self.lift(span.top, out);
@@ -323,32 +349,71 @@ impl<'a> Pacer<'a> {
         });
     }
 
-    fn retract(&mut self, out: &mut Vec<PacedMove>) {
+    /// Pulls the filament back, some of it before the wipe and the rest on it.
+    fn retract(&mut self, wipe: Vec<DVec2>, out: &mut Vec<PacedMove>) {
         let retract = &self.settings.retract;
         if retract.length <= 0.0 {
             return;
         }
         self.retracted = true;
-        self.motion.push_filament(retract.length, retract.speed);
-        out.push(PacedMove::Retract {
-            length: retract.length,
-            speed: retract.speed,
+        let wiping = self.xy.filter(|_| !wipe.is_empty());
+        let way = wiping.map_or(0.0, |from| {
+            from.distance(wipe[0]) + path_length(&wipe, false)
+        });
+        let first = match way > SAME_PLACE {
+            true => retract.length * retract.before_wipe / 100.0,
+            false => retract.length,
+        };
+        if first > 0.0 {
+            self.motion.push_filament(first, retract.speed);
+            out.push(PacedMove::Retract {
+                length: first,
+                speed: retract.speed,
+            });
+        }
+        if way <= SAME_PLACE {
+            return;
+        }
+        let rest = retract.length - first;
+        // No faster than the filament may go back on it.
+        let speed = (WIPE_SPEED * self.settings.speed.travel)
+            .min(retract.speed * way / rest);
+        let mut from = self.xy;
+        for &to in &wipe {
+            if let Some(from) = from {
+                self.motion.push(
+                    (to - from).extend(0.0),
+                    speed,
+                    self.settings.printer.travel_acceleration,
+                    -rest / way,
+                    false,
+                );
+            }
+            from = Some(to);
+        }
+        self.xy = from;
+        out.push(PacedMove::Wipe {
+            points: wipe,
+            length: rest,
+            speed,
         });
     }
 
     fn prime(&mut self, out: &mut Vec<PacedMove>) {
-        if !self.retracted {
+        let retract = &self.settings.retract;
+        let (length, extra) = match self.retracted {
+            true => (retract.length, retract.extra_prime),
+            false => (0.0, 0.0),
+        };
+        let extra = extra + std::mem::take(&mut self.oozed);
+        if !std::mem::take(&mut self.retracted) && extra <= 0.0 {
             return;
         }
-        let retract = &self.settings.retract;
-        self.retracted = false;
-        self.motion.push_filament(
-            retract.length + retract.extra_prime,
-            retract.prime_speed,
-        );
+        self.motion
+            .push_filament(length + extra, retract.prime_speed);
         out.push(PacedMove::Prime {
-            length: retract.length,
-            extra: retract.extra_prime,
+            length,
+            extra,
             speed: retract.prime_speed,
         });
     }
@@ -530,18 +595,22 @@ mod tests {
         }
     }
 
+    /// A travel that is retracted and lifted.
+    fn hop(points: Vec<DVec2>) -> Move {
+        Move::Travel(Travel {
+            points,
+            retract: true,
+            hop: true,
+            ..Travel::default()
+        })
+    }
+
     fn layer(index: usize, beads: Vec<Bead>) -> LayerPath {
         let moves = beads
             .into_iter()
             .flat_map(|b| {
                 let points = vec![b.points[0]];
-                [
-                    Move::Travel {
-                        points,
-                        retract: true,
-                    },
-                    Move::Print(b),
-                ]
+                [hop(points), Move::Print(b)]
             })
             .collect();
         LayerPath {
@@ -738,10 +807,7 @@ mod tests {
             // Two travels in a row retract once.
             path.moves.insert(
                 1,
-                Move::Travel {
-                    points: vec![DVec2::new(70.0, 70.0), DVec2::splat(50.0)],
-                    retract: true,
-                },
+                hop(vec![DVec2::new(70.0, 70.0), DVec2::splat(50.0)]),
             );
             let top = path.span.top;
             for m in pacer.paced(path).moves {
@@ -759,6 +825,7 @@ mod tests {
                     }
                     PacedMove::Lift { z: to, .. } => z = to,
                     PacedMove::Fan(_) => panic!("the fan does not change"),
+                    PacedMove::Wipe { .. } => panic!("nothing is wiped"),
                     PacedMove::Travel { .. } => {
                         assert!(retracted);
                         let hop = if index == 0 && primes == 0 {
@@ -778,16 +845,104 @@ mod tests {
         assert_eq!(primes, 6);
     }
 
+    /// The steps between two beads with a travel in between.
+    fn between(settings: &Settings, travel: Travel) -> Vec<PacedMove> {
+        let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
+        path.moves.push(Move::Travel(travel));
+        let mut next = square(Role::OuterWall, 10.0);
+        next.points.iter_mut().for_each(|p| *p += 20.0);
+        path.moves.push(Move::Print(next));
+        let moves = Pacer::plain(settings).paced(path).moves;
+        let print = |m: &PacedMove| matches!(m, PacedMove::Print { .. });
+        let mut parts = moves.split(print);
+        parts.nth(1).map(<[PacedMove]>::to_vec).unwrap_or_default()
+    }
+
+    #[test]
+    fn filament_goes_back_and_forth_as_set() {
+        let mut s = Settings::default();
+        s.retract.length = 1.2;
+        s.retract.speed = 40.0;
+        s.retract.prime_speed = 25.0;
+        s.retract.extra_prime = 0.1;
+        let to = Travel::straight(DVec2::splat(70.0), true);
+        let steps = between(&s, to);
+        let [back, PacedMove::Travel { .. }, forth] = &steps[..] else {
+            panic!("{steps:?}");
+        };
+        let (length, speed) = (1.2, 40.0);
+        assert_eq!(*back, PacedMove::Retract { length, speed });
+        let (extra, speed) = (0.1, 25.0);
+        let prime = PacedMove::Prime {
+            length,
+            extra,
+            speed,
+        };
+        assert_eq!(*forth, prime);
+    }
+
+    #[test]
+    fn ooze_is_replaced_without_a_retraction() {
+        let mut s = Settings::default();
+        s.retract.extra_prime = 0.1;
+        let steps = between(
+            &s,
+            Travel {
+                prime: 0.02,
+                ..Travel::straight(DVec2::splat(70.0), false)
+            },
+        );
+        let [PacedMove::Travel { .. }, PacedMove::Prime { length, extra, .. }] =
+            steps[..]
+        else {
+            panic!("{steps:?}");
+        };
+        assert_eq!((length, extra), (0.0, 0.02));
+    }
+
+    #[test]
+    fn a_wipe_takes_the_rest_of_the_retraction() {
+        let mut s = Settings::default();
+        s.retract.before_wipe = 25.0;
+        let wipe = |length: f64| Travel {
+            wipe: vec![DVec2::new(50.0 + length, 50.0)],
+            hop: true,
+            ..Travel::straight(DVec2::splat(70.0), true)
+        };
+        let speeds = [30.0, 0.3].map(|way| {
+            let steps = between(&s, wipe(way));
+            let [
+                PacedMove::Retract { length: first, .. },
+                PacedMove::Wipe { length, speed, .. },
+                PacedMove::Travel { .. },
+                PacedMove::Prime { length: back, .. },
+            ] = steps[..]
+            else {
+                panic!("{steps:?}");
+            };
+            assert!((first - 0.2).abs() < 1e-12);
+            assert_eq!(first + length, back);
+            speed
+        });
+        // A short one is as slow as the filament needs it.
+        assert_eq!(speeds[0], WIPE_SPEED * s.speed.travel);
+        assert!((speeds[1] - 0.3 * 35.0 / 0.6).abs() < 1e-9);
+        // Nothing is pulled back where nothing is to be.
+        s.retract.length = 0.0;
+        assert!(matches!(
+            between(&s, wipe(1.0))[..],
+            [PacedMove::Travel { .. }]
+        ));
+    }
+
     #[test]
     fn z_rises_before_an_unretracted_travel() {
         let s = Settings::default();
         let mut pacer = Pacer::plain(&s);
         pacer.paced(layer(0, vec![square(Role::OuterWall, 10.0)]));
         let mut path = layer(1, vec![square(Role::OuterWall, 10.0)]);
-        path.moves[0] = Move::Travel {
-            points: vec![DVec2::splat(50.0)],
-            retract: false,
-        };
+        path.moves[0] =
+            Move::Travel(Travel::straight(DVec2::splat(50.0), false));
         let l = pacer.paced(path);
         assert!(matches!(l.moves[0], PacedMove::Lift { z, .. } if z == 0.4));
         assert!(matches!(l.moves[1], PacedMove::Travel { .. }));

@@ -18,7 +18,7 @@ use crate::region::floating::floating;
 use crate::report;
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
-use crate::travel::{Move, connect};
+use crate::travel::{Ground, Move, connect};
 use crate::walls::Support;
 use glam::{DVec2, DVec3};
 use std::io;
@@ -104,15 +104,17 @@ impl<'a, 'w> Exit<'a, 'w> {
         self.layers.clone()
     }
 
-    /// Takes the next layer, which stands on `below`.
+    /// Takes the next layer, which stands on `below` and is under `above`.
     pub fn layer(
         &mut self,
         shell: &Shell,
         below: Option<&Shell>,
+        above: Option<&Shell>,
         filled: Filled,
     ) -> Result<(), SliceError> {
         let Filled {
             mut beads,
+            sparse,
             gap,
             figures,
         } = filled;
@@ -139,8 +141,12 @@ impl<'a, 'w> Exit<'a, 'w> {
             let mut path = connect(
                 shell.span,
                 beads,
-                outline,
-                &shell.solid,
+                Ground {
+                    outline,
+                    solid: &shell.solid,
+                    sparse: &sparse,
+                    above: above.map(|a| &a.outline.area),
+                },
                 from,
                 self.offset,
                 self.settings,
@@ -148,10 +154,9 @@ impl<'a, 'w> Exit<'a, 'w> {
             // From an unknown place the way may lead over anything.
             if from.is_none()
                 && index >= BLOCK
-                && let Some(Move::Travel { retract, .. }) =
-                    path.moves.first_mut()
+                && let Some(Move::Travel(travel)) = path.moves.first_mut()
             {
-                *retract = true;
+                travel.retract = true;
             }
             path
         });

@@ -98,6 +98,8 @@ impl Shell {
 /// A layer that has been filled.
 pub(super) struct Filled {
     pub beads: LayerBeads,
+    /// Where there is sparse infill.
+    pub sparse: Area,
     /// Area of gaps that nothing fills.
     pub gap: Mm2,
     /// How far it is off, if it was measured.
@@ -318,7 +320,7 @@ impl<'a> Stages<'a> {
             let filled = self.fill(pool, window, ready.clone(), &of_run)?;
             for (i, filled) in ready.zip(filled) {
                 let below = i.checked_sub(1).and_then(|k| window.get(k));
-                exit.layer(&window[i], below, filled)?;
+                exit.layer(&window[i], below, window.get(i + 1), filled)?;
             }
             let keep = exit.next().saturating_sub(self.reach_below());
             while window.front().is_some_and(|s| s.span.index < keep) {
@@ -355,8 +357,10 @@ impl<'a> Stages<'a> {
                 )?,
                 false => None,
             };
+            let (beads, sparse) = self.beads(shells, i, inside)?;
             Ok(Filled {
-                beads: self.beads(shells, i, inside)?,
+                beads,
+                sparse,
                 gap: inside.walls.gap,
                 figures,
             })
@@ -407,13 +411,14 @@ impl<'a> Stages<'a> {
             .time(Stage::Report, || self.gauge.layer(parts, k))
     }
 
-    /// Everything there is to print in layer `i` of the window.
+    /// Everything there is to print in layer `i` of the window, and where it
+    /// has sparse infill.
     fn beads(
         &self,
         window: &VecDeque<Shell>,
         i: usize,
         inside: &Inside,
-    ) -> Result<LayerBeads, SliceError> {
+    ) -> Result<(LayerBeads, Area), SliceError> {
         let shell = &window[i];
         let Inside { walls, roomy } = inside;
         let span = shell.span;
@@ -508,7 +513,7 @@ impl<'a> Stages<'a> {
         if first {
             around.extend(brim(outline, height, self.settings));
         }
-        Ok(LayerBeads {
+        let beads = LayerBeads {
             skirt: around,
             walls,
             infill: self.timings.time(Stage::Infill, || {
@@ -520,6 +525,7 @@ impl<'a> Stages<'a> {
                 self.infill.beads(&areas.sparse, place, Some(&shell.solid))
             })?,
             skin,
-        })
+        };
+        Ok((beads, areas.sparse))
     }
 }

@@ -33,6 +33,9 @@ pub struct EdgeGrid {
 /// saves nothing.
 const CELLS_PER_EDGE: f64 = 4.0;
 
+/// More than the rounding of a distance, mm.
+const ROUNDING: Mm = 1e-9;
+
 impl EdgeGrid {
     /// A grid of the area's edges for questions about the distance `reach`.
     pub fn new(area: &Area, reach: Mm) -> EdgeGrid {
@@ -284,6 +287,9 @@ impl EdgeGrid {
         let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
         let slope = (high.x - low.x) / (high.y - low.y);
+        // Most edges in these cells are wholly to one side of the line.
+        let across = (b - a).perp().normalize_or_zero();
+        let aside = distance + ROUNDING;
         for row in self.row(lo.y)..=self.row(hi.y) {
             // The stretch of the segment that is near this row; rows at the
             // grid's edge have all that is beyond them.
@@ -307,6 +313,10 @@ impl EdgeGrid {
                 let (elo, ehi) = (c.min(d), c.max(d));
                 if elo.x > hi.x || ehi.x < lo.x || elo.y > hi.y || ehi.y < lo.y
                 {
+                    continue;
+                }
+                let (s, t) = (across.dot(c - a), across.dot(d - a));
+                if s.min(t) > aside || s.max(t) < -aside {
                     continue;
                 }
                 if distance_squared(a, b, c, d) < limit && !visit(m as usize) {

@@ -35,7 +35,7 @@ pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
         .iter()
         .flat_map(|m| match m {
             Move::Print(b) => b.points.as_slice(),
-            Move::Travel { .. } => &[],
+            Move::Travel(_) => &[],
         })
         .fold(frame, |r, &p| r.with(p));
     let (lo, hi) = (frame.min - MARGIN, frame.max + MARGIN);
@@ -82,11 +82,8 @@ pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
                 }
                 at = bead.path().last();
             }
-            Move::Travel {
-                points: way,
-                retract,
-            } => {
-                let dash = match retract {
+            Move::Travel(travel) => {
+                let dash = match travel.retract {
                     true => " stroke-dasharray=\"0.4 0.3\"",
                     false => "",
                 };
@@ -95,10 +92,10 @@ pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
                     "<polyline stroke=\"#16e\" \
                      stroke-width=\"0.06\"{dash} points=\""
                 );
-                let mut all = at.into_iter().chain(way.iter().copied());
-                points(&mut travels, &mut all);
+                let way = travel.wipe.iter().chain(&travel.points).copied();
+                points(&mut travels, &mut at.into_iter().chain(way));
                 travels.push_str("\"/>\n");
-                at = way.last().copied();
+                at = travel.points.last().copied();
             }
         }
     }
@@ -112,6 +109,7 @@ mod tests {
     use super::*;
     use crate::bead::Bead;
     use crate::layers::LayerSpan;
+    use crate::travel::Travel;
 
     #[test]
     fn beads_and_travels_are_drawn_upright() {
@@ -127,10 +125,8 @@ mod tests {
             widths: Vec::new(),
             height: 0.2,
         };
-        let travel = Move::Travel {
-            points: vec![DVec2::new(5.0, 5.0)],
-            retract: true,
-        };
+        let travel =
+            Move::Travel(Travel::straight(DVec2::new(5.0, 5.0), true));
         let path = LayerPath {
             span: LayerSpan {
                 index: 3,

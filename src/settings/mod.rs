@@ -251,9 +251,10 @@ table::settings! {
     }
     /// The way between beads.
     travel: Travel {
-        /// Whether travels inside an island go round its holes and notches:
-        /// never, without regard for top skins that they pass over, or with
-        /// a retraction where they do.
+        /// Whether travels go round what is in their way, and where they may
+        /// lead: nowhere but straight, anywhere inside the part, anywhere but
+        /// over what is seen from above, or over sparse infill only. From one
+        /// island to another they leave and enter square to the border.
         combing: Combing = Combing::NotOverTopSkin;
         /// Travels that would become longer by more than this go straight,
         /// retracted.
@@ -261,12 +262,17 @@ table::settings! {
     }
     /// Pulling back the filament before a travel.
     retract: Retract {
-        /// Retract only on travels that show: out of the part, over walls,
-        /// over top skins. If false, on all that are not shorter than
-        /// min_travel.
+        /// Retract only on travels that cross something: that leave what
+        /// hides their ooze (hidden), or cross a wall. If false, on all that
+        /// are not shorter than min_travel.
         when_crossing: bool = true;
-        /// Walls count as places where travels show.
+        /// Walls count as crossed, also where a travel only comes nearer to
+        /// one than half a line's width.
         check_walls: bool = true;
+        /// What hides the ooze of travels: sparse infill alone, or whatever
+        /// is inside the part and no top skin. The latter retracts far less
+        /// often in lattices, which have little sparse infill.
+        hidden: Hidden = Hidden::SparseInfill;
         /// Length of filament pulled back; 0 turns retraction off.
         length: Mm = 0.8, in 0.0..=50.0;
         /// Speed of pulling back.
@@ -275,14 +281,26 @@ table::settings! {
         prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
         /// Travels shorter than this never retract.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
-        /// Travels longer than this always retract, even where oozing would
-        /// be hidden inside the part.
+        /// Travels longer than this ooze too much: even where that would be
+        /// hidden they retract, or prime what ooze_prime says.
         max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
+        /// Length of filament pushed forward after such a travel, where it
+        /// is hidden, instead of a retraction; 0 retracts.
+        ooze_prime: Mm = 0.0, in 0.0..=5.0;
         /// Length of filament pushed forward beyond what was pulled back, to
         /// make up for what oozed; negative for less.
         extra_prime: Mm = 0.0, in -5.0..=5.0;
+        /// How far the nozzle goes on along the bead just printed while it
+        /// retracts: round a closed one, back along an open one; 0 for no
+        /// wiping.
+        wipe: Mm = 0.0, in 0.0..=100.0;
+        /// Share of the retraction that is done before the wipe; the rest is
+        /// spread over it.
+        before_wipe: Percent = 0.0, in 0.0..=100.0;
         /// How far the nozzle is lifted during a retracted travel.
         z_hop: Mm = 0.0, in 0.0..=10.0;
+        /// Which retracted travels are lifted.
+        z_hop_when: HopWhen = HopWhen::Crossing;
     }
     /// Loops around the part that start the flow before the part does.
     skirt: Skirt {
@@ -458,8 +476,28 @@ value::words! {
         Off = "off",
         /// Everywhere inside an island.
         Everywhere = "everywhere",
-        /// The same, but what passes over a top skin is retracted.
+        /// The same, but round what is seen from above, if there is a way.
         NotOverTopSkin = "not-over-top-skin",
+        /// Only where all of the way is over sparse infill.
+        WithinInfill = "within-infill",
+    }
+}
+value::words! {
+    /// What hides the ooze of travels.
+    Hidden {
+        /// Sparse infill.
+        SparseInfill = "sparse-infill",
+        /// Whatever is inside the part and not a top skin.
+        Covered = "covered",
+    }
+}
+value::words! {
+    /// Which retracted travels are lifted.
+    HopWhen {
+        /// All of them.
+        Always = "always",
+        /// Those out of the part, over walls or over top skins.
+        Crossing = "crossing",
     }
 }
 value::words! {

@@ -1,28 +1,52 @@
-//! Whether a travel may leave the filament where it is.
+//! Whether a travel shows, and has to be retracted.
 //!
-//! In: a travel's way. Out: whether it passes over this or that. Ooze does not matter where it
-//! is hidden: inside the part and not across a wall, nor on a top skin.
+//! In: a travel's way. Out: whether it passes over this or that.
 //!
-//! A travel that comes nearer to the middle of an outer wall than half a
-//! line's width counts as crossing it. The walls that it begins and ends on
-//! are left and reached, not crossed, as long as that is near its ends.
+//! ```text
+//!   wall ━━━━━━━━━━━━━━━━━━━━    what a way does near its ends, at the beads
+//!           ●                    that it leaves and reaches, does not count:
+//!   ┈┈┈┈┈┈┈┈╲┈┈┈┈┈┈┈┈┈┈┈┈┈┈┈    within half a line's width it may touch a
+//!    sparse  ╲                   wall, within a whole one be beside what
+//!    infill   ╲─────────● next   hides its ooze
+//! ```
+//!
+//! The rules, in this order: does every part of a way lie over sparse infill
+//! ([`Obstacles::within_infill`]), and does it cross a wall
+//! ([`Obstacles::wall`])? To touch is to cross, wherever it is, and so is to
+//! come nearer to the middle of a wall than half a line's width; what is
+//! between two islands is air, however thin. A looser rule counts as hidden
+//! whatever is inside the part, behind the outer wall and not a top skin.
+//!
+//! What a layer has of walls and of sparse infill is put into grids when the
+//! first way asks for it; only what shares a grid's cells and overlaps in its
+//! box with a way is looked at more closely.
 
+use super::Ground;
+use super::cross::meets;
 use crate::bead::{Bead, Role};
+use crate::plane::Rect;
 use crate::plane::grid::EdgeGrid;
 use crate::region::wall_depths;
-use crate::settings::Settings;
+use crate::settings::{Infill, Settings};
 use crate::units::Mm;
 use glam::DVec2;
 use std::cell::OnceCell;
 
 /// What there is in a layer to be crossed.
 pub struct Obstacles<'a> {
-    solid: &'a EdgeGrid,
+    ground: Ground<'a>,
     beads: &'a [Bead],
+    /// Border of the sparse infill.
+    sparse: &'a OnceCell<EdgeGrid>,
+    /// Box around the sparse infill; nothing if there is none, or if it is
+    /// not printed.
+    infill: Option<Rect>,
+    walls: OnceCell<EdgeGrid>,
     open: OnceCell<EdgeGrid>,
     inner: OnceCell<EdgeGrid>,
     tops: OnceCell<EdgeGrid>,
     width: Mm,
+    inner_width: Mm,
     /// Depth of the fill's border below the outline.
     border: Mm,
 }
@@ -38,22 +62,75 @@ const ROUNDED: f64 = 0.95;
 const CELL: Mm = 1.0;
 
 impl<'a> Obstacles<'a> {
-    /// Of a layer with these beads, in print order, and this outline.
+    /// Of a layer with these beads, in print order. `sparse` takes up the
+    /// border of its sparse infill.
     pub fn new(
         beads: &'a [Bead],
-        solid: &'a EdgeGrid,
+        ground: Ground<'a>,
+        sparse: &'a OnceCell<EdgeGrid>,
         height: Mm,
         settings: &Settings,
     ) -> Obstacles<'a> {
+        // Infill that is an expression has the density it has.
+        let hollow = settings.infill_density.is(0.0)
+            && matches!(settings.infill, Infill::Pattern(_));
         Obstacles {
-            solid,
+            ground,
             beads,
+            sparse,
+            infill: (!ground.sparse.is_empty() && !hollow)
+                .then(|| ground.sparse.bounds()),
+            walls: OnceCell::new(),
             open: OnceCell::new(),
             inner: OnceCell::new(),
             tops: OnceCell::new(),
             width: settings.outer_wall_width,
+            inner_width: settings.inner_wall_width,
             border: wall_depths(height, settings).1,
         }
+    }
+
+    /// The border of the layer's sparse infill.
+    pub fn sparse(&self) -> &'a EdgeGrid {
+        self.sparse
+            .get_or_init(|| EdgeGrid::new(self.ground.sparse, CELL))
+    }
+
+    /// True if every part of the way through `points` lies over sparse infill,
+    /// but for a line's width at either end. A way of no points goes nowhere,
+    /// and is; one of one point is if that is.
+    pub fn within_infill(&self, points: &[DVec2]) -> bool {
+        let Some(bounds) = self.infill else {
+            return false;
+        };
+        let (Some(a), Some(b)) = (points.first(), points.last()) else {
+            return points.is_empty();
+        };
+        let way = trimmed(points, self.inner_width);
+        if way.is_empty() {
+            // So short that it is all ends: what counts is between them.
+            return self.sparse().contains(0.5 * (*a + *b));
+        }
+        way.iter().all(|&p| bounds.contains(p))
+            && self.sparse().contains(way[0])
+            && !meets(self.sparse(), &way)
+    }
+
+    /// True if the way crosses a wall: if it meets one, but for half a line's
+    /// width at either end, or comes nearer to the middle of one than half a
+    /// width, but for a whole one at either end.
+    pub fn wall(&self, points: &[DVec2]) -> bool {
+        let grid = self.walls.get_or_init(|| {
+            self.grid(|b| {
+                use Role::{InnerWall, OuterWall, Overhang};
+                matches!(b.role, OuterWall | InnerWall | Overhang)
+            })
+        });
+        let width = self.width.max(self.inner_width);
+        let near = NEAR * self.width.min(self.inner_width);
+        let beside = trimmed(points, width);
+        meets(grid, &trimmed(points, 0.5 * width))
+            || beside.windows(2).any(|p| !grid.clear(p[0], p[1], near))
     }
 
     fn grid(&self, wanted: impl Fn(&Bead) -> bool) -> EdgeGrid {
@@ -66,13 +143,10 @@ impl<'a> Obstacles<'a> {
         EdgeGrid::of(segments, CELL)
     }
 
-    /// True if the way through `points` leaves the part.
+    /// True if the way through `points` leaves the part, or touches its
+    /// border.
     pub fn air(&self, points: &[DVec2]) -> bool {
-        points.windows(2).any(|p| {
-            let mut crossed = false;
-            self.solid.visit_crossed(p[0], p[1], |_, _| crossed = true);
-            crossed
-        })
+        meets(self.ground.solid, points)
     }
 
     /// True if the way crosses an outer wall, or follows one: if it comes too
@@ -85,7 +159,7 @@ impl<'a> Obstacles<'a> {
         let along = trimmed(points, self.width);
         let follows = along
             .windows(2)
-            .any(|p| !self.solid.clear(p[0], p[1], near));
+            .any(|p| !self.ground.solid.clear(p[0], p[1], near));
         // Beads of thin places reach into the part, where they go on as two,
         // and so do walls that grow wider.
         let open = self.open.get_or_init(|| {
@@ -127,14 +201,14 @@ impl<'a> Obstacles<'a> {
         for p in points {
             match before {
                 None => {
-                    let near = self.solid.nearest_edge(p, middle);
+                    let near = self.ground.solid.nearest_edge(p, middle);
                     let depth = near.map_or(middle, |(_, q)| p.distance(q));
                     least = ROUNDED * depth;
                 }
                 Some(q) => {
                     let length = q.distance(p);
                     let end = q.lerp(p, (left / length).min(1.0));
-                    if !self.solid.clear(q, end, least) {
+                    if !self.ground.solid.clear(q, end, least) {
                         return true;
                     }
                     left -= length;

@@ -1,39 +1,61 @@
 //! From bead to bead: the way there, and whether to retract on it.
 //!
-//! In: a layer's beads in print order. Out: its moves in print coordinates.
+//! In: a layer's beads in print order, and what the layer is made of. Out: its
+//! moves in print coordinates.
 //!
-//! A travel goes straight where that is hidden inside the part; else round
-//! what is in its way, if there is a way inside the same island that is not
-//! much longer (`comb`); else straight. It is retracted if what it passes
-//! over shows (`decide`), or if it is long.
+//! | file | what it decides |
+//! |---|---|
+//! | `plan` | which of the ways there are is taken |
+//! | `comb` | ways inside an area, round its holes and notches |
+//! | `gate` | ways from one island to another |
+//! | `decide` | whether a way shows, and has to be retracted |
+//! | `cross` | whether segments meet, exactly |
+//! | `wipe` | where the nozzle goes while it retracts |
+//!
+//! Nothing is kept from one layer to the next: grids and islands are made
+//! when the first travel of a layer asks for them, and dropped with it.
 
 mod comb;
+mod cross;
 mod decide;
+mod gate;
+mod plan;
+mod wipe;
 
 use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
+use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, path_length};
-use crate::region::wall_depths;
-use crate::settings::{Combing, Settings};
+use crate::settings::Settings;
 use crate::units::Mm;
-use comb::Comb;
-use decide::Obstacles;
 use glam::DVec2;
+use plan::Planner;
+use std::cell::OnceCell;
 
 /// One step of a layer's tool path, in print order.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Move {
-    /// Go through `points` without extruding, in print coordinates; the
-    /// first point is where the path goes, not where the head stands.
-    Travel {
-        /// Way points, the last one the destination.
-        points: Vec<DVec2>,
-        /// Retract before and prime after.
-        retract: bool,
-    },
+    /// Go somewhere without printing.
+    Travel(Travel),
     /// Print a bead; the head stands at its first point.
     Print(Bead),
+}
+
+/// A way from bead to bead, in print coordinates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Travel {
+    /// Where to go first, while retracting; empty for no wipe.
+    pub wipe: Vec<DVec2>,
+    /// Way points, the last one the destination; the first one is where the
+    /// path goes, not where the head stands.
+    pub points: Vec<DVec2>,
+    /// Retract before and prime after.
+    pub retract: bool,
+    /// Lift the nozzle, if it retracts.
+    pub hop: bool,
+    /// Filament to push forward at the end, mm, for what has oozed out of it
+    /// without a retraction.
+    pub prime: Mm,
 }
 
 /// The ordered moves of one layer, in print coordinates.
@@ -45,38 +67,45 @@ pub struct LayerPath {
     pub moves: Vec<Move>,
 }
 
-/// Connects the beads of a layer. `outline` is its border, `solid` the same
-/// for asking what is where, `from` where the head stands, all in the model's
-/// coordinates; `offset` moves the result to the printer's.
+/// What a layer is made of, in the model's coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct Ground<'a> {
+    /// Its border.
+    pub outline: &'a Area,
+    /// The same, for asking what is where.
+    pub solid: &'a EdgeGrid,
+    /// Where it has sparse infill.
+    pub sparse: &'a Area,
+    /// The border of the layer above, if there is one.
+    pub above: Option<&'a Area>,
+}
+
+/// Connects the beads of a layer. `from` is where the head stands, in the
+/// model's coordinates; `offset` moves the result to the printer's.
 pub fn connect(
     span: LayerSpan,
     beads: Vec<Bead>,
-    outline: &Area,
-    solid: &EdgeGrid,
+    ground: Ground<'_>,
     from: Option<DVec2>,
     offset: DVec2,
     settings: &Settings,
 ) -> LayerPath {
-    let planner = Planner {
-        obstacles: Obstacles::new(&beads, solid, span.height(), settings),
-        comb: Comb::new(outline, solid, comb_clearance(&span, settings)),
-        solid,
-        settings,
-    };
-    let mut travels: Vec<Option<Move>> = Vec::with_capacity(beads.len());
+    let sparse = OnceCell::new();
+    let planner =
+        Planner::new(&beads, ground, &sparse, span.height(), settings);
+    let mut travels: Vec<Option<Travel>> = Vec::with_capacity(beads.len());
     let mut at = from;
-    let mut inside = false;
+    let mut before: Option<&Bead> = None;
     for (next, bead) in beads.iter().enumerate() {
         let Some((start, end)) = ends(bead) else {
             travels.push(None);
             continue;
         };
         travels.push((at != Some(start)).then(|| match at {
-            Some(a) => planner.travel(a, start, inside, next),
-            None => straight(start, false),
+            Some(a) => planner.travel(a, start, before, next),
+            None => Travel::straight(start, false),
         }));
-        // Beads of the part end inside it; a skirt's does not.
-        inside = !matches!(bead.role, Role::Skirt | Role::Brim);
+        before = Some(bead);
         at = Some(end);
     }
     let mut moves = Vec::with_capacity(2 * beads.len());
@@ -84,7 +113,7 @@ pub fn connect(
         if bead.points.is_empty() {
             continue;
         }
-        moves.extend(travel.map(|travel| travel.moved(offset)));
+        moves.extend(travel.map(|travel| Move::Travel(travel.moved(offset))));
         for p in &mut bead.points {
             *p += offset;
         }
@@ -103,187 +132,29 @@ fn ends(bead: &Bead) -> Option<(DVec2, DVec2)> {
     Some((start, end))
 }
 
-fn straight(to: DVec2, retract: bool) -> Move {
-    Move::Travel {
-        points: vec![to],
-        retract,
-    }
+/// True if a bead is a part of the part, and so inside it.
+fn of_part(bead: &Bead) -> bool {
+    bead.role != Role::Skirt
 }
 
-/// How far travels keep from the outline where they can: inside all walls.
-fn comb_clearance(span: &LayerSpan, settings: &Settings) -> Mm {
-    let border = wall_depths(span.height(), settings).1;
-    border.max(settings.outer_wall_width)
-}
-
-/// Finds the travels of a layer.
-struct Planner<'a> {
-    obstacles: Obstacles<'a>,
-    comb: Comb<'a>,
-    solid: &'a EdgeGrid,
-    settings: &'a Settings,
-}
-
-impl Planner<'_> {
-    /// The way from `a` to `b`, where the `next`th bead begins. `inside` tells
-    /// that `a` is known to be inside the part.
-    fn travel(&self, a: DVec2, b: DVec2, inside: bool, next: usize) -> Move {
-        let settings = self.settings;
-        if a.distance(b) < settings.retract.min_travel {
-            return straight(b, false);
-        }
-        if !inside && !self.solid.contains(a) {
-            return straight(b, true);
-        }
-        let direct = [a, b];
-        if !self.retracts(&direct, next) {
-            return straight(b, false);
-        }
-        // Retracted anyway, it goes straight unless that leads over what shows.
-        let in_the_way = self.shows(&direct, next);
-        if settings.travel.combing == Combing::Off {
-            return straight(b, true);
-        }
-        let around = || {
-            let longest = a.distance(b) + settings.travel.max_detour;
-            let points = self.comb.way(a, b, longest)?;
-            let way: Vec<DVec2> =
-                std::iter::once(a).chain(points).chain([b]).collect();
-            (path_length(&way, false) <= longest).then_some(way)
-        };
-        let Some(way) = around() else {
-            return straight(b, true);
-        };
-        let retract = self.retracts(&way, next);
-        if retract && !in_the_way {
-            return straight(b, true);
-        }
-        Move::Travel {
-            points: way[1..].to_vec(),
+impl Travel {
+    /// Straight to a point.
+    pub fn straight(to: DVec2, retract: bool) -> Travel {
+        Travel {
+            points: vec![to],
             retract,
+            ..Travel::default()
         }
     }
 
-    /// True if a way leads out of the part or over an outer wall.
-    fn shows(&self, way: &[DVec2], next: usize) -> bool {
-        self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
-    }
-
-    /// Whether to retract on a way.
-    fn retracts(&self, way: &[DVec2], next: usize) -> bool {
-        let (retract, travel) = (&self.settings.retract, &self.settings.travel);
-        let o = &self.obstacles;
-        !retract.when_crossing
-            || path_length(way, false) > retract.max_unretracted
-            || o.air(way)
-            || (retract.check_walls
-                && (o.outer_wall(way, next) || o.inner_wall(way)))
-            || (travel.combing != Combing::Everywhere && o.top_skin(way, next))
-    }
-}
-
-impl Move {
     /// The same, in coordinates moved by `offset`.
-    fn moved(mut self, offset: DVec2) -> Move {
-        if let Move::Travel { points, .. } = &mut self {
-            for p in points {
-                *p += offset;
-            }
+    fn moved(mut self, offset: DVec2) -> Travel {
+        for p in self.points.iter_mut().chain(&mut self.wipe) {
+            *p += offset;
         }
         self
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn bead(role: Role, points: &[(f64, f64)]) -> Bead {
-        Bead {
-            role,
-            points: points.iter().map(|&(x, y)| DVec2::new(x, y)).collect(),
-            closed: false,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-        }
-    }
-
-    /// A U: two legs 10 mm apart, joined at the bottom.
-    fn solid() -> Area {
-        let ring = [
-            (0.0, 0.0),
-            (20.0, 0.0),
-            (20.0, 20.0),
-            (15.0, 20.0),
-            (15.0, 5.0),
-            (5.0, 5.0),
-            (5.0, 20.0),
-            (0.0, 20.0),
-        ];
-        let ring = ring.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
-        Area { rings: vec![ring] }
-    }
-
-    fn retracts(beads: Vec<Bead>) -> Vec<bool> {
-        let span = LayerSpan {
-            index: 0,
-            bottom: 0.0,
-            top: 0.2,
-        };
-        let settings = Settings::default();
-        let solid = solid();
-        let grid = EdgeGrid::new(&solid, 1.0);
-        connect(span, beads, &solid, &grid, None, DVec2::ZERO, &settings)
-            .moves
-            .iter()
-            .filter_map(|m| match m {
-                Move::Travel { retract, .. } => Some(*retract),
-                Move::Print(_) => None,
-            })
-            .collect()
-    }
-
-    #[test]
-    fn only_travels_that_leave_the_part_are_retracted() {
-        let r = retracts(vec![
-            bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]),
-            // Along the leg: inside.
-            bead(Role::SparseInfill, &[(4.0, 15.0), (1.0, 15.0)]),
-            // Across the gap between the legs.
-            bead(Role::SparseInfill, &[(16.0, 15.0), (17.0, 15.0)]),
-            // A hop.
-            bead(Role::SparseInfill, &[(17.0, 16.0), (16.0, 16.0)]),
-        ]);
-        assert_eq!(r, [false, false, true, false]);
-    }
-
-    #[test]
-    fn leaving_the_skirt_is_retracted() {
-        let r = retracts(vec![
-            bead(Role::Skirt, &[(-5.0, -5.0), (-5.0, 5.0)]),
-            bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]),
-        ]);
-        assert_eq!(r, [false, true]);
-    }
-
-    #[test]
-    fn beads_are_moved_to_the_bed() {
-        let span = LayerSpan {
-            index: 0,
-            bottom: 0.0,
-            top: 0.2,
-        };
-        let line = bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]);
-        let by = DVec2::new(100.0, 50.0);
-        let settings = Settings::default();
-        let solid = solid();
-        let grid = EdgeGrid::new(&solid, 1.0);
-        let path =
-            connect(span, vec![line], &solid, &grid, None, by, &settings);
-        let Some(Move::Print(b)) = path.moves.last() else {
-            panic!("nothing printed");
-        };
-        assert_eq!(b.points[0], DVec2::new(101.0, 51.0));
-    }
-}
+mod tests;

@@ -1,0 +1,351 @@
+//! Combing: ways through an area, around its holes and notches.
+//!
+//! In: two points inside one island. Out: the way points of a short way
+//! between them that stays inside.
+//!
+//! ```text
+//!   a ──────╮ ╭───╮            the straight way leaves the island where it
+//!           │ │   │            meets a ring, and comes back at the same ring:
+//!           ╰─╯ ○ ╰────── b    what is between is replaced by a way along the
+//!                              ring; then the line is pulled tight
+//! ```
+//!
+//! Each part of the plane that is outside of an island is bounded by one of
+//! its rings only, so the straight way always returns by the ring by which it
+//! has left, and a way along that ring exists: if two points are in one
+//! island, a way between them is found (V. Lumelsky and A. Stepanov, *Path
+//! planning strategies for a point mobile automaton*, 1987). It is kept away
+//! from the outline as far as there is room, up to a clearance.
+//!
+//! Mostly the tight way round a ring is known at once: it is the convex hull
+//! of the ring's stretch and of both ends ([`hug`]). Where something else is
+//! in that way, it follows the ring and is pulled tight from point to point
+//! ([`pull`]), which makes it the shortest of all that pass the same holes on
+//! the same sides, not of all that there are.
+//!
+//! Cost: that of the edges near the straight way and on the rings' stretches.
+
+mod hug;
+mod pull;
+mod rings;
+
+use crate::plane::Area;
+use crate::plane::grid::{EdgeGrid, nearest_on};
+use crate::units::Mm;
+use glam::DVec2;
+use rings::Rings;
+use std::borrow::Cow;
+use std::cell::OnceCell;
+
+/// Ways inside an area.
+pub struct Comb<'a> {
+    area: Cow<'a, Area>,
+    grid: Cow<'a, EdgeGrid>,
+    clearance: Mm,
+    /// Only layers with travels that need it pay for it.
+    rings: OnceCell<Rings>,
+}
+
+/// A point of a way, and how far from the outline it is known to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stop {
+    pub at: DVec2,
+    pub room: Mm,
+    /// The point of the outline that it was moved away from, or itself.
+    pub base: DVec2,
+}
+
+/// Share of the room of two points that the line between them keeps.
+const KEPT: f64 = 0.9;
+
+/// The same where there is no other way.
+const PASSED: f64 = 0.1;
+
+/// Distance between the points of a ring that are tried first, as a share of
+/// the clearance.
+const SPACING: f64 = 0.7;
+
+/// How much longer than the longest way allowed a way along rings may be: as
+/// much as pulling it tight may gain.
+const SLACK: f64 = 2.0;
+
+/// How often a way is pulled tight at most.
+const ROUNDS: usize = 4;
+
+/// Gain in length below which it is tight.
+const GAIN: f64 = 0.01;
+
+impl<'a> Comb<'a> {
+    /// For travels inside `area`, whose edges are in `grid`, that keep the
+    /// distance `clearance` from its border where they can.
+    pub fn new(
+        area: Cow<'a, Area>,
+        grid: Cow<'a, EdgeGrid>,
+        clearance: Mm,
+    ) -> Comb<'a> {
+        Comb {
+            area,
+            grid,
+            clearance,
+            rings: OnceCell::new(),
+        }
+    }
+
+    fn rings(&self) -> &Rings {
+        self.rings.get_or_init(|| Rings::new(&self.area))
+    }
+
+    /// The way points between `a` and `b`, none if the straight way is inside;
+    /// nothing if they are not in one island, or if the way along the rings is
+    /// so much longer than `longest` that pulling it tight cannot help.
+    pub fn way(&self, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
+        let ends = [a, b];
+        // Off the walls first, which the ends may be on.
+        let (a, b) = (self.off(a), self.off(b));
+        if self.sees(a, b) {
+            return Some(inner(&ends, &[a, b]));
+        }
+        let marks = self.marks(a.at, b.at)?;
+        if let Some(way) = self.hugging(a, b, &marks, longest) {
+            return Some(inner(&ends, &way));
+        }
+        let along: Mm = marks
+            .chunks_exact(2)
+            .map(|pair| self.ring_way(pair[0], pair[1]).abs())
+            .sum();
+        if along > SLACK * longest {
+            return None;
+        }
+        let around = |spacing: Mm| {
+            let mut way = vec![a];
+            match marks.is_empty() {
+                // It stays inside, but comes too near to the outline.
+                true => way.extend(self.aside(a.at, b.at)),
+                false => {
+                    for pair in marks.chunks_exact(2) {
+                        self.along(pair[0], pair[1], spacing, &mut way);
+                    }
+                }
+            }
+            way.push(b);
+            self.pulled(&self.joined(&way)?)
+        };
+        // A few points of the rings do, mostly.
+        let sparse = around(SPACING * self.clearance);
+        let mut way = sparse.or_else(|| around(0.0))?;
+        // Nearly straight is tight.
+        if stops_length(&way) > (1.0 + 2.0 * GAIN) * a.at.distance(b.at) {
+            way = self.tightened(a, way);
+        }
+        Some(inner(&ends, &way))
+    }
+
+    /// A way from `a` pulled tight from its other end, and from between, as
+    /// long as that makes it shorter.
+    fn tightened(&self, a: Stop, mut way: Vec<Stop>) -> Vec<Stop> {
+        let mut length = stops_length(&way);
+        for _ in 0..ROUNDS {
+            let Some(tighter) = self.pulled(&self.denser(&way)) else {
+                break;
+            };
+            let shorter = stops_length(&tighter);
+            way = tighter;
+            if shorter > (1.0 - GAIN) * length {
+                break;
+            }
+            length = shorter;
+        }
+        if way.first().map(|s| s.at) != Some(a.at) {
+            way.reverse();
+        }
+        way
+    }
+
+    /// The place inside, off the border, at which a way from or to `p` begins;
+    /// nothing if it is outside by more than `reach`.
+    pub fn entry(&self, p: DVec2, reach: Mm) -> Option<DVec2> {
+        if self.grid.contains(p) {
+            return Some(self.off(p).at);
+        }
+        let (edge, q) = self.grid.nearest_edge(p, reach)?;
+        let stop = self.off_border(q, edge);
+        (stop.room > 0.0).then_some(stop.at)
+    }
+
+    /// The island that an edge of the border belongs to.
+    pub(super) fn island_of_edge(&self, edge: usize) -> Option<usize> {
+        self.rings().of_edge(edge)
+    }
+
+    /// Calls `visit` with the edges of the border that come closer than
+    /// `reach` to `p`, and their points nearest to it.
+    pub(super) fn visit_border(
+        &self,
+        p: DVec2,
+        reach: Mm,
+        mut visit: impl FnMut(usize, DVec2),
+    ) {
+        self.grid.visit_edges_near(p, p, reach, |edge| {
+            let (a, b) = self.grid.edge(edge);
+            visit(edge, nearest_on(p, a, b));
+        });
+    }
+
+    /// Direction into the area, square to an edge of its border: the area is
+    /// to the left of its edges.
+    pub(super) fn normal(&self, edge: usize) -> DVec2 {
+        let (a, b) = self.grid.edge(edge);
+        (b - a).perp().normalize_or_zero()
+    }
+
+    /// A point of the border, moved into the area.
+    pub(super) fn off_border(&self, q: DVec2, edge: usize) -> Stop {
+        let (from, to) = self.grid.edge(edge);
+        let t = match (q == from, q == to) {
+            (true, _) => 0.0,
+            (_, true) => 1.0,
+            _ => 0.5,
+        };
+        self.inwards(q, edge, t)
+    }
+
+    /// A point with as much room as there is near `p`: away from all edges
+    /// that are about as near as the nearest one.
+    fn off(&self, p: DVec2) -> Stop {
+        /// How much farther these edges may be, mm.
+        const ABOUT: Mm = 0.1;
+        let here = self.stop(p);
+        if here.room >= self.clearance {
+            return here;
+        }
+        let mut away = DVec2::ZERO;
+        self.grid.visit_edges_near(p, p, here.room + ABOUT, |edge| {
+            let (a, b) = self.grid.edge(edge);
+            away += (p - nearest_on(p, a, b)).normalize_or_zero();
+        });
+        let away = away.normalize_or_zero();
+        let wanted = self.clearance - here.room;
+        // Out of a right-angled corner it is farther than off an edge.
+        let trials = [1.5, 1.0, 0.5].map(|share| {
+            let at = p + share * wanted * away;
+            Stop {
+                base: at,
+                ..self.stop(at)
+            }
+        });
+        let inside = |s: &&Stop| {
+            s.room > here.room && self.grid.clear(p, s.at, 0.5 * here.room)
+        };
+        let best = trials.iter().filter(inside);
+        best.max_by(|s, t| s.room.total_cmp(&t.room))
+            .copied()
+            .unwrap_or(here)
+    }
+
+    /// A point of the way with the room it has.
+    pub(super) fn stop(&self, at: DVec2) -> Stop {
+        let near = self.grid.nearest_edge(at, self.clearance);
+        Stop {
+            at,
+            room: near.map_or(self.clearance, |(_, q)| at.distance(q)),
+            base: at,
+        }
+    }
+
+    /// True if the line between two points keeps away from the outline as far
+    /// as they do.
+    fn sees(&self, a: Stop, b: Stop) -> bool {
+        self.grid.clear(a.at, b.at, KEPT * a.room.min(b.room))
+    }
+
+    /// True if the line between two points is inside at all.
+    fn passes(&self, a: Stop, b: Stop) -> bool {
+        let room = a.room.min(b.room);
+        room > 0.0 && self.grid.clear(a.at, b.at, PASSED * room)
+    }
+
+    /// A point beside the place where the outline comes nearest to a line.
+    fn aside(&self, a: DVec2, b: DVec2) -> Option<Stop> {
+        let mut nearest: Option<(f64, usize, f64)> = None;
+        let ab = b - a;
+        self.grid.visit_edges_near(a, b, self.clearance, |edge| {
+            let (p, q) = self.grid.edge(edge);
+            for v in [p, q] {
+                let t = ((v - a).dot(ab) / ab.length_squared()).clamp(0.0, 1.0);
+                let d = v.distance_squared(a + t * ab);
+                let nearer = nearest.is_none_or(|(least, e, _)| {
+                    d < least || (d == least && edge < e)
+                });
+                if nearer && t > 0.0 && t < 1.0 {
+                    nearest = Some((d, edge, if v == p { 0.0 } else { 1.0 }));
+                }
+            }
+        });
+        let (_, edge, end) = nearest?;
+        let (p, q) = self.grid.edge(edge);
+        Some(self.inwards(p.lerp(q, end), edge, end))
+    }
+
+    /// A point of the outline, on an edge at `t`, moved into the part by the
+    /// clearance, or as far as there is room.
+    fn inwards(&self, p: DVec2, edge: usize, t: f64) -> Stop {
+        /// Trials before it counts as none.
+        const TRIALS: usize = 6;
+        /// Where to begin to look, as a share of the distance: off the edge.
+        const START: f64 = 1e-3;
+        let rings = self.rings();
+        let ring = rings.places.ring(edge);
+        let first = rings.places.first(ring);
+        let count = rings.places.of_ring(ring).len();
+        let normal = |e: usize| self.normal(e);
+        let other = match t {
+            0.0 => first + (edge - first + count - 1) % count,
+            1.0 => first + (edge - first + 1) % count,
+            _ => edge,
+        };
+        let inward = (normal(edge) + normal(other)).normalize_or(normal(edge));
+        let mut far = self.clearance;
+        let mut best = Stop {
+            at: p,
+            room: 0.0,
+            base: p,
+        };
+        for _ in 0..TRIALS {
+            let at = p + far * inward;
+            let mut across = false;
+            self.grid
+                .visit_crossed(p + START * far * inward, at, |_, _| {
+                    across = true;
+                });
+            let near = self.grid.nearest_edge(at, far);
+            let room = near.map_or(far, |(_, q)| at.distance(q));
+            if !across && room > best.room {
+                best = Stop { at, room, base: p };
+            }
+            if !across && room > 0.9 * far {
+                break;
+            }
+            // The middle between this side and the other one.
+            far = match across {
+                true => 0.5 * far,
+                false => 0.5 * (far + room),
+            };
+        }
+        best
+    }
+}
+
+/// The points of a way that are not its ends.
+fn inner(ends: &[DVec2; 2], way: &[Stop]) -> Vec<DVec2> {
+    let points = way.iter().map(|s| s.at);
+    points.filter(|p| !ends.contains(p)).collect()
+}
+
+fn stops_length(way: &[Stop]) -> Mm {
+    way.windows(2).map(|p| p[0].at.distance(p[1].at)).sum()
+}
+
+#[cfg(test)]
+mod property;
+#[cfg(test)]
+mod tests;

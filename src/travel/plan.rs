@@ -1,0 +1,270 @@
+//! Which way a travel takes.
+//!
+//! In: where from and where to. Out: the way, and whether to retract on it.
+//! The first of these that will do:
+//!
+//! 1. straight, where that is shorter than any retraction, or hidden;
+//! 2. over sparse infill, which hides it;
+//! 3. inside the island, round its holes and notches, if the straight way
+//!    leads over what shows;
+//! 4. from one island to another, through the air once;
+//! 5. straight and retracted.
+
+use super::comb::Comb;
+use super::decide::Obstacles;
+use super::{Ground, Travel, gate, of_part, wipe};
+use crate::bead::Bead;
+use crate::plane::clip::intersection;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::path_length;
+use crate::region::wall_depths;
+use crate::settings::{Combing, Hidden, HopWhen, Settings};
+use crate::units::Mm;
+use glam::DVec2;
+use std::borrow::Cow;
+use std::cell::OnceCell;
+
+/// Size of a grid's cells, mm: some lengths of an outline's edges.
+const CELL: Mm = 1.0;
+
+/// How far ways over sparse infill keep from its border where they can, as a
+/// share of a line's width: what they need to be surely inside.
+const OFF_BORDER: f64 = 0.25;
+
+/// Finds the travels of a layer.
+pub struct Planner<'a> {
+    ground: Ground<'a>,
+    obstacles: Obstacles<'a>,
+    comb: Comb<'a>,
+    /// Ways over sparse infill.
+    sparse: OnceCell<Comb<'a>>,
+    /// Ways over what the next layer covers: made where a way leads over a
+    /// top skin.
+    covered: OnceCell<Comb<'a>>,
+    /// How far travels keep from the outline where they can: inside all walls.
+    clearance: Mm,
+    settings: &'a Settings,
+}
+
+impl<'a> Planner<'a> {
+    /// For a layer with these beads, in print order. `sparse` takes up the
+    /// border of its sparse infill.
+    pub fn new(
+        beads: &'a [Bead],
+        ground: Ground<'a>,
+        sparse: &'a OnceCell<EdgeGrid>,
+        height: Mm,
+        settings: &'a Settings,
+    ) -> Planner<'a> {
+        let border = wall_depths(height, settings).1;
+        let clearance = border.max(settings.outer_wall_width);
+        Planner {
+            ground,
+            obstacles: Obstacles::new(beads, ground, sparse, height, settings),
+            comb: Comb::new(
+                Cow::Borrowed(ground.outline),
+                Cow::Borrowed(ground.solid),
+                clearance,
+            ),
+            sparse: OnceCell::new(),
+            covered: OnceCell::new(),
+            clearance,
+            settings,
+        }
+    }
+
+    /// The way from `a`, where the bead `before` has ended, to `b`, where the
+    /// `next`th one begins.
+    pub fn travel(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        before: Option<&Bead>,
+        next: usize,
+    ) -> Travel {
+        let settings = self.settings;
+        if a.distance(b) < settings.retract.min_travel {
+            return Travel::straight(b, false);
+        }
+        let inside = before.is_some_and(of_part);
+        let mut travel = self.way(a, b, inside, next);
+        if !travel.retract {
+            return travel;
+        }
+        let wiped = before.and_then(|bead| wipe::path(bead, settings));
+        if let Some((wipe, end)) = wiped {
+            // The way goes on from where the wipe has ended.
+            travel = self.way(end, b, inside, next);
+            travel.retract = true;
+            travel.prime = 0.0;
+            travel.wipe = wipe;
+        }
+        let from = travel.wipe.last().copied().unwrap_or(a);
+        travel.hop = self.hops(from, &travel.points, next);
+        travel
+    }
+
+    fn way(&self, a: DVec2, b: DVec2, inside: bool, next: usize) -> Travel {
+        if !inside && !self.ground.solid.contains(a) {
+            return Travel::straight(b, true);
+        }
+        let direct = [a, b];
+        if self.hidden(&direct, next) {
+            return self.finished(&direct, false);
+        }
+        let combing = self.settings.travel.combing;
+        let straight = || self.finished(&direct, true);
+        if combing == Combing::Off {
+            return straight();
+        }
+        let longest = a.distance(b) + self.settings.travel.max_detour;
+        let fits = |way: &Vec<DVec2>| path_length(way, false) <= longest;
+        if let Some(way) = self.over_infill(a, b, longest).filter(fits)
+            && self.hidden(&way, next)
+        {
+            return self.finished(&way, false);
+        }
+        if combing == Combing::WithinInfill {
+            return straight();
+        }
+        // Retracted anyway, it goes straight unless that leads over what
+        // shows.
+        let in_the_way = self.shows(&direct, next);
+        let may_hide = self.settings.retract.hidden == Hidden::Covered
+            && self.settings.retract.when_crossing;
+        if !in_the_way && !may_hide {
+            return straight();
+        }
+        if let Some(way) = self.inside(a, b, longest, next).filter(fits) {
+            let retract = !self.hidden(&way, next);
+            return match retract && !in_the_way {
+                true => straight(),
+                false => self.finished(&way, retract),
+            };
+        }
+        let through = gate::way(&self.comb, a, b, longest);
+        match through.filter(fits) {
+            Some(way) => self.finished(&way, true),
+            None => straight(),
+        }
+    }
+
+    /// A way between two points over sparse infill, near which both have to
+    /// be; with both of them.
+    fn over_infill(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        longest: Mm,
+    ) -> Option<Vec<DVec2>> {
+        let sparse = self.ground.sparse;
+        if sparse.is_empty() {
+            return None;
+        }
+        let comb = self.sparse.get_or_init(|| {
+            let grid = Cow::Borrowed(self.obstacles.sparse());
+            let clearance = OFF_BORDER * self.settings.infill_width;
+            Comb::new(Cow::Borrowed(sparse), grid, clearance)
+        });
+        let reach = self.settings.inner_wall_width;
+        let from = comb.entry(a, reach)?;
+        let to = comb.entry(b, reach)?;
+        let points = comb.way(from, to, longest)?;
+        let mut way = Vec::with_capacity(points.len() + 4);
+        way.extend([a, from]);
+        way.extend(points);
+        way.extend([to, b]);
+        way.dedup();
+        Some(way)
+    }
+
+    /// A way between two points inside their island, with both of them.
+    fn inside(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        longest: Mm,
+        next: usize,
+    ) -> Option<Vec<DVec2>> {
+        let with_ends = |points: Vec<DVec2>| {
+            let mut way = Vec::with_capacity(points.len() + 2);
+            way.push(a);
+            way.extend(points);
+            way.push(b);
+            way
+        };
+        let way = with_ends(self.comb.way(a, b, longest)?);
+        let visible = || self.obstacles.top_skin(&way, next);
+        if self.settings.travel.combing == Combing::Everywhere || !visible() {
+            return Some(way);
+        }
+        let round = || {
+            let above = self.ground.above?;
+            let comb = self.covered.get_or_init(|| {
+                let area = intersection(self.ground.outline, above);
+                let grid = EdgeGrid::new(&area, CELL);
+                Comb::new(Cow::Owned(area), Cow::Owned(grid), self.clearance)
+            });
+            let round = with_ends(comb.way(a, b, longest)?);
+            let good = path_length(&round, false) <= longest
+                && !self.obstacles.top_skin(&round, next);
+            good.then_some(round)
+        };
+        Some(round().unwrap_or(way))
+    }
+
+    /// The travel along a way.
+    fn finished(&self, way: &[DVec2], retract: bool) -> Travel {
+        let settings = &self.settings.retract;
+        let long = path_length(way, false) > settings.max_unretracted;
+        let prime = match long && !retract {
+            true => settings.ooze_prime,
+            false => 0.0,
+        };
+        Travel {
+            points: way[1..].to_vec(),
+            retract: retract || (long && prime <= 0.0),
+            prime,
+            ..Travel::default()
+        }
+    }
+
+    /// True if a way leads out of the part or over an outer wall.
+    fn shows(&self, way: &[DVec2], next: usize) -> bool {
+        self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
+    }
+
+    /// True if what oozes out on a way is hidden, and it crosses nothing.
+    fn hidden(&self, way: &[DVec2], next: usize) -> bool {
+        let retract = &self.settings.retract;
+        let o = &self.obstacles;
+        retract.when_crossing
+            && match retract.hidden {
+                Hidden::SparseInfill => {
+                    o.within_infill(way)
+                        && !(retract.check_walls && o.wall(way))
+                }
+                Hidden::Covered => {
+                    !o.air(way)
+                        && !(retract.check_walls
+                            && (o.outer_wall(way, next) || o.inner_wall(way)))
+                        && !o.top_skin(way, next)
+                }
+            }
+    }
+
+    /// Whether a retracted travel is lifted.
+    fn hops(&self, from: DVec2, points: &[DVec2], next: usize) -> bool {
+        let retract = &self.settings.retract;
+        if retract.z_hop <= 0.0 {
+            return false;
+        }
+        if retract.z_hop_when == HopWhen::Always {
+            return true;
+        }
+        let mut way = vec![from];
+        way.extend(points);
+        let o = &self.obstacles;
+        o.air(&way) || o.wall(&way) || o.top_skin(&way, next)
+    }
+}

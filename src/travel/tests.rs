@@ -1,0 +1,461 @@
+use super::*;
+use crate::plane::rect;
+use crate::settings::{Combing, Hidden, HopWhen};
+use decide::Obstacles;
+
+const SPAN: LayerSpan = LayerSpan {
+    index: 0,
+    bottom: 0.0,
+    top: 0.2,
+};
+
+fn points(at: &[(f64, f64)]) -> Vec<DVec2> {
+    at.iter().map(|&p| DVec2::from(p)).collect()
+}
+
+fn bead(role: Role, at: &[(f64, f64)]) -> Bead {
+    Bead {
+        role,
+        points: points(at),
+        closed: false,
+        width: 0.45,
+        widths: Vec::new(),
+        height: 0.2,
+    }
+}
+
+/// A layer: its outline, its sparse infill, and walls along the outline.
+struct Part {
+    outline: Area,
+    sparse: Area,
+    above: Option<Area>,
+    walls: Vec<Bead>,
+    settings: Settings,
+}
+
+impl Part {
+    fn new(outlines: &[[f64; 4]]) -> Part {
+        let mut part = Part {
+            outline: Area::EMPTY,
+            sparse: Area::EMPTY,
+            above: None,
+            walls: Vec::new(),
+            settings: Settings::default(),
+        };
+        for &[x0, y0, x1, y1] in outlines {
+            part.outline.rings.extend(rect(x0, y0, x1, y1).rings);
+            part.sparse
+                .rings
+                .extend(rect(x0 + 0.8, y0 + 0.8, x1 - 0.8, y1 - 0.8).rings);
+            for (role, d) in [(Role::InnerWall, 0.6), (Role::OuterWall, 0.225)]
+            {
+                let ring = rect(x0 + d, y0 + d, x1 - d, y1 - d).rings;
+                part.walls.push(Bead {
+                    points: ring.into_iter().flatten().collect(),
+                    closed: true,
+                    ..bead(role, &[])
+                });
+            }
+        }
+        part
+    }
+
+    /// A square 20 mm wide.
+    fn square() -> Part {
+        Part::new(&[[0.0, 0.0, 20.0, 20.0]])
+    }
+
+    /// The same with a hole in the middle, and a wall around that.
+    fn ring() -> Part {
+        let mut part = Part::square();
+        let hole = |d: f64| {
+            let mut area = rect(8.0 - d, 2.0 - d, 12.0 + d, 18.0 + d);
+            area.rings.iter_mut().for_each(|r| r.reverse());
+            area.rings
+        };
+        part.outline.rings.extend(hole(0.0));
+        part.sparse.rings.extend(hole(0.4));
+        part.walls.push(Bead {
+            points: hole(0.225).remove(0),
+            closed: true,
+            ..bead(Role::OuterWall, &[])
+        });
+        part
+    }
+
+    fn with(mut self, change: impl Fn(&mut Settings)) -> Part {
+        change(&mut self.settings);
+        self
+    }
+
+    fn ask<T>(
+        &self,
+        beads: &[Bead],
+        question: impl FnOnce(&Obstacles<'_>) -> T,
+    ) -> T {
+        let grid = EdgeGrid::new(&self.outline, 1.0);
+        let cell = OnceCell::new();
+        let ground = self.ground(&grid);
+        question(&Obstacles::new(beads, ground, &cell, 0.2, &self.settings))
+    }
+
+    fn ground<'a>(&'a self, solid: &'a EdgeGrid) -> Ground<'a> {
+        Ground {
+            outline: &self.outline,
+            solid,
+            sparse: &self.sparse,
+            above: self.above.as_ref(),
+        }
+    }
+
+    /// The travels between beads of the part, in order; its walls come first.
+    fn travels(&self, beads: Vec<Bead>) -> Vec<Travel> {
+        let count = beads.len();
+        let all: Vec<Bead> = self.walls.iter().cloned().chain(beads).collect();
+        let grid = EdgeGrid::new(&self.outline, 1.0);
+        let path = connect(
+            SPAN,
+            all,
+            self.ground(&grid),
+            None,
+            DVec2::ZERO,
+            &self.settings,
+        );
+        let mut travels: Vec<Travel> = path
+            .moves
+            .into_iter()
+            .filter_map(|m| match m {
+                Move::Travel(travel) => Some(travel),
+                Move::Print(_) => None,
+            })
+            .collect();
+        travels.split_off(travels.len() + 1 - count)
+    }
+
+    /// The travel from where one bead of infill ends to another one.
+    fn travel(&self, from: (f64, f64), to: (f64, f64)) -> Travel {
+        let short = |p: (f64, f64)| {
+            bead(Role::SparseInfill, &[(p.0, p.1 + 0.1), p])
+        };
+        let mut to = short(to);
+        to.reverse();
+        self.travels(vec![short(from), to]).remove(0)
+    }
+}
+
+#[test]
+fn ways_of_no_point_and_of_one() {
+    let part = Part::square();
+    part.ask(&part.walls, |o| {
+        assert!(o.within_infill(&[]) && !o.wall(&[]) && !o.air(&[]));
+        let inside = points(&[(10.0, 10.0)]);
+        assert!(o.within_infill(&inside) && !o.wall(&inside));
+        assert!(!o.within_infill(&points(&[(0.3, 10.0)])));
+        assert!(!o.within_infill(&points(&[(-3.0, 10.0)])));
+    });
+    assert!(part.travels(vec![bead(Role::SparseInfill, &[])]).is_empty());
+}
+
+#[test]
+fn inside_outside_and_across_the_border() {
+    let part = Part::square();
+    part.ask(&part.walls, |o| {
+        let within = |at: &[(f64, f64)]| o.within_infill(&points(at));
+        assert!(within(&[(2.0, 2.0), (18.0, 17.0)]));
+        assert!(within(&[(2.0, 2.0), (9.0, 17.0), (18.0, 2.0)]));
+        assert!(!within(&[(2.0, 2.0), (30.0, 2.0)]));
+        assert!(!within(&[(30.0, 2.0), (40.0, 2.0)]));
+        // In and out again.
+        assert!(!within(&[(2.0, 2.0), (10.0, -1.0), (18.0, 2.0)]));
+        // Around, with the box of the infill in the way's box.
+        assert!(!within(&[(-5.0, 10.0), (10.0, -15.0)]));
+    });
+}
+
+#[test]
+fn the_beads_at_the_ends_are_left_and_reached() {
+    let part = Part::square();
+    part.ask(&part.walls, |o| {
+        // From the middle of the inner wall, and of the outer one.
+        let inner = points(&[(0.6, 10.0), (10.0, 10.0)]);
+        assert!(o.within_infill(&inner) && !o.wall(&inner));
+        let outer = points(&[(0.225, 10.0), (10.0, 10.0)]);
+        assert!(!o.within_infill(&outer) && o.wall(&outer));
+    });
+}
+
+#[test]
+fn to_touch_is_to_cross() {
+    let part = Part::square();
+    let wall = bead(Role::InnerWall, &[(5.0, 10.0), (15.0, 10.0)]);
+    part.ask(&[wall], |o| {
+        let crosses = |at: &[(f64, f64)]| o.wall(&points(at));
+        assert!(crosses(&[(10.0, 5.0), (10.0, 15.0)]));
+        // Its end, a corner of the way on it, a stretch of it.
+        assert!(crosses(&[(5.0, 5.0), (5.0, 15.0)]));
+        assert!(crosses(&[(5.0, 5.0), (10.0, 10.0), (15.0, 5.0)]));
+        assert!(crosses(&[(2.0, 10.0), (8.0, 10.0)]));
+        assert!(crosses(&[(2.0, 10.0), (18.0, 10.0)]));
+        // On the same line, but elsewhere.
+        assert!(!crosses(&[(2.0, 10.0), (4.0, 10.0)]));
+        // Nearer than half a line's width, and not.
+        assert!(crosses(&[(5.0, 9.9), (15.0, 9.9)]));
+        assert!(!crosses(&[(5.0, 9.75), (15.0, 9.75)]));
+        // From where it ends, and to where it begins.
+        assert!(!crosses(&[(15.0, 10.0), (15.0, 2.0)]));
+        assert!(!crosses(&[(2.0, 2.0), (5.0, 10.0)]));
+    });
+    // Along the border of the infill, and through its corner.
+    part.ask(&[], |o| {
+        let within = |at: &[(f64, f64)]| o.within_infill(&points(at));
+        assert!(!within(&[(0.8, 2.0), (0.8, 15.0)]));
+        assert!(!within(&[(5.0, 5.0), (0.8, 8.0), (5.0, 11.0)]));
+        assert!(within(&[(5.0, 5.0), (0.81, 8.0), (5.0, 11.0)]));
+    });
+}
+
+#[test]
+fn a_thin_gap_between_islands_is_air() {
+    let part =
+        Part::new(&[[0.0, 0.0, 10.0, 20.0], [10.05, 0.0, 20.0, 20.0]]);
+    part.ask(&part.walls, |o| {
+        let across = points(&[(5.0, 10.0), (15.0, 10.0)]);
+        assert!(o.air(&across) && !o.within_infill(&across));
+        for x in [5.0, 15.0] {
+            assert!(o.within_infill(&points(&[(x, 2.0), (x, 18.0)])));
+        }
+    });
+    assert!(part.travel((5.0, 10.0), (15.0, 10.0)).retract);
+}
+
+#[test]
+fn layers_do_not_remember_each_other() {
+    let (whole, split) = (
+        Part::square(),
+        Part::new(&[[0.0, 0.0, 9.0, 20.0], [11.0, 0.0, 20.0, 20.0]]),
+    );
+    for _ in 0..2 {
+        assert!(!whole.travel((5.0, 10.0), (15.0, 10.0)).retract);
+        assert!(split.travel((5.0, 10.0), (15.0, 10.0)).retract);
+    }
+}
+
+#[test]
+fn short_travels_are_straight_and_long_ones_retract() {
+    let part = Part::square().with(|s| s.retract.when_crossing = false);
+    let near = part.travel((5.0, 5.0), (6.4, 5.0));
+    assert_eq!(near, Travel::straight(DVec2::new(6.4, 5.0), false));
+    assert!(part.travel((5.0, 5.0), (6.6, 5.0)).retract);
+    let part = part.with(|s| s.retract.min_travel = 3.0);
+    assert!(!part.travel((5.0, 5.0), (6.6, 5.0)).retract);
+}
+
+#[test]
+fn ooze_is_retracted_or_replaced() {
+    let part = Part::square().with(|s| s.retract.max_unretracted = 8.0);
+    let ends = |x| ((5.0, 5.0), (x, 5.0));
+    let travel = |part: &Part, x| {
+        let (from, to) = ends(x);
+        part.travel(from, to)
+    };
+    assert!(!travel(&part, 12.9).retract && travel(&part, 13.1).retract);
+    let part = part.with(|s| s.retract.ooze_prime = 0.02);
+    let (short, long) = (travel(&part, 12.9), travel(&part, 13.1));
+    assert!(!short.retract && short.prime == 0.0);
+    assert!(!long.retract && long.prime == 0.02);
+}
+
+#[test]
+fn walls_in_the_way_are_checked_or_not() {
+    let part = Part::square();
+    let lines = |wall: Role| {
+        vec![
+            bead(wall, &[(10.0, 0.9), (10.0, 19.1)]),
+            bead(Role::SparseInfill, &[(5.0, 9.0), (5.0, 10.0)]),
+            bead(Role::SparseInfill, &[(15.0, 10.0), (15.0, 9.0)]),
+        ]
+    };
+    let last = |part: &Part, wall| part.travels(lines(wall)).remove(1);
+    assert!(last(&part, Role::InnerWall).retract);
+    assert!(!last(&part, Role::SparseInfill).retract);
+    let part = part.with(|s| s.retract.check_walls = false);
+    assert!(!last(&part, Role::InnerWall).retract);
+}
+
+#[test]
+fn what_hides_ooze_is_a_matter_of_settings() {
+    // No sparse infill at all.
+    let mut part = Part::square();
+    part.sparse = Area::EMPTY;
+    let lines = |role: Role| {
+        vec![
+            bead(role, &[(3.0, 3.0), (17.0, 3.0)]),
+            bead(role, &[(3.0, 10.0), (17.0, 10.0)]),
+            bead(role, &[(3.0, 17.0), (17.0, 17.0)]),
+        ]
+    };
+    let skin = lines(Role::InternalSkin);
+    assert!(part.travels(skin.clone()).iter().all(|t| t.retract));
+    let part = part.with(|s| s.retract.hidden = Hidden::Covered);
+    assert!(part.travels(skin).iter().all(|t| !t.retract));
+    // On top, from the second line's end over the first one.
+    let mut top = lines(Role::TopSkin);
+    top.swap(0, 1);
+    assert!(part.travels(top).iter().any(|t| t.retract));
+}
+
+#[test]
+fn combing_goes_round_what_is_in_the_way() {
+    let at = |combing: Combing| {
+        let part = Part::ring().with(|s| s.travel.combing = combing);
+        part.travel((4.0, 10.0), (16.0, 10.0))
+    };
+    let straight = Travel::straight(DVec2::new(16.0, 10.0), true);
+    assert_eq!(at(Combing::Off), straight);
+    for combing in
+        [Combing::Everywhere, Combing::NotOverTopSkin, Combing::WithinInfill]
+    {
+        let travel = at(combing);
+        assert!(!travel.retract && travel.points.len() > 2, "{travel:?}");
+    }
+    // Too narrow for infill: only inside the walls, which shows.
+    let narrow = |combing: Combing| {
+        let mut part = Part::ring().with(|s| s.travel.combing = combing);
+        part.sparse = Area {
+            rings: [rect(1.0, 1.0, 7.0, 19.0), rect(13.0, 1.0, 19.0, 19.0)]
+                .into_iter()
+                .flat_map(|a| a.rings)
+                .collect(),
+        };
+        part.travel((4.0, 10.0), (16.0, 10.0))
+    };
+    assert_eq!(narrow(Combing::WithinInfill), straight);
+    let around = narrow(Combing::Everywhere);
+    assert!(around.retract && around.points.len() > 2, "{around:?}");
+}
+
+#[test]
+fn detours_have_a_limit() {
+    let at = |max_detour: f64| {
+        let part = Part::ring().with(|s| s.travel.max_detour = max_detour);
+        part.travel((4.0, 10.0), (16.0, 10.0))
+    };
+    // Round the hole's end: 2·√(4² + 8²) + 4 = 21.9 mm and the clearance.
+    assert!(!at(12.0).retract);
+    let straight = Travel::straight(DVec2::new(16.0, 10.0), true);
+    assert_eq!(at(9.0), straight);
+}
+
+#[test]
+fn top_skins_are_passed_by() {
+    // The layer above leaves the lower half of the ring open.
+    let mut part = Part::ring();
+    part.sparse = Area::EMPTY;
+    part.above = Some(rect(0.0, 9.0, 20.0, 20.0));
+    let top = bead(Role::TopSkin, &[(2.0, 1.0), (18.0, 1.0)]);
+    let lines = vec![
+        top,
+        bead(Role::InternalSkin, &[(4.0, 12.0), (4.0, 9.5)]),
+        bead(Role::InternalSkin, &[(16.0, 9.5), (16.0, 12.0)]),
+    ];
+    let lowest = |part: &Part| {
+        let travel = part.travels(lines.clone()).remove(1);
+        assert!(travel.points.len() > 2, "{travel:?}");
+        travel.points.iter().fold(f64::MAX, |y, p| y.min(p.y))
+    };
+    assert!(lowest(&part) > 9.0);
+    let part = part.with(|s| s.travel.combing = Combing::Everywhere);
+    assert!(lowest(&part) < 2.0);
+}
+
+#[test]
+fn islands_are_left_and_entered_squarely() {
+    // From the far end of one long island to that of another beside it.
+    let part = Part::new(&[[0.0, 0.0, 40.0, 8.0], [0.0, 10.0, 40.0, 18.0]]);
+    let (from, to) = (DVec2::new(20.0, 4.0), DVec2::new(38.0, 14.0));
+    let travel = part.travel((20.0, 4.0), (38.0, 14.0));
+    assert!(travel.retract);
+    let way: Vec<DVec2> = [from].into_iter().chain(travel.points).collect();
+    assert_eq!(way.last(), Some(&to));
+    let grid = EdgeGrid::new(&part.outline, 1.0);
+    let crossing: Vec<&[DVec2]> = way
+        .windows(2)
+        .filter(|p| !grid.crossings(p[0], p[1]).is_empty())
+        .collect();
+    let [air] = crossing[..] else {
+        panic!("not once: {way:?}");
+    };
+    let direction = (air[1] - air[0]).normalize();
+    assert!(direction.y > 0.99, "{way:?}");
+    // Straight across the gap it goes straight.
+    let travel = part.travel((20.0, 4.0), (21.0, 14.0));
+    assert_eq!(travel, Travel::straight(DVec2::new(21.0, 14.0), true));
+}
+
+#[test]
+fn leaving_the_skirt_is_retracted() {
+    let part = Part::square();
+    let travels = part.travels(vec![
+        bead(Role::Skirt, &[(-5.0, -5.0), (-5.0, 5.0)]),
+        bead(Role::SparseInfill, &[(1.5, 1.5), (4.0, 1.5)]),
+    ]);
+    assert!(travels[0].retract);
+}
+
+#[test]
+fn lifted_where_something_is_crossed() {
+    let hop = |part: Part, when: HopWhen| {
+        let part = part.with(|s| {
+            s.retract.z_hop = 0.3;
+            s.retract.z_hop_when = when;
+            s.retract.max_unretracted = 5.0;
+        });
+        let travel = part.travel((5.0, 10.0), (16.0, 10.0));
+        assert!(travel.retract);
+        travel.hop
+    };
+    let islands =
+        || Part::new(&[[0.0, 0.0, 9.0, 20.0], [11.0, 0.0, 20.0, 20.0]]);
+    assert!(!hop(Part::square(), HopWhen::Crossing));
+    assert!(hop(Part::square(), HopWhen::Always));
+    assert!(hop(islands(), HopWhen::Crossing));
+    assert!(!islands().travel((5.0, 10.0), (16.0, 10.0)).hop);
+}
+
+#[test]
+fn ways_begin_where_the_wipe_ends() {
+    let part = Part::square().with(|s| {
+        s.retract.wipe = 2.0;
+        s.retract.when_crossing = false;
+    });
+    let lines = vec![
+        bead(Role::SparseInfill, &[(5.0, 5.0), (5.0, 10.0)]),
+        bead(Role::SparseInfill, &[(15.0, 10.0), (15.0, 5.0)]),
+    ];
+    let travel = part.travels(lines).remove(0);
+    assert_eq!(travel.wipe, [DVec2::new(5.0, 8.0)]);
+    assert_eq!(travel.points, [DVec2::new(15.0, 10.0)]);
+    // What is hidden is not wiped.
+    let part = part.with(|s| s.retract.when_crossing = true);
+    assert!(part.travel((5.0, 5.0), (15.0, 5.0)).wipe.is_empty());
+}
+
+#[test]
+fn beads_are_moved_to_the_bed() {
+    let part = Part::square();
+    let grid = EdgeGrid::new(&part.outline, 1.0);
+    let line = bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]);
+    let by = DVec2::new(100.0, 50.0);
+    let path = connect(
+        SPAN,
+        vec![line],
+        part.ground(&grid),
+        None,
+        by,
+        &part.settings,
+    );
+    let Some(Move::Print(b)) = path.moves.last() else {
+        panic!("nothing printed");
+    };
+    assert_eq!(b.points[0], DVec2::new(101.0, 51.0));
+}

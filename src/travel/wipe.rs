@@ -1,0 +1,104 @@
+//! Wiping: on along the bead just printed while the filament is pulled back,
+//! so that what still comes out is spread where there is plastic already.
+//!
+//! In: the bead. Out: the way, and where it ends. A closed bead is followed
+//! once more from its beginning, an open one back from its end; a wipe ends
+//! with the bead that it follows.
+
+use crate::bead::Bead;
+use crate::settings::Settings;
+use glam::DVec2;
+
+/// The way of the wipe after a bead, without the bead's end, and its last
+/// point; nothing if there is to be none.
+pub fn path(bead: &Bead, settings: &Settings) -> Option<(Vec<DVec2>, DVec2)> {
+    let retract = &settings.retract;
+    if retract.wipe <= 0.0 || retract.length <= 0.0 {
+        return None;
+    }
+    let mut way = Vec::new();
+    match bead.closed {
+        true => along(bead.path(), retract.wipe, &mut way),
+        false => along(bead.points.iter().rev().copied(), retract.wipe, &mut way),
+    }
+    let end = *way.last()?;
+    Some((way, end))
+}
+
+/// Appends the first `left` millimetres of a path, without its first point.
+fn along(
+    path: impl Iterator<Item = DVec2>,
+    mut left: f64,
+    way: &mut Vec<DVec2>,
+) {
+    let mut at: Option<DVec2> = None;
+    for p in path {
+        if let Some(from) = at {
+            let step = from.distance(p);
+            if step >= left {
+                if step > 0.0 {
+                    way.push(from.lerp(p, left / step));
+                }
+                return;
+            }
+            left -= step;
+            if step > 0.0 {
+                way.push(p);
+            }
+        }
+        at = Some(p);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bead::Role;
+    use crate::plane::path_length;
+
+    fn bead(closed: bool) -> Bead {
+        Bead {
+            role: Role::OuterWall,
+            points: [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0)]
+                .map(DVec2::from)
+                .to_vec(),
+            closed,
+            width: 0.45,
+            widths: Vec::new(),
+            height: 0.2,
+        }
+    }
+
+    fn wiped(closed: bool, length: f64) -> Vec<DVec2> {
+        let mut settings = Settings::default();
+        settings.retract.wipe = length;
+        path(&bead(closed), &settings).map_or_else(Vec::new, |w| {
+            assert_eq!(w.0.last(), Some(&w.1));
+            w.0
+        })
+    }
+
+    #[test]
+    fn closed_beads_go_on_and_open_ones_back() {
+        assert_eq!(wiped(true, 1.0), [DVec2::new(1.0, 0.0)]);
+        assert_eq!(wiped(false, 1.0), [DVec2::new(4.0, 2.0)]);
+        let round = [DVec2::new(4.0, 0.0), DVec2::new(4.0, 1.5)];
+        assert_eq!(wiped(true, 5.5), round);
+        let back = [DVec2::new(4.0, 0.0), DVec2::new(1.5, 0.0)];
+        assert_eq!(wiped(false, 5.5), back);
+    }
+
+    #[test]
+    fn a_wipe_ends_with_its_bead() {
+        assert!(wiped(true, 0.0).is_empty());
+        let open = wiped(false, 50.0);
+        assert_eq!(open.last(), Some(&DVec2::ZERO));
+        let closed = wiped(true, 50.0);
+        assert_eq!(path_length(&closed, false), 3.0 + 5.0);
+        let mut point = bead(false);
+        point.points.truncate(1);
+        let mut settings = Settings::default();
+        settings.retract.wipe = 1.0;
+        assert!(path(&point, &settings).is_none());
+    }
+}
