@@ -7,6 +7,7 @@
 mod args;
 mod info;
 mod output;
+mod render;
 mod settings;
 mod slice;
 pub(crate) mod terminal;
@@ -19,6 +20,7 @@ Examples:
   isoslice slice -e 'sqrt(x^2+y^2+z^2) - 15' -o ball.gcode
   isoslice slice part.vm --size 60 --set layer_height=0.15 --set walls=3
   isoslice info part.rhai                         size, layers, parameters
+  isoslice render part.rhai                       a picture, part.png
   isoslice settings > my.toml                     to edit, for --config my.toml
 
 Exit codes: 0 done, 1 something is wrong with the input, 2 with the command.";
@@ -44,6 +46,8 @@ enum Command {
     Slice(Box<slice::SliceArgs>),
     /// Show a model's bounds, size, layers and parameters
     Info(Box<info::InfoArgs>),
+    /// Draw a model, shaded, as a PNG picture
+    Render(Box<render::RenderArgs>),
     /// Print all settings as commented TOML
     Settings(settings::SettingsArgs),
 }
@@ -53,6 +57,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Render(args) => render::run(&args),
         Command::Settings(args) => settings::run(&args),
     }
 }

@@ -151,7 +151,7 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
 
 impl SliceArgs {
     fn output_path(&self) -> PathBuf {
-        match (&self.output, &self.model.model) {
+        match (&self.output, &self.model.part.model) {
             (Some(output), _) => output.clone(),
             (None, Some(model)) => model.with_extension("gcode"),
             (None, None) => Path::new(FORMULA).with_extension("gcode"),
@@ -177,7 +177,7 @@ impl SliceArgs {
     }
 
     fn inputs(&self) -> Vec<&Path> {
-        let model = self.model.model.iter();
+        let model = self.model.part.model.iter();
         model
             .chain(&self.settings.config)
             .map(PathBuf::as_path)

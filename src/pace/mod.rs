@@ -360,7 +360,8 @@ impl<'a> Pacer<'a> {
         let way = wiping.map_or(0.0, |from| {
             from.distance(wipe[0]) + path_length(&wipe, false)
         });
-        let first = match way > SAME_PLACE {
+        // Firmware that retracts by itself does it at a stand.
+        let first = match way > SAME_PLACE && !retract.firmware {
             true => retract.length * retract.before_wipe / 100.0,
             false => retract.length,
         };

@@ -134,7 +134,7 @@ fn ends(bead: &Bead) -> Option<(DVec2, DVec2)> {
 
 /// True if a bead is a part of the part, and so inside it.
 fn of_part(bead: &Bead) -> bool {
-    bead.role != Role::Skirt
+    !matches!(bead.role, Role::Skirt | Role::Brim)
 }
 
 impl Travel {
