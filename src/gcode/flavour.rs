@@ -28,14 +28,20 @@ M84
 /// writer adds the heating before and after it.
 pub fn default_start(flavour: Flavour) -> &'static str {
     match flavour {
-        Flavour::Marlin | Flavour::Klipper => START,
+        Flavour::Marlin
+        | Flavour::Klipper
+        | Flavour::Rrf
+        | Flavour::Prusa => START,
     }
 }
 
 /// The end template of a firmware, used if the settings' is empty.
 pub fn default_end(flavour: Flavour) -> &'static str {
     match flavour {
-        Flavour::Marlin | Flavour::Klipper => END,
+        Flavour::Marlin
+        | Flavour::Klipper
+        | Flavour::Rrf
+        | Flavour::Prusa => END,
     }
 }
 
@@ -43,7 +49,7 @@ pub fn default_end(flavour: Flavour) -> &'static str {
 /// which then has to be set before each change from one to the other.
 pub(super) fn one_acceleration(flavour: Flavour) -> bool {
     match flavour {
-        Flavour::Marlin => false,
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => false,
         Flavour::Klipper => true,
     }
 }
@@ -52,7 +58,7 @@ pub(super) fn one_acceleration(flavour: Flavour) -> bool {
 /// layer's number from.
 pub(super) fn print_stats(flavour: Flavour) -> bool {
     match flavour {
-        Flavour::Marlin => false,
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => false,
         Flavour::Klipper => true,
     }
 }

@@ -66,7 +66,7 @@ impl Limits {
         let printer = &settings.printer;
         let (filament_share, cruise_acceleration) = match settings.gcode.flavour
         {
-            Flavour::Marlin => (1.0, 1.0),
+            Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => (1.0, 1.0),
             // Klipper lets the filament alone accelerate as it would when
             // printing a bead of 4·nozzle² cross-section, by default.
             Flavour::Klipper => (

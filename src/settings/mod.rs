@@ -372,6 +372,10 @@ value::words! {
         Marlin = "marlin",
         /// Klipper.
         Klipper = "klipper",
+        /// RepRapFirmware 3, of Duet boards.
+        Rrf = "rrf",
+        /// Prusa's firmware.
+        Prusa = "prusa",
     }
 }
 value::words! {
