@@ -28,20 +28,18 @@ M84
 /// writer adds the heating before and after it.
 pub fn default_start(flavour: Flavour) -> &'static str {
     match flavour {
-        Flavour::Marlin
-        | Flavour::Klipper
-        | Flavour::Rrf
-        | Flavour::Prusa => START,
+        Flavour::Marlin | Flavour::Klipper | Flavour::Rrf | Flavour::Prusa => {
+            START
+        }
     }
 }
 
 /// The end template of a firmware, used if the settings' is empty.
 pub fn default_end(flavour: Flavour) -> &'static str {
     match flavour {
-        Flavour::Marlin
-        | Flavour::Klipper
-        | Flavour::Rrf
-        | Flavour::Prusa => END,
+        Flavour::Marlin | Flavour::Klipper | Flavour::Rrf | Flavour::Prusa => {
+            END
+        }
     }
 }
 

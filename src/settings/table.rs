@@ -213,8 +213,8 @@ macro_rules! unit {
     (Mm) => {
         "mm"
     };
-    (Option<Mm>) => {
-        "mm"
+    (Option<$inner:ident>) => {
+        $crate::settings::table::unit!($inner)
     };
     (Mm2) => {
         "mm²"
@@ -242,6 +242,9 @@ macro_rules! unit {
     };
     (GramsPerCm3) => {
         "g/cm³"
+    };
+    (PricePerKg) => {
+        "per kg"
     };
     ($($other:tt)*) => {
         ""
