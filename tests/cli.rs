@@ -614,14 +614,18 @@ fn profiles_are_listed_and_shown() {
     assert!(list.starts_with("presets (--preset NAME)\n  draft  "));
     assert!(!list.contains("ender-3"));
 
-    let all =
-        json(isoslice(&folder).args(["profiles", "list", "--json"]));
+    let all = json(isoslice(&folder).args(["profiles", "list", "--json"]));
     let all = all.as_array().unwrap();
     let named = |name| all.iter().find(|p| p["name"] == name).unwrap();
     assert_eq!(named("ender-3-v2")["inherits"], "ender-3");
     assert_eq!(named("ender-3-v2")["kind"], "printer");
     assert!(named("ender-3")["file"].is_null());
-    assert!(named("mine")["file"].as_str().unwrap().ends_with("mine.toml"));
+    assert!(
+        named("mine")["file"]
+            .as_str()
+            .unwrap()
+            .ends_with("mine.toml")
+    );
 
     isoslice(&folder)
         .args(["profiles", "show", "mine"])
@@ -633,7 +637,9 @@ fn profiles_are_listed_and_shown() {
         .assert()
         .code(1)
         .stdout(is_empty())
-        .stderr(starts_with("error: there is no profile \"prusa-mk5\"; did "))
+        .stderr(starts_with(
+            "error: there is no profile \"prusa-mk5\"; did ",
+        ))
         .stderr(contains("prusa-mk4"));
 }
 
@@ -668,9 +674,10 @@ fn settings_come_from_profiles_files_and_the_command_line_in_order() {
         let found = effective.lines().find(|line| line.starts_with(start));
         found.unwrap_or_else(|| panic!("{start}: {effective}"))
     };
-    assert!(line("layer_height = 0.12 ").ends_with(
-        " # shipped presets/fine.toml:4"
-    ));
+    assert!(
+        line("layer_height = 0.12 ")
+            .ends_with(" # shipped presets/fine.toml:4")
+    );
     assert!(line("walls = 4 ").ends_with(" # my.toml:1"));
     assert!(line("seam = \"rear\" ").ends_with("mine.toml:4"));
     assert!(line("bed_x = 180 ").contains("shipped printers/prusa-mini.toml"));
@@ -748,16 +755,19 @@ fn info_and_summary_speak_json() {
     slice.args(["--set", "layer_height=0.35", "--set", "filament.cost=0"]);
     let told = json(&mut slice);
     assert_eq!(told["output"], "knob.gcode");
-    assert_eq!((&told["first_layer"], &told["last_layer"]), (
-        &serde_json::json!(1),
-        &told["layer_count"]
-    ));
+    assert_eq!(
+        (&told["first_layer"], &told["last_layer"]),
+        (&serde_json::json!(1), &told["layer_count"])
+    );
     assert!(told["print_time_s"].as_f64().unwrap() > 10.0);
     assert!(told["outline_p99_um"].as_f64().unwrap() < 5.0);
     assert!(told["filament_cost"].is_null());
     assert!(told.get("timings_s").is_none());
     let warnings = told["warnings"].as_array().unwrap();
-    assert!(warnings[0].as_str().unwrap().contains("0.8 ×"), "{warnings:?}");
+    assert!(
+        warnings[0].as_str().unwrap().contains("0.8 ×"),
+        "{warnings:?}"
+    );
 }
 
 #[test]
@@ -816,7 +826,10 @@ fn one_may_ask_for_less_and_for_more() {
     let warned = || starts_with("warning: layer_height");
     slice(&[]).assert().success().stderr(warned());
     slice(&["-q"]).assert().stdout(is_empty()).stderr(warned());
-    slice(&["-qq"]).assert().stdout(is_empty()).stderr(is_empty());
+    slice(&["-qq"])
+        .assert()
+        .stdout(is_empty())
+        .stderr(is_empty());
     slice(&["--filament", "tpu"])
         .assert()
         .stderr(contains("note:").not());
@@ -863,9 +876,8 @@ fn a_starter_slices_as_it_is() {
         .collect::<Vec<_>>();
     assert!(all.len() > 20, "{config}");
     write(&folder, "on.toml", &all.join("\n"));
-    let settings = |args: &[&str]| {
-        stdout(isoslice(&folder).arg("settings").args(args))
-    };
+    let settings =
+        |args: &[&str]| stdout(isoslice(&folder).arg("settings").args(args));
     assert_eq!(settings(&["--config", "on.toml"]), settings(&[]));
     assert_eq!(settings(&["--config", "my.part.toml"]), settings(&[]));
 }
