@@ -22,6 +22,8 @@ use glam::DVec2;
 pub enum Role {
     /// Loop around the part on the first layer, not touching it.
     Skirt,
+    /// Loops on the bed beside the part's first layer that hold it down.
+    Brim,
     /// The wall one sees.
     OuterWall,
     /// Walls behind the outer wall.
@@ -46,7 +48,7 @@ pub enum Role {
 
 impl Role {
     /// Every role, in the order summaries list them.
-    pub const ALL: [Role; 11] = [
+    pub const ALL: [Role; 12] = [
         Role::OuterWall,
         Role::InnerWall,
         Role::Overhang,
@@ -58,12 +60,14 @@ impl Role {
         Role::Ironing,
         Role::SparseInfill,
         Role::Skirt,
+        Role::Brim,
     ];
 
     /// Plain name for summaries, pictures and tests.
     pub fn name(self) -> &'static str {
         match self {
             Role::Skirt => "skirt",
+            Role::Brim => "brim",
             Role::OuterWall => "outer wall",
             Role::InnerWall => "inner wall",
             Role::Overhang => "overhang",

@@ -10,7 +10,11 @@ use common::{Kind, Layer, Move, OUTER_WALL, formula, parse, settings, slice};
 const BALL: &str = "sqrt(x^2 + y^2 + z^2) - 6";
 
 fn print(assignments: &[&str]) -> Vec<Layer> {
-    let mut all = vec!["cooling.min_layer_time=0", "speed.first_layer=2000"];
+    let mut all = vec![
+        "cooling.min_layer_time=0",
+        "speed.first_layer=2000",
+        "speed.small_perimeter_length=0",
+    ];
     all.extend(assignments);
     let settings = settings(&all);
     let (text, _) = slice(&formula(BALL, &settings), &settings, 2);

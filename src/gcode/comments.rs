@@ -19,7 +19,7 @@ pub(super) const END_OF_LAYERS: &str = "; end of layers";
 /// The role's name in PrusaSlicer's dialect.
 pub fn role_name(role: Role) -> &'static str {
     match role {
-        Role::Skirt => "Skirt/Brim",
+        Role::Skirt | Role::Brim => "Skirt/Brim",
         Role::OuterWall => "External perimeter",
         Role::InnerWall => "Perimeter",
         Role::Overhang => "Overhang perimeter",

@@ -6,9 +6,12 @@
 //!
 //! Guarantees:
 //! - a bead runs at its role's speed, no faster than `speed.first_layer` on
-//!   the first layer, no faster than the filament can be melted
+//!   the first layer, short closed walls no faster than
+//!   `speed.small_perimeter`, none faster than the filament can be melted
 //!   (`filament.max_flow`), slower if the layer would take less than
 //!   `cooling.min_layer_time`, but not below `cooling.min_speed` for that;
+//! - the fan runs faster on layers of little time, and comes up in steps
+//!   above the layers without it;
 //! - a retraction is primed before the next bead, at the latest at the
 //!   layer's end, and never repeated;
 //! - z rises before the head travels, and is the layer's top while it prints;
@@ -26,16 +29,18 @@
 //! anyway, so this costs some milliseconds a layer and makes a layer's time
 //! its own.
 
+mod fan;
 pub mod motion;
 pub mod rates;
 
-use crate::bead::Bead;
+use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::travel::{LayerPath, Move};
 use crate::units::{Celsius, Mm, MmPerSec, Percent, Seconds, filament_area};
 use crate::vary::VaryError;
+use fan::fan_speed;
 use glam::{DVec2, DVec3};
 use motion::{Limits, Motion};
 use rates::{Rater, Rates};
@@ -177,8 +182,10 @@ impl<'a> Pacer<'a> {
                     self.travel(&span, points, retract, &mut out);
                 }
                 Move::Print(bead) => {
+                    let limit = speed_limit(&bead, &span, self.settings);
                     let pieces = self.rater.pieces(bead, &span, solid)?;
-                    for (piece, rates) in pieces {
+                    for (piece, mut rates) in pieces {
+                        rates.speed = rates.speed.min(limit);
                         self.print(&span, piece, rates, &mut out);
                     }
                 }
@@ -194,11 +201,17 @@ impl<'a> Pacer<'a> {
         }
         self.prime(&mut out);
         let (slowing, time) = self.cool();
+        let fan_at = |asked| fan_speed(asked, span.index, time, self.settings);
         for step in &mut out {
-            if let PacedMove::Print { speed, .. } = step {
-                *speed = slowing.apply(*speed);
+            match step {
+                PacedMove::Print { speed, .. } => {
+                    *speed = slowing.apply(*speed);
+                }
+                PacedMove::Fan(speed) => *speed = fan_at(*speed),
+                _ => {}
             }
         }
+        fan = fan_at(fan);
         Ok(PacedLayer {
             span,
             moves: out,
@@ -288,7 +301,7 @@ impl<'a> Pacer<'a> {
             self.fan = rates.fan;
             out.push(PacedMove::Fan(rates.fan));
         }
-        let speed = print_speed(settings, span, &bead, &rates);
+        let speed = print_speed(settings, &bead, &rates);
         let filament = bead.area() * rates.flow
             / filament_area(settings.filament.diameter);
         let mut from = start;
@@ -444,29 +457,46 @@ impl Slowing {
     }
 }
 
-/// Speed of a bead before cooling: what its rates ask for, the first layer's,
-/// and what the filament's flow allows, whichever is least.
-fn print_speed(
-    settings: &Settings,
-    span: &LayerSpan,
-    bead: &Bead,
-    rates: &Rates,
-) -> MmPerSec {
-    let mut v = rates.speed;
-    if span.index == 0 {
-        v = v.min(settings.speed.first_layer);
+/// Greatest speed of a bead, whatever its role's: the first layer's, and that
+/// of small walls.
+fn speed_limit(bead: &Bead, span: &LayerSpan, settings: &Settings) -> MmPerSec {
+    let speed = &settings.speed;
+    let first = match span.index {
+        0 => speed.first_layer,
+        _ => f64::INFINITY,
+    };
+    match is_small_perimeter(bead, settings) {
+        true => first.min(speed.small_perimeter),
+        false => first,
     }
+}
+
+/// Speed of a bead before cooling: what its rates ask for, and what the
+/// filament's flow allows, whichever is less.
+fn print_speed(settings: &Settings, bead: &Bead, rates: &Rates) -> MmPerSec {
     let area = bead.area() * rates.flow;
-    if area > 0.0 && settings.filament.max_flow > 0.0 {
-        v = v.min(settings.filament.max_flow / area);
+    match area > 0.0 && settings.filament.max_flow > 0.0 {
+        true => rates.speed.min(settings.filament.max_flow / area),
+        false => rates.speed,
     }
-    v
+}
+
+/// True for a wall round a thin pin or a small hole; one with a gap at its
+/// seam counts as closed.
+fn is_small_perimeter(bead: &Bead, settings: &Settings) -> bool {
+    if !matches!(bead.role, Role::OuterWall | Role::InnerWall) {
+        return false;
+    }
+    let ends = bead.points.first().zip(bead.points.last());
+    let closed = bead.closed
+        || ends.is_some_and(|(a, b)| a.distance(*b) < 2.0 * bead.width);
+    closed && bead.length() < settings.speed.small_perimeter_length
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bead::{Role, cross_section};
+    use crate::bead::cross_section;
     use crate::settings::Varying;
 
     impl<'a> Pacer<'a> {
@@ -558,6 +588,23 @@ mod tests {
         assert!(limit > 40.0 && limit < 80.0);
         assert_eq!(speeds(&slow)[0], 40.0);
         assert!((speeds(&slow)[1] - limit).abs() < 1e-9);
+    }
+
+    #[test]
+    fn short_walls_are_slower() {
+        let mut s = Settings::default();
+        s.cooling.min_layer_time = 0.0;
+        let of = |s: &Settings, role, side| {
+            let layer = layer(1, vec![square(role, side)]);
+            speeds(&Pacer::plain(s).paced(layer))[0]
+        };
+        assert_eq!(of(&s, Role::OuterWall, 4.9), 25.0);
+        assert_eq!(of(&s, Role::OuterWall, 5.1), 40.0);
+        assert_eq!(of(&s, Role::SparseInfill, 2.0), 80.0);
+        s.speed.outer_wall = Varying::Constant(20.0);
+        assert_eq!(of(&s, Role::OuterWall, 4.9), 20.0);
+        s.speed.small_perimeter_length = 0.0;
+        assert_eq!(of(&s, Role::InnerWall, 4.9), 60.0);
     }
 
     #[test]

@@ -51,7 +51,7 @@ pub struct Rater<'a> {
 /// The setting of a role's speed.
 fn speed_of(role: Role, speed: &Speed) -> (&'static str, Varying) {
     let (key, value) = match role {
-        Role::Skirt => {
+        Role::Skirt | Role::Brim => {
             return ("speed.skirt", Varying::Constant(speed.skirt));
         }
         Role::OuterWall => ("speed.outer_wall", &speed.outer_wall),
@@ -239,8 +239,8 @@ impl<'a> Rater<'a> {
         span: &LayerSpan,
         [speed, flow, width, fan]: [f64; 4],
     ) -> (Bead, Rates) {
-        // The skirt is not part of the part.
-        if bead.role != Role::Skirt {
+        // Skirt and brim are not part of the part.
+        if !matches!(bead.role, Role::Skirt | Role::Brim) {
             bead.width *= width / 100.0;
         }
         let cooling = &self.settings.cooling;

@@ -7,7 +7,7 @@
 use super::stages::{Filled, Shell};
 use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
-use crate::bead::Bead;
+use crate::bead::{Bead, Role};
 use crate::gcode::{Totals, Writer};
 use crate::layers::LayerSpan;
 use crate::order::{Head, LayerBeads, order};
@@ -249,18 +249,32 @@ impl<'a, 'w> Exit<'a, 'w> {
             min: DVec2::ZERO,
             max: DVec2::new(printer.bed_x, printer.bed_y),
         };
-        let before = beads.skirt.len();
+        let mut left_out = Vec::new();
         beads.skirt.retain(|b| {
             let half = DVec2::splat(0.5 * b.width);
-            b.points.iter().all(|&p| {
+            let fits = b.points.iter().all(|&p| {
                 let p = p + self.offset;
                 bed.contains(p - half) && bed.contains(p + half)
-            })
+            });
+            if !fits {
+                left_out.push(b.role);
+            }
+            fits
         });
-        if beads.skirt.len() < before && layer == 0 {
+        if layer > 0 {
+            return;
+        }
+        if left_out.contains(&Role::Skirt) {
             self.warnings.push(
                 "the skirt does not fit on the bed and is left out; lower \
                  skirt.distance or set skirt.loops = 0"
+                    .into(),
+            );
+        }
+        if left_out.contains(&Role::Brim) {
+            self.warnings.push(
+                "the brim does not fit on the bed: loops that would leave it \
+                 are left out; lower brim.width"
                     .into(),
             );
         }

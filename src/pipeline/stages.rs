@@ -6,7 +6,7 @@
 
 use super::exit::Exit;
 use super::{BLOCK, SliceError};
-use crate::adhesion::skirt;
+use crate::adhesion::{brim, skirt};
 use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Field, FieldError};
 use crate::fuzzy::Fuzzy;
@@ -16,6 +16,7 @@ use crate::model::Model;
 use crate::order::LayerBeads;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
+use crate::region::compensate::Compensation;
 use crate::region::cover::Cover;
 use crate::region::exposure::{Slope, roomy, slope_layers, split};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
@@ -47,6 +48,8 @@ const SAME_HEIGHT: Mm = 1e-9;
 pub(super) struct Shell {
     pub span: LayerSpan,
     pub outline: Arc<Outline>,
+    /// The true outline, if that is not the one to print.
+    truth: Option<Arc<Outline>>,
     /// The outline again, for asking what is where.
     pub solid: Arc<EdgeGrid>,
     /// The outlines of the offset fields, if walls are made of these.
@@ -219,13 +222,30 @@ impl<'a> Stages<'a> {
             .collect::<Result<Vec<_>, FieldError>>()?;
         let mut shells: Vec<Shell> = Vec::with_capacity(spans.len());
         for (&span, outline) in spans.iter().zip(outlines_of_slab) {
-            let offsets: Vec<Area> = offset_outlines
+            let mut offsets: Vec<Area> = offset_outlines
                 .iter_mut()
                 .filter_map(|o| o.next().map(|o| o.area))
                 .collect();
             if !needed.contains(&span.index) {
                 continue;
             }
+            let (outline, truth) = match Compensation::new(&span, self.settings)
+            {
+                None => (outline, None),
+                Some(moved) => self.timings.time(Stage::Walls, || {
+                    for area in &mut offsets {
+                        *area = moved.apply(area);
+                    }
+                    let area = moved.apply(&outline.area);
+                    (
+                        Outline {
+                            area,
+                            ..outline.clone()
+                        },
+                        Some(Arc::new(outline)),
+                    )
+                }),
+            };
             let same = shells.last().filter(|below| *below.outline == outline);
             let solid = match same {
                 Some(below) => below.solid.clone(),
@@ -238,6 +258,7 @@ impl<'a> Stages<'a> {
             shells.push(Shell {
                 span,
                 outline,
+                truth,
                 solid,
                 offsets: Arc::new(offsets),
                 inside: None,
@@ -378,7 +399,7 @@ impl<'a> Stages<'a> {
         let parts = LayerParts {
             span: shell.span,
             z: shell.span.sample_z() + self.bed,
-            outline: &shell.outline,
+            outline: shell.truth.as_ref().unwrap_or(&shell.outline),
             edges: &shell.solid,
             walls,
         };
@@ -478,11 +499,17 @@ impl<'a> Stages<'a> {
                 fuzzy.apply(&mut walls, layer, span.sample_z(), &shell.solid)
             })?;
         }
+        let outline = &shell.outline.area;
+        let first = layer == 0;
+        let mut around = match layer < self.settings.skirt.layers as usize {
+            true => skirt(outline, first, height, self.settings),
+            false => Vec::new(),
+        };
+        if first {
+            around.extend(brim(outline, height, self.settings));
+        }
         Ok(LayerBeads {
-            skirt: match layer < self.settings.skirt.layers as usize {
-                true => skirt(&shell.outline.area, height, self.settings),
-                false => Vec::new(),
-            },
+            skirt: around,
             walls,
             infill: self.timings.time(Stage::Infill, || {
                 let place = infill::Place {

@@ -23,7 +23,7 @@ fn colour(role: Role) -> &'static str {
         Role::BottomSkin => "#4d80ba",
         Role::Bridge => "#4da6ff",
         Role::Ironing => "#ff8c69",
-        Role::Skirt => "#00876e",
+        Role::Skirt | Role::Brim => "#00876e",
     }
 }
 

@@ -15,6 +15,7 @@
 //! walls beside it ([`mod@line`]). Extruded area per area of part stays the same.
 
 mod ball;
+pub mod compensate;
 pub mod cover;
 pub mod exposure;
 pub mod floating;

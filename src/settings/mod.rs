@@ -95,6 +95,16 @@ table::settings! {
         /// every field, or by the field's own value, right only where the
         /// field is that distance.
         wall_offset: WallOffset = WallOffset::Distance;
+        /// How far outlines are moved outwards before anything else is made
+        /// of them (inwards, if negative), for plastic that shrinks or
+        /// spreads.
+        xy_compensation: Mm = 0.0, in -5.0..=5.0;
+        /// How much the first layer is drawn in on all sides, to make up for
+        /// being squeezed; places as thin as two walls keep their width.
+        elephant_foot: Mm = 0.0, in 0.0..=2.0;
+        /// Number of layers, from the bed, that are drawn in, each less than
+        /// the one below.
+        elephant_foot_layers: u32 = 1, in 1..=1000;
         /// Where closed walls begin and end.
         seam: Seam = Seam::Aligned;
 
@@ -221,6 +231,11 @@ table::settings! {
         /// Speed of solid layers that are covered from both sides.
         internal_skin: Varying<MmPerSec> = Varying::Constant(60.0),
             in 0.1..=2000.0;
+        /// Greatest speed of closed walls shorter than
+        /// small_perimeter_length: around thin pins and small holes.
+        small_perimeter: MmPerSec = 25.0, in 0.1..=2000.0;
+        /// Length of wall below which small_perimeter holds; 0 for none.
+        small_perimeter_length: Mm = 20.0, in 0.0..=1000.0;
         /// Speed of skin that faces upwards.
         top_skin: Varying<MmPerSec> = Varying::Constant(40.0),
             in 0.1..=2000.0;
@@ -236,7 +251,7 @@ table::settings! {
         /// Speed of ironing.
         ironing: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0;
-        /// Speed of the skirt.
+        /// Speed of the skirt and the brim.
         skirt: MmPerSec = 30.0, in 0.1..=2000.0;
         /// Greatest printing speed on the first layer.
         first_layer: MmPerSec = 20.0, in 0.1..=2000.0;
@@ -282,10 +297,20 @@ table::settings! {
     skirt: Skirt {
         /// Number of loops; 0 for no skirt.
         loops: u32 = 1, in 0..=1000;
-        /// Gap between the part and the innermost loop.
+        /// Gap between the part, or its brim, and the innermost loop.
         distance: Mm = 6.0, in 0.0..=1000.0;
         /// Number of layers, from the bed, that have a skirt.
         layers: u32 = 1, in 0..=50_000;
+    }
+    /// Loops beside the first layer that hold the part down.
+    brim: Brim {
+        /// Where: around the part, in its holes, or both.
+        place: BrimPlace = BrimPlace::None;
+        /// Width of all loops together.
+        width: Mm = 5.0, in 0.1..=200.0;
+        /// Gap between the part and the first loop; the wider, the easier
+        /// it comes off.
+        gap: Mm = 0.1, in 0.0..=20.0;
     }
     /// Fan, and slowing down for small layers.
     cooling: Cooling {
@@ -298,6 +323,16 @@ table::settings! {
         overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Number of layers, from the bed, printed without the fan.
         fan_off_layers: u32 = 1, in 0..=50_000;
+        /// Layer, from the bed, whose fan first runs at its full speed; on
+        /// the layers between fan_off_layers and this one it gets there in
+        /// even steps. 0 for no steps.
+        full_fan_layer: u32 = 0, in 0..=50_000;
+        /// Speed of the part's fan on layers that take only
+        /// min_layer_time, if that is more than fan_speed; between it and
+        /// long_layer_time, in proportion. auto is fan_speed.
+        short_layer_fan_speed: Option<Percent> = None, in 0.0..=100.0;
+        /// A layer that takes at least this long has fan_speed.
+        long_layer_time: Seconds = 30.0, in 0.0..=3600.0;
         /// A layer that would take less time than this is printed slower.
         min_layer_time: Seconds = 8.0, in 0.0..=3600.0;
         /// Least speed that slowing down for min_layer_time leads to.
@@ -403,6 +438,19 @@ value::words! {
         InnerFirst = "inner-first",
         /// Outer wall first: its place does not depend on the others.
         OuterFirst = "outer-first",
+    }
+}
+value::words! {
+    /// Where a brim is.
+    BrimPlace {
+        /// Nowhere.
+        None = "none",
+        /// Around the part.
+        Outer = "outer",
+        /// In the part's holes.
+        Inner = "inner",
+        /// Around the part and in its holes.
+        Both = "both",
     }
 }
 value::words! {

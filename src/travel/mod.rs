@@ -76,7 +76,7 @@ pub fn connect(
             None => straight(start, false),
         }));
         // Beads of the part end inside it; a skirt's does not.
-        inside = bead.role != Role::Skirt;
+        inside = !matches!(bead.role, Role::Skirt | Role::Brim);
         at = Some(end);
     }
     let mut moves = Vec::with_capacity(2 * beads.len());

@@ -1,0 +1,83 @@
+//! Compensations and brims in the G-code, against the radii of a tube.
+
+mod common;
+
+use common::{Kind, Layer, formula, parse, settings, slice};
+use glam::DVec2;
+
+/// A tube of 20 and 10 mm radius, 2 mm high.
+const TUBE: &str = "max(max(sqrt(x^2+y^2) - 20, 10 - sqrt(x^2+y^2)), \
+                    abs(z - 1) - 1)";
+
+fn layers(assignments: &[&str]) -> Vec<Layer> {
+    let settings = settings(assignments);
+    parse(&slice(&formula(TUBE, &settings), &settings, 2).0)
+}
+
+/// Least and greatest distance from the middle of the bed of what a role
+/// prints inside and outside the radius 15.
+fn radii(layer: &Layer, role: &str) -> [f64; 4] {
+    let mut found = [f64::INFINITY, 0.0, f64::INFINITY, 0.0];
+    for m in layer.moves.iter().filter(|m| m.role == role) {
+        if m.kind != Kind::Print {
+            continue;
+        }
+        let (a, b) = m.ends();
+        for p in [a, b] {
+            let r = p.distance(DVec2::splat(110.0));
+            let side = if r < 15.0 { 0 } else { 2 };
+            found[side] = found[side].min(r);
+            found[side + 1] = found[side + 1].max(r);
+        }
+    }
+    found
+}
+
+fn close(got: [f64; 4], [inner, outer]: [f64; 2]) {
+    let exact = [inner, inner, outer, outer];
+    for (got, exact) in got.into_iter().zip(exact) {
+        // What the G-code resolves, and the accuracy.
+        assert!((got - exact).abs() < 0.006, "{got} is not {exact}");
+    }
+}
+
+#[test]
+fn walls_lie_where_the_compensation_puts_them() {
+    let wall = 0.225;
+    for layer in layers(&[]) {
+        close(
+            radii(&layer, "External perimeter"),
+            [10.0 + wall, 20.0 - wall],
+        );
+    }
+    for by in [0.15, -0.1] {
+        let assignment = format!("xy_compensation={by}");
+        for layer in layers(&[&assignment]) {
+            close(
+                radii(&layer, "External perimeter"),
+                [10.0 + wall - by, 20.0 - wall + by],
+            );
+        }
+    }
+    let drawn = layers(&["elephant_foot=0.2", "elephant_foot_layers=2"]);
+    for (layer, by) in drawn.iter().zip([0.2, 0.1, 0.0, 0.0]) {
+        close(
+            radii(layer, "External perimeter"),
+            [10.0 + wall + by, 20.0 - wall - by],
+        );
+    }
+}
+
+#[test]
+fn a_brim_lies_beside_the_first_layer_only() {
+    let all = ["brim.place=both", "brim.gap=0.2", "brim.width=3"];
+    let printed = layers(&[&all[..], &["skirt.loops=0"]].concat());
+    let [_, nearest_inside, nearest_outside, widest] =
+        radii(&printed[0], "Skirt/Brim");
+    assert!((nearest_inside - (10.0 - 0.2 - 0.225)).abs() < 0.02);
+    assert!((nearest_outside - (20.0 + 0.2 + 0.225)).abs() < 0.02);
+    assert!((widest - (20.0 + 3.2)).abs() < 0.45);
+    for layer in &printed[1..] {
+        assert_eq!(layer.length("Skirt/Brim"), 0.0);
+    }
+}

@@ -1,0 +1,122 @@
+//! The guide's commands, run as a reader would: each page in a folder of its
+//! own, with the files that the page shows.
+//!
+//! ````text
+//! ```toml name.toml    is written to a file of that name
+//! ```sh                each line is a command, which must succeed
+//! ````
+#![cfg(unix)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A block between two lines of three backquotes.
+struct Block {
+    /// What stands behind the first of them.
+    info: String,
+    text: String,
+    /// Line of the page on which it begins, from 1.
+    line: usize,
+}
+
+fn blocks(page: &str) -> Vec<Block> {
+    let mut found: Vec<Block> = Vec::new();
+    let mut open = false;
+    for (i, line) in page.lines().enumerate() {
+        match (line.strip_prefix("```"), open) {
+            (Some(info), false) => {
+                open = true;
+                found.push(Block {
+                    info: info.trim().to_owned(),
+                    text: String::new(),
+                    line: i + 2,
+                });
+            }
+            (Some(_), true) => open = false,
+            (None, true) => {
+                let block = found.last_mut().expect("a block is open");
+                block.text.push_str(line);
+                block.text.push('\n');
+            }
+            (None, false) => {}
+        }
+    }
+    assert!(!open, "a block is not closed");
+    found
+}
+
+/// Runs a page; returns how many commands it had.
+fn run(page: &Path) -> usize {
+    let text = std::fs::read_to_string(page).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let binary = Path::new(env!("CARGO_BIN_EXE_isoslice"));
+    let path = format!(
+        "{}:{}",
+        binary.parent().unwrap().display(),
+        std::env::var("PATH").unwrap_or_default()
+    );
+    let mut commands = 0;
+    for block in blocks(&text) {
+        let words: Vec<&str> = block.info.split_whitespace().collect();
+        match words[..] {
+            ["sh"] => {}
+            [_, name] => {
+                std::fs::write(folder.path().join(name), block.text).unwrap();
+                continue;
+            }
+            _ => continue,
+        }
+        for (i, line) in block.text.lines().enumerate() {
+            let output = Command::new("sh")
+                .args(["-c", line])
+                .current_dir(folder.path())
+                .env("PATH", &path)
+                // No profiles but those of the binary.
+                .env("XDG_CONFIG_HOME", folder.path())
+                .output()
+                .unwrap();
+            assert!(
+                output.status.success(),
+                "{}:{}: {line}\n{}",
+                page.display(),
+                block.line + i,
+                String::from_utf8_lossy(&output.stderr)
+            );
+            commands += 1;
+        }
+    }
+    commands
+}
+
+fn pages() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let mut pages: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "md"))
+        .collect();
+    pages.sort();
+    pages
+}
+
+#[test]
+fn every_command_of_the_guide_works() {
+    let commands: usize = pages().iter().map(|page| run(page)).sum();
+    assert!(commands > 10, "{commands}");
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for page in pages().into_iter().chain([root.join("README.md")]) {
+        let text = std::fs::read_to_string(&page).unwrap();
+        for link in text.split("](").skip(1) {
+            let target = link.split([')', '#']).next().unwrap_or_default();
+            if target.is_empty() || target.contains("://") {
+                continue;
+            }
+            let file = page.parent().unwrap().join(target);
+            assert!(file.exists(), "{}: {target}", page.display());
+        }
+    }
+}
