@@ -373,6 +373,8 @@ fn unwise_settings_are_warned_of() {
                 &["speed.sparse_infill=200"],
                 &["speed.first_layer=90"],
                 &["cooling.min_speed=100"],
+                &["cooling.full_fan_layer=1"],
+                &["cooling.long_layer_time=8"],
                 &["retract.min_travel=40"],
                 &["retract.length=0", "retract.z_hop=0.4"],
                 &["ironing=true", "top_thickness=0"],

@@ -64,7 +64,7 @@ impl Sums<'_> {
     }
 }
 
-/// The keys of `--json`; the README says what they mean.
+/// The keys of `--json`; docs/command-line.md says what they mean.
 #[derive(Serialize)]
 struct Json<'a> {
     model: &'a str,

@@ -409,12 +409,33 @@ fn without_effect(
     );
     warn(
         "cooling.min_speed",
-        s.cooling.min_speed > fastest,
+        s.cooling.min_speed > fastest && s.cooling.min_layer_time > 0.0,
         format!(
             "cooling.min_speed = {} mm/s is more than any printing speed, so \
-             small layers are never slowed down; lower it, or set \
-             cooling.min_layer_time to 0 to say so",
+             no layer can be slowed down to take cooling.min_layer_time; \
+             lower it",
             s.cooling.min_speed,
+        ),
+    );
+    let cooling = &s.cooling;
+    warn(
+        "cooling.full_fan_layer",
+        (1..=cooling.fan_off_layers).contains(&cooling.full_fan_layer),
+        format!(
+            "cooling.full_fan_layer = {} has no effect, since the fan is off \
+             on the first cooling.fan_off_layers = {} layers; set it to a \
+             later one",
+            cooling.full_fan_layer, cooling.fan_off_layers,
+        ),
+    );
+    warn(
+        "cooling.long_layer_time",
+        cooling.long_layer_time <= cooling.min_layer_time,
+        format!(
+            "cooling.long_layer_time = {} s is not more than \
+             cooling.min_layer_time = {} s, so there is nothing between short \
+             and long layers; raise it",
+            cooling.long_layer_time, cooling.min_layer_time,
         ),
     );
     for (key, value) in [
