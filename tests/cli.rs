@@ -641,6 +641,11 @@ fn profiles_are_listed_and_shown() {
             "error: there is no profile \"prusa-mk5\"; did ",
         ))
         .stderr(contains("prusa-mk4"));
+    isoslice(&folder)
+        .args(["profiles", "--profiles", "nowhere"])
+        .assert()
+        .code(1)
+        .stderr("error: there is no folder nowhere (--profiles)\n");
 }
 
 fn write_profile(folder: &TempDir, name: &str, text: &str) {

@@ -260,7 +260,7 @@ pub(super) struct Gathered {
 impl SettingsSource {
     /// The settings and where they are from; warnings are shown to the user.
     pub(super) fn gather(&self) -> anyhow::Result<Gathered> {
-        let profiles = self.profiles.find();
+        let profiles = self.profiles.find()?;
         let mut builder = Builder::new();
         for (kind, name) in [
             (ProfileKind::Printer, &self.printer),
@@ -322,8 +322,14 @@ impl ProfilesSource {
     }
 
     /// All profiles there are.
-    pub(super) fn find(&self) -> Profiles {
-        Profiles::new(self.folder())
+    pub(super) fn find(&self) -> anyhow::Result<Profiles> {
+        // The usual place may well be empty, but not one that was named.
+        if let Some(folder) = &self.folder
+            && !folder.is_dir()
+        {
+            bail!("there is no folder {} (--profiles)", folder.display());
+        }
+        Ok(Profiles::new(self.folder()))
     }
 }
 

@@ -93,7 +93,7 @@ impl Listed {
 }
 
 fn list(args: &ListArgs) -> anyhow::Result<()> {
-    let profiles = args.source.find();
+    let profiles = args.source.find()?;
     let wanted = |kind: &ProfileKind| {
         args.kind.as_ref().is_none_or(|name| name == kind.folder())
     };
@@ -144,7 +144,7 @@ fn describe(
 }
 
 fn show(args: &ShowArgs) -> anyhow::Result<()> {
-    let profiles = args.source.find();
+    let profiles = args.source.find()?;
     let mut text = String::new();
     for kind in ProfileKind::ALL {
         let of_kind = profiles.list(kind)?;
