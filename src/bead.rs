@@ -13,6 +13,7 @@
 //! spacing is exactly h.
 
 use crate::plane::path_length;
+pub use crate::units::cross_section;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
 
@@ -192,16 +193,6 @@ impl Bead {
         let back = self.closed.then(|| self.points.first().copied()).flatten();
         self.points.iter().copied().chain(back)
     }
-}
-
-/// Cross-section (w − h)·h + π(h/2)² of a bead `width` wide and `height` high.
-/// A bead narrower than it is high is taken as an ellipse, π/4·w·h.
-pub fn cross_section(width: Mm, height: Mm) -> Mm2 {
-    use std::f64::consts::FRAC_PI_4;
-    if width <= height {
-        return FRAC_PI_4 * width * height;
-    }
-    (width - height) * height + FRAC_PI_4 * height * height
 }
 
 /// Distance between the centre lines of two beads side by side that fill the

@@ -22,6 +22,8 @@ pub type Seconds = f64;
 pub type Degrees = f64;
 /// Density in grams per cubic centimetre.
 pub type GramsPerCm3 = f64;
+/// Price of a kilogram, in the user's currency.
+pub type PricePerKg = f64;
 /// Temperature in degrees Celsius.
 pub type Celsius = f64;
 /// Share in percent (100 is the whole).
@@ -35,6 +37,16 @@ pub fn feed_rate(speed: MmPerSec) -> f64 {
 /// Cross-section of round filament, mm².
 pub fn filament_area(diameter: Mm) -> Mm2 {
     std::f64::consts::FRAC_PI_4 * diameter * diameter
+}
+
+/// Cross-section (w − h)·h + π(h/2)² of a bead `width` wide and `height` high.
+/// A bead narrower than it is high is taken as an ellipse, π/4·w·h.
+pub fn cross_section(width: Mm, height: Mm) -> Mm2 {
+    use std::f64::consts::FRAC_PI_4;
+    if width <= height {
+        return FRAC_PI_4 * width * height;
+    }
+    (width - height) * height + FRAC_PI_4 * height * height
 }
 
 /// A duration as people read it: `1h 2m 3s`, leading zero units left out.

@@ -20,6 +20,8 @@ fn isoslice(folder: &TempDir) -> Command {
     command
         .current_dir(folder.path())
         .env("COLUMNS", "80")
+        // Whoever runs the tests may have profiles.
+        .env("ISOSLICE_PROFILES", folder.path().join("profiles"))
         .env_remove("NO_COLOR");
     command
 }
@@ -57,6 +59,8 @@ fn help_reads_well() {
         ("help_slice", &["slice", "--help"]),
         ("help_info", &["info", "--help"]),
         ("help_settings", &["settings", "--help"]),
+        ("help_profiles", &["profiles", "--help"]),
+        ("help_new", &["new", "--help"]),
     ] {
         let help = stdout(isoslice(&folder).args(args));
         insta::with_settings!({ omit_expression => true }, {
@@ -87,7 +91,8 @@ fn slicing_a_formula_writes_beside_the_caller_and_sums_up() {
         .stdout(starts_with("formula.gcode\n"))
         .stdout(contains("mm\n  layers "))
         .stdout(contains("\n  print time  ").and(contains("s\n")))
-        .stdout(contains("\n  filament    ").and(contains(" g\n")))
+        .stdout(contains("\n  filament    ").and(contains(" g, ")))
+        .stdout(contains(" at 25 per kg\n"))
         .stdout(contains("\n  took        "))
         .stderr(is_empty());
     assert_eq!(names(folder.path()), ["formula.gcode"]);
@@ -592,6 +597,342 @@ fn threads_do_not_show_in_the_file() {
     assert!(slice("1") == slice("3"));
 }
 
+fn json(command: &mut Command) -> serde_json::Value {
+    serde_json::from_str(&stdout(command)).unwrap()
+}
+
+#[test]
+fn profiles_are_listed_and_shown() {
+    let folder = folder();
+    write_profile(&folder, "filaments/mine.toml", "description = 'My own'\n");
+    let list = stdout(isoslice(&folder).arg("profiles"));
+    assert!(list.starts_with("printers (--printer NAME)\n  ender-3  "));
+    assert!(list.contains("\n  mine                 My own (yours)\n"));
+    assert!(list.contains("\npresets (--preset NAME)\n  draft "));
+    assert!(list.trim_end().ends_with("profiles"), "{list}");
+    let list = stdout(isoslice(&folder).args(["profiles", "list", "presets"]));
+    assert!(list.starts_with("presets (--preset NAME)\n  draft  "));
+    assert!(!list.contains("ender-3"));
+
+    let all = json(isoslice(&folder).args(["profiles", "list", "--json"]));
+    let all = all.as_array().unwrap();
+    let named = |name| all.iter().find(|p| p["name"] == name).unwrap();
+    assert_eq!(named("ender-3-v2")["inherits"], "ender-3");
+    assert_eq!(named("ender-3-v2")["kind"], "printer");
+    assert!(named("ender-3")["file"].is_null());
+    assert!(
+        named("mine")["file"]
+            .as_str()
+            .unwrap()
+            .ends_with("mine.toml")
+    );
+
+    isoslice(&folder)
+        .args(["profiles", "show", "mine"])
+        .assert()
+        .success()
+        .stdout("description = 'My own'\n");
+    isoslice(&folder)
+        .args(["profiles", "show", "prusa-mk5"])
+        .assert()
+        .code(1)
+        .stdout(is_empty())
+        .stderr(starts_with(
+            "error: there is no profile \"prusa-mk5\"; did ",
+        ))
+        .stderr(contains("prusa-mk4"));
+    isoslice(&folder)
+        .args(["profiles", "--profiles", "nowhere"])
+        .assert()
+        .code(1)
+        .stderr("error: there is no folder nowhere (--profiles)\n");
+}
+
+fn write_profile(folder: &TempDir, name: &str, text: &str) {
+    let path = folder.path().join("profiles").join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, text).unwrap();
+}
+
+#[test]
+fn settings_come_from_profiles_files_and_the_command_line_in_order() {
+    let folder = folder();
+    write_profile(
+        &folder,
+        "presets/mine.toml",
+        "inherits = 'fine'\n\nwalls = 3\nseam = 'rear'\n",
+    );
+    write(&folder, "my.toml", "walls = 4\n");
+    let args = [
+        "settings",
+        "--printer",
+        "prusa-mini",
+        "--filament=petg",
+        "--preset=mine",
+        "--config=my.toml",
+        "--set",
+        "skirt.loops=2",
+        "--effective",
+    ];
+    let effective = stdout(isoslice(&folder).args(args));
+    let line = |start: &str| {
+        let found = effective.lines().find(|line| line.starts_with(start));
+        found.unwrap_or_else(|| panic!("{start}: {effective}"))
+    };
+    assert!(
+        line("layer_height = 0.12 ")
+            .ends_with(" # shipped presets/fine.toml:4")
+    );
+    assert!(line("walls = 4 ").ends_with(" # my.toml:1"));
+    assert!(line("seam = \"rear\" ").ends_with("mine.toml:4"));
+    assert!(line("bed_x = 180 ").contains("shipped printers/prusa-mini.toml"));
+    assert!(line("density = 1.27 ").contains("shipped filaments/petg.toml"));
+    assert!(line("loops = 2 ").ends_with(" # --set"));
+    assert!(line("accuracy = 0.005 ").ends_with(" # default"));
+    // It can be fed back.
+    write(&folder, "all.toml", &effective);
+    let plain = |args: &[&str]| stdout(isoslice(&folder).args(args));
+    let fed_back = plain(&["settings", "--config", "all.toml"]);
+    assert_eq!(fed_back, plain(&args[..args.len() - 1]));
+
+    let mut args = args;
+    args[8] = "--json";
+    let told = json(isoslice(&folder).args(args));
+    let walls = serde_json::json!(
+        { "value": 4, "unit": "", "default": 2, "from": "my.toml:1" }
+    );
+    assert_eq!(told["walls"], walls);
+    assert_eq!(told["retract.length"]["value"], 3.2);
+    assert_eq!(told["seam"]["value"], "rear");
+}
+
+#[test]
+fn an_unknown_profile_is_answered_with_the_nearest() {
+    let folder = folder();
+    for (command, option, wrong, right) in [
+        ("slice", "--printer", "prusa-mini+", "prusa-mini"),
+        ("info", "--filament", "PETG-X", "petg"),
+        ("slice", "--preset", "thinwall", "thin-wall"),
+        ("info", "--printer", "MK3S", "prusa-mk3s"),
+    ] {
+        isoslice(&folder)
+            .args([command, "-e", BALL, option, wrong])
+            .assert()
+            .code(1)
+            .stderr(starts_with(format!("error: {option} {wrong}: there is ")))
+            .stderr(contains(format!("did you mean {right}")));
+    }
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn a_profile_is_no_output() {
+    let folder = folder();
+    write(&folder, "mine.toml", "walls = 1\n");
+    isoslice(&folder)
+        .args(["slice", "-e", BALL, "--preset", "./mine.toml"])
+        .args(["-o", "mine.toml"])
+        .assert()
+        .code(1)
+        .stderr(contains("is also an input and would be overwritten"));
+}
+
+#[test]
+fn info_and_summary_speak_json() {
+    let folder = folder();
+    write(&folder, "knob.rhai", KNOB);
+    let args = ["knob.rhai", "-D", "radius=5", "--json"];
+    let info = json(isoslice(&folder).arg("info").args(args));
+    assert_eq!(info["model"], "knob");
+    assert_eq!(info["layer_count"], 15);
+    assert_eq!(info["size_mm"][2], 3.0);
+    assert_eq!(
+        info["parameters"][0],
+        serde_json::json!({
+            "name": "radius",
+            "value": 5.0,
+            "default": 4.0,
+            "description": "radius, mm",
+        })
+    );
+    let mut slice = isoslice(&folder);
+    slice.arg("slice").args(args);
+    slice.args(["--set", "layer_height=0.35", "--set", "filament.cost=0"]);
+    let told = json(&mut slice);
+    assert_eq!(told["output"], "knob.gcode");
+    assert_eq!(
+        (&told["first_layer"], &told["last_layer"]),
+        (&serde_json::json!(1), &told["layer_count"])
+    );
+    assert!(told["print_time_s"].as_f64().unwrap() > 10.0);
+    assert!(told["outline_p99_um"].as_f64().unwrap() < 5.0);
+    assert!(told["filament_cost"].is_null());
+    assert!(told.get("timings_s").is_none());
+    let warnings = told["warnings"].as_array().unwrap();
+    assert!(
+        warnings[0].as_str().unwrap().contains("0.8 ×"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn standard_input_and_output_are_dashes() {
+    let folder = folder();
+    let from_file = {
+        write(&folder, "stdin.rhai", KNOB);
+        isoslice(&folder)
+            .args(["slice", "-q", "stdin.rhai", "-D", "radius=3"])
+            .assert()
+            .success();
+        read(&folder, "stdin.gcode")
+    };
+    let output = isoslice(&folder)
+        .args(["slice", "-", "-D", "radius=3", "-o", "-"])
+        .write_stdin(KNOB)
+        .assert()
+        .success()
+        .stderr(starts_with("stdin (on standard output)\n  size  "))
+        .get_output()
+        .stdout
+        .clone();
+    assert!(from_file.as_bytes() == output, "the same bytes");
+    for (format, text) in [("formula", BALL), ("vm", UNIT_BALL)] {
+        isoslice(&folder)
+            .args(["info", "-", "--format", format])
+            .write_stdin(text)
+            .assert()
+            .success()
+            .stdout(starts_with("stdin\n  size  "));
+    }
+    isoslice(&folder)
+        .args(["info", "-"])
+        .write_stdin("let")
+        .assert()
+        .code(1)
+        .stderr(starts_with("error: stdin"));
+    isoslice(&folder)
+        .args(["slice", "-e", BALL, "-o", "-", "--report", "-"])
+        .assert()
+        .code(1)
+        .stdout(is_empty())
+        .stderr(contains("would both be -"));
+}
+
+#[test]
+fn one_may_ask_for_less_and_for_more() {
+    let folder = folder();
+    let slice = |more: &[&str]| {
+        let mut command = isoslice(&folder);
+        command
+            .args(["slice", "-e", BALL, "--set", "layer_height=0.35"])
+            .args(more);
+        command
+    };
+    let warned = || starts_with("warning: layer_height");
+    slice(&[]).assert().success().stderr(warned());
+    slice(&["-q"]).assert().stdout(is_empty()).stderr(warned());
+    slice(&["-qq"])
+        .assert()
+        .stdout(is_empty())
+        .stderr(is_empty());
+    slice(&["--filament", "tpu"])
+        .assert()
+        .stderr(contains("note:").not());
+    slice(&["--filament", "tpu", "-v"])
+        .assert()
+        .stdout(contains("    contour ").not())
+        .stderr(contains(
+            "note: filament.max_flow = 3 mm³/s slows speed.outer_wall from 40 \
+             to ",
+        ));
+    slice(&["-vv"]).assert().stdout(contains("    contour "));
+    slice(&["-q", "-v"]).assert().code(2);
+    // Errors are always told.
+    slice(&["-qq", "--set", "walls=-1"])
+        .assert()
+        .code(1)
+        .stderr(starts_with("error: "));
+}
+
+#[test]
+fn a_starter_slices_as_it_is() {
+    let folder = folder();
+    isoslice(&folder)
+        .args(["new", "my.part"])
+        .assert()
+        .success()
+        .stdout(starts_with("my.part.rhai\nmy.part.toml\n"))
+        .stdout(contains("slice my.part.rhai --config my.part.toml\n"));
+    let script = read(&folder, "my.part.rhai");
+    for shown in ["param(", "sphere(", "box(", "blend(", "my.part.toml"] {
+        assert!(script.contains(shown), "{shown}");
+    }
+    isoslice(&folder)
+        .args(["slice", "my.part.rhai", "--config", "my.part.toml"])
+        .assert()
+        .success()
+        .stderr(is_empty());
+    // Its settings are the defaults, and right once the # is taken off.
+    let config = read(&folder, "my.part.toml");
+    let all = config
+        .lines()
+        .map(|line| line.strip_prefix("# ").unwrap_or(line))
+        .filter(|line| line.split(' ').nth(1) == Some("="))
+        .collect::<Vec<_>>();
+    assert!(all.len() > 20, "{config}");
+    write(&folder, "on.toml", &all.join("\n"));
+    let settings =
+        |args: &[&str]| stdout(isoslice(&folder).arg("settings").args(args));
+    assert_eq!(settings(&["--config", "on.toml"]), settings(&[]));
+    assert_eq!(settings(&["--config", "my.part.toml"]), settings(&[]));
+}
+
+#[test]
+fn a_starter_overwrites_nothing() {
+    let folder = folder();
+    write(&folder, "part.toml", "mine");
+    for name in ["part", "part.rhai"] {
+        isoslice(&folder)
+            .args(["new", name])
+            .assert()
+            .code(1)
+            .stderr(contains("part.toml is already there"));
+    }
+    assert_eq!(names(folder.path()), ["part.toml"]);
+    assert_eq!(read(&folder, "part.toml"), "mine");
+    isoslice(&folder).args(["new", ".."]).assert().code(1);
+    isoslice(&folder).args(["new", "none/x"]).assert().code(1);
+    assert_eq!(names(folder.path()), ["part.toml"]);
+}
+
+#[test]
+fn shells_and_manual_know_every_command() {
+    let folder = folder();
+    let commands = ["slice", "info", "settings", "profiles", "new", "man"];
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = stdout(isoslice(&folder).args(["completions", shell]));
+        for known in commands {
+            assert!(script.contains(known), "{shell}: {known}");
+        }
+        assert!(script.contains("infill") || script.contains("filament"));
+    }
+    let page = stdout(isoslice(&folder).arg("man"));
+    assert!(page.contains(".TH isoslice 1"), "{page}");
+    for section in ["EXAMPLES", "EXIT CODES", "ENVIRONMENT", "SUBCOMMANDS"] {
+        assert!(page.contains(section), "{section}");
+    }
+    let page = stdout(isoslice(&folder).args(["man", "slice"]));
+    assert!(page.contains("\\-\\-layers"), "{page}");
+    isoslice(&folder).args(["man", "slize"]).assert().code(1);
+    stdout(isoslice(&folder).args(["man", "--dir", "man1"]));
+    let pages = names(&folder.path().join("man1"));
+    assert!(pages.contains(&"isoslice.1".to_owned()), "{pages:?}");
+    for command in commands {
+        let name = format!("isoslice-{command}.1");
+        assert!(pages.contains(&name), "{name}: {pages:?}");
+    }
+}
+
 #[cfg(unix)]
 mod unix {
     use super::*;
@@ -666,5 +1007,25 @@ mod unix {
         .status()
         .unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(status.code(), Some(0));
+    }
+
+    #[test]
+    fn nor_is_one_that_leaves_the_gcode() {
+        let folder = folder();
+        let (reader, writer) =
+            std::io::pipe().unwrap_or_else(|e| panic!("{e}"));
+        drop(reader);
+        let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!(
+            "isoslice"
+        ))
+        .args(["slice", "-e", BALL, "-o", "-"])
+        .current_dir(folder.path())
+        .stdout(writer)
+        .stderr(std::process::Stdio::piped())
+        .output()
+        .unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(output.status.code(), Some(0));
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+        assert!(names(folder.path()).is_empty());
     }
 }

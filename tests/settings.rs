@@ -320,6 +320,7 @@ fn settings_that_do_not_work_together_are_refused() {
                 &["infill_width=2.5"],
                 &["skin_width=0.25", "layer_height=0.26"],
                 &["accuracy=0.1"],
+                &["retract.extra_prime=-1"],
                 &[
                     "printer.height=1",
                     "printer.nozzle_diameter=2",
@@ -366,11 +367,38 @@ fn unwise_settings_are_warned_of() {
                 &["outer_wall_width=1.3"],
                 &["sample_spacing=0.5"],
                 &["filament.nozzle_temperature=20"],
+                &["printer.max_nozzle_temperature=200"],
+                &["printer.max_bed_temperature=50"],
                 &["flow=150"],
+                &["speed.sparse_infill=200"],
+                &["speed.first_layer=90"],
+                &["cooling.min_speed=100"],
+                &["cooling.full_fan_layer=1"],
+                &["cooling.long_layer_time=8"],
+                &["retract.min_travel=40"],
+                &["retract.length=0", "retract.z_hop=0.4"],
+                &["ironing=true", "top_thickness=0"],
+                &["infill_mode=solid"],
             ]
             .map(|given| (given.join(" "), warnings(given).join("\n    "))),
         ),
     );
+}
+
+#[test]
+fn what_nobody_asked_for_is_not_warned_of() {
+    // The default speeds are too much for this filament, which slows them.
+    let (slow, warnings) =
+        set(&["filament.max_flow=3"]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(warnings, Vec::<String>::new());
+    let notes = slow.notes().join("\n");
+    let expected = "filament.max_flow = 3 mm³/s slows speed.outer_wall from \
+                    40 to 37, speed.inner_wall from 60 to 37, ";
+    assert!(notes.starts_with(expected), "{notes}");
+    // 0.45 × 0.2 mm with round ends.
+    let area = 0.25 * 0.2 + 0.01 * std::f64::consts::PI;
+    assert!((3.0 / area - 36.8).abs() < 0.1);
+    assert!(Settings::default().notes().is_empty());
 }
 
 #[test]

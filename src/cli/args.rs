@@ -1,63 +1,28 @@
 //! Arguments that several commands share, and what they mean.
 
 use super::terminal;
-use clap::Args;
+use anyhow::{Context, bail};
+use clap::{Args, ValueEnum};
+use etcetera::BaseStrategy;
 use glam::DVec3;
 use isoslice::model::{
     self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
 };
-use isoslice::settings::{Builder, Settings};
-use std::path::PathBuf;
+use isoslice::settings::{Builder, ProfileKind, Profiles, Settings};
+use std::io::{Read, stdin};
+use std::path::{Path, PathBuf};
 
 /// Name of a model that is given as a formula.
 pub(super) const FORMULA: &str = "formula";
 
+/// Name of a model that comes from standard input.
+pub(super) const STDIN: &str = "stdin";
+
 /// Which model, and how it is placed.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug, PartialEq)]
 pub(super) struct ModelArgs {
-    #[command(flatten)]
-    pub(super) part: PartArgs,
-
-    #[command(flatten)]
-    scale: ScaleArgs,
-}
-
-impl ModelArgs {
-    /// Loads the model and puts it on the printer.
-    pub(super) fn load(&self, settings: &Settings) -> anyhow::Result<Model> {
-        self.part.load(&self.scale, settings)
-    }
-}
-
-/// How large a model becomes.
-#[derive(Args, Debug, Default)]
-pub(super) struct ScaleArgs {
-    /// Scale so that the largest side measures S mm
-    #[arg(
-        long,
-        value_name = "S",
-        conflicts_with = "scale",
-        allow_hyphen_values = true,
-        value_parser = positive,
-        help_heading = "Placement"
-    )]
-    size: Option<f64>,
-
-    /// Scale by a factor
-    #[arg(
-        long,
-        value_name = "FACTOR",
-        allow_hyphen_values = true,
-        value_parser = positive,
-        help_heading = "Placement"
-    )]
-    scale: Option<f64>,
-}
-
-/// Which model, and how it is placed, but for its scale.
-#[derive(Args, Debug)]
-pub(super) struct PartArgs {
-    /// The model: a Rhai script (.rhai) or fidget's text format (.vm)
+    /// The model: a Rhai script (.rhai) or fidget's text format (.vm); - is
+    /// standard input
     #[arg(
         value_name = "MODEL",
         required_unless_present = "expression",
@@ -74,6 +39,16 @@ pub(super) struct PartArgs {
         help_heading = "Model"
     )]
     pub(super) expression: Option<String>,
+
+    /// What comes from standard input
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        value_enum,
+        default_value_t = Format::Rhai,
+        help_heading = "Model"
+    )]
+    format: Format,
 
     /// Set a parameter of the model's script; `info` lists them
     #[arg(
@@ -95,6 +70,27 @@ pub(super) struct PartArgs {
         help_heading = "Model"
     )]
     bounds: Option<Bounds>,
+
+    /// Scale so that the largest side measures S mm
+    #[arg(
+        long,
+        value_name = "S",
+        conflicts_with = "scale",
+        allow_hyphen_values = true,
+        value_parser = positive,
+        help_heading = "Placement"
+    )]
+    size: Option<f64>,
+
+    /// Scale by a factor
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        allow_hyphen_values = true,
+        value_parser = positive,
+        help_heading = "Placement"
+    )]
+    scale: Option<f64>,
 
     /// Rotate about the x axis, degrees; x first, then y, then z
     #[arg(
@@ -148,17 +144,22 @@ pub(super) struct PartArgs {
     keep_position: bool,
 }
 
-impl PartArgs {
+/// Format of a model that has no file name to tell it by.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Format {
+    // Described where they are asked for: clap would print a list.
+    Rhai,
+    Vm,
+    Formula,
+}
+
+impl ModelArgs {
     /// Loads the model and puts it on the printer.
-    pub(super) fn load(
-        &self,
-        scale: &ScaleArgs,
-        settings: &Settings,
-    ) -> anyhow::Result<Model> {
-        let loaded = model::load(&self.source(), &self.defines)?;
+    pub(super) fn load(&self, settings: &Settings) -> anyhow::Result<Model> {
+        let loaded = model::load(&self.source()?, &self.defines)?;
         let placement = Placement {
-            scale: scale.scale,
-            size: scale.size,
+            scale: self.scale,
+            size: self.size,
             rotate: [self.rotate_x, self.rotate_y, self.rotate_z],
             at: self.at,
             keep_position: self.keep_position,
@@ -172,45 +173,163 @@ impl PartArgs {
         Ok(model::place(&loaded, &placement, volume)?)
     }
 
-    fn source(&self) -> Source {
-        match (&self.model, &self.expression) {
+    /// True if the model is read from standard input.
+    pub(super) fn is_stdin(&self) -> bool {
+        self.model.as_deref().is_some_and(is_stream)
+    }
+
+    fn source(&self) -> anyhow::Result<Source> {
+        Ok(match (&self.model, &self.expression) {
+            (Some(_), _) if self.is_stdin() => Source::Text {
+                name: STDIN.to_owned(),
+                kind: match self.format {
+                    Format::Rhai => SourceKind::Script,
+                    Format::Vm => SourceKind::Vm,
+                    Format::Formula => SourceKind::Formula,
+                },
+                text: standard_input()?,
+            },
             (Some(path), _) => Source::File(path.clone()),
             (None, text) => Source::Text {
                 name: FORMULA.to_owned(),
                 kind: SourceKind::Formula,
                 text: text.clone().unwrap_or_default(),
             },
-        }
+        })
     }
 }
 
+/// True if `path` stands for standard input or output.
+pub(super) fn is_stream(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+fn standard_input() -> anyhow::Result<String> {
+    /// As much as of a file.
+    const MAX_BYTES: u64 = 64 << 20;
+    let mut text = String::new();
+    stdin()
+        .lock()
+        .take(MAX_BYTES + 1)
+        .read_to_string(&mut text)
+        .context("cannot read the model from standard input")?;
+    if text.len() as u64 > MAX_BYTES {
+        bail!("the model from standard input has more than 64 MB");
+    }
+    Ok(text)
+}
+
 /// Where settings come from.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug, PartialEq)]
 #[command(next_help_heading = "Settings")]
 pub(super) struct SettingsSource {
-    /// Read settings from a TOML file; of several, the last one wins
+    /// Settings for this printer; `isoslice profiles` lists them
+    #[arg(long, value_name = "NAME")]
+    printer: Option<String>,
+
+    /// Settings for this filament
+    #[arg(long, value_name = "NAME")]
+    filament: Option<String>,
+
+    /// Settings for this kind of print
+    #[arg(long, value_name = "NAME")]
+    preset: Option<String>,
+
+    #[command(flatten)]
+    profiles: ProfilesSource,
+
+    /// Read settings from a TOML file; may be given again, and what comes
+    /// later wins; wins over profiles
     #[arg(long, value_name = "FILE")]
     pub(super) config: Vec<PathBuf>,
 
     /// Set one setting, as in layer_height=0.15 or speed.outer_wall=30;
-    /// wins over --config; `isoslice settings` lists them
+    /// wins over all others; `isoslice settings` lists them
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
 
+/// Settings and what there is to say about them.
+pub(super) struct Gathered {
+    pub(super) settings: Settings,
+    pub(super) warnings: Vec<String>,
+    /// Knows where each setting is from.
+    pub(super) builder: Builder,
+}
+
 impl SettingsSource {
-    /// The settings; warnings are shown to the user.
-    pub(super) fn read(&self) -> anyhow::Result<Settings> {
+    /// The settings and where they are from; warnings are shown to the user.
+    pub(super) fn gather(&self) -> anyhow::Result<Gathered> {
+        let profiles = self.profiles.find()?;
         let mut builder = Builder::new();
+        for (kind, name) in [
+            (ProfileKind::Printer, &self.printer),
+            (ProfileKind::Filament, &self.filament),
+            (ProfileKind::Preset, &self.preset),
+        ] {
+            if let Some(name) = name {
+                builder.profile(&profiles, kind, name)?;
+            }
+        }
         for path in &self.config {
             builder.file(path)?;
         }
         for assignment in &self.set {
             builder.set(assignment)?;
         }
-        let (settings, warnings) = builder.finish()?;
+        let (settings, warnings) = builder.clone().finish()?;
         terminal::warn(&warnings);
-        Ok(settings)
+        terminal::note(&settings.notes());
+        Ok(Gathered {
+            settings,
+            warnings,
+            builder,
+        })
+    }
+
+    /// Files that settings are read from.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        let named = [&self.printer, &self.filament, &self.preset];
+        // A name that is no path is no file here either.
+        let named = named.into_iter().flatten().map(Path::new);
+        self.config.iter().map(PathBuf::as_path).chain(named)
+    }
+}
+
+/// Where the user's own profiles are.
+#[derive(Args, Clone, Debug, PartialEq)]
+pub(super) struct ProfilesSource {
+    /// Folder of your own profiles, which has the folders printers, filaments
+    /// and presets [default: $ISOSLICE_PROFILES, or isoslice in the folder
+    /// for configuration]
+    #[arg(long = "profiles", value_name = "DIR", help_heading = "Settings")]
+    folder: Option<PathBuf>,
+}
+
+impl ProfilesSource {
+    /// The folder, which need not exist.
+    pub(super) fn folder(&self) -> Option<PathBuf> {
+        let of_environment = || {
+            std::env::var_os("ISOSLICE_PROFILES")
+                .filter(|folder| !folder.is_empty())
+                .map(PathBuf::from)
+        };
+        let of_user = || {
+            let strategy = etcetera::choose_base_strategy().ok()?;
+            Some(strategy.config_dir().join("isoslice"))
+        };
+        self.folder.clone().or_else(of_environment).or_else(of_user)
+    }
+
+    /// All profiles there are.
+    pub(super) fn find(&self) -> anyhow::Result<Profiles> {
+        // The usual place may well be empty, but not one that was named.
+        if let Some(folder) = &self.folder
+            && !folder.is_dir()
+        {
+            bail!("there is no folder {} (--profiles)", folder.display());
+        }
+        Ok(Profiles::new(self.folder()))
     }
 }
 

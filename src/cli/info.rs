@@ -1,12 +1,13 @@
 //! `isoslice info`: what a model is, without slicing it.
 
 use super::args::{ModelArgs, SettingsSource};
-use super::terminal;
+use super::{print_json, terminal};
 use clap::Args;
 use glam::DVec3;
 use isoslice::layers;
-use isoslice::model::Model;
+use isoslice::model::{Bounds, Model, Parameter};
 use isoslice::settings::Settings;
+use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::{Write, stdout};
 
@@ -27,24 +28,97 @@ pub(super) struct InfoArgs {
     model: ModelArgs,
     #[command(flatten)]
     settings: SettingsSource,
+
+    /// Print JSON
+    #[arg(long, help_heading = "Output")]
+    json: bool,
 }
 
 pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
-    let settings = args.settings.read()?;
-    let model = args.model.load(&settings)?;
+    let gathered = args.settings.gather()?;
+    let settings = &gathered.settings;
+    let model = args.model.load(settings)?;
     terminal::warn(&model.warnings);
-    let text = describe(&model, &settings)?;
+    if args.json {
+        let warnings = [&gathered.warnings[..], &model.warnings].concat();
+        return print_json(&Json::new(&model, settings, warnings)?);
+    }
+    let text = describe(&model, settings)?;
     stdout().lock().write_all(text.as_bytes())?;
     Ok(())
 }
 
-fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
-    let size = model.bounds.size();
-    let layers = layers::plan(
-        size.z,
+/// The keys of `--json`.
+#[derive(Serialize)]
+struct Json<'a> {
+    model: &'a str,
+    size_mm: [f64; 3],
+    bounds_mm: [[f64; 3]; 2],
+    on_the_bed_mm: [[f64; 3]; 2],
+    layer_count: usize,
+    layer_height_mm: f64,
+    first_layer_height_mm: f64,
+    operations: usize,
+    parameters: Vec<JsonParameter<'a>>,
+    warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct JsonParameter<'a> {
+    name: &'a str,
+    value: serde_json::Value,
+    default: serde_json::Value,
+    description: &'a str,
+}
+
+impl<'a> Json<'a> {
+    fn new(
+        model: &'a Model,
+        settings: &Settings,
+        warnings: Vec<String>,
+    ) -> anyhow::Result<Self> {
+        let corners = |b: Bounds| [b.min.to_array(), b.max.to_array()];
+        Ok(Json {
+            model: &model.name,
+            size_mm: model.bounds.size().to_array(),
+            bounds_mm: corners(model.bounds),
+            on_the_bed_mm: corners(model.printed_bounds()),
+            layer_count: layer_count(model, settings)?,
+            layer_height_mm: settings.layer_height,
+            first_layer_height_mm: settings.first_layer_height,
+            operations: model.expression_size,
+            parameters: model.parameters.iter().map(parameter).collect(),
+            warnings,
+        })
+    }
+}
+
+fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
+    // Numbers and booleans look the same in Rhai and JSON; the rest is text.
+    let json = |text: &str| {
+        serde_json::from_str(text)
+            .unwrap_or_else(|_| serde_json::Value::from(text))
+    };
+    JsonParameter {
+        name: &of_model.name,
+        value: json(&of_model.value),
+        default: json(&of_model.default),
+        description: &of_model.description,
+    }
+}
+
+fn layer_count(model: &Model, settings: &Settings) -> anyhow::Result<usize> {
+    let plan = layers::plan(
+        model.bounds.size().z,
         settings.first_layer_height,
         settings.layer_height,
     )?;
+    Ok(plan.len())
+}
+
+fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
+    let size = model.bounds.size();
+    let layers = layer_count(model, settings)?;
     let mut text = String::new();
     writeln!(text, "{}", model.name)?;
     writeln!(text, "  size        {}", dimensions(size))?;
@@ -63,8 +137,7 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     )?;
     writeln!(
         text,
-        "  layers      {} of {} mm",
-        layers.len(),
+        "  layers      {layers} of {} mm",
         settings.layer_height
     )?;
     writeln!(text, "  expression  {} operations", model.expression_size)?;

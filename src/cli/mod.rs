@@ -6,24 +6,38 @@
 
 mod args;
 mod info;
+mod manual;
+mod new;
 mod output;
+mod profiles;
 mod render;
 mod settings;
 mod slice;
+mod summary;
 pub(crate) mod terminal;
 
 use clap::{Parser, Subcommand};
 
 const EXAMPLES: &str = "\
 Examples:
+  isoslice new part                               a first part.rhai, part.toml
   isoslice slice part.rhai                        writes part.gcode beside it
   isoslice slice -e 'sqrt(x^2+y^2+z^2) - 15' -o ball.gcode
   isoslice slice part.vm --size 60 --set layer_height=0.15 --set walls=3
+  isoslice slice part.rhai --printer prusa-mk4 --filament petg --preset fine
   isoslice info part.rhai                         size, layers, parameters
+  isoslice profiles                               printers, filaments, presets
   isoslice render part.rhai                       a picture, part.png
   isoslice settings > my.toml                     to edit, for --config my.toml
 
-Exit codes: 0 done, 1 something is wrong with the input, 2 with the command.";
+Exit codes:
+  0  done; also if whoever reads our output has read enough
+  1  something is wrong with the model, the settings or a file
+  2  something is wrong with the command line
+
+Environment:
+  ISOSLICE_PROFILES  folder of your own profiles
+  NO_COLOR           if set, no colours";
 
 /// From a function f(x, y, z), negative inside, to G-code without a mesh.
 #[derive(Parser, Debug)]
@@ -38,6 +52,9 @@ Exit codes: 0 done, 1 something is wrong with the input, 2 with the command.";
 pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
+
+    #[command(flatten)]
+    verbosity: terminal::Verbosity,
 }
 
 #[derive(Subcommand, Debug)]
@@ -50,14 +67,36 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Print all settings as commented TOML
     Settings(settings::SettingsArgs),
+    /// List printers, filaments and presets, or show one
+    Profiles(profiles::ProfilesArgs),
+    /// Write a starter script, and settings for it
+    New(new::NewArgs),
+    /// Print a script for the shell that completes commands and options
+    Completions(manual::CompletionsArgs),
+    /// Print the manual page
+    Man(manual::ManArgs),
 }
 
 /// Carries out a command.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
+    cli.verbosity.apply();
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Settings(args) => settings::run(&args),
+        Command::Profiles(args) => profiles::run(&args),
+        Command::New(args) => new::run(&args),
+        Command::Completions(args) => manual::completions(&args),
+        Command::Man(args) => manual::man(&args),
     }
+}
+
+/// Prints a result as JSON.
+fn print_json(result: &impl serde::Serialize) -> anyhow::Result<()> {
+    use std::io::{Write, stdout};
+    let mut text = serde_json::to_string_pretty(result)?;
+    text.push('\n');
+    stdout().lock().write_all(text.as_bytes())?;
+    Ok(())
 }

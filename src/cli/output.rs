@@ -2,13 +2,14 @@
 //!
 //! Guaranteed: the destination changes only once everything is written, in
 //! one step; until then, and after an error, it is as it was. Not guaranteed
-//! for what is not a file, such as `/dev/stdout`, which is written as it
+//! for what is not a file, such as standard output, which is written as it
 //! comes, and not against the process being killed, which may leave a hidden
 //! file beside the destination.
 
+use super::args::is_stream;
 use anyhow::{Context, bail};
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Write, stdout};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -20,15 +21,19 @@ pub(super) enum Output {
         destination: PathBuf,
     },
     /// Straight into something that cannot be replaced.
-    Stream(BufWriter<File>),
+    Stream(BufWriter<Box<dyn Write>>),
 }
 
 impl Output {
-    /// Starts writing to `path`, which must be none of the `inputs`.
+    /// Starts writing to `path`, which must be none of the `inputs`; `-` is
+    /// standard output.
     pub(super) fn create(
         path: &Path,
         inputs: &[&Path],
     ) -> anyhow::Result<Self> {
+        if is_stream(path) {
+            return Ok(Output::Stream(BufWriter::new(Box::new(stdout()))));
+        }
         if path.is_dir() {
             bail!(
                 "the output {} is a folder; name a file in it, as in -o {}",
@@ -57,6 +62,7 @@ impl Output {
                 .write(true)
                 .open(&destination)
                 .with_context(no_output)?;
+            let file: Box<dyn Write> = Box::new(file);
             return Ok(Output::Stream(BufWriter::new(file)));
         }
         let folder = match destination.parent() {

@@ -1,18 +1,18 @@
 //! `isoslice render`: a picture of a model, straight from its function.
 
-use super::args::{FORMULA, PartArgs, ScaleArgs, SettingsSource};
+use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
 use super::output::Output;
 use super::terminal;
 use anyhow::Context;
 use clap::Args;
 use isoslice::preview::{Picture, View, draw};
-use std::io::{Write, stdout};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
   isoslice render part.rhai
-  isoslice render part.rhai -o part.png --size 800x600 --view front
+  isoslice render part.rhai -o part.png --pixels 800x600 --view front
   isoslice render part.rhai --azimuth 30 --elevation 20 --background none
   isoslice render -e 'sqrt(x^2+y^2+z^2) - 15' -o - > ball.png";
 
@@ -28,7 +28,7 @@ const GREATEST: usize = 4096;
 )]
 pub(super) struct RenderArgs {
     #[command(flatten)]
-    model: PartArgs,
+    model: ModelArgs,
 
     #[command(flatten)]
     settings: SettingsSource,
@@ -46,7 +46,7 @@ pub(super) struct RenderArgs {
         value_parser = size,
         help_heading = "Picture"
     )]
-    size: [usize; 2],
+    pixels: [usize; 2],
 
     /// From where to look: iso, front, back, left, right, top or bottom
     #[arg(
@@ -109,12 +109,9 @@ enum Background {
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let settings = args.settings.read()?;
     let path = args.output_path();
-    let output = match path.as_deref() {
-        // Before the work, so that a mistaken name costs none.
-        Some(path) => Some((Output::create(path, &args.inputs())?, path)),
-        None => None,
-    };
-    let model = args.model.load(&ScaleArgs::default(), &settings)?;
+    // Before the work, so that a mistaken name costs none.
+    let mut output = Output::create(&path, &args.inputs())?;
+    let model = args.model.load(&settings)?;
     terminal::warn(&model.warnings);
     let view = View {
         azimuth: args.azimuth.unwrap_or(args.view.azimuth),
@@ -125,36 +122,29 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<()> {
         .build()
         .context("cannot start the worker threads; try --threads 1")?;
     let picture = pool
-        .install(|| draw(&model, view, args.size))
+        .install(|| draw(&model, view, args.pixels))
         .with_context(|| format!("cannot draw {}", model.name))?;
     let png = args.background.behind(picture).png()?;
-    let Some((mut output, path)) = output else {
-        let mut out = stdout().lock();
-        out.write_all(&png)?;
-        return Ok(out.flush()?);
-    };
     let no_picture = || format!("cannot write {}", path.display());
     output.write_all(&png).with_context(no_picture)?;
     output.finish().with_context(no_picture)
 }
 
 impl RenderArgs {
-    /// The file to write, if it is not standard output.
-    fn output_path(&self) -> Option<PathBuf> {
+    fn output_path(&self) -> PathBuf {
         match (&self.output, &self.model.model) {
-            (Some(output), _) if output == Path::new("-") => None,
-            (Some(output), _) => Some(output.clone()),
-            (None, Some(model)) => Some(model.with_extension("png")),
-            (None, None) => Some(Path::new(FORMULA).with_extension("png")),
+            (Some(output), _) => output.clone(),
+            _ if self.model.is_stdin() => {
+                Path::new(STDIN).with_extension("png")
+            }
+            (None, Some(model)) => model.with_extension("png"),
+            (None, None) => Path::new(FORMULA).with_extension("png"),
         }
     }
 
     fn inputs(&self) -> Vec<&Path> {
-        let model = self.model.model.iter();
-        model
-            .chain(&self.settings.config)
-            .map(PathBuf::as_path)
-            .collect()
+        let model = self.model.model.iter().map(PathBuf::as_path);
+        model.chain(self.settings.files()).collect()
     }
 }
 

@@ -1,13 +1,18 @@
 //! `isoslice settings`: all settings, as TOML that can be fed back.
 
-use super::args::SettingsSource;
+use super::args::{Gathered, SettingsSource};
+use super::print_json;
 use clap::Args;
+use isoslice::settings::{Key, keys};
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 use std::io::{Write, stdout};
 
 const EXAMPLES: &str = "\
 Examples:
   isoslice settings > my.toml           all defaults, to edit
-  isoslice settings --config my.toml --set walls=3 > mine.toml";
+  isoslice settings --config my.toml --set walls=3 > mine.toml
+  isoslice settings --effective --printer ender-3 --filament petg";
 
 /// Arguments of `isoslice settings`.
 #[derive(Args, Debug)]
@@ -15,10 +20,66 @@ Examples:
 pub(super) struct SettingsArgs {
     #[command(flatten)]
     source: SettingsSource,
+
+    /// Instead of what each setting means, say where its value is from: the
+    /// default, a profile or file with the line, or --set
+    #[arg(long)]
+    effective: bool,
+
+    /// Print JSON: value, unit, default and origin of each
+    #[arg(long, conflicts_with = "effective")]
+    json: bool,
 }
 
 pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
-    let settings = args.source.read()?;
-    stdout().lock().write_all(settings.to_toml().as_bytes())?;
+    let gathered = args.source.gather()?;
+    if args.json {
+        return print_json(&All(&gathered));
+    }
+    let settings = &gathered.settings;
+    let text = match args.effective {
+        true => settings.to_toml_with_origins(|key| origin(&gathered, key)),
+        false => settings.to_toml(),
+    };
+    stdout().lock().write_all(text.as_bytes())?;
     Ok(())
+}
+
+fn origin(gathered: &Gathered, key: &Key) -> String {
+    let place = gathered.builder.place(key);
+    place.map_or_else(|| "default".to_owned(), ToString::to_string)
+}
+
+/// All settings by name, in the table's order.
+struct All<'a>(&'a Gathered);
+
+#[derive(Serialize)]
+struct One {
+    value: toml::Value,
+    unit: &'static str,
+    default: toml::Value,
+    from: String,
+}
+
+impl Serialize for All<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(keys().len()))?;
+        for key in keys() {
+            let one = One {
+                value: value(&key.get(&self.0.settings)),
+                unit: key.unit,
+                default: value(&key.default()),
+                from: origin(self.0, key),
+            };
+            map.serialize_entry(key.name, &one)?;
+        }
+        map.end()
+    }
+}
+
+/// A value as JSON has it, from TOML.
+fn value(text: &str) -> toml::Value {
+    let parsed = text.parse::<toml::Value>();
+    // What a setting is written as is always TOML.
+    parsed.unwrap_or_else(|_| toml::Value::String(text.to_owned()))
 }

@@ -1,19 +1,16 @@
 //! `isoslice slice`: from a model to a G-code file, and a summary.
 
-use super::args::{FORMULA, ModelArgs, SettingsSource};
-use super::info::dimensions;
+use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource, is_stream};
 use super::output::{Output, same_file};
+use super::summary::{Sums, describe};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::layers::LayerRange;
-use isoslice::pipeline::{self, Options, Summary};
-use isoslice::report::Figures;
-use isoslice::units::human_time;
-use std::fmt::Write as _;
+use isoslice::pipeline::{self, Options};
 use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -21,7 +18,9 @@ Examples:
   isoslice slice part.rhai -D cell=8 --set infill_density=25%
   isoslice slice part.vm --size 60 --rotate-x -90 -o part.gcode
   isoslice slice -e 'sqrt(x^2+y^2+z^2) - 15' -o ball.gcode
-  isoslice slice part.rhai --config petg.toml --config fine.toml --svg pictures";
+  isoslice slice part.rhai --printer ender-3 --filament petg --preset fine
+  isoslice slice part.rhai --config petg.toml --config fine.toml --svg pictures
+  generate | isoslice slice - --size 60 -o - > part.gcode";
 
 /// Arguments of `isoslice slice`.
 #[derive(Args, Debug)]
@@ -37,8 +36,8 @@ pub(super) struct SliceArgs {
     #[command(flatten)]
     settings: SettingsSource,
 
-    /// G-code file to write [default: the model's name with .gcode, beside
-    /// it; formula.gcode for -e]
+    /// G-code file to write, - for standard output [default: the model's
+    /// name with .gcode, beside it; formula.gcode for -e]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
 
@@ -76,26 +75,27 @@ pub(super) struct SliceArgs {
     #[arg(long, help_heading = "Output")]
     timings: bool,
 
-    /// Show neither progress nor summary, only warnings and errors
-    #[arg(short, long, help_heading = "Output")]
-    quiet: bool,
+    /// Print the summary as JSON
+    #[arg(long, help_heading = "Output")]
+    json: bool,
 }
 
 pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
     let started = Instant::now();
-    let settings = args.settings.read()?;
+    let gathered = args.settings.gather()?;
+    let settings = &gathered.settings;
     let path = args.output_path();
     // Before the work, so that a mistaken name costs none.
     let mut output = Output::create(&path, &args.inputs())?;
     let report = args.report_output(&path)?;
-    let model = args.model.load(&settings)?;
+    let model = args.model.load(settings)?;
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| {
             format!("cannot make the folder {}", folder.display())
         })?;
     }
 
-    let bar = terminal::layer_progress(args.quiet);
+    let bar = terminal::layer_progress(terminal::is_quiet());
     let options = Options {
         threads: args.threads.map(usize::from),
         layers: args.layers.unwrap_or(LayerRange::ALL),
@@ -106,11 +106,11 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
             bar.set_position(done as u64);
         },
     };
-    let sliced = pipeline::slice(&model, &settings, &options, &mut output);
+    let sliced = pipeline::slice(&model, settings, &options, &mut output);
     bar.finish_and_clear();
     let summary =
         sliced.with_context(|| format!("cannot slice {}", model.name))?;
-    let streamed = output.is_stream();
+    let mut streamed = output.is_stream();
     // Both are complete before either is put in its place.
     let report = match (report, &summary.report) {
         (Some((mut file, path)), Some(report)) => {
@@ -128,31 +128,44 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
         .finish()
         .with_context(|| format!("cannot write {}", path.display()))?;
     if let Some((file, path)) = report {
+        streamed |= file.is_stream();
         file.finish()
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
 
-    terminal::warn(&[&model.warnings[..], &summary.warnings].concat());
-    if !args.quiet {
-        let mut text = describe(&path, &summary, started.elapsed())?;
-        if args.timings {
-            for (stage, seconds) in &summary.timings {
-                writeln!(text, "    {:<9} {seconds:8.2} s", stage.name())?;
-            }
-        }
-        if streamed {
-            stderr().write_all(text.as_bytes())?;
-        } else {
-            stdout().write_all(text.as_bytes())?;
-        }
+    let of_print = [&model.warnings[..], &summary.warnings].concat();
+    terminal::warn(&of_print);
+    let sums = Sums {
+        model: &model.name,
+        output: &path,
+        settings,
+        summary: &summary,
+        took: started.elapsed(),
+        timings: args.timings || terminal::wants_timings(),
+    };
+    let text = if args.json {
+        let warnings = [gathered.warnings, of_print].concat();
+        sums.to_json(&warnings)?
+    } else if terminal::is_quiet() {
+        String::new()
+    } else {
+        describe(&sums)?
+    };
+    if streamed {
+        stderr().write_all(text.as_bytes())?;
+    } else {
+        stdout().write_all(text.as_bytes())?;
     }
     Ok(())
 }
 
 impl SliceArgs {
     fn output_path(&self) -> PathBuf {
-        match (&self.output, &self.model.part.model) {
+        match (&self.output, &self.model.model) {
             (Some(output), _) => output.clone(),
+            _ if self.model.is_stdin() => {
+                Path::new(STDIN).with_extension("gcode")
+            }
             (None, Some(model)) => model.with_extension("gcode"),
             (None, None) => Path::new(FORMULA).with_extension("gcode"),
         }
@@ -166,7 +179,8 @@ impl SliceArgs {
         let Some(path) = &self.report else {
             return Ok(None);
         };
-        if same_file(path, gcode) {
+        let both_streams = is_stream(path) && is_stream(gcode);
+        if both_streams || same_file(path, gcode) {
             bail!(
                 "the report and the G-code would both be {}; choose another \
                  name with --report",
@@ -177,65 +191,7 @@ impl SliceArgs {
     }
 
     fn inputs(&self) -> Vec<&Path> {
-        let model = self.model.part.model.iter();
-        model
-            .chain(&self.settings.config)
-            .map(PathBuf::as_path)
-            .collect()
+        let model = self.model.model.iter().map(PathBuf::as_path);
+        model.chain(self.settings.files()).collect()
     }
-}
-
-fn describe(
-    path: &Path,
-    summary: &Summary,
-    took: Duration,
-) -> Result<String, std::fmt::Error> {
-    let mut text = String::new();
-    writeln!(text, "{}", path.display())?;
-    writeln!(text, "  size        {}", dimensions(summary.size))?;
-    let (layers, count) = (&summary.layers, summary.layer_count);
-    match *layers == (0..count) {
-        true => writeln!(text, "  layers      {count}")?,
-        false => writeln!(
-            text,
-            "  layers      {} to {} of {count}",
-            layers.start + 1,
-            layers.end
-        )?,
-    }
-    writeln!(text, "  print time  {}", human_time(summary.time))?;
-    writeln!(
-        text,
-        "  filament    {:.2} m, {:.1} g",
-        summary.filament_length / 1000.0,
-        summary.filament_mass_g
-    )?;
-    let p99 =
-        |f: Option<Figures>| f.map(|f| format!("{:.1} µm", f.p99.max(0.1)));
-    if let Some(outline) = p99(summary.outline_error) {
-        write!(text, "  accuracy    outline within {outline}")?;
-        if let Some(walls) = p99(summary.wall_error) {
-            write!(text, ", outer wall within {walls}")?;
-        }
-        writeln!(text, " (99 % of the points measured)")?;
-    }
-    if summary.dropped_rings > 0 {
-        writeln!(
-            text,
-            "  left out    {} islands and holes smaller than a quarter of a \
-             line's width",
-            summary.dropped_rings
-        )?;
-    }
-    // Less is what rounding leaves at sharp corners.
-    if summary.unfilled_area >= 1.0 {
-        writeln!(
-            text,
-            "  gaps        {:.1} mm² too thin for a line, of {:.0} mm² in \
-             all layers",
-            summary.unfilled_area, summary.solid_area
-        )?;
-    }
-    writeln!(text, "  took        {:.1} s", took.as_secs_f64())?;
-    Ok(text)
 }

@@ -1,15 +1,70 @@
-//! What people see on the error stream: errors, warnings, progress.
+//! What people see on the error stream: errors, warnings, notes, progress.
+//!
+//! How much of it is one choice for the whole run, made before anything is
+//! said: `-q` leaves out progress and summaries, `-qq` warnings as well; `-v`
+//! adds notes, `-vv` where the time went. Errors are always shown.
 //!
 //! Colours only on a terminal whose user has not set `NO_COLOR`
 //! (<https://no-color.org>); a stream that cannot be written to is given up
 //! silently, since there is nobody to tell.
 
 use clap::builder::styling::{AnsiColor, Effects, Style};
+use clap::{ArgAction, Args};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write, stderr};
+use std::sync::atomic::{AtomicI8, Ordering};
 
 const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
+
+const NOTE: Style = AnsiColor::Cyan.on_default().effects(Effects::BOLD);
+
+/// How much to say: 0 is as usual, less is quieter.
+static LEVEL: AtomicI8 = AtomicI8::new(0);
+
+/// How much is said.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Messages")]
+pub(super) struct Verbosity {
+    /// Show neither progress nor summary, only warnings and errors; twice
+    /// (-qq), only errors
+    #[arg(
+        short,
+        long,
+        global = true,
+        action = ArgAction::Count,
+        conflicts_with = "verbose"
+    )]
+    quiet: u8,
+
+    /// Show notes as well; twice (-vv), also where the time went
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    verbose: u8,
+}
+
+impl Verbosity {
+    /// Makes it the run's.
+    pub(super) fn apply(&self) {
+        let of = |count: u8| i8::try_from(count).unwrap_or(i8::MAX);
+        let level = of(self.verbose).saturating_sub(of(self.quiet));
+        LEVEL.store(level, Ordering::Relaxed);
+    }
+}
+
+/// How much to say: -1 and less without summary, 1 and more with notes.
+fn level() -> i8 {
+    LEVEL.load(Ordering::Relaxed)
+}
+
+/// True if summaries and progress are not wanted.
+pub(super) fn is_quiet() -> bool {
+    level() < 0
+}
+
+/// True if it was asked where the time went.
+pub(super) fn wants_timings() -> bool {
+    level() > 1
+}
 
 /// Shows an error and what caused it, one per line.
 pub(crate) fn report_error(error: &anyhow::Error) {
@@ -24,9 +79,21 @@ pub(crate) fn report_error(error: &anyhow::Error) {
 
 /// Shows warnings, each once.
 pub(super) fn warn(warnings: &[String]) {
+    if level() < -1 {
+        return;
+    }
     for (i, warning) in warnings.iter().enumerate() {
         if !warnings[..i].contains(warning) {
             say(WARNING, "warning", warning);
+        }
+    }
+}
+
+/// Shows what only the curious want to know.
+pub(super) fn note(notes: &[String]) {
+    if level() > 0 {
+        for note in notes {
+            say(NOTE, "note", note);
         }
     }
 }

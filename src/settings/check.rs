@@ -1,6 +1,12 @@
 //! Settings that are each within their range but do not work together.
+//!
+//! In: settings, and where they were given. Out: the first contradiction, or
+//! warnings. What merely has no effect is only worth a warning if whoever
+//! prints asked for it: a profile may well limit what a default asks for.
 
-use super::Settings;
+use super::read::Places;
+use super::{Infill, InfillMode, Settings, Varying};
+use crate::units::{Mm, cross_section};
 
 /// Settings that cannot be printed with.
 #[derive(Debug)]
@@ -22,22 +28,91 @@ fn conflict<const N: usize>(
 }
 
 /// Checks the combinations; returns warnings about the unwise ones.
-pub(super) fn conflicts(s: &Settings) -> Result<Vec<String>, Conflict> {
+pub(super) fn conflicts(
+    s: &Settings,
+    places: &Places,
+) -> Result<Vec<String>, Conflict> {
     let mut warnings = Vec::new();
     heights(s, &mut warnings)?;
     widths(s, &mut warnings)?;
     sampling(s, &mut warnings)?;
     something_is_printed(s)?;
-    let first = s.filament.first_layer_nozzle_temperature;
-    let above = s.filament.nozzle_temperature.constant().unwrap_or(first);
-    if above < 150.0 || first < 150.0 {
+    retraction(s, &mut warnings)?;
+    temperatures(s, &mut warnings);
+    total_flow(s, &mut warnings);
+    let given =
+        |key: &str| places.get(key).is_some_and(|place| place.is_given());
+    for limited in limited_speeds(s) {
+        if given(limited.key) {
+            warnings.push(format!(
+                "{} = {} mm/s takes {:.1} mm³/s of plastic, and \
+                 filament.max_flow = {} mm³/s is what the hot end melts: it \
+                 is printed at {:.0} mm/s; lower the speed, or raise \
+                 filament.max_flow if yours melts more",
+                limited.key,
+                limited.set,
+                limited.flow,
+                s.filament.max_flow,
+                limited.possible,
+            ));
+        }
+    }
+    without_effect(s, &given, &mut warnings);
+    Ok(warnings)
+}
+
+/// Heaters that are too cold to print, or hotter than the machine bears.
+fn temperatures(s: &Settings, warnings: &mut Vec<String>) {
+    // Marlin and Klipper alike refuse to extrude below it, unless told.
+    const COLD: f64 = 170.0;
+    let filament = &s.filament;
+    let first = filament.first_layer_nozzle_temperature;
+    let above = filament.nozzle_temperature.constant().unwrap_or(first);
+    if above < COLD || first < COLD {
         warnings.push(format!(
-            "a nozzle at {} °C (filament.first_layer_nozzle_temperature) or \
-             {} °C (filament.nozzle_temperature) melts hardly any plastic, and \
-             most firmware refuses to extrude",
-            first, above,
+            "a nozzle at {first} °C (filament.first_layer_nozzle_temperature) \
+             or {above} °C (filament.nozzle_temperature) melts hardly any \
+             plastic, and most firmware refuses to extrude below {COLD} °C; \
+             PLA takes about 210 °C",
         ));
     }
+    for (limit_key, limit, heaters) in [
+        (
+            "printer.max_nozzle_temperature",
+            s.printer.max_nozzle_temperature,
+            [
+                ("filament.first_layer_nozzle_temperature", first),
+                ("filament.nozzle_temperature", above),
+            ],
+        ),
+        (
+            "printer.max_bed_temperature",
+            s.printer.max_bed_temperature,
+            [
+                (
+                    "filament.first_layer_bed_temperature",
+                    filament.first_layer_bed_temperature,
+                ),
+                ("filament.bed_temperature", filament.bed_temperature),
+            ],
+        ),
+    ] {
+        for (key, value) in heaters {
+            if let Some(limit) = limit
+                && value > limit
+            {
+                warnings.push(format!(
+                    "{key} = {value} °C is more than {limit_key} = {limit} \
+                     °C: this printer is not made for this filament; take \
+                     another, lower the temperature, or raise {limit_key} if \
+                     yours was rebuilt",
+                ));
+            }
+        }
+    }
+}
+
+fn total_flow(s: &Settings, warnings: &mut Vec<String>) {
     let own = s.flow.constant().unwrap_or(100.0);
     let flow = own * s.filament.flow / 100.0;
     if !(75.0..=125.0).contains(&flow) {
@@ -50,7 +125,6 @@ pub(super) fn conflicts(s: &Settings) -> Result<Vec<String>, Conflict> {
             if flow < 100.0 { "weak" } else { "swollen" },
         ));
     }
-    Ok(warnings)
 }
 
 /// A layer must fit under the nozzle.
@@ -112,13 +186,13 @@ fn widths(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
                 ),
             ));
         }
-        if !(0.5 * nozzle..=3.0 * nozzle).contains(&width) {
+        if !(0.5 * nozzle..=2.5 * nozzle).contains(&width) {
             warnings.push(format!(
                 "{key} = {width} mm is hard to print with a nozzle of \
                  printer.nozzle_diameter = {nozzle} mm: better stay within \
                  {} to {} mm",
                 round(0.5 * nozzle),
-                round(3.0 * nozzle),
+                round(2.5 * nozzle),
             ));
         }
         for (height_key, height) in [
@@ -200,6 +274,200 @@ fn something_is_printed(s: &Settings) -> Result<(), Conflict> {
         ));
     }
     Ok(())
+}
+
+/// What is pulled back must be pushed forward again, and lengths must leave
+/// something between never and always.
+fn retraction(
+    s: &Settings,
+    warnings: &mut Vec<String>,
+) -> Result<(), Conflict> {
+    let retract = &s.retract;
+    if retract.length == 0.0 {
+        return Ok(());
+    }
+    if retract.length + retract.extra_prime < 0.0 {
+        return Err(conflict(
+            ["retract.extra_prime", "retract.length"],
+            format!(
+                "retract.extra_prime = {} mm takes off more than \
+                 retract.length = {} mm: the filament would be pulled back \
+                 twice; use at least {} mm",
+                retract.extra_prime, retract.length, -retract.length,
+            ),
+        ));
+    }
+    if retract.min_travel > retract.max_unretracted {
+        warnings.push(format!(
+            "retract.min_travel = {} mm is more than retract.max_unretracted \
+             = {} mm: travels of lengths between are to retract always and \
+             never; raise max_unretracted or lower min_travel",
+            retract.min_travel, retract.max_unretracted,
+        ));
+    }
+    Ok(())
+}
+
+/// A speed at which the hot end does not melt fast enough.
+struct Limited {
+    /// The speed's key.
+    key: &'static str,
+    /// The speed as set, and as it will be, mm/s.
+    set: f64,
+    possible: f64,
+    /// Plastic that the set speed takes, mm³/s.
+    flow: f64,
+}
+
+/// What `filament.max_flow` does to the speeds, if anything.
+pub(super) fn flow_note(s: &Settings) -> Option<String> {
+    let limited: Vec<String> = limited_speeds(s)
+        .iter()
+        .map(|l| format!("{} from {} to {:.0}", l.key, l.set, l.possible))
+        .collect();
+    (!limited.is_empty()).then(|| {
+        format!(
+            "filament.max_flow = {} mm³/s slows {} mm/s",
+            s.filament.max_flow,
+            limited.join(", "),
+        )
+    })
+}
+
+/// The speeds that `filament.max_flow` does not allow.
+fn limited_speeds(s: &Settings) -> Vec<Limited> {
+    let share = |v: &Varying| v.constant().map(|percent| percent / 100.0);
+    let (Some(flow), Some(widened)) = (share(&s.flow), share(&s.bead_width))
+    else {
+        return Vec::new();
+    };
+    let flow = flow * s.filament.flow / 100.0;
+    let most = s.filament.max_flow;
+    let limited = |(key, speed, width): (&'static str, &Varying, Mm)| {
+        let speed = speed.constant()?;
+        let area = flow * cross_section(width * widened, s.layer_height);
+        // To the tenth that is shown.
+        (speed * area > most + 0.05).then(|| Limited {
+            key,
+            set: speed,
+            possible: most / area,
+            flow: speed * area,
+        })
+    };
+    let speed = &s.speed;
+    [
+        ("speed.outer_wall", &speed.outer_wall, s.outer_wall_width),
+        ("speed.inner_wall", &speed.inner_wall, s.inner_wall_width),
+        ("speed.sparse_infill", &speed.sparse_infill, s.infill_width),
+        ("speed.internal_skin", &speed.internal_skin, s.skin_width),
+        ("speed.top_skin", &speed.top_skin, s.top_skin_width()),
+        (
+            "speed.bottom_skin",
+            &speed.bottom_skin,
+            s.bottom_skin_width(),
+        ),
+    ]
+    .into_iter()
+    .filter_map(limited)
+    .collect()
+}
+
+/// Settings that were asked for and that others deprive of their effect.
+fn without_effect(
+    s: &Settings,
+    given: &dyn Fn(&str) -> bool,
+    warnings: &mut Vec<String>,
+) {
+    let mut warn = |key: &str, idle: bool, message: String| {
+        if idle && given(key) {
+            warnings.push(message);
+        }
+    };
+    let speed = &s.speed;
+    let fastest = [
+        &speed.outer_wall,
+        &speed.inner_wall,
+        &speed.gap_fill,
+        &speed.sparse_infill,
+        &speed.internal_skin,
+        &speed.top_skin,
+        &speed.bottom_skin,
+        &Varying::Constant(speed.skirt),
+    ]
+    .into_iter()
+    .map(|speed| speed.constant().unwrap_or(f64::INFINITY))
+    .fold(0.0, f64::max);
+    warn(
+        "speed.first_layer",
+        speed.first_layer > fastest,
+        format!(
+            "speed.first_layer = {} mm/s is more than any printing speed, so \
+             it limits nothing: the first layer is printed at up to {fastest} \
+             mm/s; lower it, or raise the others",
+            speed.first_layer,
+        ),
+    );
+    warn(
+        "cooling.min_speed",
+        s.cooling.min_speed > fastest && s.cooling.min_layer_time > 0.0,
+        format!(
+            "cooling.min_speed = {} mm/s is more than any printing speed, so \
+             no layer can be slowed down to take cooling.min_layer_time; \
+             lower it",
+            s.cooling.min_speed,
+        ),
+    );
+    let cooling = &s.cooling;
+    warn(
+        "cooling.full_fan_layer",
+        (1..=cooling.fan_off_layers).contains(&cooling.full_fan_layer),
+        format!(
+            "cooling.full_fan_layer = {} has no effect, since the fan is off \
+             on the first cooling.fan_off_layers = {} layers; set it to a \
+             later one",
+            cooling.full_fan_layer, cooling.fan_off_layers,
+        ),
+    );
+    warn(
+        "cooling.long_layer_time",
+        cooling.long_layer_time <= cooling.min_layer_time,
+        format!(
+            "cooling.long_layer_time = {} s is not more than \
+             cooling.min_layer_time = {} s, so there is nothing between short \
+             and long layers; raise it",
+            cooling.long_layer_time, cooling.min_layer_time,
+        ),
+    );
+    for (key, value) in [
+        ("retract.z_hop", s.retract.z_hop),
+        ("retract.extra_prime", s.retract.extra_prime),
+    ] {
+        warn(
+            key,
+            s.retract.length == 0.0 && value != 0.0,
+            format!(
+                "{key} = {value} mm has no effect, since retract.length = 0 \
+                 turns retraction off; give it a length, 0.8 mm say"
+            ),
+        );
+    }
+    warn(
+        "ironing",
+        s.ironing && s.top_layers() == 0,
+        "ironing = true has no effect without solid tops; set top_layers or \
+         top_thickness to more than 0"
+            .to_owned(),
+    );
+    warn(
+        "infill_mode",
+        matches!(s.infill, Infill::Pattern(_))
+            && s.infill_mode != InfillMode::Surface,
+        format!(
+            "infill_mode = {} has no effect: it says what an expression of \
+             infill is, and infill is a pattern; set infill to \"expr: ...\"",
+            s.infill_mode.word(),
+        ),
+    );
 }
 
 /// For messages: three decimals at most.

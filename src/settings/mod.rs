@@ -10,6 +10,9 @@
 //! [`Settings::to_toml`] of any settings reads back as the same settings.
 //! Not guaranteed: that the G-code templates make sense to the printer.
 //!
+//! [`Profiles`] are such files under names, for printers, filaments and kinds
+//! of print; many are part of the program.
+//!
 //! What a run is (threads, pictures, progress) is not a setting: the same
 //! settings and model give the same bytes on any machine.
 //!
@@ -37,18 +40,24 @@
 //! ```
 
 mod check;
+mod error;
 mod infill;
+mod profile;
 mod read;
+mod shipped;
 mod sizes;
 mod table;
 mod value;
 mod write;
 
+pub use error::{Place, SettingsError};
 pub use infill::Infill;
-pub use read::{Builder, Place, SettingsError};
+pub use profile::{Origin, Profile, ProfileKind, Profiles};
+pub use read::Builder;
 pub use sizes::Sizes;
 pub use table::{Key, Range, keys};
 pub use value::Varying;
+pub use write::suggestions;
 
 use crate::units::*;
 
@@ -358,6 +367,9 @@ table::settings! {
         diameter: Mm = 1.75, in 0.5..=10.0;
         /// Density of the material, for the mass in the summary.
         density: GramsPerCm3 = 1.24, in 0.1..=25.0;
+        /// Price of a kilogram, in whatever currency, for the summary; 0 to
+        /// leave it out.
+        cost: PricePerKg = 25.0, in 0.0..=100_000.0;
         /// Material extruded, as a share of the beads' volume; multiplies
         /// flow.
         flow: Percent = 100.0, in 10.0..=300.0;
@@ -391,6 +403,12 @@ table::settings! {
         height: Mm = 250.0, in 1.0..=10_000.0;
         /// Diameter of the nozzle's hole.
         nozzle_diameter: Mm = 0.4, in 0.05..=5.0;
+        /// Greatest temperature that the hot end bears; settings beyond it
+        /// are warned of. auto if it is not known.
+        max_nozzle_temperature: Option<Celsius> = None, in 1.0..=600.0;
+        /// Greatest temperature that the bed reaches; settings beyond it are
+        /// warned of. auto if it is not known.
+        max_bed_temperature: Option<Celsius> = None, in 1.0..=250.0;
         /// Acceleration of printing moves.
         acceleration: MmPerSec2 = 1000.0, in 1.0..=100_000.0;
         /// Acceleration of moves that do not print.
@@ -626,6 +644,12 @@ impl Settings {
     /// Width of the lines of skin that faces downwards, and of bridges.
     pub fn bottom_skin_width(&self) -> Mm {
         self.bottom_skin_width.unwrap_or(self.skin_width)
+    }
+
+    /// What the settings lead to without anybody's having asked for it: the
+    /// speeds that `filament.max_flow` does not allow, and those instead.
+    pub fn notes(&self) -> Vec<String> {
+        check::flow_note(self).into_iter().collect()
     }
 
     /// Solid layers above a downward face: `bottom_layers` if set, else what

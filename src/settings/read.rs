@@ -5,138 +5,28 @@
 //! can still point to it.
 
 use super::check::{self, Conflict};
+use super::error::{Place, SettingsError};
+use super::profile::{ProfileKind, Profiles};
 use super::table::{self, Key};
 use super::value::{Raw, Refused};
 use super::{Settings, keys};
 use std::collections::BTreeMap;
-use std::fmt;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Where a setting was given.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// In a file.
-    File {
-        /// The file's name as it was given.
-        name: String,
-        /// Line, from 1.
-        line: usize,
-    },
-    /// As an assignment on the command line.
-    Set,
-    /// In a program that uses the library.
-    Program,
-}
+/// Where each setting that was given was given.
+pub(super) type Places = BTreeMap<&'static str, Place>;
 
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Place::File { name, line } => write!(f, "{name}:{line}"),
-            Place::Set => f.write_str("--set"),
-            Place::Program => f.write_str("settings"),
-        }
-    }
-}
-
-/// Why there are no settings.
-#[derive(Debug, thiserror::Error)]
-pub enum SettingsError {
-    /// A file cannot be read.
-    #[error(
-        "cannot read the settings file {}: check its name, and that it is a \
-         readable text file",
-        path.display()
-    )]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        #[source]
-        cause: std::io::Error,
-    },
-    /// A file is not TOML.
-    #[error(
-        "{place}: {message}; the file must be TOML, as `isoslice settings` \
-         prints it"
-    )]
-    NotToml {
-        /// Where.
-        place: Place,
-        /// What the parser says.
-        message: String,
-    },
-    /// An assignment without a key or an equals sign.
-    #[error("--set {given}: write it as key=value, as in layer_height=0.15")]
-    NotAnAssignment {
-        /// The assignment.
-        given: String,
-    },
-    /// There is no such setting.
-    #[error("{place}: there is no setting {key:?}; {hint}")]
-    UnknownKey {
-        /// Where.
-        place: Place,
-        /// The key.
-        key: String,
-        /// What to write instead.
-        hint: String,
-    },
-    /// A group is given a value as if it were a setting.
-    #[error(
-        "{place}: {key} is a group of settings, not a setting; write for \
-         example {example} = {value}"
-    )]
-    Group {
-        /// Where.
-        place: Place,
-        /// The group.
-        key: String,
-        /// The group's first key.
-        example: String,
-        /// That key's default.
-        value: String,
-    },
-    /// A value is of the wrong type.
-    #[error("{place}: {key} = {value} is not understood; write {expected}")]
-    WrongType {
-        /// Where.
-        place: Place,
-        /// The key.
-        key: String,
-        /// The value.
-        value: String,
-        /// What the setting takes.
-        expected: String,
-    },
-    /// A number is outside its range.
-    #[error("{place}: {key} = {value} is out of range; use {allowed}")]
-    OutOfRange {
-        /// Where.
-        place: Place,
-        /// The key.
-        key: String,
-        /// The value.
-        value: String,
-        /// The range.
-        allowed: String,
-    },
-    /// Settings that are each allowed do not work together.
-    #[error("{message}{places}")]
-    Conflict {
-        /// The keys and values, why they do not work, and the remedy.
-        message: String,
-        /// Where the values come from, empty if nowhere known.
-        places: String,
-    },
-}
+/// What a profile has besides settings.
+const HEAD: [&str; 2] = ["description", "inherits"];
 
 /// Gathers settings from several places; what comes later wins.
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     settings: Settings,
-    places: BTreeMap<&'static str, Place>,
+    places: Places,
 }
 
 impl Builder {
@@ -150,12 +40,7 @@ impl Builder {
     /// # Errors
     /// If the file cannot be read, or as [`Builder::toml`].
     pub fn file(&mut self, path: &Path) -> Result<(), SettingsError> {
-        let text = std::fs::read_to_string(path).map_err(|cause| {
-            SettingsError::Unreadable {
-                path: path.to_owned(),
-                cause,
-            }
-        })?;
+        let text = text_of(path)?;
         self.toml(&path.display().to_string(), &text)
     }
 
@@ -170,20 +55,49 @@ impl Builder {
         name: &str,
         text: &str,
     ) -> Result<(), SettingsError> {
+        let name = name.to_owned();
+        self.take_over(text, &[], |line| Place::File {
+            name: name.clone(),
+            line,
+        })
+    }
+
+    /// Takes over a profile, after those that it inherits from.
+    ///
+    /// # Errors
+    /// If it, or one that it inherits from, does not exist, or as
+    /// [`Builder::toml`].
+    pub fn profile(
+        &mut self,
+        profiles: &Profiles,
+        kind: ProfileKind,
+        name: &str,
+    ) -> Result<(), SettingsError> {
+        for profile in profiles.chain(kind, name)? {
+            let name = profile.file();
+            self.take_over(&profile.text, &HEAD, |line| Place::Profile {
+                name: name.clone(),
+                line,
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Takes over `text` except for the keys in `skip`; `place` tells a line's
+    /// place.
+    fn take_over(
+        &mut self,
+        text: &str,
+        skip: &[&str],
+        place: impl Fn(usize) -> Place,
+    ) -> Result<(), SettingsError> {
         // Templates that were edited on Windows must give the same G-code.
         let text = &text.replace("\r\n", "\n");
-        let place = |span: Range<usize>| Place::File {
-            name: name.to_owned(),
-            line: line_of(text, span.start),
-        };
-        let table =
-            DeTable::parse(text).map_err(|e| SettingsError::NotToml {
-                // Without a span the file as a whole is meant.
-                place: place(e.span().unwrap_or(0..0)),
-                message: e.message().replace('\n', ", "),
-            })?;
+        let place = |span: Range<usize>| place(line_of(text, span.start));
+        let table = parse(text, &place)?;
         let mut entries = Vec::new();
         flatten("", table.get_ref(), &mut entries);
+        entries.retain(|entry| !skip.contains(&entry.key.as_str()));
         // The parser sorts keys by name; messages follow the file.
         entries.sort_by_key(|entry| entry.key_span.start);
         for entry in entries {
@@ -237,12 +151,17 @@ impl Builder {
         &self.settings
     }
 
+    /// Where a setting was given; nowhere if it has its default.
+    pub fn place(&self, key: &Key) -> Option<&Place> {
+        self.places.get(key.name)
+    }
+
     /// The settings, and warnings about unwise combinations.
     ///
     /// # Errors
     /// As [`Settings::validate`], with the places of the values.
     pub fn finish(self) -> Result<(Settings, Vec<String>), SettingsError> {
-        let warnings = check::conflicts(&self.settings)
+        let warnings = check::conflicts(&self.settings, &self.places)
             .map_err(|conflict| conflict.into_error(&self.places))?;
         Ok((self.settings, warnings))
     }
@@ -281,16 +200,14 @@ impl Settings {
                 return Err(refusal(Refused::Range, key, raw, place));
             }
         }
-        check::conflicts(self)
-            .map_err(|conflict| conflict.into_error(&BTreeMap::new()))
+        let nowhere = Places::new();
+        check::conflicts(self, &nowhere)
+            .map_err(|conflict| conflict.into_error(&nowhere))
     }
 }
 
 impl Conflict {
-    fn into_error(
-        self,
-        places: &BTreeMap<&'static str, Place>,
-    ) -> SettingsError {
+    fn into_error(self, places: &Places) -> SettingsError {
         let known: Vec<String> = self
             .keys
             .iter()
@@ -327,6 +244,11 @@ fn unknown(name: &str, place: Place) -> SettingsError {
 }
 
 fn hint(name: &str) -> String {
+    if HEAD.contains(&name) {
+        return "only profiles have it, which are named with --printer, \
+                --filament or --preset"
+            .to_owned();
+    }
     match table::nearest(name) {
         Some(near) => format!("did you mean {near}?"),
         None => "`isoslice settings` lists them all".to_owned(),
@@ -354,6 +276,61 @@ fn refusal(
             allowed: key.allowed(),
         },
     }
+}
+
+/// The text of a settings file.
+pub(super) fn text_of(path: &Path) -> Result<String, SettingsError> {
+    std::fs::read_to_string(path).map_err(|cause| SettingsError::Unreadable {
+        path: path.to_owned(),
+        cause,
+    })
+}
+
+/// What a profile says about itself.
+pub(super) struct Head {
+    pub(super) description: Option<String>,
+    /// The profile it starts from, and the line that says so.
+    pub(super) inherits: Option<(String, usize)>,
+}
+
+/// Reads what the profile `file` says about itself.
+pub(super) fn head(file: &str, text: &str) -> Result<Head, SettingsError> {
+    let place = |span: Range<usize>| Place::Profile {
+        name: file.to_owned(),
+        line: line_of(text, span.start),
+    };
+    let table = parse(text, &place)?;
+    let text_at = |key: &str| -> Result<_, SettingsError> {
+        let Some(value) = table.get_ref().get(key) else {
+            return Ok(None);
+        };
+        match value.get_ref() {
+            DeValue::String(s) => {
+                Ok(Some((s.to_string(), line_of(text, value.span().start))))
+            }
+            other => Err(SettingsError::WrongType {
+                place: place(value.span()),
+                key: key.to_owned(),
+                value: raw(other).describe(),
+                expected: "text in quotes".to_owned(),
+            }),
+        }
+    };
+    Ok(Head {
+        description: text_at("description")?.map(|(text, _)| text),
+        inherits: text_at("inherits")?,
+    })
+}
+
+fn parse<'a>(
+    text: &'a str,
+    place: &dyn Fn(Range<usize>) -> Place,
+) -> Result<Spanned<DeTable<'a>>, SettingsError> {
+    DeTable::parse(text).map_err(|e| SettingsError::NotToml {
+        // Without a span the file as a whole is meant.
+        place: place(e.span().unwrap_or(0..0)),
+        message: e.message().replace('\n', ", "),
+    })
 }
 
 /// One `key = value` of a file. A key that can be none, whatever the table

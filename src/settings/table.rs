@@ -217,8 +217,8 @@ macro_rules! unit {
     (Mm) => {
         "mm"
     };
-    (Option<Mm>) => {
-        "mm"
+    (Option<$inner:ident>) => {
+        $crate::settings::table::unit!($inner)
     };
     (Option<Seconds>) => {
         "s"
@@ -249,6 +249,9 @@ macro_rules! unit {
     };
     (GramsPerCm3) => {
         "g/cm³"
+    };
+    (PricePerKg) => {
+        "per kg"
     };
     ($($other:tt)*) => {
         ""

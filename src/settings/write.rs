@@ -1,5 +1,6 @@
 //! Settings as commented TOML that reads back as the same settings.
 
+use super::table::{self, Key};
 use super::{Settings, keys};
 
 /// Width to which comments are broken, the hash included.
@@ -25,21 +26,61 @@ impl Settings {
                 }
             }
             text.push('\n');
-            comment(&mut text, "# ", &key.description());
-            let mut facts = key.allowed();
-            let default = key.default();
-            if !default.contains('\n') {
-                facts.push_str("; default ");
-                facts.push_str(default.trim_matches('"'));
-                if key.range.is_some() && default != "\"auto\"" {
-                    facts.push_str(&key.spaced_unit());
-                }
-            }
-            comment(&mut text, "# ", &format!("({facts})"));
+            explain(&mut text, key);
             text.push_str(&format!("{} = {}\n", key.leaf(), key.get(self)));
         }
         text
     }
+
+    /// All settings as TOML, each followed by a comment that says where its
+    /// value is from.
+    pub fn to_toml_with_origins(
+        &self,
+        origin: impl Fn(&Key) -> String,
+    ) -> String {
+        // Most lines are shorter than this, which aligns the comments.
+        const COLUMN: usize = 44;
+        let mut text = String::new();
+        let mut group = "";
+        for key in keys() {
+            if key.group() != group {
+                group = key.group();
+                text.push_str(&format!("\n[{group}]\n"));
+            }
+            let line = format!("{} = {}", key.leaf(), key.get(self));
+            let last = line.rsplit('\n').next().unwrap_or(&line);
+            let gap = COLUMN.saturating_sub(last.chars().count());
+            text.push_str(&format!("{line}{:gap$} # {}\n", "", origin(key)));
+        }
+        text
+    }
+}
+
+/// The settings with these names as TOML that sets none of them: each is
+/// explained, and its default is there as a comment.
+pub fn suggestions(names: &[&str]) -> String {
+    let mut text = String::new();
+    for key in names.iter().filter_map(|name| table::find(name)) {
+        explain(&mut text, key);
+        // Whole names, so that a line works wherever it is.
+        text.push_str(&format!("# {} = {}\n\n", key.name, key.default()));
+    }
+    text
+}
+
+/// What a setting means and takes, as comments.
+fn explain(text: &mut String, key: &Key) {
+    comment(text, "# ", &key.description());
+    let mut facts = key.allowed();
+    let default = key.default();
+    if !default.contains('\n') {
+        facts.push_str("; default ");
+        facts.push_str(default.trim_matches('"'));
+        if key.range.is_some() && default != "\"auto\"" {
+            facts.push_str(&key.spaced_unit());
+        }
+    }
+    comment(text, "# ", &format!("({facts})"));
 }
 
 /// Appends `words` as comment lines.

@@ -1,0 +1,164 @@
+//! `isoslice profiles`: which printers, filaments and presets there are.
+
+use super::args::ProfilesSource;
+use super::print_json;
+use anyhow::bail;
+use clap::{Args, Subcommand};
+use isoslice::settings::{Origin, Profile, ProfileKind};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::io::{Write, stdout};
+
+const EXAMPLES: &str = "\
+Examples:
+  isoslice profiles                     all of them
+  isoslice profiles list printers
+  isoslice profiles show prusa-mk4      its text, to copy and change
+  isoslice slice part.rhai --printer prusa-mk4 --filament petg --preset fine";
+
+/// Arguments of `isoslice profiles`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+pub(super) struct ProfilesArgs {
+    #[command(subcommand)]
+    command: Option<Command>,
+
+    #[command(flatten)]
+    list: ListArgs,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// List profiles with what they are; this is the default
+    List(ListArgs),
+    /// Show a profile's text
+    Show(ShowArgs),
+}
+
+#[derive(Args, Debug)]
+struct ListArgs {
+    /// Only this kind
+    #[arg(value_parser = ["printers", "filaments", "presets"])]
+    kind: Option<String>,
+
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    source: ProfilesSource,
+}
+
+#[derive(Args, Debug)]
+struct ShowArgs {
+    /// Name of the profile
+    name: String,
+
+    #[command(flatten)]
+    source: ProfilesSource,
+}
+
+pub(super) fn run(args: &ProfilesArgs) -> anyhow::Result<()> {
+    match &args.command {
+        None => list(&args.list),
+        Some(Command::List(args)) => list(args),
+        Some(Command::Show(args)) => show(args),
+    }
+}
+
+/// A profile, as `--json` tells of it.
+#[derive(Serialize)]
+struct Listed {
+    kind: &'static str,
+    name: String,
+    description: String,
+    inherits: Option<String>,
+    /// Null if it is part of the program.
+    file: Option<String>,
+}
+
+impl Listed {
+    fn new(profile: &Profile) -> Self {
+        Listed {
+            kind: profile.kind.word(),
+            name: profile.name.clone(),
+            description: profile.description.clone(),
+            inherits: profile.inherits.clone(),
+            file: match &profile.origin {
+                Origin::Shipped => None,
+                Origin::File(path) => Some(path.display().to_string()),
+            },
+        }
+    }
+}
+
+fn list(args: &ListArgs) -> anyhow::Result<()> {
+    let profiles = args.source.find()?;
+    let wanted = |kind: &ProfileKind| {
+        args.kind.as_ref().is_none_or(|name| name == kind.folder())
+    };
+    let mut found = Vec::new();
+    for kind in ProfileKind::ALL.into_iter().filter(wanted) {
+        found.push((kind, profiles.list(kind)?));
+    }
+    if args.json {
+        let all = found.iter().flat_map(|(_, profiles)| profiles);
+        return print_json(&all.map(Listed::new).collect::<Vec<_>>());
+    }
+    let text = describe(&found, &args.source)?;
+    stdout().lock().write_all(text.as_bytes())?;
+    Ok(())
+}
+
+fn describe(
+    found: &[(ProfileKind, Vec<Profile>)],
+    source: &ProfilesSource,
+) -> Result<String, std::fmt::Error> {
+    let mut text = String::new();
+    let names = found.iter().flat_map(|(_, profiles)| profiles);
+    let width = names.map(|p| p.name.chars().count()).max().unwrap_or(0);
+    for (kind, profiles) in found {
+        writeln!(text, "{} (--{} NAME)", kind.folder(), kind.word())?;
+        for profile in profiles {
+            write!(text, "  {:<width$}", profile.name)?;
+            if !profile.description.is_empty() {
+                write!(text, "  {}", profile.description)?;
+            }
+            if profile.origin != Origin::Shipped {
+                write!(text, " (yours)")?;
+            }
+            writeln!(text)?;
+        }
+        writeln!(text)?;
+    }
+    match source.folder() {
+        Some(folder) => writeln!(
+            text,
+            "Your own go into the folders printers, filaments and presets of\n\
+             {}",
+            folder.display()
+        )?,
+        None => writeln!(text, "Your own are looked for in --profiles DIR")?,
+    }
+    Ok(text)
+}
+
+fn show(args: &ShowArgs) -> anyhow::Result<()> {
+    let profiles = args.source.find()?;
+    let mut text = String::new();
+    for kind in ProfileKind::ALL {
+        let of_kind = profiles.list(kind)?;
+        for profile in of_kind.iter().filter(|p| p.name == args.name) {
+            if !text.is_empty() {
+                text.push('\n');
+            }
+            text.push_str(&profile.text);
+        }
+    }
+    if text.is_empty() {
+        let hint = profiles.suggestion(&ProfileKind::ALL, &args.name);
+        bail!("there is no profile {:?}; {hint}", args.name);
+    }
+    stdout().lock().write_all(text.as_bytes())?;
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! Where settings were given, and why they may be refused.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Where a setting was given.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In a file.
+    File {
+        /// The file's name as it was given.
+        name: String,
+        /// Line, from 1.
+        line: usize,
+    },
+    /// In a profile.
+    Profile {
+        /// The profile's file, in messages.
+        name: String,
+        /// Line, from 1.
+        line: usize,
+    },
+    /// As an assignment on the command line.
+    Set,
+    /// In a program that uses the library.
+    Program,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::File { name, line } | Place::Profile { name, line } => {
+                write!(f, "{name}:{line}")
+            }
+            Place::Set => f.write_str("--set"),
+            Place::Program => f.write_str("settings"),
+        }
+    }
+}
+
+impl Place {
+    /// True if whoever prints chose it for this print, rather than its coming
+    /// with a profile.
+    pub(super) fn is_given(&self) -> bool {
+        matches!(self, Place::File { .. } | Place::Set)
+    }
+}
+
+/// Why there are no settings.
+#[derive(Debug, thiserror::Error)]
+pub enum SettingsError {
+    /// A file cannot be read.
+    #[error(
+        "cannot read the settings file {}: check its name, and that it is a \
+         readable text file",
+        path.display()
+    )]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        cause: std::io::Error,
+    },
+    /// A file is not TOML.
+    #[error(
+        "{place}: {message}; the file must be TOML, as `isoslice settings` \
+         prints it"
+    )]
+    NotToml {
+        /// Where.
+        place: Place,
+        /// What the parser says.
+        message: String,
+    },
+    /// An assignment without a key or an equals sign.
+    #[error("--set {given}: write it as key=value, as in layer_height=0.15")]
+    NotAnAssignment {
+        /// The assignment.
+        given: String,
+    },
+    /// There is no such setting.
+    #[error("{place}: there is no setting {key:?}; {hint}")]
+    UnknownKey {
+        /// Where.
+        place: Place,
+        /// The key.
+        key: String,
+        /// What to write instead.
+        hint: String,
+    },
+    /// A group is given a value as if it were a setting.
+    #[error(
+        "{place}: {key} is a group of settings, not a setting; write for \
+         example {example} = {value}"
+    )]
+    Group {
+        /// Where.
+        place: Place,
+        /// The group.
+        key: String,
+        /// The group's first key.
+        example: String,
+        /// That key's default.
+        value: String,
+    },
+    /// There is no such profile.
+    #[error("{place}: there is no {kind} profile {name:?}; {hint}")]
+    UnknownProfile {
+        /// Where it was named.
+        place: String,
+        /// What it was to be a profile of.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// What to write instead.
+        hint: String,
+    },
+    /// A profile inherits from itself.
+    #[error(
+        "{place}: profiles inherit in a circle: {names}; let one of them \
+         inherit from another, or from none"
+    )]
+    Circle {
+        /// Where the circle is closed.
+        place: Place,
+        /// The profiles.
+        names: String,
+    },
+    /// A value is of the wrong type.
+    #[error("{place}: {key} = {value} is not understood; write {expected}")]
+    WrongType {
+        /// Where.
+        place: Place,
+        /// The key.
+        key: String,
+        /// The value.
+        value: String,
+        /// What the setting takes.
+        expected: String,
+    },
+    /// A number is outside its range.
+    #[error("{place}: {key} = {value} is out of range; use {allowed}")]
+    OutOfRange {
+        /// Where.
+        place: Place,
+        /// The key.
+        key: String,
+        /// The value.
+        value: String,
+        /// The range.
+        allowed: String,
+    },
+    /// Settings that are each allowed do not work together.
+    #[error("{message}{places}")]
+    Conflict {
+        /// The keys and values, why they do not work, and the remedy.
+        message: String,
+        /// Where the values come from, empty if nowhere known.
+        places: String,
+    },
+}

@@ -1,0 +1,357 @@
+//! Profiles: settings under a name, for a printer, a filament or a kind of
+//! print.
+//!
+//! In: the name of one. Out: the texts to take over, from the profile that it
+//! inherits from first to itself.
+//!
+//! A profile is a settings file with two more keys at its beginning,
+//! `description` and `inherits`. Those that come with the program are part of
+//! it; a folder of the user's may hold more, and others of the same names,
+//! which then are used instead. Such a one may inherit from its own name: the
+//! one that came with the program is meant.
+//!
+//! Guaranteed: what is used depends on the profiles' texts only, and a name
+//! that leads nowhere, or round in a circle, is an error with its place.
+
+use super::error::{Place, SettingsError};
+use super::read;
+use super::shipped::SHIPPED;
+use super::table::alternatives;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// What a profile is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ProfileKind {
+    /// A machine: bed, limits, retraction, firmware, start of the print.
+    Printer,
+    /// A material: temperatures, fan, flow, density, cost.
+    Filament,
+    /// A kind of print: heights, walls, infill.
+    Preset,
+}
+
+impl ProfileKind {
+    /// All, in the order in which they are taken over.
+    pub const ALL: [ProfileKind; 3] = [
+        ProfileKind::Printer,
+        ProfileKind::Filament,
+        ProfileKind::Preset,
+    ];
+
+    /// The word for it, which is also the option's.
+    pub fn word(self) -> &'static str {
+        match self {
+            ProfileKind::Printer => "printer",
+            ProfileKind::Filament => "filament",
+            ProfileKind::Preset => "preset",
+        }
+    }
+
+    /// The folder its files are in.
+    pub fn folder(self) -> &'static str {
+        match self {
+            ProfileKind::Printer => "printers",
+            ProfileKind::Filament => "filaments",
+            ProfileKind::Preset => "presets",
+        }
+    }
+}
+
+/// Where a profile comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// It is part of the program.
+    Shipped,
+    /// A file of the user's.
+    File(PathBuf),
+}
+
+/// A profile.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// What it is of.
+    pub kind: ProfileKind,
+    /// Its name, which is its file's without extension.
+    pub name: String,
+    /// What it is, in a few words; empty if it does not say.
+    pub description: String,
+    /// The profile of the same kind that it starts from.
+    pub inherits: Option<String>,
+    /// Where it comes from.
+    pub origin: Origin,
+    /// Its text.
+    pub text: String,
+    /// Where `inherits` is.
+    inherits_at: Place,
+}
+
+impl Profile {
+    fn new(
+        kind: ProfileKind,
+        name: &str,
+        origin: Origin,
+        text: &str,
+    ) -> Result<Self, SettingsError> {
+        let file = file_name(kind, name, &origin);
+        let head = read::head(&file, text)?;
+        Ok(Profile {
+            kind,
+            name: name.to_owned(),
+            description: head.description.unwrap_or_default(),
+            inherits_at: Place::Profile {
+                name: file,
+                line: head.inherits.as_ref().map_or(1, |(_, line)| *line),
+            },
+            inherits: head.inherits.map(|(name, _)| name),
+            origin,
+            text: text.to_owned(),
+        })
+    }
+
+    /// Name of its file in messages.
+    pub fn file(&self) -> String {
+        file_name(self.kind, &self.name, &self.origin)
+    }
+
+    fn is(&self, other: &Profile) -> bool {
+        self.origin == other.origin && self.name == other.name
+    }
+}
+
+fn file_name(kind: ProfileKind, name: &str, origin: &Origin) -> String {
+    match origin {
+        Origin::Shipped => format!("shipped {}/{name}.toml", kind.folder()),
+        Origin::File(path) => path.display().to_string(),
+    }
+}
+
+/// The profiles there are: those of the program and those of a folder.
+#[derive(Clone, Debug, Default)]
+pub struct Profiles {
+    folder: Option<PathBuf>,
+}
+
+impl Profiles {
+    /// Those that come with the program and those in `folder`, which has a
+    /// folder for each kind. It need not exist.
+    pub fn new(folder: Option<PathBuf>) -> Self {
+        Self { folder }
+    }
+
+    /// All of a kind, by name. Where there are two of a name it is the
+    /// folder's.
+    ///
+    /// # Errors
+    /// If the folder or a profile in it cannot be read, or its beginning is
+    /// not understood.
+    pub fn list(
+        &self,
+        kind: ProfileKind,
+    ) -> Result<Vec<Profile>, SettingsError> {
+        let mut found = BTreeMap::new();
+        for (name, text) in shipped(kind) {
+            let profile = Profile::new(kind, name, Origin::Shipped, text)?;
+            found.insert(name.to_owned(), profile);
+        }
+        for name in self.own(kind)? {
+            if let Some(profile) = self.find_own(kind, &name)? {
+                found.insert(name, profile);
+            }
+        }
+        Ok(found.into_values().collect())
+    }
+
+    /// The profile of that name, or in that file if it is the path of one.
+    ///
+    /// # Errors
+    /// If there is none, or as [`Profiles::list`].
+    pub fn find(
+        &self,
+        kind: ProfileKind,
+        name: &str,
+    ) -> Result<Profile, SettingsError> {
+        match self.look_up(kind, name, true)? {
+            Some(profile) => Ok(profile),
+            None => Err(self.unknown(
+                kind,
+                name,
+                format!("--{} {name}", kind.word()),
+            )),
+        }
+    }
+
+    /// What has to be taken over for the profile of that name: the one it
+    /// inherits from, if any, before it.
+    ///
+    /// # Errors
+    /// If one of them does not exist, or inherits from itself in the end, or
+    /// as [`Profiles::list`].
+    pub fn chain(
+        &self,
+        kind: ProfileKind,
+        name: &str,
+    ) -> Result<Vec<Profile>, SettingsError> {
+        let mut chain = vec![self.find(kind, name)?];
+        while let Some(last) = chain.last()
+            && let Some(parent) = &last.inherits
+        {
+            // One's own version of a profile starts from the program's.
+            let folder_too =
+                *parent != last.name || last.origin == Origin::Shipped;
+            let found = self.look_up(kind, parent, folder_too)?;
+            let circle = |chain: &[Profile]| {
+                let names = chain.iter().map(|p| p.name.as_str());
+                let names: Vec<_> = names.chain([parent.as_str()]).collect();
+                SettingsError::Circle {
+                    place: last.inherits_at.clone(),
+                    names: names.join(", which inherits "),
+                }
+            };
+            let Some(found) = found else {
+                if *parent == last.name {
+                    return Err(circle(&chain));
+                }
+                let place = format!("{}: inherits", last.inherits_at);
+                return Err(self.unknown(kind, parent, place));
+            };
+            if chain.iter().any(|earlier| earlier.is(&found)) {
+                return Err(circle(&chain));
+            }
+            chain.push(found);
+        }
+        chain.reverse();
+        Ok(chain)
+    }
+
+    fn look_up(
+        &self,
+        kind: ProfileKind,
+        name: &str,
+        folder_too: bool,
+    ) -> Result<Option<Profile>, SettingsError> {
+        if is_path(name) {
+            let path = PathBuf::from(name);
+            let stem = path.file_stem().unwrap_or_default();
+            let stem = stem.to_string_lossy().into_owned();
+            let text = read::text_of(&path)?;
+            let origin = Origin::File(path);
+            return Profile::new(kind, &stem, origin, &text).map(Some);
+        }
+        if folder_too && let Some(profile) = self.find_own(kind, name)? {
+            return Ok(Some(profile));
+        }
+        shipped(kind)
+            .find(|(known, _)| *known == name)
+            .map(|(name, text)| Profile::new(kind, name, Origin::Shipped, text))
+            .transpose()
+    }
+
+    /// The folder's profile of that name, if there is one.
+    fn find_own(
+        &self,
+        kind: ProfileKind,
+        name: &str,
+    ) -> Result<Option<Profile>, SettingsError> {
+        let Some(folder) = &self.folder else {
+            return Ok(None);
+        };
+        let path = folder.join(kind.folder()).join(format!("{name}.toml"));
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let text = read::text_of(&path)?;
+        Profile::new(kind, name, Origin::File(path), &text).map(Some)
+    }
+
+    /// Names of the folder's profiles of a kind.
+    fn own(&self, kind: ProfileKind) -> Result<Vec<String>, SettingsError> {
+        let Some(folder) = &self.folder else {
+            return Ok(Vec::new());
+        };
+        let folder = folder.join(kind.folder());
+        if !folder.is_dir() {
+            return Ok(Vec::new());
+        }
+        let unreadable = |cause| SettingsError::Unreadable {
+            path: folder.clone(),
+            cause,
+        };
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(&folder).map_err(unreadable)? {
+            let path = entry.map_err(unreadable)?.path();
+            let name = path.file_stem().and_then(|name| name.to_str());
+            if path.extension().is_some_and(|e| e == "toml")
+                && let Some(name) = name
+            {
+                names.push(name.to_owned());
+            }
+        }
+        Ok(names)
+    }
+
+    fn unknown(
+        &self,
+        kind: ProfileKind,
+        name: &str,
+        place: String,
+    ) -> SettingsError {
+        SettingsError::UnknownProfile {
+            place,
+            kind: kind.word(),
+            name: name.to_owned(),
+            hint: self.suggestion(&[kind], name),
+        }
+    }
+
+    /// What to tell who named a profile that there is not: the names most
+    /// like it, or where to find them all.
+    pub fn suggestion(&self, kinds: &[ProfileKind], name: &str) -> String {
+        let mut names = Vec::new();
+        for kind in kinds {
+            names.extend(shipped(*kind).map(|(name, _)| name.to_owned()));
+            // What cannot be read is no suggestion.
+            names.extend(self.own(*kind).unwrap_or_default());
+        }
+        suggestion(name, names)
+    }
+}
+
+/// Whether a profile is named by its file instead of its name.
+fn is_path(name: &str) -> bool {
+    name.ends_with(".toml") || Path::new(name).components().count() > 1
+}
+
+fn shipped(
+    kind: ProfileKind,
+) -> impl Iterator<Item = (&'static str, &'static str)> {
+    SHIPPED
+        .iter()
+        .filter(move |(of, _, _)| *of == kind)
+        .map(|(_, name, text)| (*name, *text))
+}
+
+/// The names most like `name`, or where to find them all.
+fn suggestion(name: &str, mut names: Vec<String>) -> String {
+    // Below this, suggestions become guesses that do not help.
+    const ALIKE: f64 = 0.75;
+    const MOST: usize = 3;
+    let wanted = name.to_lowercase().replace(['_', ' '], "-");
+    let likeness = |known: &str| {
+        // Half a name ("mk4", "voron") is likelier than a misspelling.
+        match known.contains(&wanted) && wanted.len() > 1 {
+            true => 1.0,
+            false => strsim::jaro_winkler(&wanted, known),
+        }
+    };
+    names.sort();
+    names.dedup();
+    names.retain(|known| likeness(known) >= ALIKE);
+    names.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
+    names.truncate(MOST);
+    if names.is_empty() {
+        return "`isoslice profiles` lists them".to_owned();
+    }
+    let names: Vec<_> = names.iter().map(String::as_str).collect();
+    format!("did you mean {}?", alternatives(&names))
+}

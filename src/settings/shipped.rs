@@ -1,0 +1,52 @@
+//! The profiles that are part of the program: their texts, as they are in
+//! `profiles/`.
+
+use super::profile::ProfileKind::{self, Filament, Preset, Printer};
+
+macro_rules! shipped {
+    ($($kind:ident, $folder:literal: $($name:literal)+;)+) => {
+        &[$($((
+            $kind,
+            $name,
+            include_str!(concat!("profiles/", $folder, "/", $name, ".toml")),
+        ),)+)+]
+    };
+}
+
+/// Kind, name and text of each.
+pub(super) const SHIPPED: &[(ProfileKind, &str, &str)] = shipped! {
+    Printer, "printers":
+        "ender-3-s1"
+        "ender-3-v2"
+        "ender-3"
+        "generic-klipper"
+        "generic-marlin"
+        "generic-rrf"
+        "prusa-mini"
+        "prusa-mk3s"
+        "prusa-mk4"
+        "prusa-xl"
+        "ratrig-v-core-3-300"
+        "ratrig-v-core-3-400"
+        "ratrig-v-core-3-500"
+        "sovol-sv06"
+        "voron-0.2"
+        "voron-2.4-250"
+        "voron-2.4-300"
+        "voron-2.4-350";
+    Filament, "filaments":
+        "abs"
+        "asa"
+        "pa"
+        "pc"
+        "petg"
+        "pla"
+        "pva"
+        "tpu";
+    Preset, "presets":
+        "draft"
+        "fine"
+        "standard"
+        "strong"
+        "thin-wall";
+};

@@ -1,0 +1,362 @@
+//! Profiles: those of the program, and a user's beside them.
+
+// A test that cannot go on should say so and stop.
+#![allow(clippy::unwrap_used)]
+
+use isoslice::layers::LayerRange;
+use isoslice::model::{self, BuildVolume, Placement, Source};
+use isoslice::pipeline::{self, Options};
+use isoslice::settings::{
+    Builder, Flavour, Origin, Profile, ProfileKind, Profiles, Settings, keys,
+};
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+fn shipped(kind: ProfileKind) -> Vec<Profile> {
+    let all = Profiles::default().list(kind);
+    all.unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Settings of a printer, a filament and a preset.
+fn of(names: [&str; 3]) -> (Settings, Vec<String>) {
+    let mut builder = Builder::new();
+    for (kind, name) in ProfileKind::ALL.into_iter().zip(names) {
+        builder
+            .profile(&Profiles::default(), kind, name)
+            .unwrap_or_else(|e| panic!("{e}"));
+    }
+    builder
+        .finish()
+        .unwrap_or_else(|e| panic!("{names:?}: {e}"))
+}
+
+/// A folder of profiles: kind's folder and name, and text.
+fn folder(files: &[(&str, &str)]) -> (TempDir, Profiles) {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    let profiles = Profiles::new(Some(folder.path().to_owned()));
+    (folder, profiles)
+}
+
+fn with(profiles: &Profiles, name: &str) -> Result<Builder, String> {
+    let mut builder = Builder::new();
+    builder
+        .profile(profiles, ProfileKind::Filament, name)
+        .map_err(|e| e.to_string())?;
+    Ok(builder)
+}
+
+/// The message for a filament that must be refused, its folder left out.
+fn refused(files: &[(&str, &str)], name: &str) -> String {
+    let (folder, profiles) = folder(files);
+    let message = with(&profiles, name).err().unwrap_or_default();
+    let root = format!("{}/", folder.path().display());
+    message
+        .replace('\\', "/")
+        .replace(&root.replace('\\', "/"), "")
+}
+
+#[test]
+fn every_file_is_part_of_the_program() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/settings");
+    let mut counts = Vec::new();
+    for kind in ProfileKind::ALL {
+        let files = fs::read_dir(root.join("profiles").join(kind.folder()));
+        let mut files: Vec<String> = files
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .map(|path| path.file_stem().unwrap().to_string_lossy().into())
+            .collect();
+        files.sort();
+        let profiles = shipped(kind);
+        let names: Vec<_> = profiles.iter().map(|p| p.name.clone()).collect();
+        assert_eq!(names, files, "src/settings/shipped.rs lists them");
+        counts.push(files.len());
+    }
+    assert!(counts[0] >= 12 && counts[1] >= 8 && counts[2] >= 5);
+}
+
+#[test]
+fn every_profile_says_what_it_is_and_sets_only_what_is_its_business() {
+    // A preset that set a temperature would undo the filament's.
+    let business: [&[&str]; 3] = [
+        &["printer", "gcode", "retract", "speed"],
+        &["filament", "cooling"],
+        &["", "speed"],
+    ];
+    let mut names = std::collections::BTreeSet::new();
+    for (kind, groups) in ProfileKind::ALL.into_iter().zip(business) {
+        for profile in shipped(kind) {
+            assert!(!profile.description.is_empty(), "{}", profile.name);
+            assert!(profile.description.len() < 80, "{}", profile.name);
+            assert_eq!(profile.origin, Origin::Shipped);
+            // `profiles show NAME` means one of them.
+            assert!(names.insert(profile.name.clone()), "{}", profile.name);
+            let mut builder = Builder::new();
+            builder
+                .profile(&Profiles::default(), kind, &profile.name)
+                .unwrap_or_else(|e| panic!("{e}"));
+            for key in keys().iter().filter(|k| builder.place(k).is_some()) {
+                let group = key.name.split_once('.').map_or("", |(g, _)| g);
+                let name = &profile.name;
+                assert!(groups.contains(&group), "{name} sets {}", key.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_printer_says_all_that_depends_on_the_machine() {
+    for printer in shipped(ProfileKind::Printer) {
+        let mut builder = Builder::new();
+        builder
+            .profile(&Profiles::default(), ProfileKind::Printer, &printer.name)
+            .unwrap_or_else(|e| panic!("{e}"));
+        for name in [
+            "printer.bed_x",
+            "printer.bed_y",
+            "printer.height",
+            "printer.nozzle_diameter",
+            "printer.acceleration",
+            "printer.travel_acceleration",
+            "printer.square_corner_velocity",
+            "printer.max_speed_z",
+            "retract.length",
+            "retract.speed",
+            "gcode.flavour",
+        ] {
+            let key = keys().iter().find(|key| key.name == name).unwrap();
+            assert!(builder.place(key).is_some(), "{}: {name}", printer.name);
+        }
+    }
+}
+
+#[test]
+fn the_plainest_profiles_are_the_defaults() {
+    let (settings, _) = of(["generic-marlin", "pla", "standard"]);
+    assert_eq!(settings, Settings::default());
+}
+
+#[test]
+fn all_combinations_print_except_what_a_hot_end_cannot_melt() {
+    let (mut combinations, mut warned) = (0, Vec::new());
+    for printer in shipped(ProfileKind::Printer) {
+        for filament in shipped(ProfileKind::Filament) {
+            for preset in shipped(ProfileKind::Preset) {
+                let names = [&*printer.name, &*filament.name, &*preset.name];
+                let (_, warnings) = of(names);
+                combinations += 1;
+                if preset.name == "standard" {
+                    warned.extend(warnings.first().map(|warning| {
+                        format!("{} {} {warning}", names[0], names[1])
+                    }));
+                } else {
+                    // A preset neither adds a warning nor takes one away.
+                    let (_, standard) = of([names[0], names[1], "standard"]);
+                    assert_eq!(warnings, standard, "{names:?}");
+                }
+            }
+        }
+    }
+    assert!(combinations >= 12 * 8 * 5);
+    // PTFE in the hot end: polycarbonate is out of reach of these.
+    assert_eq!(warned.len(), 2, "{warned:#?}");
+    for (warning, printer) in warned.iter().zip(["ender-3", "ender-3-v2"]) {
+        let expected = format!(
+            "{printer} pc filament.first_layer_nozzle_temperature = 260 °C is \
+             more than printer.max_nozzle_temperature = 255 °C"
+        );
+        assert!(warning.starts_with(&expected), "{warning}");
+    }
+}
+
+#[test]
+fn an_example_slices_for_every_printer() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join("threaded-knob.rhai");
+    let loaded = model::load(&Source::File(example), &[]).unwrap();
+    for printer in shipped(ProfileKind::Printer) {
+        let (settings, _) = of([&printer.name, "petg", "draft"]);
+        let volume = BuildVolume {
+            x: settings.printer.bed_x,
+            y: settings.printer.bed_y,
+            z: settings.printer.height,
+        };
+        let placed = model::place(&loaded, &Placement::default(), volume)
+            .unwrap_or_else(|e| panic!("{}: {e}", printer.name));
+        let mut gcode = Vec::new();
+        let options = Options {
+            threads: Some(1),
+            layers: "1..3".parse::<LayerRange>().unwrap(),
+            svg_dir: None,
+            report: false,
+            on_layer: &|_, _| (),
+        };
+        pipeline::slice(&placed, &settings, &options, &mut gcode)
+            .unwrap_or_else(|e| panic!("{}: {e}", printer.name));
+        let gcode = String::from_utf8(gcode).unwrap();
+        let name = &printer.name;
+        assert_eq!(gcode.matches(";LAYER_CHANGE").count(), 3, "{name}");
+        assert!(!gcode.contains(['{', '}']), "{name}: a placeholder is left");
+        // Hot before the first bead, and homed.
+        let start = gcode.split(";LAYER_CHANGE").next().unwrap();
+        let at = |command: &str| {
+            let found = start.lines().position(|l| l.starts_with(command));
+            found.unwrap_or_else(|| panic!("{name}: no {command}\n{start}"))
+        };
+        assert!(at("M190 S85") < start.lines().count());
+        assert!(at("M109 S235") > 0 && at("G28") > 0);
+        assert!(gcode.contains("\nM104 S0") && gcode.contains("\nM140 S0"));
+        if settings.gcode.flavour == Flavour::Klipper {
+            for unknown in ["G29", "M420", "G80", "M900", "M201", "M109 R"] {
+                let line = format!("\n{unknown}");
+                assert!(!gcode.contains(&line), "{name} has {unknown}");
+            }
+        }
+        // All on the bed.
+        for line in gcode.lines().filter(|l| l.starts_with("G1 ")) {
+            for word in line.split_whitespace() {
+                let value = word.get(1..).and_then(|v| v.parse::<f64>().ok());
+                let most = match &word[..1] {
+                    "X" => settings.printer.bed_x,
+                    "Y" => settings.printer.bed_y,
+                    "Z" => settings.printer.height,
+                    _ => continue,
+                };
+                let inside = value.is_some_and(|v| (0.0..=most).contains(&v));
+                assert!(inside, "{name}: {line}");
+            }
+        }
+    }
+}
+
+#[test]
+fn later_layers_win() {
+    let (_folder, profiles) = folder(&[
+        ("filaments/mine.toml", "filament.density = 2\nwalls = 7"),
+        ("presets/mine.toml", "walls = 8\nlayer_height = 0.1"),
+    ]);
+    let mut builder = Builder::new();
+    for (kind, name) in [
+        (ProfileKind::Printer, "ender-3"),
+        (ProfileKind::Filament, "mine"),
+        (ProfileKind::Preset, "mine"),
+    ] {
+        builder.profile(&profiles, kind, name).unwrap();
+    }
+    assert_eq!(builder.settings().walls, 8);
+    builder
+        .toml("a.toml", "walls = 9\nskirt.loops = 2")
+        .unwrap();
+    builder.toml("b.toml", "walls = 10").unwrap();
+    assert_eq!(builder.settings().walls, 10);
+    builder.set("walls=11").unwrap();
+    let origin = |name: &str| {
+        let key = keys().iter().find(|key| key.name == name).unwrap();
+        builder.place(key).map(ToString::to_string)
+    };
+    assert_eq!(origin("walls").as_deref(), Some("--set"));
+    assert_eq!(origin("skirt.loops").as_deref(), Some("a.toml:2"));
+    let density = origin("filament.density").unwrap();
+    assert!(density.ends_with("mine.toml:1"), "{density}");
+    assert_eq!(
+        origin("retract.length").as_deref(),
+        Some("shipped printers/ender-3.toml:25")
+    );
+    assert_eq!(origin("seam"), None);
+}
+
+#[test]
+fn ones_own_profile_goes_before_and_may_start_from_the_shipped_one() {
+    let (_folder, profiles) = folder(&[
+        (
+            "filaments/petg.toml",
+            "inherits = 'petg'\nfilament.cost = 19",
+        ),
+        (
+            "filaments/cheap.toml",
+            "inherits = 'petg'\nfilament.cost = 9",
+        ),
+        ("filaments/notes.txt", "not a profile"),
+    ]);
+    let petg = with(&profiles, "petg").unwrap().settings().filament.clone();
+    assert_eq!((petg.cost, petg.density), (19.0, 1.27));
+    let cheap = with(&profiles, "cheap")
+        .unwrap()
+        .settings()
+        .filament
+        .clone();
+    assert_eq!((cheap.cost, cheap.density), (9.0, 1.27));
+    let listed = profiles.list(ProfileKind::Filament).unwrap();
+    let own = listed.iter().filter(|p| p.origin != Origin::Shipped);
+    let own: Vec<_> = own.map(|p| p.name.as_str()).collect();
+    assert_eq!(own, ["cheap", "petg"]);
+    let count = shipped(ProfileKind::Filament).len();
+    assert_eq!(listed.len(), count + 1);
+}
+
+#[test]
+fn a_profile_may_be_a_file_anywhere() {
+    let (folder, profiles) = folder(&[(
+        "elsewhere/odd.toml",
+        "inherits = 'tpu'\nfilament.cost = 1",
+    )]);
+    let path = folder.path().join("elsewhere").join("odd.toml");
+    let filament = with(&profiles, &path.display().to_string());
+    let filament = filament.unwrap().settings().filament.clone();
+    assert_eq!((filament.cost, filament.density), (1.0, 1.21));
+}
+
+#[test]
+fn refusals_name_file_line_and_remedy() {
+    let listing: String = [
+        (&[][..], "petgg"),
+        (&[], "marble"),
+        (&[("filaments/a.toml", "\ninherits = 'pettg'")], "a"),
+        (
+            &[
+                ("filaments/a.toml", "inherits = 'b'"),
+                ("filaments/b.toml", "# b\ninherits = 'c'"),
+                ("filaments/c.toml", "inherits = 'a'"),
+            ],
+            "a",
+        ),
+        (&[("filaments/a.toml", "inherits = 'a'")], "a"),
+        (&[("filaments/a.toml", "walls = 2\ninherits = 3")], "a"),
+        (&[("filaments/a.toml", "inherits = 'pla'\nwals = 3")], "a"),
+        (&[("filaments/a.toml", "walls = = 3")], "a"),
+        (
+            &[
+                ("filaments/a.toml", "inherits = 'b'"),
+                ("filaments/b.toml", "# b\n[speed]\ntravel = -1"),
+            ],
+            "a",
+        ),
+    ]
+    .map(|(files, name)| {
+        let files: &[(&str, &str)] = files;
+        let texts: Vec<_> = files.iter().map(|f| f.1.trim()).collect();
+        let given = texts.join(" | ").replace('\n', "; ");
+        format!("{name}: {given}\n    {}\n", refused(files, name))
+    })
+    .concat();
+    insta::with_settings!({ omit_expression => true }, {
+        insta::assert_snapshot!("refused_profiles", listing);
+    });
+    let missing = refused(&[], "no/such.toml");
+    assert!(missing.starts_with("cannot read the settings file no/such.toml"));
+    // A settings file is no profile.
+    let mut builder = Builder::new();
+    let error = builder.toml("my.toml", "walls = 3\ninherits = 'pla'");
+    assert_eq!(
+        error.unwrap_err().to_string(),
+        "my.toml:2: there is no setting \"inherits\"; only profiles have it, \
+         which are named with --printer, --filament or --preset"
+    );
+}
