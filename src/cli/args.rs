@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub(super) const FORMULA: &str = "formula";
 
 /// Which model, and how it is placed.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug, PartialEq)]
 pub(super) struct ModelArgs {
     /// The model: a Rhai script (.rhai) or fidget's text format (.vm)
     #[arg(
@@ -160,7 +160,7 @@ impl ModelArgs {
 }
 
 /// Where settings come from.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug, PartialEq)]
 #[command(next_help_heading = "Settings")]
 pub(super) struct SettingsSource {
     /// Read settings from a TOML file; of several, the last one wins

@@ -7,6 +7,7 @@
 mod args;
 mod info;
 mod output;
+mod preview;
 mod settings;
 mod slice;
 pub(crate) mod terminal;
@@ -18,6 +19,7 @@ Examples:
   isoslice slice part.rhai                        writes part.gcode beside it
   isoslice slice -e 'sqrt(x^2+y^2+z^2) - 15' -o ball.gcode
   isoslice slice part.vm --size 60 --set layer_height=0.15 --set walls=3
+  isoslice preview part.gcode                     a page that shows it in 3D
   isoslice info part.rhai                         size, layers, parameters
   isoslice settings > my.toml                     to edit, for --config my.toml
 
@@ -42,6 +44,8 @@ pub(crate) struct Cli {
 enum Command {
     /// Slice a model to G-code
     Slice(Box<slice::SliceArgs>),
+    /// Make a page that shows G-code, or a model sliced, in 3D
+    Preview(Box<preview::PreviewArgs>),
     /// Show a model's bounds, size, layers and parameters
     Info(Box<info::InfoArgs>),
     /// Print all settings as commented TOML
@@ -52,6 +56,7 @@ enum Command {
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Slice(args) => slice::run(&args),
+        Command::Preview(args) => preview::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Settings(args) => settings::run(&args),
     }
