@@ -8,6 +8,8 @@ class Camera {
   constructor(box) {
     this.box = box;
     this.look = 0;
+    // Pixels that the middle of the view lies right of the window's.
+    this.aside = 0;
     this.fit(1);
   }
 
@@ -18,7 +20,7 @@ class Camera {
     const [min, max] = this.box;
     this.target = min.map((low, i) => (low + max[i]) / 2);
     this.radius = Math.hypot(...min.map((low, i) => max[i] - low)) / 2;
-    const narrow = Math.min(1, aspect);
+    const narrow = Math.min(1, Math.max(0.2, aspect));
     const half = Math.atan(Math.tan(FIELD_OF_VIEW / 2) * narrow);
     this.distance = 1.02 * this.radius / Math.sin(half);
   }
@@ -38,14 +40,19 @@ class Camera {
     return [0, 4, 8].map(i => [camera[i], camera[i + 1], camera[i + 2]]);
   }
 
-  matrix(aspect) {
-    const reach = this.distance + 3 * this.radius;
-    const near = Math.max(
-      this.distance - 1.5 * this.radius, this.distance / 200, 0.05);
+  // For a window of this size in pixels.
+  matrix(width, height) {
+    // Room for the grid round the box, too.
+    const room = 1.5 * this.radius + 60;
+    const near = Math.max(this.distance - room, this.distance / 100, 0.1);
+    const far = this.distance + 3 * this.radius + 500;
     const projection =
-      twgl.m4.perspective(FIELD_OF_VIEW, aspect, near, reach + 500);
+      twgl.m4.perspective(
+        FIELD_OF_VIEW, width / height, near, far);
     const camera = twgl.m4.lookAt(this.eye, this.target, [0, 0, 1]);
-    return twgl.m4.multiply(projection, twgl.m4.inverse(camera));
+    const aside = twgl.m4.translation([2 * this.aside / width, 0, 0]);
+    return twgl.m4.multiply(
+      twgl.m4.multiply(aside, projection), twgl.m4.inverse(camera));
   }
 
   turn(dx, dy) {
@@ -81,7 +88,7 @@ function lead(camera, canvas, changed) {
   let before = null;
 
   const fromMiddle = (x, y) =>
-    [x - canvas.clientWidth / 2, y - canvas.clientHeight / 2];
+    [x - canvas.clientWidth / 2 - camera.aside, y - canvas.clientHeight / 2];
   const summary = () => {
     const all = [...held.values()];
     const x = all.reduce((sum, p) => sum + p.x, 0) / all.length;

@@ -61,6 +61,8 @@ const layerEnd = layer =>
 
 // --- drawing
 
+// Nothing is drawn before it is known how much can be.
+let ready = false;
 let wanted = false;
 let lastFrame = 0;
 let lastDrawn = 0;
@@ -70,7 +72,7 @@ let restTimer = 0;
 // Asks for a picture; `brisk` while the view or the range changes.
 function redraw(brisk = true) {
   moving = brisk;
-  if (!wanted) {
+  if (ready && !wanted) {
     wanted = true;
     requestAnimationFrame(frame);
   }
@@ -120,7 +122,7 @@ function shown() {
     high,
     end,
     hidden: state.hidden >>> 0,
-    brightFrom: partly ? told.first[high] : 0,
+    partly,
     marker: partly ? moves.place(end - 1) : null,
   };
 }
@@ -434,13 +436,22 @@ function otherTheme() {
 
 function fit(look) {
   const canvas = $("view");
-  camera.fit(canvas.clientWidth / canvas.clientHeight, look);
+  const width = canvas.clientWidth - 2 * camera.aside;
+  camera.fit(width / canvas.clientHeight, look);
+  redraw(false);
+}
+
+// The part stands in the middle of what the panel leaves free.
+function placeView() {
+  const wide = $("view").clientWidth > 800 && !$("panel").hidden;
+  camera.aside = wide ? $("panel").getBoundingClientRect().right / 2 : 0;
   redraw(false);
 }
 
 function showPanel(open) {
   $("panel").hidden = !open;
   $("show-panel").setAttribute("aria-expanded", open);
+  placeView();
 }
 
 function help() {
@@ -531,11 +542,15 @@ async function start() {
   layerSlider.set(0, layerCount - 1, 0, layerCount - 1);
   layersChanged();
   setMode("role");
+  showPanel(!matchMedia("(max-width: 640px)").matches);
   fit(0);
+  await scene.calibrate(camera, shown());
+  ready = true;
+  redraw(false);
 
   lead(camera, canvas, redraw);
   canvas.addEventListener("dblclick", () => fit());
-  addEventListener("resize", () => redraw(false));
+  addEventListener("resize", placeView);
   addEventListener("keydown", onKey);
   for (const button of $("modes").children) {
     button.addEventListener("click", () => setMode(button.dataset.mode));
@@ -552,7 +567,6 @@ async function start() {
     scene.build();
     redraw(false);
   });
-  showPanel(!matchMedia("(max-width: 640px)").matches);
   $("notice").hidden = true;
   document.documentElement.dataset.ready = "true";
 }

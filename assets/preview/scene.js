@@ -20,8 +20,7 @@ uniform float length_unit;
 uniform float pixel;
 uniform float stretch;
 uniform uint hidden;
-uniform int base;
-uniform int bright_from;
+uniform float pallor;
 uniform bool by_value;
 uniform vec3 colours[17];
 uniform vec3 ramp[8];
@@ -81,9 +80,7 @@ void main() {
     int step = min(int(at), 6);
     colour = mix(ramp[step], ramp[step + 1], at - float(step));
   }
-  if (base + gl_InstanceID < bright_from) {
-    colour = mix(colour, pale, 0.72);
-  }
+  colour = mix(colour, pale, pallor);
   gl_Position = to_clip * vec4(end, 1.0);
 }`;
 
@@ -141,9 +138,21 @@ const BEAD_TRIANGLES = [
 const STRIPS = 12;
 
 // How fast the picture is to change while it is turned, milliseconds.
-const SMOOTH = 40;
-// Greatest step down: so many layers in one.
-const COARSEST = 7;
+const SMOOTH = 33;
+// How long a picture may take once it is at rest, milliseconds.
+const PATIENCE = 700;
+// What is drawn at each level: of all moves or of the coarser ones, with tips
+// or without, so many layers as one.
+const LEVELS = [
+  { coarse: false, elements: BEAD_TRIANGLES.length, stride: 1 },
+  { coarse: false, elements: STRIPS, stride: 1 },
+  { coarse: true, elements: STRIPS, stride: 1 },
+  { coarse: true, elements: STRIPS, stride: 2 },
+  { coarse: true, elements: STRIPS, stride: 4 },
+  { coarse: true, elements: STRIPS, stride: 8 },
+];
+// The last one for a picture at rest: it still has every layer.
+const LAST_AT_REST = 2;
 
 class Scene {
   constructor(canvas, told, moves, box) {
@@ -151,16 +160,22 @@ class Scene {
     this.told = told;
     this.moves = moves;
     this.box = box;
-    this.detail = new ArrayBuffer(4 * moves.count);
-    const short = new Uint16Array(this.detail);
-    const bytes = new Uint8Array(this.detail);
-    for (let i = 0; i < moves.count; i++) {
-      short[2 * i] = moves.heights[i];
-      bytes[4 * i + 2] = moves.roles[i];
+    this.whole = { ...moves, first: told.first, of: null };
+    this.coarse = coarsen(moves, told);
+    for (const set of [this.whole, this.coarse]) {
+      set.detail = new ArrayBuffer(4 * set.count);
+      const short = new Uint16Array(set.detail);
+      const bytes = new Uint8Array(set.detail);
+      for (let i = 0; i < set.count; i++) {
+        const move = set.of ? set.of[i] : i;
+        short[2 * i] = moves.heights[move];
+        bytes[4 * i + 2] = moves.roles[move];
+      }
     }
     this.byValue = false;
-    // 0: everything; 1: without tips; then 2, 4, 8, … layers as one.
+    // Of LEVELS: while the view changes, and at rest.
     this.level = 0;
+    this.restLevel = 0;
     this.triangles = 0;
     this.gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
     if (this.gl) {
@@ -177,24 +192,27 @@ class Scene {
     this.line = program(LINE_VERTEX, LINE_FRAGMENT);
     this.solid = program(MARKER_VERTEX, SHADED);
     const buffer = data => twgl.createBufferFromTypedArray(gl, data);
-    const points = buffer(this.moves.points);
-    const detail = buffer(new Uint8Array(this.detail));
     const attribute = (buffer, numComponents, type, stride) => ({
       buffer, numComponents, type, stride,
       normalize: false, offset: 0, divisor: 1,
     });
-    this.detailBuffer = detail;
-    this.beads = {
-      elementType: gl.UNSIGNED_BYTE,
-      indices: twgl.createBufferFromTypedArray(
-        gl, new Uint8Array(BEAD_TRIANGLES), gl.ELEMENT_ARRAY_BUFFER),
-      attribs: {
-        from: attribute(points, 4, gl.UNSIGNED_SHORT, 8),
-        to: attribute(points, 4, gl.UNSIGNED_SHORT, 8),
-        height: attribute(detail, 1, gl.UNSIGNED_SHORT, 4),
-        what: attribute(detail, 2, gl.UNSIGNED_BYTE, 4),
-      },
-    };
+    const indices = twgl.createBufferFromTypedArray(
+      gl, new Uint8Array(BEAD_TRIANGLES), gl.ELEMENT_ARRAY_BUFFER);
+    for (const set of [this.whole, this.coarse]) {
+      const points = buffer(set.points);
+      const detail = buffer(new Uint8Array(set.detail));
+      set.detailBuffer = detail;
+      set.beads = {
+        elementType: gl.UNSIGNED_BYTE,
+        indices,
+        attribs: {
+          from: attribute(points, 4, gl.UNSIGNED_SHORT, 8),
+          to: attribute(points, 4, gl.UNSIGNED_SHORT, 8),
+          height: attribute(detail, 1, gl.UNSIGNED_SHORT, 4),
+          what: attribute(detail, 2, gl.UNSIGNED_BYTE, 4),
+        },
+      };
+    }
     this.grid = twgl.createBufferInfoFromArrays(gl, {
       position: { numComponents: 3, data: gridLines(this.box) },
     });
@@ -210,38 +228,86 @@ class Scene {
   // Colours by a number for each move, from `low` to `high`, or by role.
   colourBy(number, low, high) {
     this.byValue = number !== null;
-    if (number) {
-      const bytes = new Uint8Array(this.detail);
-      const scale = high > low ? 255 / (high - low) : 0;
-      for (let i = 0; i < this.moves.count; i++) {
-        const at = (number(i) - low) * scale;
+    if (!number) {
+      return;
+    }
+    const scale = high > low ? 255 / (high - low) : 0;
+    const gl = this.gl;
+    for (const set of [this.whole, this.coarse]) {
+      const bytes = new Uint8Array(set.detail);
+      for (let i = 0; i < set.count; i++) {
+        const at = (number(set.of ? set.of[i] : i) - low) * scale;
         bytes[4 * i + 3] = at < 0 ? 0 : at > 255 ? 255 : Math.round(at);
       }
+      gl.bindBuffer(gl.ARRAY_BUFFER, set.detailBuffer);
+      gl.bufferSubData(gl.ARRAY_BUFFER, 0, bytes);
+    }
+  }
+
+  // Finds out how much the graphics card can do, before it is asked for more.
+  async calibrate(camera, show) {
+    if (this.whole.count < 20000) {
+      return;
     }
     const gl = this.gl;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.detailBuffer);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, new Uint8Array(this.detail));
+    const measured = async times => {
+      const start = performance.now();
+      for (let i = 0; i < times; i++) {
+        this.draw(camera, show, true);
+      }
+      const done = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+      gl.flush();
+      while (gl.clientWaitSync(done, 0, 0) === gl.TIMEOUT_EXPIRED
+        && performance.now() - start < 3000) {
+        await new Promise(resolve => setTimeout(resolve, 1));
+      }
+      gl.deleteSync(done);
+      return (performance.now() - start) / (times * this.triangles);
+    };
+    // The first picture also compiles. Few triangles tell little of a fast
+    // card, many would keep a slow one busy.
+    this.level = LEVELS.length - 1;
+    await measured(1);
+    let perTriangle = await measured(1);
+    if (perTriangle * this.triangles < 30) {
+      this.level = LAST_AT_REST;
+      perTriangle = await measured(4);
+    }
+    const within = milliseconds => {
+      const level = LEVELS.findIndex(
+        level => this.size(level) * perTriangle < milliseconds);
+      return level < 0 ? LEVELS.length - 1 : level;
+    };
+    this.level = within(SMOOTH);
+    this.restLevel = Math.min(LAST_AT_REST, within(PATIENCE));
+  }
+
+  // Triangles of the whole print at a level.
+  size({ coarse, elements, stride }) {
+    const set = coarse ? this.coarse : this.whole;
+    return set.count * elements / 3 / stride;
   }
 
   // Remembers how long frames take while the view changes.
   pace(milliseconds) {
     const slow = milliseconds > SMOOTH;
-    const fast = milliseconds < SMOOTH / 3;
-    this.tooSlow = slow ? (this.tooSlow || 0) + 1 : 0;
-    this.fastEnough = fast ? (this.fastEnough || 0) + 1 : 0;
-    if (this.tooSlow > 1 || milliseconds > 4 * SMOOTH) {
-      this.level = Math.min(COARSEST, this.level + 1);
-      this.tooSlow = 0;
-    } else if (this.fastEnough > 20 && this.level > 0) {
+    const fast = milliseconds < SMOOTH / 2;
+    this.slowFrames = slow ? (this.slowFrames || 0) + 1 : 0;
+    this.fastFrames = fast ? (this.fastFrames || 0) + 1 : 0;
+    if (this.slowFrames > 2 || milliseconds > 5 * SMOOTH) {
+      this.level = Math.min(LEVELS.length - 1, this.level + 1);
+      this.slowFrames = 0;
+    } else if (this.fastFrames > 30 && this.level > 0) {
       this.level--;
-      this.fastEnough = 0;
+      this.fastFrames = 0;
     }
   }
 
   // `show`: what is shown, and how; `moving`: while the view changes.
   draw(camera, show, moving) {
     const { gl, canvas, told } = this;
-    const level = moving ? this.level : 0;
+    const level =
+      moving ? this.level : Math.min(this.level, this.restLevel);
     const density =
       level > 0 ? 1 : Math.min(2, window.devicePixelRatio || 1);
     const width = Math.max(1, Math.round(canvas.clientWidth * density));
@@ -250,7 +316,6 @@ class Scene {
       canvas.width = width;
       canvas.height = height;
     }
-    const aspect = width / height;
     gl.viewport(0, 0, width, height);
     gl.clearColor(...show.ground, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -259,7 +324,7 @@ class Scene {
     const toward = (x, y, z) => twgl.v3.normalize(
       right.map((r, i) => x * r + y * up[i] + z * back[i]));
     const shared = {
-      to_clip: camera.matrix(aspect),
+      to_clip: camera.matrix(canvas.clientWidth, canvas.clientHeight),
       light: toward(-0.45, 0.65, 0.62),
       side: toward(0.8, -0.1, 0.6),
     };
@@ -281,21 +346,10 @@ class Scene {
       colours: show.colours.flat(),
       ramp: show.ramp.flat(),
       pale: show.pale,
-      bright_from: show.brightFrom,
     });
-    this.uniforms = { hidden: show.hidden, stretch: 1, base: 0 };
+    this.uniforms = { hidden: show.hidden };
     this.triangles = 0;
-    const stride = level > 1 ? 2 ** (level - 1) : 1;
-    const elements = level > 0 ? STRIPS : BEAD_TRIANGLES.length;
-    if (stride === 1) {
-      this.range(told.first[show.low], show.end, 1, elements);
-    } else {
-      for (let layer = show.high; layer >= show.low; layer -= stride) {
-        const end = layer === show.high ? show.end : told.first[layer + 1];
-        const reach = Math.min(stride, layer - show.low + 1);
-        this.range(told.first[layer], end, reach, elements);
-      }
-    }
+    this.drawBeads(LEVELS[level], show);
 
     if (show.marker) {
       gl.useProgram(this.solid.program);
@@ -310,24 +364,42 @@ class Scene {
     }
   }
 
-  // The moves from `first` to before `end`.
-  range(first, end, stretch, elements) {
-    if (end <= first) {
+  drawBeads({ coarse, elements, stride }, { low, high, end, partly }) {
+    const { whole } = this;
+    // The highest layer shows every move: it may end anywhere. While it does,
+    // those below it are pale.
+    const reach = Math.min(stride, high - low + 1);
+    this.range(whole, whole.first[high], end, { reach, elements, pallor: 0 });
+    const set = coarse ? this.coarse : whole;
+    const pallor = partly ? 0.72 : 0;
+    if (stride === 1) {
+      this.range(set, set.first[low], set.first[high],
+        { reach: 1, elements, pallor });
       return;
     }
-    const { gl, beads } = this;
-    const { from, to, height, what } = beads.attribs;
-    from.offset = 8 * first;
-    to.offset = 8 * first + 8;
-    height.offset = 4 * first;
-    what.offset = 4 * first + 2;
-    twgl.setBuffersAndAttributes(gl, this.bead, beads);
-    this.uniforms.base = first;
-    this.uniforms.stretch = stretch;
-    twgl.setUniforms(this.bead, this.uniforms);
+    for (let layer = high - stride; layer >= low; layer -= stride) {
+      const reach = Math.min(stride, layer - low + 1);
+      this.range(set, set.first[layer], set.first[layer + 1],
+        { reach, elements, pallor });
+    }
+  }
+
+  // The moves of a set from `begin` to before `end`.
+  range(set, begin, end, { reach, elements, pallor }) {
+    if (end <= begin) {
+      return;
+    }
+    const gl = this.gl;
+    const { from, to, height, what } = set.beads.attribs;
+    from.offset = 8 * begin;
+    to.offset = 8 * begin + 8;
+    height.offset = 4 * begin;
+    what.offset = 4 * begin + 2;
+    twgl.setBuffersAndAttributes(gl, this.bead, set.beads);
+    twgl.setUniforms(this.bead, { ...this.uniforms, stretch: reach, pallor });
     gl.drawElementsInstanced(
-      gl.TRIANGLES, elements, gl.UNSIGNED_BYTE, 0, end - first);
-    this.triangles += (end - first) * elements / 3;
+      gl.TRIANGLES, elements, gl.UNSIGNED_BYTE, 0, end - begin);
+    this.triangles += (end - begin) * elements / 3;
   }
 }
 

@@ -38,6 +38,7 @@ const PARTS: &[(&str, &str)] = &[
     ),
     ("data.js", include_str!("../../assets/preview/data.js")),
     ("camera.js", include_str!("../../assets/preview/camera.js")),
+    ("coarse.js", include_str!("../../assets/preview/coarse.js")),
     ("scene.js", include_str!("../../assets/preview/scene.js")),
     ("slider.js", include_str!("../../assets/preview/slider.js")),
     ("main.js", include_str!("../../assets/preview/main.js")),
