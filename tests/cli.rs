@@ -55,6 +55,7 @@ fn help_reads_well() {
     for (name, args) in [
         ("help", &["--help"][..]),
         ("help_slice", &["slice", "--help"]),
+        ("help_preview", &["preview", "--help"]),
         ("help_info", &["info", "--help"]),
         ("help_settings", &["settings", "--help"]),
     ] {

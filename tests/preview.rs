@@ -138,8 +138,9 @@ fn other_slicers_files_are_read() {
     let outer = share(&cura, Role::OuterWall);
     assert!((outer.length - 4.0 * 4.0 * 19.6).abs() < 1e-6);
     assert_eq!(outer.moves, 16);
-    // The purge before the first layer has no role, and no part in the size.
-    assert!((share(&cura, Role::Unknown).length - 50.0).abs() < 1e-6);
+    // The purge before the first layer has no part in the size.
+    assert!((share(&cura, Role::Custom).length - 50.0).abs() < 1e-6);
+    assert_eq!(share(&cura, Role::Unknown).moves, 0);
     let [min, max] = cura.statistics().part.unwrap();
     // No width is written there: it follows from the filament.
     assert!((max[0] - min[0] - 20.02).abs() < 0.01);

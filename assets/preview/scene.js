@@ -126,7 +126,7 @@ out vec3 colour;
 void main() {
   normal = point_normal.xzy * vec3(1.0, 1.0, -1.0);
   colour = marker_colour;
-  vec3 p = position.xzy * vec3(1.0, 1.0, -1.0) + vec3(0.0, 0.0, 0.5);
+  vec3 p = position.xzy * vec3(0.34, 0.34, -1.0) + vec3(0.0, 0.0, 0.5);
   gl_Position = to_clip * vec4(tip + size * p, 1.0);
 }`;
 
@@ -357,7 +357,7 @@ class Scene {
       twgl.setUniforms(this.solid, {
         ...shared,
         tip: show.marker,
-        size: 0.022 * camera.distance,
+        size: 0.032 * camera.distance,
         marker_colour: show.accent,
       });
       twgl.drawBufferInfo(gl, this.cone);

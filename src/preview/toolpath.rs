@@ -139,10 +139,10 @@ impl Toolpath {
 struct Collector {
     path: Toolpath,
     clock: Clock<u8>,
-    /// Box of the part, box of all that is printed, and of that outside of
-    /// layers.
+    /// Boxes of the part and of all that is printed.
     part: Box3,
     printed: Box3,
+    /// Filament for each role.
     volume: [Mm; Role::ALL.len()],
     /// Filament is pulled back.
     back: bool,
@@ -209,6 +209,7 @@ impl Collector {
                 self.rest(reader);
                 if number == 1 {
                     self.path.layers.clear();
+                    self.nothing_yet();
                     self.part = Box3::EMPTY;
                     self.printed = Box3::EMPTY;
                 }
@@ -264,7 +265,7 @@ impl Collector {
             Some(_) => {}
         }
         path.points.push(step.to.as_vec3().to_array());
-        // A filament of 1 mm² cross-section: see `finish`.
+        // The filament's real diameter may be said at the file's end only.
         let area = step.filament.max(0.0) / step.length();
         path.push(
             what,
@@ -293,6 +294,23 @@ impl Collector {
         {
             layer.z = step.to.z;
         }
+    }
+
+    /// The first layer begins: what was printed without a label was not the
+    /// part, but lines that start the flow.
+    fn nothing_yet(&mut self) {
+        let [from, to] = [Role::Unknown, Role::Custom].map(|r| r as usize);
+        for role in &mut self.path.roles {
+            if *role == from as u8 {
+                *role = to as u8;
+            }
+        }
+        let roles = &mut self.path.statistics.roles;
+        let purged = std::mem::take(&mut roles[from]);
+        roles[to].length += purged.length;
+        roles[to].time += purged.time;
+        roles[to].moves += purged.moves;
+        self.volume[to] += std::mem::take(&mut self.volume[from]);
     }
 
     /// Filament goes forward or back.

@@ -374,6 +374,18 @@ await test("nothing in a file becomes a script", async () => {
   await close(page);
 });
 
+if (screenshots) {
+  const page = await open("ball.html");
+  for (let i = 0; i < 4; i++) {
+    await press(page, "Shift+ArrowDown");
+  }
+  for (let i = 0; i < 12; i++) {
+    await press(page, "Shift+ArrowLeft");
+  }
+  await shot(page, "ball");
+  await close(page);
+}
+
 await context.close();
 fs.rmSync(profile, { recursive: true, force: true });
 console.log(`${tests - failures.length} of ${tests} browser tests passed`);
