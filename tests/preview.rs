@@ -112,7 +112,8 @@ fn figures_of_our_own_files_agree_with_the_slicer() {
     let filament = said("filament used [mm]");
     assert!((s.filament - filament).abs() < 2.0, "{}", s.filament);
     let volume: f64 = s.roles.iter().map(|r| r.volume).sum();
-    assert!((volume * 1e-3 / said("filament used [cm3]") - 1.0).abs() < 0.02);
+    let expected = filament * filament_area(1.75);
+    assert!((volume / expected - 1.0).abs() < 0.01, "{volume}");
     // Estimated from the moves alone, with the accelerations of the file.
     assert!(
         (s.time / s.said_time.unwrap() - 1.0).abs() < 0.05,

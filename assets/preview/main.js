@@ -33,6 +33,9 @@ const state = {
   mode: "role",
   hidden: 1 << TRAVEL | 1 << JUMP,
   playing: false,
+  // Only the highest layer, and which one was the lowest before that.
+  only: false,
+  lowBefore: 0,
 };
 
 function rgb(hex) {
@@ -142,7 +145,7 @@ function layersChanged() {
     ` ${told.z[layer].toFixed(2)} mm`);
   say($("layer-high"), high);
   say($("layer-low"), low);
-  $("only").setAttribute("aria-pressed", low === high && layerCount > 1);
+  $("only").setAttribute("aria-pressed", state.only);
   movesChanged();
 }
 
@@ -176,28 +179,21 @@ function movesChanged() {
 }
 
 function toLayer(to) {
-  const single = layerSlider.low === layerSlider.high && layerCount > 1
-    && $("only").getAttribute("aria-pressed") === "true";
   const layer = Math.max(0, Math.min(layerCount - 1, to));
-  layerSlider.set(0, layerCount - 1,
-    single ? layer : Math.min(layerSlider.low, layer), layer);
+  const low = state.only ? layer : Math.min(layerSlider.low, layer);
+  layerSlider.set(0, layerCount - 1, low, layer);
   layersChanged();
 }
 
-let lowBefore = 0;
-
 function onlyThis() {
   const { low, high } = layerSlider;
-  const single = low === high;
-  if (!single) {
-    lowBefore = low;
+  state.only = !state.only;
+  if (state.only) {
+    state.lowBefore = low;
   }
   layerSlider.set(0, layerCount - 1,
-    single ? Math.min(lowBefore, high) : high, high);
+    state.only ? high : Math.min(state.lowBefore, high), high);
   layersChanged();
-  if (single && lowBefore === high) {
-    lowBefore = 0;
-  }
 }
 
 function toMove(to) {
@@ -233,9 +229,7 @@ function play() {
 function setMode(mode) {
   state.mode = mode;
   for (const button of $("modes").children) {
-    const chosen = button.dataset.mode === mode;
-    button.setAttribute("aria-checked", chosen);
-    button.tabIndex = chosen ? 0 : -1;
+    button.setAttribute("aria-pressed", button.dataset.mode === mode);
   }
   const how = MODES[mode];
   $("scale").hidden = how === null;
@@ -524,7 +518,8 @@ async function start() {
   layerSlider = new Slider($("layer-slider"), {
     vertical: true, two: true, say: sayLayer,
     names: ["Lowest layer shown", "Highest layer shown"],
-    change: layersChanged,
+    change: end =>
+      state.only ? toLayer(layerSlider[end]) : layersChanged(),
   });
   moveSlider = new Slider($("move-slider"), {
     names: ["Last move shown"],
