@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Makes the pictures in this folder from the examples.
-# Needs rsvg-convert (Debian: librsvg2-bin) beside Rust.
+# Needs rsvg-convert (Debian: librsvg2-bin) beside Rust, for the preview's
+# picture also what tests/browser/run.sh needs, and Python with Pillow.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 work=$(mktemp -d)
@@ -45,3 +46,13 @@ patterns() {
 }
 
 patterns
+
+# The preview's page, in few enough colours to be small.
+cargo build --release --quiet
+SCREENSHOTS=$work tests/browser/run.sh
+python3 - "$work/ball.png" assets/preview.png <<'END'
+import sys
+from PIL import Image
+picture = Image.open(sys.argv[1]).convert("RGB")
+picture.quantize(96, dither=Image.Dither.NONE).save(sys.argv[2], optimize=True)
+END

@@ -37,7 +37,7 @@
 //! 9. [`pace`] gives every move its speed: by role, slower where the hot end
 //!    or the cooling could not follow, and adds up the time.
 //! 10. [`gcode`] writes it down; [`preview`] draws it; [`report`] measures how
-//!     far it is from f = 0.
+//!     far it is from f = 0. [`reader`] reads G-code back, whoever wrote it.
 //!
 //! Settings that are expressions get their values from [`vary`].
 //!
@@ -136,6 +136,7 @@ pub mod pace;
 pub mod pipeline;
 pub mod plane;
 pub mod preview;
+pub mod reader;
 pub mod region;
 pub mod report;
 pub mod settings;

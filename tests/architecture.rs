@@ -39,7 +39,10 @@ const ORDER: &[&[&str]] = &[
     &["order"],
     &["travel"],
     &["pace"],
-    &["gcode", "preview", "report"],
+    &["gcode", "report"],
+    // G-code of any slicer, back to moves.
+    &["reader"],
+    &["preview"],
     &["pipeline"],
     &["cli"],
     &["main"],
@@ -472,7 +475,7 @@ mod checker {
     #[test]
     fn siblings_may_not_meet() {
         assert_fault("skin/mod.rs", "use crate::walls;", "sibling `walls`");
-        assert_fault("gcode/mod.rs", "use crate::preview;", "sibling");
+        assert_fault("gcode/mod.rs", "use crate::report;", "sibling");
     }
 
     #[test]

@@ -57,6 +57,7 @@ fn help_reads_well() {
     for (name, args) in [
         ("help", &["--help"][..]),
         ("help_slice", &["slice", "--help"]),
+        ("help_preview", &["preview", "--help"]),
         ("help_info", &["info", "--help"]),
         ("help_settings", &["settings", "--help"]),
         ("help_profiles", &["profiles", "--help"]),

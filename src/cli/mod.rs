@@ -11,6 +11,7 @@ mod new;
 mod output;
 mod profiles;
 mod render;
+mod preview;
 mod settings;
 mod slice;
 mod summary;
@@ -25,6 +26,7 @@ Examples:
   isoslice slice -e 'sqrt(x^2+y^2+z^2) - 15' -o ball.gcode
   isoslice slice part.vm --size 60 --set layer_height=0.15 --set walls=3
   isoslice slice part.rhai --printer prusa-mk4 --filament petg --preset fine
+  isoslice preview part.gcode                     a page that shows it in 3D
   isoslice info part.rhai                         size, layers, parameters
   isoslice profiles                               printers, filaments, presets
   isoslice render part.rhai                       a picture, part.png
@@ -61,6 +63,8 @@ pub(crate) struct Cli {
 enum Command {
     /// Slice a model to G-code
     Slice(Box<slice::SliceArgs>),
+    /// Make a page that shows G-code, or a model sliced, in 3D
+    Preview(Box<preview::PreviewArgs>),
     /// Show a model's bounds, size, layers and parameters
     Info(Box<info::InfoArgs>),
     /// Draw a model, shaded, as a PNG picture
@@ -82,6 +86,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     cli.verbosity.apply();
     match cli.command {
         Command::Slice(args) => slice::run(&args),
+        Command::Preview(args) => preview::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Settings(args) => settings::run(&args),

@@ -208,6 +208,14 @@ impl Motion {
 
     /// Time of the chain if each segment cruises at `speed(segment)`.
     pub fn time(&mut self, speed: impl Fn(&Segment) -> MmPerSec) -> Seconds {
+        self.times(speed).sum()
+    }
+
+    /// The same, segment by segment.
+    pub fn times(
+        &mut self,
+        speed: impl Fn(&Segment) -> MmPerSec,
+    ) -> impl Iterator<Item = Seconds> + '_ {
         let Self {
             limits,
             segments,
@@ -231,7 +239,6 @@ impl Motion {
             .map(|((s, &peak), ends)| {
                 trapezoid(s.length, s.acceleration, ends[0], peak, ends[1])
             })
-            .sum()
     }
 }
 

@@ -1,0 +1,147 @@
+// A camera that turns round a place, and the gestures that lead it.
+
+const FIELD_OF_VIEW = Math.PI / 6;
+// Looks from the front left corner, from above, the front and the side.
+const LOOKS = [[-1.05, 0.62], [-Math.PI / 2, 1.5695], [-Math.PI / 2, 0], [0, 0]];
+
+class Camera {
+  constructor(box) {
+    this.box = box;
+    this.look = 0;
+    // Pixels that the middle of the view lies right of the window's.
+    this.aside = 0;
+    this.fit(1);
+  }
+
+  // The whole box in sight, from where the camera is, or from a look.
+  fit(aspect, look = this.look) {
+    this.look = look;
+    [this.yaw, this.pitch] = LOOKS[look];
+    const [min, max] = this.box;
+    this.target = min.map((low, i) => (low + max[i]) / 2);
+    this.radius = Math.hypot(...min.map((low, i) => max[i] - low)) / 2;
+    const narrow = Math.min(1, Math.max(0.2, aspect));
+    const half = Math.atan(Math.tan(FIELD_OF_VIEW / 2) * narrow);
+    this.distance = 1.02 * this.radius / Math.sin(half);
+  }
+
+  get eye() {
+    const flat = Math.cos(this.pitch) * this.distance;
+    return [
+      this.target[0] + flat * Math.cos(this.yaw),
+      this.target[1] + flat * Math.sin(this.yaw),
+      this.target[2] + Math.sin(this.pitch) * this.distance,
+    ];
+  }
+
+  // The camera's axes in the world: right, up, back.
+  get axes() {
+    const camera = twgl.m4.lookAt(this.eye, this.target, [0, 0, 1]);
+    return [0, 4, 8].map(i => [camera[i], camera[i + 1], camera[i + 2]]);
+  }
+
+  // For a window of this size in pixels.
+  matrix(width, height) {
+    // Room for the grid round the box, too.
+    const room = 1.5 * this.radius + 60;
+    const near = Math.max(this.distance - room, this.distance / 100, 0.1);
+    const far = this.distance + 3 * this.radius + 500;
+    const projection =
+      twgl.m4.perspective(
+        FIELD_OF_VIEW, width / height, near, far);
+    const camera = twgl.m4.lookAt(this.eye, this.target, [0, 0, 1]);
+    const aside = twgl.m4.translation([2 * this.aside / width, 0, 0]);
+    return twgl.m4.multiply(
+      twgl.m4.multiply(aside, projection), twgl.m4.inverse(camera));
+  }
+
+  turn(dx, dy) {
+    this.yaw -= dx * 0.006;
+    const steepest = Math.PI / 2 - 0.001;
+    this.pitch =
+      Math.max(-steepest, Math.min(steepest, this.pitch + dy * 0.006));
+  }
+
+  // By pixels of a window `height` pixels high.
+  shift(dx, dy, height) {
+    const scale =
+      2 * this.distance * Math.tan(FIELD_OF_VIEW / 2) / height;
+    const [right, up] = this.axes;
+    for (let i = 0; i < 3; i++) {
+      this.target[i] += scale * (dy * up[i] - dx * right[i]);
+    }
+  }
+
+  // Nearer by a factor; (x, y), pixels from the middle, stays where it is.
+  zoom(factor, x, y, height) {
+    const before = this.distance;
+    this.distance = Math.max(
+      1, Math.min(20 * this.radius, this.distance / factor));
+    const kept = this.distance / before;
+    this.shift(-x * (1 / kept - 1), -y * (1 / kept - 1), height);
+  }
+}
+
+// Leads `camera` by mouse, pen and fingers on `canvas`.
+function lead(camera, canvas, changed) {
+  const held = new Map();
+  let before = null;
+
+  const fromMiddle = (x, y) =>
+    [x - canvas.clientWidth / 2 - camera.aside, y - canvas.clientHeight / 2];
+  const summary = () => {
+    const all = [...held.values()];
+    const x = all.reduce((sum, p) => sum + p.x, 0) / all.length;
+    const y = all.reduce((sum, p) => sum + p.y, 0) / all.length;
+    const spread = all.length > 1
+      ? Math.hypot(all[0].x - all[1].x, all[0].y - all[1].y) : 0;
+    return { x, y, spread };
+  };
+
+  canvas.addEventListener("pointerdown", event => {
+    canvas.setPointerCapture(event.pointerId);
+    canvas.classList.add("held");
+    held.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    before = summary();
+  });
+  canvas.addEventListener("pointermove", event => {
+    if (!held.has(event.pointerId)) {
+      return;
+    }
+    held.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    const now = summary();
+    const [dx, dy] = [now.x - before.x, now.y - before.y];
+    const height = canvas.clientHeight;
+    if (held.size > 1) {
+      camera.shift(dx, dy, height);
+      if (before.spread > 0 && now.spread > 0) {
+        const [x, y] = fromMiddle(now.x, now.y);
+        camera.zoom(now.spread / before.spread, x, y, height);
+      }
+    } else if (event.shiftKey || event.buttons & 6) {
+      camera.shift(dx, dy, height);
+    } else {
+      camera.turn(dx, dy);
+    }
+    before = now;
+    changed();
+  });
+  const release = event => {
+    held.delete(event.pointerId);
+    canvas.classList.toggle("held", held.size > 0);
+    if (held.size > 0) {
+      before = summary();
+    }
+  };
+  canvas.addEventListener("pointerup", release);
+  canvas.addEventListener("pointercancel", release);
+  canvas.addEventListener("contextmenu", event => event.preventDefault());
+  canvas.addEventListener("wheel", event => {
+    event.preventDefault();
+    const lines = event.deltaMode === 1 ? 16 : 1;
+    const [x, y] = fromMiddle(event.clientX, event.clientY);
+    const by = Math.max(-200, Math.min(200, event.deltaY * lines));
+    camera.zoom(Math.exp(-by * 0.002), x, y, canvas.clientHeight);
+    changed();
+  }, { passive: false });
+}

@@ -1,0 +1,573 @@
+// The page: what is shown, and how it is asked for.
+
+// In the order of the roles, then the travels.
+const COLOURS = [
+  "#e0703a", "#eebc4e", "#4458c9", "#3aa79a", "#d64550", "#5b8cc9", "#8a68bf",
+  "#58b4e0", "#ee9aa6", "#a85c4f", "#7ea35b", "#4d7a43", "#2f8f74", "#b9a57f",
+  "#a1a6ac", "#8d99a8", "#6485b5",
+];
+const CUSTOM = 14;
+// From low to high; light and dark grounds both leave it legible.
+const RAMP = [
+  "#4f3f96", "#4062a8", "#2f87a6", "#26a28d",
+  "#55bd68", "#98cf45", "#d8d63c", "#fbb92f",
+];
+const MODES = {
+  role: null,
+  speed: { unit: "mm/s", digits: 0, of: i => moves.speed(i) },
+  width: { unit: "mm", digits: 2, of: i => moves.width(i) },
+  height: { unit: "mm", digits: 2, of: i => moves.height(i) },
+  flow: { unit: "mm³/s", digits: 1, of: i => moves.flow(i) },
+};
+// Bars of the histogram.
+const BARS = 60;
+// After this long without a change the picture is drawn in full.
+const REST = 160;
+
+const $ = id => document.getElementById(id);
+const told = JSON.parse($("told").textContent);
+const figures = told.statistics;
+let moves, scene, camera, layerSlider, moveSlider;
+
+const state = {
+  mode: "role",
+  hidden: 1 << TRAVEL | 1 << JUMP,
+  playing: false,
+  // Only the highest layer, and which one was the lowest before that.
+  only: false,
+  lowBefore: 0,
+};
+
+function rgb(hex) {
+  return [1, 3, 5].map(i => parseInt(hex.trim().slice(i, i + 2), 16) / 255);
+}
+
+function duration(seconds) {
+  const s = Math.round(seconds);
+  const [h, m] = [Math.floor(s / 3600), Math.floor(s / 60) % 60];
+  return h > 0 ? `${h}h ${m}m` : m > 0 ? `${m}m ${s % 60}s` : `${s}s`;
+}
+
+function distance(mm) {
+  return mm < 1000 ? `${mm.toFixed(0)} mm` : `${(mm / 1000).toFixed(2)} m`;
+}
+
+function element(tag, text, properties = {}) {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  return Object.assign(made, properties);
+}
+
+const layerCount = told.first.length;
+const layerEnd = layer =>
+  layer + 1 < layerCount ? told.first[layer + 1] : told.moves;
+
+// --- drawing
+
+// Nothing is drawn before it is known how much can be.
+let ready = false;
+let wanted = false;
+let lastFrame = 0;
+let lastDrawn = 0;
+let moving = false;
+let restTimer = 0;
+
+// Asks for a picture; `brisk` while the view or the range changes.
+function redraw(brisk = true) {
+  moving = brisk;
+  if (ready && !wanted) {
+    wanted = true;
+    requestAnimationFrame(frame);
+  }
+}
+
+function frame(now) {
+  wanted = false;
+  // Frames that follow each other tell how long one takes.
+  if (moving && now - lastFrame < 1000 && lastFrame > 0) {
+    lastDrawn = now - lastFrame;
+    scene.pace(lastDrawn);
+  }
+  lastFrame = moving ? now : 0;
+  scene.draw(camera, shown(), moving);
+  if (moving) {
+    clearTimeout(restTimer);
+    restTimer = setTimeout(() => {
+      lastFrame = 0;
+      redraw(false);
+    }, REST);
+  }
+}
+
+let colours = null;
+
+function readColours() {
+  const style = getComputedStyle(document.documentElement);
+  const read = name => rgb(style.getPropertyValue(name));
+  const ground = read("--ground");
+  colours = {
+    ground,
+    grid: read("--grid"),
+    accent: read("--accent"),
+    pale: ground.map((g, i) => 0.82 * g + 0.18 * read("--soft")[i]),
+    colours: COLOURS.map(rgb),
+    ramp: RAMP.map(rgb),
+  };
+}
+
+function shown() {
+  const [low, high] = [layerSlider.low, layerSlider.high];
+  const end = moveSlider.high;
+  const partly = end < layerEnd(high);
+  return {
+    ...colours,
+    low,
+    high,
+    end,
+    hidden: state.hidden >>> 0,
+    partly,
+    marker: partly ? moves.place(end - 1) : null,
+  };
+}
+
+// --- layers and moves
+
+function sayLayer(layer) {
+  return `layer ${layer + 1}, ${told.z[layer].toFixed(2)} mm`;
+}
+
+function layersChanged() {
+  const { low, high } = layerSlider;
+  moveSlider.set(told.first[high], layerEnd(high), told.first[high],
+    layerEnd(high));
+  const say = (output, layer) => output.replaceChildren(
+    element("b", String(layer + 1)),
+    ` ${told.z[layer].toFixed(2)} mm`);
+  say($("layer-high"), high);
+  say($("layer-low"), low);
+  $("only").setAttribute("aria-pressed", state.only);
+  movesChanged();
+}
+
+function movesChanged() {
+  const output = $("move-text");
+  const { low: first, high: end } = moveSlider;
+  const count = layerEnd(layerSlider.high) - first;
+  const at = end - 1;
+  if (end >= first + count || at < first) {
+    const time = told.time[layerSlider.high];
+    output.replaceChildren(
+      element("b", `Layer ${layerSlider.high + 1} of ${layerCount}`),
+      ` · ${count} moves · ${duration(time)}`);
+  } else {
+    const role = moves.roles[at];
+    const parts = [role < TRAVEL ? told.role_names[role] : "travel"];
+    if (role < TRAVEL) {
+      parts.push(
+        `${moves.width(at).toFixed(2)} × ${moves.height(at).toFixed(2)} mm`,
+        `${moves.flow(at).toFixed(1)} mm³/s`);
+    }
+    parts.push(
+      `${moves.speed(at).toFixed(0)} mm/s`,
+      `${moves.length(at).toFixed(1)} mm`,
+      `line ${moves.lines[at]}`);
+    output.replaceChildren(
+      element("b", `Move ${end - first} of ${count}`),
+      ` · ${parts.join(" · ")}`);
+  }
+  redraw();
+}
+
+function toLayer(to) {
+  const layer = Math.max(0, Math.min(layerCount - 1, to));
+  const low = state.only ? layer : Math.min(layerSlider.low, layer);
+  layerSlider.set(0, layerCount - 1, low, layer);
+  layersChanged();
+}
+
+function onlyThis() {
+  const { low, high } = layerSlider;
+  state.only = !state.only;
+  if (state.only) {
+    state.lowBefore = low;
+  }
+  layerSlider.set(0, layerCount - 1,
+    state.only ? high : Math.min(state.lowBefore, high), high);
+  layersChanged();
+}
+
+function toMove(to) {
+  moveSlider.move("high", to);
+}
+
+function play() {
+  state.playing = !state.playing;
+  if (state.playing && moveSlider.high === moveSlider.max) {
+    toMove(moveSlider.min);
+  }
+  // A layer in some seconds, however many moves it has.
+  const start = performance.now();
+  const from = moveSlider.high;
+  const perSecond = Math.max(8, (moveSlider.max - moveSlider.min) / 8);
+  const step = now => {
+    if (!state.playing) {
+      return;
+    }
+    const to = Math.round(from + (now - start) / 1000 * perSecond);
+    toMove(to);
+    if (to >= moveSlider.max) {
+      state.playing = false;
+    } else {
+      requestAnimationFrame(step);
+    }
+  };
+  requestAnimationFrame(step);
+}
+
+// --- colours
+
+function setMode(mode) {
+  state.mode = mode;
+  for (const button of $("modes").children) {
+    button.setAttribute("aria-pressed", button.dataset.mode === mode);
+  }
+  const how = MODES[mode];
+  $("scale").hidden = how === null;
+  for (const row of $("roles").tBodies[0].rows) {
+    const role = Number(row.dataset.role);
+    const neutral = how !== null && role !== TRAVEL;
+    row.style.setProperty(
+      "--colour", neutral ? "var(--soft)" : COLOURS[role]);
+  }
+  if (how === null) {
+    scene.colourBy(null);
+  } else {
+    const scale = measure(how.of);
+    scene.colourBy(how.of, scale.low, scale.high);
+    showScale(scale, how);
+  }
+  redraw(false);
+}
+
+// Where most of the numbers lie, by length, and how they are spread.
+function measure(of) {
+  const counted = i => moves.roles[i] < TRAVEL && moves.roles[i] !== CUSTOM;
+  let [low, high] = [Infinity, -Infinity];
+  for (let i = 0; i < moves.count; i++) {
+    if (counted(i)) {
+      const number = of(i);
+      low = Math.min(low, number);
+      high = Math.max(high, number);
+    }
+  }
+  if (!(high > low)) {
+    const only = Number.isFinite(low) ? low : 0;
+    return { low: only, high: only, bars: [] };
+  }
+  const spread = bins => {
+    const bars = new Float64Array(bins);
+    const scale = bins / (high - low);
+    for (let i = 0; i < moves.count; i++) {
+      if (counted(i)) {
+        const bin = Math.floor((of(i) - low) * scale);
+        if (bin >= 0 && bin <= bins) {
+          bars[Math.min(bins - 1, bin)] += moves.length(i);
+        }
+      }
+    }
+    return bars;
+  };
+  // A few moves far out would leave one colour for all the others.
+  const fine = spread(4096);
+  const total = fine.reduce((sum, bar) => sum + bar, 0);
+  const at = share => {
+    let sum = 0;
+    return fine.findIndex(bar => (sum += bar) >= share * total);
+  };
+  const bin = (high - low) / fine.length;
+  const [from, to] = [at(0.002), at(0.998)];
+  if (from > 8) {
+    low += from * bin;
+  }
+  if (to >= 0 && to < fine.length - 9) {
+    high -= (fine.length - 1 - to) * bin;
+  }
+  return { low, high, bars: high > low ? spread(BARS) : [] };
+}
+
+function showScale({ low, high, bars }, { unit, digits }) {
+  const highest = Math.max(...bars, 1e-9);
+  const width = 240 / BARS;
+  // Roots, so that what is rare can be seen beside what is common.
+  const path = [...bars].map((bar, i) => {
+    const tall = 36 * Math.sqrt(bar / highest);
+    return tall > 0
+      ? `M${i * width} 36v${-tall.toFixed(1)}h${width}v${tall.toFixed(1)}z`
+      : "";
+  });
+  const shape = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  shape.setAttribute("d", path.join(""));
+  $("histogram").replaceChildren(shape);
+  $("ramp").style.background = `linear-gradient(90deg, ${RAMP.join(", ")})`;
+  const say = number => number.toFixed(digits);
+  $("scale-low").textContent = say(low);
+  $("scale-middle").textContent = `${say((low + high) / 2)} ${unit}`;
+  $("scale-high").textContent = say(high);
+}
+
+function toggleRole(role, alone) {
+  const all = [...$("roles").tBodies[0].rows]
+    .map(row => Number(row.dataset.role)).filter(r => r !== TRAVEL);
+  if (alone && role !== TRAVEL) {
+    const others = all.filter(r => r !== role);
+    const isAlone = others.every(r => state.hidden >> r & 1)
+      && !(state.hidden >> role & 1);
+    for (const other of others) {
+      state.hidden = isAlone
+        ? state.hidden & ~(1 << other) : state.hidden | 1 << other;
+    }
+    state.hidden &= ~(1 << role);
+  } else {
+    state.hidden ^= 1 << role;
+  }
+  for (const row of $("roles").tBodies[0].rows) {
+    const off = state.hidden >> Number(row.dataset.role) & 1;
+    row.classList.toggle("off", Boolean(off));
+    row.querySelector("button").setAttribute("aria-pressed", !off);
+  }
+  redraw(false);
+}
+
+function listRoles() {
+  const body = $("roles").tBodies[0];
+  const add = (role, name, share) => {
+    const row = body.insertRow();
+    row.dataset.role = role;
+    const button = element("button", "", { className: "role" });
+    button.append(
+      element("span", "", { className: "swatch" }), element("span", name));
+    button.title = role === TRAVEL
+      ? "Show or hide travels (T)" : "Show or hide; with Shift, only this";
+    button.addEventListener(
+      "click", event => toggleRole(role, event.shiftKey));
+    row.insertCell().append(button);
+    row.insertCell().textContent = distance(share.length);
+    row.insertCell().textContent = duration(share.time);
+    const off = Boolean(state.hidden >> role & 1);
+    button.setAttribute("aria-pressed", !off);
+    row.classList.toggle("off", off);
+    row.classList.toggle("travel", role === TRAVEL);
+  };
+  figures.roles.forEach((share, role) => {
+    if (share.moves > 0) {
+      add(role, told.role_names[role], share);
+    }
+  });
+  if (figures.travel.moves > 0) {
+    add(TRAVEL, "travel", figures.travel);
+  }
+}
+
+function listFigures() {
+  const list = $("figures");
+  const add = (name, text, title = "") => list.append(
+    element("dt", name), element("dd", text, { title }));
+  const time = figures.said_time ?? figures.time;
+  add("Time", duration(time), figures.said_time === null
+    ? "Estimated from the moves, without heating"
+    : `As the file says; estimated from the moves: ${duration(figures.time)}`);
+  const mass = figures.mass === null ? "" : ` · ${figures.mass.toFixed(1)} g`;
+  add("Filament", `${(figures.filament / 1000).toFixed(2)} m${mass}`);
+  if (figures.part) {
+    const [min, max] = figures.part;
+    const size = min.map((low, i) => (max[i] - low).toFixed(1));
+    add("Size", `${size.join(" × ")} mm`);
+  }
+  add("Layers", String(layerCount));
+  add("Retractions", String(figures.retractions));
+  const heat = [
+    figures.nozzle === null ? "" : `nozzle ${figures.nozzle.toFixed(0)} °C`,
+    figures.bed === null ? "" : `bed ${figures.bed.toFixed(0)} °C`,
+  ].filter(Boolean);
+  if (heat.length > 0) {
+    add("Heat", heat.join(", "));
+  }
+  $("summary").textContent = [
+    figures.generator, `${layerCount} layers`, duration(time),
+  ].filter(Boolean).join(" · ");
+}
+
+// --- light and dark
+
+function remembered() {
+  try {
+    return localStorage.getItem("isoslice-theme");
+  } catch {
+    return null;
+  }
+}
+
+const prefersDark = matchMedia("(prefers-color-scheme: dark)");
+
+function setTheme(theme) {
+  document.documentElement.dataset.theme = theme;
+  readColours();
+  redraw(false);
+}
+
+function otherTheme() {
+  const dark = document.documentElement.dataset.theme === "dark";
+  const theme = dark ? "light" : "dark";
+  setTheme(theme);
+  try {
+    localStorage.setItem("isoslice-theme", theme);
+  } catch {
+    // Some browsers remember nothing for files.
+  }
+}
+
+// --- the rest of the page
+
+function fit(look) {
+  const canvas = $("view");
+  const width = canvas.clientWidth - 2 * camera.aside;
+  camera.fit(width / canvas.clientHeight, look);
+  redraw(false);
+}
+
+// The part stands in the middle of what the panel leaves free.
+function placeView() {
+  const wide = $("view").clientWidth > 800 && !$("panel").hidden;
+  camera.aside = wide ? $("panel").getBoundingClientRect().right / 2 : 0;
+  redraw(false);
+}
+
+function showPanel(open) {
+  $("panel").hidden = !open;
+  $("show-panel").setAttribute("aria-expanded", open);
+  placeView();
+}
+
+function help() {
+  const million = (scene.triangles / 1e6).toFixed(2);
+  $("drawn").textContent =
+    `${moves.count} moves, ${figures.lines} lines; last drawn: ${million} `
+    + `million triangles${lastDrawn ? `, ${lastDrawn.toFixed(0)} ms` : ""}`
+    + `, detail ${scene.level}.`;
+  $("help").showModal();
+}
+
+function onKey(event) {
+  if (event.ctrlKey || event.metaKey || event.altKey || $("help").open) {
+    return;
+  }
+  const onButton = event.target instanceof HTMLButtonElement;
+  const end = event.target.dataset?.end;
+  const layers = event.shiftKey ? 10 : 1;
+  const step = event.shiftKey ? 50 : 1;
+  const up = by => {
+    if (end === "low") {
+      layerSlider.move("low", layerSlider.low + by);
+    } else {
+      toLayer(layerSlider.high + by);
+    }
+  };
+  const keys = {
+    ArrowUp: () => up(layers),
+    ArrowDown: () => up(-layers),
+    PageUp: () => up(10),
+    PageDown: () => up(-10),
+    ArrowRight: () => toMove(moveSlider.high + step),
+    ArrowLeft: () => toMove(moveSlider.high - step),
+    Home: () => toLayer(0),
+    End: () => toLayer(layerCount - 1),
+    " ": play,
+    o: onlyThis,
+    t: () => toggleRole(TRAVEL),
+    f: () => fit(),
+    v: () => fit((camera.look + 1) % LOOKS.length),
+    d: otherTheme,
+    p: () => showPanel($("panel").hidden),
+    "?": help,
+    h: help,
+  };
+  Object.keys(MODES).forEach((mode, i) => {
+    keys[i + 1] = () => setMode(mode);
+  });
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  // Space presses the button that has the focus.
+  if (!keys[key] || (onButton && key === " ")) {
+    return;
+  }
+  event.preventDefault();
+  if (key !== " ") {
+    state.playing = false;
+  }
+  keys[key]();
+}
+
+async function start() {
+  moves = await unpack(told);
+  const canvas = $("view");
+  const box = figures.printed;
+  camera = new Camera(box);
+  scene = new Scene(canvas, told, moves, box);
+  if (!scene.gl) {
+    throw new Error("This browser has no WebGL 2, which the preview needs.");
+  }
+  layerSlider = new Slider($("layer-slider"), {
+    vertical: true, two: true, say: sayLayer,
+    names: ["Lowest layer shown", "Highest layer shown"],
+    change: end =>
+      state.only ? toLayer(layerSlider[end]) : layersChanged(),
+  });
+  moveSlider = new Slider($("move-slider"), {
+    names: ["Last move shown"],
+    say: move => `move ${move - told.first[layerSlider.high]}`,
+    change: movesChanged,
+  });
+  listRoles();
+  listFigures();
+  setTheme(remembered() ?? (prefersDark.matches ? "dark" : "light"));
+  prefersDark.addEventListener("change", () => {
+    if (!remembered()) {
+      setTheme(prefersDark.matches ? "dark" : "light");
+    }
+  });
+  layerSlider.set(0, layerCount - 1, 0, layerCount - 1);
+  layersChanged();
+  setMode("role");
+  showPanel(!matchMedia("(max-width: 640px)").matches);
+  fit(0);
+  await scene.calibrate(camera, shown());
+  ready = true;
+  redraw(false);
+
+  lead(camera, canvas, redraw);
+  canvas.addEventListener("dblclick", () => fit());
+  addEventListener("resize", placeView);
+  addEventListener("keydown", onKey);
+  for (const button of $("modes").children) {
+    button.addEventListener("click", () => setMode(button.dataset.mode));
+  }
+  $("only").addEventListener("click", onlyThis);
+  $("fit").addEventListener("click", () => fit());
+  $("look").addEventListener(
+    "click", () => fit((camera.look + 1) % LOOKS.length));
+  $("theme").addEventListener("click", otherTheme);
+  $("help-button").addEventListener("click", help);
+  $("show-panel").addEventListener("click", () => showPanel($("panel").hidden));
+  canvas.addEventListener("webglcontextlost", event => event.preventDefault());
+  canvas.addEventListener("webglcontextrestored", () => {
+    scene.build();
+    redraw(false);
+  });
+  $("notice").hidden = true;
+  document.documentElement.dataset.ready = "true";
+}
+
+start().catch(error => {
+  $("notice").hidden = false;
+  $("notice").textContent = error.message;
+  throw error;
+});

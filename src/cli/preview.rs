@@ -1,0 +1,306 @@
+//! `isoslice preview`: from G-code, or a model, to a page that shows it.
+
+use super::args::{FORMULA, ModelArgs, SettingsSource};
+use super::output::Output;
+use super::terminal;
+use anyhow::{Context, bail};
+use clap::{Args, FromArgMatches};
+use isoslice::layers::LayerRange;
+use isoslice::pipeline::{self, Options};
+use isoslice::preview::{Toolpath, write_html};
+use isoslice::reader::{ReadError, Reader};
+use isoslice::units::human_time;
+use std::ffi::OsStr;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  isoslice preview part.gcode                   writes part.html beside it
+  isoslice preview part.gcode -o look.html --open
+  isoslice preview part.rhai --set infill_density=25%
+  zcat part.gcode.gz | isoslice preview - -o part.html";
+
+/// Arguments of `isoslice preview`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = EXAMPLES,
+    override_usage = "isoslice preview [OPTIONS] <FILE>\n       \
+                      isoslice preview [OPTIONS] -e <FORMULA>",
+    mut_arg("model", |arg| arg.value_name("FILE").help(
+        "G-code of any slicer, - for standard input; or a model (.rhai, .vm) \
+         to slice first, which the options for models and settings are for"
+    ))
+)]
+pub(super) struct PreviewArgs {
+    #[command(flatten)]
+    source: Sliced,
+
+    /// HTML file to write [default: the file's name with .html, beside it;
+    /// formula.html for -e, preview.html for -]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: Option<PathBuf>,
+
+    /// Show the page in the browser, too
+    #[arg(long, help_heading = "Output")]
+    open: bool,
+
+    /// Show neither progress nor summary, only warnings and errors
+    #[arg(short, long, help_heading = "Output")]
+    quiet: bool,
+}
+
+/// What is shown; all but the file's name is for models.
+#[derive(Args, Clone, Debug, PartialEq)]
+struct Sliced {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    #[command(flatten)]
+    settings: SettingsSource,
+
+    /// Slice only these layers: A..B from A to B, both included, or A.., ..B
+    /// or a single number; the bed's layer is 1
+    #[arg(
+        long,
+        value_name = "A..B",
+        allow_hyphen_values = true,
+        help_heading = "Output"
+    )]
+    layers: Option<LayerRange>,
+
+    /// Number of threads [default: all processors]; the result is the same
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = "Output"
+    )]
+    threads: Option<u16>,
+}
+
+/// What the file named is.
+enum Kind {
+    Model,
+    Gcode(PathBuf),
+    Stdin,
+}
+
+pub(super) fn run(args: &PreviewArgs) -> anyhow::Result<()> {
+    let started = Instant::now();
+    let kind = args.source.kind()?;
+    let (path, name) = args.names();
+    let inputs: Vec<&Path> = match kind {
+        Kind::Stdin => Vec::new(),
+        _ => args.source.inputs(),
+    };
+    // Before the work, so that a mistaken name costs none.
+    let mut output = Output::create(&path, &inputs)?;
+    let file_name = args.source.file_name();
+    let toolpath = match kind {
+        Kind::Model => read(args.slice()?, &file_name)?,
+        Kind::Stdin => read(io::stdin().lock(), "standard input")?,
+        Kind::Gcode(path) => {
+            let cannot = || format!("cannot read {}", path.display());
+            if path.is_dir() {
+                bail!("{} is a folder; name a file in it", path.display());
+            }
+            let mut file = File::open(&path).with_context(cannot)?;
+            match said_diameter(&mut file).with_context(cannot)? {
+                Some(d) => {
+                    read_as(Reader::new(file).filament_diameter(d), &file_name)?
+                }
+                None => read(file, &file_name)?,
+            }
+        }
+    };
+    terminal::warn(&toolpath.problems().warnings(&file_name));
+    let cannot = || format!("cannot write {}", path.display());
+    write_html(&mut output, &toolpath, &name).with_context(cannot)?;
+    let streamed = output.is_stream();
+    output.finish().with_context(cannot)?;
+
+    if !args.quiet {
+        let text = describe(&path, &toolpath, started)?;
+        if streamed {
+            io::stderr().write_all(text.as_bytes())?;
+        } else {
+            io::stdout().write_all(text.as_bytes())?;
+        }
+    }
+    if args.open && !streamed {
+        open::that_detached(&path).with_context(|| {
+            format!(
+                "cannot start a browser; open {} in one yourself",
+                path.display()
+            )
+        })?;
+    }
+    Ok(())
+}
+
+impl PreviewArgs {
+    /// Where the page goes, and what it is called.
+    fn names(&self) -> (PathBuf, String) {
+        let input = match &self.source.model.model {
+            Some(file) if file.as_os_str() == "-" => Path::new("preview"),
+            Some(file) => file,
+            None => Path::new(FORMULA),
+        };
+        let name = match input.file_name() {
+            Some(name) => name.to_string_lossy().into_owned(),
+            None => input.display().to_string(),
+        };
+        let output = self.output.clone();
+        (output.unwrap_or_else(|| input.with_extension("html")), name)
+    }
+
+    /// Slices the model into a file that nobody sees.
+    fn slice(&self) -> anyhow::Result<impl Read + use<>> {
+        let sliced = &self.source;
+        let settings = sliced.settings.read()?;
+        let model = sliced.model.load(&settings)?;
+        let bar = terminal::layer_progress(self.quiet);
+        let options = Options {
+            threads: sliced.threads.map(usize::from),
+            layers: sliced.layers.unwrap_or(LayerRange::ALL),
+            svg_dir: None,
+            report: false,
+            on_layer: &|done, total| {
+                bar.set_length(total as u64);
+                bar.set_position(done as u64);
+            },
+        };
+        let file = tempfile::tempfile()
+            .context("cannot make a temporary file for the G-code")?;
+        let mut gcode = BufWriter::new(file);
+        let summary = pipeline::slice(&model, &settings, &options, &mut gcode);
+        bar.finish_and_clear();
+        let summary =
+            summary.with_context(|| format!("cannot slice {}", model.name))?;
+        terminal::warn(&[&model.warnings[..], &summary.warnings].concat());
+        let mut file = gcode
+            .into_inner()
+            .map_err(io::IntoInnerError::into_error)
+            .context("cannot write the temporary file")?;
+        file.rewind().context("cannot read the temporary file")?;
+        Ok(BufReader::new(file))
+    }
+}
+
+impl Sliced {
+    /// What the file is, by its name. Options that would do nothing are
+    /// errors.
+    fn kind(&self) -> anyhow::Result<Kind> {
+        let Some(file) = &self.model.model else {
+            return Ok(Kind::Model);
+        };
+        let extension = file.extension().and_then(OsStr::to_str);
+        let extension = extension.map(str::to_ascii_lowercase);
+        if matches!(extension.as_deref(), Some("rhai" | "vm")) {
+            return Ok(Kind::Model);
+        }
+        if let Some(kind @ ("stl" | "3mf" | "obj" | "step" | "stp")) =
+            extension.as_deref()
+        {
+            bail!(
+                "{} is a mesh or a drawing (.{kind}); the preview shows \
+                 G-code, and models in .rhai or .vm",
+                file.display()
+            );
+        }
+        // As if nothing but the file had been given.
+        let plain = Sliced::from_arg_matches(
+            &Sliced::augment_args(clap::Command::new("preview"))
+                .get_matches_from([OsStr::new("preview"), file.as_os_str()]),
+        )?;
+        if *self != plain {
+            bail!(
+                "{} is G-code, and is shown as it is; options for models and \
+                 settings are for models (.rhai, .vm)",
+                file.display()
+            );
+        }
+        Ok(match file.as_os_str() == "-" {
+            true => Kind::Stdin,
+            false => Kind::Gcode(file.clone()),
+        })
+    }
+
+    /// The name for messages.
+    fn file_name(&self) -> String {
+        match &self.model.model {
+            Some(file) => file.display().to_string(),
+            None => FORMULA.to_owned(),
+        }
+    }
+
+    fn inputs(&self) -> Vec<&Path> {
+        let model = self.model.model.iter();
+        model
+            .chain(&self.settings.config)
+            .map(PathBuf::as_path)
+            .collect()
+    }
+}
+
+fn read(input: impl Read, name: &str) -> anyhow::Result<Toolpath> {
+    read_as(Reader::new(input), name)
+}
+
+fn read_as<R: Read>(reader: Reader<R>, name: &str) -> anyhow::Result<Toolpath> {
+    let toolpath = Toolpath::read(reader).map_err(|error| match error {
+        ReadError::Io { .. } => {
+            anyhow::Error::new(error).context(format!("cannot read {name}"))
+        }
+        error => anyhow::anyhow!("{name}: {error}"),
+    })?;
+    if toolpath.is_empty() {
+        bail!(
+            "{name} prints nothing: no line of it moves the head and feeds \
+             filament; is it G-code?"
+        );
+    }
+    Ok(toolpath)
+}
+
+/// Diameter of the filament, which some slicers say at the end of the file
+/// only, when the beads have been read.
+fn said_diameter(file: &mut File) -> io::Result<Option<f64>> {
+    const TAIL: u64 = 1 << 17;
+    // What cannot be rewound (a pipe with a name) is read as it comes.
+    if !file.metadata()?.is_file() {
+        return Ok(None);
+    }
+    let length = file.metadata()?.len();
+    file.seek(io::SeekFrom::Start(length.saturating_sub(TAIL)))?;
+    let mut tail = Reader::new(&mut *file);
+    while let Some(Ok(_)) = tail.next() {}
+    let diameter = tail.info().filament_diameter;
+    file.rewind()?;
+    Ok(diameter)
+}
+
+fn describe(
+    path: &Path,
+    toolpath: &Toolpath,
+    started: Instant,
+) -> Result<String, std::fmt::Error> {
+    let statistics = toolpath.statistics();
+    let time = statistics.said_time.unwrap_or(statistics.time);
+    let mut text = String::new();
+    writeln!(text, "{}", path.display())?;
+    if let Some(generator) = &statistics.generator {
+        writeln!(text, "  made by     {generator}")?;
+    }
+    writeln!(text, "  layers      {}", toolpath.layer_count())?;
+    writeln!(text, "  moves       {}", toolpath.len())?;
+    writeln!(text, "  print time  {}", human_time(time))?;
+    writeln!(text, "  filament    {:.2} m", statistics.filament / 1000.0)?;
+    let took = started.elapsed().as_secs_f64();
+    writeln!(text, "  took        {took:.1} s")?;
+    Ok(text)
+}

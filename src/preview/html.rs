@@ -1,0 +1,185 @@
+//! The preview page: one HTML file that needs nothing else.
+//!
+//! In: a [`Toolpath`] and the file's name. Out: a page with styles, scripts,
+//! and the moves inside it; it loads nothing, from anywhere. The same input
+//! gives the same bytes. Whatever comes from the file is escaped, so that no
+//! comment or name in it can become markup or script.
+//!
+//! The page's parts are in `assets/preview`; two libraries in `vendor` there.
+
+use super::pack::pack;
+use super::toolpath::{
+    AREA_UNIT, LENGTH_UNIT, SPEED_UNIT, Statistics, Toolpath,
+};
+use crate::reader::Role;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// The page, with `{{name}}` where something is put in.
+const PAGE: &str = include_str!("../../assets/preview/page.html");
+
+/// What is put in, but for what comes from the file.
+const PARTS: &[(&str, &str)] = &[
+    ("version", env!("CARGO_PKG_VERSION")),
+    ("style", include_str!("../../assets/preview/style.css")),
+    (
+        "licences",
+        include_str!("../../assets/preview/vendor/LICENSES.txt"),
+    ),
+    (
+        "twgl",
+        include_str!("../../assets/preview/vendor/twgl.min.js"),
+    ),
+    (
+        "fflate",
+        include_str!("../../assets/preview/vendor/fflate.min.js"),
+    ),
+    ("data.js", include_str!("../../assets/preview/data.js")),
+    ("camera.js", include_str!("../../assets/preview/camera.js")),
+    ("coarse.js", include_str!("../../assets/preview/coarse.js")),
+    ("scene.js", include_str!("../../assets/preview/scene.js")),
+    ("slider.js", include_str!("../../assets/preview/slider.js")),
+    ("main.js", include_str!("../../assets/preview/main.js")),
+];
+
+/// What the scripts are told.
+#[derive(Serialize)]
+struct Told<'a> {
+    name: &'a str,
+    moves: usize,
+    size: usize,
+    origin: [f64; 3],
+    unit: f64,
+    length_unit: f64,
+    area_unit: f64,
+    speed_unit: f64,
+    role_names: Vec<&'static str>,
+    first: Vec<u32>,
+    z: Vec<f64>,
+    time: Vec<f64>,
+    statistics: &'a Statistics,
+}
+
+/// Writes the page; `name` is what the print is called.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn write_html(
+    out: &mut dyn Write,
+    path: &Toolpath,
+    name: &str,
+) -> io::Result<()> {
+    let packed = pack(path)?;
+    let layers = &path.layers;
+    let told = Told {
+        name,
+        moves: path.len(),
+        size: packed.size,
+        origin: packed.origin,
+        unit: packed.unit,
+        length_unit: LENGTH_UNIT,
+        area_unit: AREA_UNIT,
+        speed_unit: SPEED_UNIT,
+        role_names: Role::ALL.iter().map(|r| r.name()).collect(),
+        first: layers.iter().map(|l| l.first).collect(),
+        // Thousandths are enough, and keep the numbers short.
+        z: layers.iter().map(|l| thousandths(l.z)).collect(),
+        time: layers.iter().map(|l| thousandths(l.time)).collect(),
+        statistics: &path.statistics,
+    };
+    let told = serde_json::to_string(&told)?;
+    let mut rest = PAGE;
+    while let Some((before, after)) = rest.split_once("{{") {
+        out.write_all(before.as_bytes())?;
+        let (part, after) = after.split_once("}}").unwrap_or((after, ""));
+        match part {
+            "title" => out.write_all(escape_html(name).as_bytes())?,
+            "told" => out.write_all(escape_json(&told).as_bytes())?,
+            "moves" => {
+                out.write_all(STANDARD.encode(&packed.bytes).as_bytes())?;
+            }
+            _ => {
+                let text = PARTS.iter().find(|(known, _)| *known == part);
+                let text = text.map_or("", |(_, text)| text);
+                out.write_all(text.as_bytes())?;
+            }
+        }
+        rest = after;
+    }
+    out.write_all(rest.as_bytes())
+}
+
+fn thousandths(number: f64) -> f64 {
+    (number * 1e3).round() * 1e-3
+}
+
+/// Text for between tags, and for attributes in quotes.
+fn escape_html(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for sign in text.chars() {
+        match sign {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            sign => escaped.push(sign),
+        }
+    }
+    escaped
+}
+
+/// JSON for a script element: none of its strings can end the element. The
+/// signs escaped occur in JSON's strings only.
+fn escape_json(json: &str) -> String {
+    json.replace('<', "\\u003c")
+        .replace('>', "\\u003e")
+        .replace('&', "\\u0026")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reader::Reader;
+
+    fn page(gcode: &str, name: &str) -> String {
+        let path = Toolpath::read(Reader::new(gcode.as_bytes())).unwrap();
+        let mut page = Vec::new();
+        write_html(&mut page, &path, name).unwrap();
+        String::from_utf8(page).unwrap()
+    }
+
+    #[test]
+    fn the_page_needs_nothing_else() {
+        let page = page("G1 X1 E1\n", "part");
+        for outside in ["src=", "href=\"http", "url(http", "@import", "{{"] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+        for (name, _) in PARTS {
+            let slot = format!("{{{{{name}}}}}");
+            assert_eq!(PAGE.matches(&slot).count(), 1, "{slot}");
+        }
+        // What every page carries beside its moves.
+        assert!(page.len() < 300_000, "{}", page.len());
+    }
+
+    #[test]
+    fn nothing_from_the_file_becomes_markup() {
+        let evil = "</script><script>alert('x')</script>&{{told}}";
+        let gcode = format!("; generated by {evil}\nG1 X1 E1 ; {evil}\n");
+        let plain = page("G1 X1 E1\n", "part");
+        let page = page(&gcode, evil);
+        assert!(!page.contains("<script>alert"));
+        assert_eq!(
+            page.matches("<script").count(),
+            plain.matches("<script").count()
+        );
+        assert_eq!(
+            page.matches("</script").count(),
+            plain.matches("</script").count()
+        );
+        assert!(page.contains("&lt;script&gt;alert(&#39;x&#39;)"));
+    }
+}

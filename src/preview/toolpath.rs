@@ -1,0 +1,478 @@
+//! The moves of a file, ready to be drawn, and what they amount to.
+//!
+//! In: a [`Reader`]. Out: a [`Toolpath`]: flat arrays, one entry for each
+//! move of the head, in the units in which the page keeps them, and the
+//! statistics that it shows.
+
+use super::clock::Clock;
+use crate::reader::{Event, Heater, Info, Move, ReadError, Reader, Role};
+use crate::reader::{Problems, USUAL_FILAMENT};
+use crate::units::{Celsius, Mm, Mm3, Seconds, filament_area};
+use glam::DVec3;
+use serde::Serialize;
+use std::io::Read;
+
+/// What a move is, if it does not print.
+pub(super) const TRAVEL: u8 = Role::ALL.len() as u8;
+/// A place reached otherwise: by homing. Never drawn.
+pub(super) const JUMP: u8 = TRAVEL + 1;
+
+/// Units of the arrays: lengths 1 µm, cross-sections 1e-4 mm², speeds
+/// 0.02 mm/s. Beyond 16 bits (65 mm, 6.5 mm², 1300 mm/s) they stay there.
+pub(super) const LENGTH_UNIT: f64 = 1e-3;
+pub(super) const AREA_UNIT: f64 = 1e-4;
+pub(super) const SPEED_UNIT: f64 = 0.02;
+
+/// Everything that a file prints, in order.
+#[derive(Debug)]
+pub struct Toolpath {
+    /// Where the head is before the first move and after each, mm.
+    pub(super) points: Vec<[f32; 3]>,
+    pub(super) widths: Vec<u16>,
+    pub(super) heights: Vec<u16>,
+    pub(super) areas: Vec<u16>,
+    pub(super) speeds: Vec<u16>,
+    /// [`Role`]s by their place in [`Role::ALL`], [`TRAVEL`] or [`JUMP`].
+    pub(super) roles: Vec<u8>,
+    pub(super) lines: Vec<u32>,
+    pub(super) layers: Vec<Layer>,
+    pub(super) statistics: Statistics,
+    problems: Problems,
+}
+
+/// A layer.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Layer {
+    /// Its first move.
+    pub first: u32,
+    /// Height at which it is first printed.
+    pub z: Mm,
+    pub time: Seconds,
+}
+
+/// What is printed for one purpose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Share {
+    /// Length of the way.
+    pub length: Mm,
+    /// Estimated time.
+    pub time: Seconds,
+    /// Volume of the beads.
+    pub volume: Mm3,
+    /// Moves.
+    pub moves: u64,
+}
+
+/// What a print takes and consists of.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Statistics {
+    /// The program that made the file.
+    pub generator: Option<String>,
+    /// The print's time as the file says it.
+    pub said_time: Option<Seconds>,
+    /// The print's time as estimated from the moves, without heating.
+    pub time: Seconds,
+    /// Filament.
+    pub filament: Mm,
+    /// Mass of it, grams, if the file says that or the density.
+    pub mass: Option<f64>,
+    /// Temperature of the nozzle, as set last.
+    pub nozzle: Option<Celsius>,
+    /// Temperature of the bed, as set last.
+    pub bed: Option<Celsius>,
+    /// How often filament is pulled back.
+    pub retractions: u64,
+    /// Shares, by the roles' places in [`Role::ALL`].
+    pub roles: [Share; Role::ALL.len()],
+    /// The ways between.
+    pub travel: Share,
+    /// Lower and upper corner of the part, its beads' width included; without
+    /// supports, skirts and what templates print.
+    pub part: Option<[[Mm; 3]; 2]>,
+    /// The same of everything that is printed in layers.
+    pub printed: Option<[[Mm; 3]; 2]>,
+    /// Lines of the file.
+    pub lines: u64,
+}
+
+impl Toolpath {
+    /// Reads a file to its end.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn read<R: Read>(mut reader: Reader<R>) -> Result<Self, ReadError> {
+        let mut collector = Collector::default();
+        while let Some(event) = reader.next() {
+            collector.take(event?, &reader);
+        }
+        Ok(collector.finish(&reader))
+    }
+
+    /// True if nothing is printed.
+    pub fn is_empty(&self) -> bool {
+        self.statistics.printed.is_none()
+    }
+
+    /// Moves of the head.
+    pub fn len(&self) -> usize {
+        self.roles.len()
+    }
+
+    /// How many layers there are.
+    pub fn layer_count(&self) -> usize {
+        self.layers.len()
+    }
+
+    /// What the print takes and consists of.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// What in the file could not be made sense of.
+    pub fn problems(&self) -> &Problems {
+        &self.problems
+    }
+}
+
+/// Puts a toolpath together.
+#[derive(Debug)]
+struct Collector {
+    path: Toolpath,
+    clock: Clock<u8>,
+    /// Boxes of the part and of all that is printed.
+    part: Box3,
+    printed: Box3,
+    /// Filament for each role.
+    volume: [Mm; Role::ALL.len()],
+    /// Filament is pulled back.
+    back: bool,
+    /// The layer has been printed on.
+    begun: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Box3 {
+    min: DVec3,
+    max: DVec3,
+}
+
+impl Box3 {
+    const EMPTY: Self = Self {
+        min: DVec3::INFINITY,
+        max: DVec3::NEG_INFINITY,
+    };
+
+    /// Takes in a bead.
+    fn add(&mut self, step: &Move) {
+        let side = DVec3::new(0.5, 0.5, 0.0) * step.width;
+        let below = DVec3::Z * step.height;
+        self.min = self.min.min(step.from.min(step.to) - side - below);
+        self.max = self.max.max(step.from.max(step.to) + side);
+    }
+
+    fn corners(self) -> Option<[[Mm; 3]; 2]> {
+        (self.min.x <= self.max.x)
+            .then(|| [self.min.to_array(), self.max.to_array()])
+    }
+}
+
+impl Default for Collector {
+    fn default() -> Self {
+        Self {
+            path: Toolpath {
+                points: Vec::new(),
+                widths: Vec::new(),
+                heights: Vec::new(),
+                areas: Vec::new(),
+                speeds: Vec::new(),
+                roles: Vec::new(),
+                lines: Vec::new(),
+                layers: Vec::new(),
+                statistics: Statistics::default(),
+                problems: Problems::default(),
+            },
+            clock: Clock::new(),
+            part: Box3::EMPTY,
+            printed: Box3::EMPTY,
+            volume: [0.0; Role::ALL.len()],
+            back: false,
+            begun: false,
+        }
+    }
+}
+
+impl Collector {
+    fn take<R: Read>(&mut self, event: Event, reader: &Reader<R>) {
+        match event {
+            Event::Move(step) => self.step(&step, reader),
+            Event::Layer { number, .. } => {
+                self.rest(reader);
+                if number == 1 {
+                    self.path.layers.clear();
+                    self.nothing_yet();
+                    self.part = Box3::EMPTY;
+                    self.printed = Box3::EMPTY;
+                }
+                let first = self.path.roles.len() as u32;
+                self.path.layers.push(Layer {
+                    first,
+                    ..Layer::default()
+                });
+                self.begun = false;
+            }
+            Event::FirmwareRetract { back, .. } => {
+                self.pull(if back { -1.0 } else { 1.0 });
+            }
+            Event::Heat { heater, to, .. } if to > 0.0 => {
+                let statistics = &mut self.path.statistics;
+                match heater {
+                    Heater::Nozzle(_) => statistics.nozzle = Some(to),
+                    Heater::Bed => statistics.bed = Some(to),
+                }
+            }
+            Event::Dwell { time, .. } => self.add_time(time),
+            _ => {}
+        }
+    }
+
+    fn step<R: Read>(&mut self, step: &Move, reader: &Reader<R>) {
+        self.path.statistics.filament += step.filament;
+        self.pull(step.filament);
+        let what = match step.prints() {
+            true => step.role as u8,
+            false => TRAVEL,
+        };
+        self.clock.push(step, reader.state(), what);
+        if self.clock.is_full() {
+            self.rest(reader);
+        }
+        if !step.travels() {
+            return;
+        }
+        let path = &mut self.path;
+        let start = step.from.as_vec3().to_array();
+        match path.points.last() {
+            // Where the head is at first is not known.
+            None if what == TRAVEL => {
+                path.points.push(step.to.as_vec3().to_array());
+                return;
+            }
+            None => path.points.push(start),
+            Some(last) if *last != start => {
+                path.points.push(start);
+                path.push(JUMP, 0.0, 0.0, 0.0, 0.0, step.line);
+            }
+            Some(_) => {}
+        }
+        path.points.push(step.to.as_vec3().to_array());
+        // The filament's real diameter may be said at the file's end only.
+        let area = step.filament.max(0.0) / step.length();
+        path.push(
+            what,
+            step.width,
+            step.height,
+            area * filament_area(USUAL_FILAMENT),
+            step.speed,
+            step.line,
+        );
+        let share = match path.statistics.roles.get_mut(usize::from(what)) {
+            Some(share) => share,
+            None => &mut path.statistics.travel,
+        };
+        share.length += step.length();
+        share.moves += 1;
+        if what == TRAVEL {
+            return;
+        }
+        self.volume[usize::from(what)] += step.filament;
+        self.printed.add(step);
+        if is_part(step.role) {
+            self.part.add(step);
+        }
+        if let Some(layer) = path.layers.last_mut()
+            && !std::mem::replace(&mut self.begun, true)
+        {
+            layer.z = step.to.z;
+        }
+    }
+
+    /// The first layer begins: what was printed without a label was not the
+    /// part, but lines that start the flow.
+    fn nothing_yet(&mut self) {
+        let [from, to] = [Role::Unknown, Role::Custom].map(|r| r as usize);
+        for role in &mut self.path.roles {
+            if *role == from as u8 {
+                *role = to as u8;
+            }
+        }
+        let roles = &mut self.path.statistics.roles;
+        let purged = std::mem::take(&mut roles[from]);
+        roles[to].length += purged.length;
+        roles[to].time += purged.time;
+        roles[to].moves += purged.moves;
+        self.volume[to] += std::mem::take(&mut self.volume[from]);
+    }
+
+    /// Filament goes forward or back.
+    fn pull(&mut self, by: Mm) {
+        if by < 0.0 && !self.back {
+            self.path.statistics.retractions += 1;
+        }
+        self.back = by < 0.0 || (self.back && by == 0.0);
+    }
+
+    fn rest<R: Read>(&mut self, reader: &Reader<R>) {
+        let Self { path, clock, .. } = self;
+        let statistics = &mut path.statistics;
+        let mut sum = 0.0;
+        clock.rest(reader.state(), |what, time| {
+            sum += time;
+            match statistics.roles.get_mut(usize::from(what)) {
+                Some(share) => share.time += time,
+                None => statistics.travel.time += time,
+            }
+        });
+        self.add_time(sum);
+    }
+
+    fn add_time(&mut self, time: Seconds) {
+        self.path.statistics.time += time;
+        if let Some(layer) = self.path.layers.last_mut() {
+            layer.time += time;
+        }
+    }
+
+    fn finish<R: Read>(mut self, reader: &Reader<R>) -> Toolpath {
+        self.rest(reader);
+        let mut path = self.path;
+        let info: &Info = reader.info();
+        let diameter = info.filament_diameter.unwrap_or(USUAL_FILAMENT);
+        let section = filament_area(diameter);
+        let factor = section / filament_area(USUAL_FILAMENT);
+        if factor != 1.0 {
+            for area in &mut path.areas {
+                *area = (f64::from(*area) * factor).round() as u16;
+            }
+        }
+        let statistics = &mut path.statistics;
+        for (share, fed) in statistics.roles.iter_mut().zip(self.volume) {
+            share.volume = fed * section;
+        }
+        statistics.generator.clone_from(&info.generator);
+        statistics.said_time = info.time;
+        statistics.mass = info.filament_mass.or_else(|| {
+            let density = info.filament_density?;
+            Some(statistics.filament * section * 1e-3 * density)
+        });
+        statistics.lines = reader.lines();
+        statistics.printed = self.printed.corners();
+        statistics.part = self.part.corners().or(statistics.printed);
+        // What comes before the first layer is shown with it.
+        if let Some(layer) = path.layers.first_mut() {
+            layer.first = 0;
+        }
+        path.problems = reader.problems().clone();
+        path
+    }
+}
+
+impl Toolpath {
+    fn push(
+        &mut self,
+        role: u8,
+        width: Mm,
+        height: Mm,
+        area: f64,
+        speed: f64,
+        line: u64,
+    ) {
+        // `as` stays at the ends of its range.
+        self.widths.push((width / LENGTH_UNIT).round() as u16);
+        self.heights.push((height / LENGTH_UNIT).round() as u16);
+        self.areas.push((area / AREA_UNIT).round() as u16);
+        self.speeds.push((speed / SPEED_UNIT).round() as u16);
+        self.roles.push(role);
+        self.lines.push(u32::try_from(line).unwrap_or(u32::MAX));
+    }
+}
+
+/// Whether it is the part that is printed.
+fn is_part(role: Role) -> bool {
+    !matches!(
+        role,
+        Role::Support
+            | Role::SupportInterface
+            | Role::SkirtBrim
+            | Role::PrimeTower
+            | Role::Custom
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Toolpath {
+        Toolpath::read(Reader::new(text.as_bytes())).unwrap()
+    }
+
+    const SQUARE: &str = "G28\nM109 S200\nG1 X5 Y5 Z0.3 F6000\nM83\n\
+        ;TYPE:Custom\nG1 X50 E2 F1200\n;LAYER_CHANGE\n;HEIGHT:0.2\n\
+        ;WIDTH:0.4\nG1 E-1 F1800\nG1 X10 Y10 Z0.2 F6000\nG1 E1 F1800\n\
+        ;TYPE:Perimeter\nG1 X20 E0.4 F1200\nG1 Y20 E0.4\nG1 X10 E0.4\n\
+        G1 Y10 E0.4\n; filament_density = 1.24\n";
+
+    #[test]
+    fn a_square_has_its_size_and_lengths() {
+        let path = read(SQUARE);
+        let s = &path.statistics;
+        let wall = s.roles[Role::InnerWall as usize];
+        assert_eq!((wall.length, wall.moves), (40.0, 4));
+        let volume = 1.6 * filament_area(1.75);
+        assert!((wall.volume - volume).abs() < 1e-9);
+        assert_eq!(s.roles[Role::Custom as usize].length, 45.0);
+        assert_eq!(s.retractions, 1);
+        assert!((s.filament - 3.6).abs() < 1e-9);
+        assert!(
+            (s.mass.unwrap() - 3.6e-3 * 1.24 * filament_area(1.75)).abs()
+                < 1e-9
+        );
+        assert_eq!(s.nozzle, Some(200.0));
+        // Centre lines of 10 mm and half a width on either side.
+        let [min, max] = s.part.unwrap();
+        let expected = [10.4, 10.4, 0.2];
+        for i in 0..3 {
+            assert!((max[i] - min[i] - expected[i]).abs() < 1e-9, "{i}");
+        }
+        assert_eq!(path.layer_count(), 1);
+        assert_eq!((path.layers[0].first, path.layers[0].z), (0, 0.2));
+    }
+
+    #[test]
+    fn times_add_up() {
+        let path = read(SQUARE);
+        let s = &path.statistics;
+        let roles: f64 = s.roles.iter().map(|r| r.time).sum();
+        assert!((roles + s.travel.time - s.time).abs() < 1e-9);
+        // 40 mm at 20 mm/s, and a little for four corners.
+        let wall = s.roles[Role::InnerWall as usize].time;
+        assert!(wall > 2.0 && wall < 2.2, "{wall}");
+    }
+
+    #[test]
+    fn homing_leaves_a_gap_and_no_line() {
+        let text = "G1 X10 E1\nG1 X20 E2\nG28\nG1 Y5 E3\n";
+        let path = read(text);
+        let role = Role::Unknown as u8;
+        assert_eq!(path.roles, [role, role, JUMP, role]);
+        assert_eq!(path.points.len(), path.len() + 1);
+        assert_eq!(path.points[3], [0.0; 3]);
+    }
+
+    #[test]
+    fn nothing_printed_is_empty() {
+        assert!(read("").is_empty());
+        assert!(read("G1 X5\nG1 E5\n").is_empty());
+        assert!(!read("G1 X5 E5\n").is_empty());
+    }
+}

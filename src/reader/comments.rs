@@ -1,0 +1,128 @@
+//! What slicers say in comments.
+//!
+//! In: a comment's bytes, behind the semicolon. Out: a [`Tag`], if it is one
+//! of those that PrusaSlicer, OrcaSlicer, BambuStudio or Cura write for
+//! viewers. Anything else is just a comment.
+
+use super::role::Role;
+use crate::units::Mm;
+
+/// A comment that means something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Tag {
+    /// What follows is printed for this.
+    Role(Role),
+    /// A layer begins.
+    Layer,
+    /// Beads are this wide, from here on.
+    Width(Mm),
+    /// Beads are this high, from here on.
+    Height(Mm),
+    /// What moves from here on wipes the nozzle, or no longer does.
+    Wipe(bool),
+}
+
+/// The tag that `comment` is.
+pub(super) fn tag(comment: &[u8]) -> Option<Tag> {
+    let comment = comment.trim_ascii();
+    // All tags begin with one of these; most comments do not.
+    match comment.first()? {
+        b'T' => after(comment, "TYPE:").map(role),
+        b'F' => after(comment, "FEATURE:").map(role),
+        b'L' => match comment {
+            b"LAYER_CHANGE" => Some(Tag::Layer),
+            _ => after(comment, "LAYER:")
+                .filter(|number| is_integer(number))
+                .map(|_| Tag::Layer)
+                .or_else(|| length(comment, "LINE_WIDTH:", Tag::Width))
+                .or_else(|| length(comment, "LAYER_HEIGHT:", Tag::Height)),
+        },
+        b'C' => (comment == b"CHANGE_LAYER").then_some(Tag::Layer),
+        b'W' => match comment {
+            b"WIPE_START" => Some(Tag::Wipe(true)),
+            b"WIPE_END" => Some(Tag::Wipe(false)),
+            _ => length(comment, "WIDTH:", Tag::Width),
+        },
+        b'H' => length(comment, "HEIGHT:", Tag::Height),
+        _ => None,
+    }
+}
+
+fn role(name: &[u8]) -> Tag {
+    Tag::Role(Role::from_name(name))
+}
+
+/// Cura numbers the layers of a raft below zero.
+fn is_integer(text: &[u8]) -> bool {
+    let digits = text.strip_prefix(b"-").unwrap_or(text);
+    !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
+}
+
+/// The text behind `start`.
+pub(super) fn after<'a>(text: &'a [u8], start: &str) -> Option<&'a [u8]> {
+    text.strip_prefix(start.as_bytes())
+}
+
+/// A tag with a length that a bead can have.
+fn length(comment: &[u8], start: &str, tag: fn(Mm) -> Tag) -> Option<Tag> {
+    after(comment, start)
+        .and_then(positive_or_zero)
+        .filter(|&mm| mm > 0.0 && mm < 100.0)
+        .map(tag)
+}
+
+/// The number that `text` is, if it is finite and not negative.
+pub(super) fn positive_or_zero(text: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(text.trim_ascii()).ok()?;
+    let number = text.parse::<f64>().ok()?;
+    (number.is_finite() && number >= 0.0).then_some(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_of_the_dialects() {
+        for (comment, expected) in [
+            ("TYPE:External perimeter", Tag::Role(Role::OuterWall)),
+            ("TYPE:WALL-INNER", Tag::Role(Role::InnerWall)),
+            (" FEATURE: Top surface", Tag::Role(Role::TopSkin)),
+            ("TYPE:No such thing", Tag::Role(Role::Unknown)),
+            ("LAYER_CHANGE", Tag::Layer),
+            (" CHANGE_LAYER", Tag::Layer),
+            ("LAYER:12", Tag::Layer),
+            ("LAYER:-2", Tag::Layer),
+            ("WIDTH:0.45", Tag::Width(0.45)),
+            (" LINE_WIDTH: 0.42", Tag::Width(0.42)),
+            ("HEIGHT:0.2", Tag::Height(0.2)),
+            (" LAYER_HEIGHT: 0.28", Tag::Height(0.28)),
+            ("WIPE_START", Tag::Wipe(true)),
+            (" WIPE_END", Tag::Wipe(false)),
+        ] {
+            assert_eq!(tag(comment.as_bytes()), Some(expected), "{comment}");
+        }
+    }
+
+    #[test]
+    fn other_comments_are_none() {
+        for comment in [
+            "",
+            " ",
+            "LAYER_COUNT:12",
+            "LAYER:x",
+            "LAYER:-",
+            "WIDTH:nan",
+            "WIDTH:inf",
+            "WIDTH:0",
+            "HEIGHT:1e300",
+            "HEIGHT:",
+            "Z:0.2",
+            "layer_height = 0.2",
+            "TYPES:x",
+        ] {
+            assert_eq!(tag(comment.as_bytes()), None, "{comment}");
+        }
+        assert_eq!(tag(b"\xff\xfe"), None);
+    }
+}

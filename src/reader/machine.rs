@@ -1,0 +1,213 @@
+//! What a printer would know after each line: modes, places, temperatures.
+//!
+//! In: the words of commands. Out: where the head and the filament go. G91
+//! makes the filament relative, too; G90 does not undo M83: so Klipper and
+//! RepRapFirmware have it, and slicers write files that do not depend on it.
+
+use super::words::Words;
+use crate::units::{Celsius, Mm, MmPerSec, MmPerSec2, Percent};
+use glam::DVec3;
+
+/// No machine reaches farther, mm.
+const REACH: Mm = 1e5;
+/// Millimetres in an inch (G20).
+const INCH: Mm = 25.4;
+
+/// What the commands so far have set; nothing where there were none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Where the head is, mm, as the machine counts: G92 does not change it.
+    pub position: DVec3,
+    /// Speed of moves (F). Zero until the file says one.
+    pub speed: MmPerSec,
+    /// Temperature the nozzle is to have.
+    pub nozzle: Option<Celsius>,
+    /// Temperature the bed is to have.
+    pub bed: Option<Celsius>,
+    /// Speed of the part's fan.
+    pub fan: Percent,
+    /// The tool in use.
+    pub tool: u32,
+    /// Acceleration of printing moves.
+    pub acceleration: Option<MmPerSec2>,
+    /// Acceleration of travels.
+    pub travel_acceleration: Option<MmPerSec2>,
+    /// Speed through a right-angled corner (Klipper).
+    pub square_corner_velocity: Option<MmPerSec>,
+    /// Positions are distances from where the head is (G91).
+    pub relative: bool,
+    /// Filament is a distance from where it is (M83, or G91).
+    pub relative_e: bool,
+    /// Filament that firmware has pulled back (G10).
+    pub firmware_retracted: bool,
+}
+
+/// The machine itself.
+#[derive(Clone, Debug)]
+pub(super) struct Machine {
+    pub state: State,
+    /// Millimetres in a unit of the file.
+    unit: Mm,
+    /// What G92 has made of the machine's zero.
+    offset: DVec3,
+    /// The filament's position, as the file counts.
+    e: Mm,
+    /// M83.
+    e_mode_relative: bool,
+}
+
+/// What a move is to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Target {
+    pub to: DVec3,
+    /// Filament fed.
+    pub filament: Mm,
+}
+
+impl Machine {
+    pub fn new() -> Self {
+        Self {
+            state: State {
+                position: DVec3::ZERO,
+                speed: 0.0,
+                nozzle: None,
+                bed: None,
+                fan: 0.0,
+                tool: 0,
+                acceleration: None,
+                travel_acceleration: None,
+                square_corner_velocity: None,
+                relative: false,
+                relative_e: false,
+                firmware_retracted: false,
+            },
+            unit: 1.0,
+            offset: DVec3::ZERO,
+            e: 0.0,
+            e_mode_relative: false,
+        }
+    }
+
+    pub fn set_inches(&mut self, inches: bool) {
+        self.unit = if inches { INCH } else { 1.0 };
+    }
+
+    pub fn set_relative(&mut self, relative: bool) {
+        self.state.relative = relative;
+        self.state.relative_e = relative || self.e_mode_relative;
+    }
+
+    pub fn set_relative_e(&mut self, relative: bool) {
+        self.e_mode_relative = relative;
+        self.state.relative_e = relative || self.state.relative;
+    }
+
+    /// A length of the file in millimetres.
+    pub fn length(&self, words: &Words, letter: u8) -> Option<Mm> {
+        words.get(letter).map(|n| n * self.unit)
+    }
+
+    /// Takes in a move's feed rate, and says where it leads. Nothing, if that
+    /// is out of any reach; then nothing has changed but the speed.
+    pub fn aim(&mut self, words: &Words) -> Option<Target> {
+        if let Some(rate) = self.length(words, b'F') {
+            self.state.speed = rate.max(0.0) / 60.0;
+        }
+        let at = self.state.position;
+        let axis = |letter, at: Mm, offset: Mm| match self.length(words, letter)
+        {
+            Some(by) if self.state.relative => at + by,
+            Some(to) => to + offset,
+            None => at,
+        };
+        let to = DVec3::new(
+            axis(b'X', at.x, self.offset.x),
+            axis(b'Y', at.y, self.offset.y),
+            axis(b'Z', at.z, self.offset.z),
+        );
+        if to.abs().max_element() > REACH {
+            return None;
+        }
+        let filament = match self.length(words, b'E') {
+            Some(by) if self.state.relative_e => by,
+            Some(to) => to - self.e,
+            None => 0.0,
+        };
+        self.e += filament;
+        Some(Target { to, filament })
+    }
+
+    /// G92: the head is here from now on.
+    pub fn set_position(&mut self, words: &Words) {
+        if let Some(e) = self.length(words, b'E') {
+            self.e = e;
+        }
+        let at = self.state.position;
+        if let Some(x) = self.length(words, b'X') {
+            self.offset.x = at.x - x;
+        }
+        if let Some(y) = self.length(words, b'Y') {
+            self.offset.y = at.y - y;
+        }
+        if let Some(z) = self.length(words, b'Z') {
+            self.offset.z = at.z - z;
+        }
+    }
+
+    /// G28: the axes named, or all, go to zero.
+    pub fn home(&mut self, words: &Words) {
+        let all = ![b'X', b'Y', b'Z'].iter().any(|l| words.has(*l));
+        let State { position, .. } = &mut self.state;
+        if all || words.has(b'X') {
+            (position.x, self.offset.x) = (0.0, 0.0);
+        }
+        if all || words.has(b'Y') {
+            (position.y, self.offset.y) = (0.0, 0.0);
+        }
+        if all || words.has(b'Z') {
+            (position.z, self.offset.z) = (0.0, 0.0);
+        }
+    }
+
+    /// M204: Marlin's S for all, P for printing, T for travels.
+    pub fn set_acceleration(&mut self, words: &Words) {
+        let word = |l| words.get(l).filter(|a| *a > 0.0);
+        let (all, state) = (word(b'S'), &mut self.state);
+        state.acceleration = word(b'P').or(all).or(state.acceleration);
+        state.travel_acceleration =
+            word(b'T').or(all).or(state.travel_acceleration);
+    }
+
+    /// Klipper's SET_VELOCITY_LIMIT.
+    pub fn set_velocity_limit(&mut self, line: &[u8]) {
+        for word in line.split(|b| b.is_ascii_whitespace()) {
+            let Some(at) = memchr::memchr(b'=', word) else {
+                continue;
+            };
+            let number = std::str::from_utf8(&word[at + 1..])
+                .ok()
+                .and_then(|text| text.parse::<f64>().ok())
+                .filter(|n| *n > 0.0 && *n < 1e9);
+            if number.is_none() {
+                continue;
+            }
+            let key = &word[..at];
+            if key.eq_ignore_ascii_case(b"ACCEL") {
+                self.state.acceleration = number;
+                self.state.travel_acceleration = number;
+            } else if key.eq_ignore_ascii_case(b"SQUARE_CORNER_VELOCITY") {
+                self.state.square_corner_velocity = number;
+            }
+        }
+    }
+
+    /// M106: 0 to 255, or, in RepRapFirmware, a share of one.
+    pub fn fan_speed(words: &Words) -> Percent {
+        let speed = words.get(b'S').unwrap_or(255.0);
+        let share = match speed {
+            s if s > 0.0 && s < 1.0 => s,
+            s => s / 255.0,
+        };
+        100.0 * share.clamp(0.0, 1.0)
+    }
+}

@@ -1,0 +1,633 @@
+//! Reads G-code: our own and other slicers'.
+//!
+//! In: bytes. Out: [`Event`]s in the order of the lines, each with its line's
+//! number: moves with places, filament, speed, role, layer, width and height;
+//! temperatures, fans, tools; and what cannot be made sense of.
+//!
+//! Understood: G0 to G3 (arcs become straight moves), G4, G10, G11, G20, G21,
+//! G28, G90 to G92, M82, M83, M104, M106, M107, M109, M140, M190, M204, T,
+//! Klipper's SET_VELOCITY_LIMIT, and the comments of PrusaSlicer, OrcaSlicer,
+//! BambuStudio and Cura. Every other command is an event, too.
+//!
+//! Guarantees:
+//! - any bytes can be read: a line that makes no sense is passed over, said
+//!   so ([`Event::Problem`]) and counted ([`Reader::problems`]);
+//! - every number handed out is finite, and positions are within 300 m;
+//! - memory does not grow with the file, whatever is in it;
+//! - what is read depends on the bytes alone.
+//!
+//! Not guaranteed: that a firmware would do the same. Homing leads to zero,
+//! templates that are macros of the printer's do nothing, and a role or width
+//! is what comments say it is.
+//!
+//! ```
+//! use isoslice::reader::{Event, Reader, Role};
+//!
+//! let text = "G1 Z0.2 F600\n;TYPE:WALL-OUTER\nG1 X10 E0.3 F1200\n";
+//! let mut printed = 0.0;
+//! for event in Reader::new(text.as_bytes()) {
+//!     if let Event::Move(step) = event?
+//!         && step.prints()
+//!     {
+//!         assert_eq!((step.line, step.role), (3, Role::OuterWall));
+//!         printed += step.length();
+//!     }
+//! }
+//! assert_eq!(printed, 10.0);
+//! # Ok::<(), isoslice::reader::ReadError>(())
+//! ```
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `lines` | lines, in memory that does not grow |
+//! | `words` | letters and numbers |
+//! | `machine` | modes and places |
+//! | `arc` | arcs as straight moves |
+//! | `comments`, `role`, `info` | what slicers say in comments |
+//! | `layering` | layers, widths and heights |
+//! | `problem` | what makes no sense |
+
+mod arc;
+mod comments;
+mod info;
+mod layering;
+mod lines;
+mod machine;
+mod problem;
+mod role;
+mod words;
+
+pub use info::Info;
+pub use machine::State;
+pub use problem::{Problem, Problems};
+pub use role::Role;
+pub use words::Words;
+
+use crate::units::{
+    Celsius, Mm, Mm2, MmPerSec, Percent, Seconds, filament_area,
+};
+use arc::Arc;
+use comments::{Tag, tag};
+use glam::{DVec2, DVec3};
+use layering::Layering;
+use lines::{Line, Lines};
+use machine::{Machine, Target};
+use std::collections::VecDeque;
+use std::io::{self, Read};
+use words::{Command, parse};
+
+/// Diameter of the filament, unless the file or the caller says another.
+pub const USUAL_FILAMENT: Mm = 1.75;
+
+/// Shorter moves of the head are none, mm: a thousandth of what a line can
+/// tell apart.
+const STILL: Mm = 1e-6;
+
+/// What a line, or a part of one, does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// The head or the filament moves.
+    Move(Move),
+    /// A layer begins. Where a file marks its layers, the number starts again
+    /// from 1 at the first mark: what was printed before was no layer.
+    Layer {
+        /// Line, from 1.
+        line: u64,
+        /// Number of the layer, from 1.
+        number: u32,
+    },
+    /// The firmware pulls filament back or pushes it forward again.
+    FirmwareRetract {
+        /// Line, from 1.
+        line: u64,
+        /// True for back (G10), false for forward (G11).
+        back: bool,
+    },
+    /// A temperature is set.
+    Heat {
+        /// Line, from 1.
+        line: u64,
+        /// What is heated.
+        heater: Heater,
+        /// To what; 0 is off.
+        to: Celsius,
+        /// Whether the printer waits until it is reached.
+        wait: bool,
+    },
+    /// A fan's speed is set.
+    Fan {
+        /// Line, from 1.
+        line: u64,
+        /// Number of the fan; 0 is the one that cools the part.
+        fan: u32,
+        /// Its speed.
+        speed: Percent,
+    },
+    /// The printer waits.
+    Dwell {
+        /// Line, from 1.
+        line: u64,
+        /// How long.
+        time: Seconds,
+    },
+    /// The printer finds its zero.
+    Home {
+        /// Line, from 1.
+        line: u64,
+    },
+    /// Another tool is taken.
+    Tool {
+        /// Line, from 1.
+        line: u64,
+        /// Its number.
+        tool: u32,
+    },
+    /// A command that has no event of its own; [`Reader::words`] has its
+    /// words until the next event.
+    Other {
+        /// Line, from 1.
+        line: u64,
+        /// G, M or T.
+        letter: char,
+        /// The command's number in tenths: 382 for G38.2.
+        tenths: u32,
+    },
+    /// Something that is no letter with a number: a macro of the printer's.
+    Macro {
+        /// Line, from 1.
+        line: u64,
+    },
+    /// Something was passed over.
+    Problem {
+        /// Line, from 1.
+        line: u64,
+        /// Why.
+        problem: Problem,
+    },
+}
+
+/// What has a temperature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heater {
+    /// The nozzle of a tool; the one in use, if none is named.
+    Nozzle(Option<u32>),
+    /// The bed.
+    Bed,
+}
+
+/// A straight move, or one of filament alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// Line, from 1; the chords of an arc share one.
+    pub line: u64,
+    /// Where the head was, mm, as the machine counts.
+    pub from: DVec3,
+    /// Where it goes.
+    pub to: DVec3,
+    /// Filament fed; negative is pulled back.
+    pub filament: Mm,
+    /// Speed of the head, or of the filament where nothing else moves. Zero
+    /// until the file says one.
+    pub speed: MmPerSec,
+    /// What it is for, if it prints.
+    pub role: Role,
+    /// Number of the layer, from 1; 0 before the first.
+    pub layer: u32,
+    /// Width of the bead, if it prints.
+    pub width: Mm,
+    /// Height of the bead, if it prints.
+    pub height: Mm,
+    /// The tool in use.
+    pub tool: u32,
+    /// Comments say that it wipes the nozzle.
+    pub wipe: bool,
+}
+
+impl Move {
+    /// Length of the head's way.
+    pub fn length(&self) -> Mm {
+        self.from.distance(self.to)
+    }
+
+    /// True if the head moves.
+    pub fn travels(&self) -> bool {
+        self.length() > STILL
+    }
+
+    /// True if it leaves a bead: the head moves and filament is fed.
+    pub fn prints(&self) -> bool {
+        self.filament > 0.0 && self.travels()
+    }
+
+    /// Cross-section of the bead, from filament of this diameter.
+    pub fn area(&self, filament_diameter: Mm) -> Mm2 {
+        match self.prints() {
+            true => {
+                self.filament * filament_area(filament_diameter) / self.length()
+            }
+            false => 0.0,
+        }
+    }
+}
+
+/// Why a file cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The input failed.
+    #[error("cannot read on after line {line}")]
+    Io {
+        /// The last line read.
+        line: u64,
+        /// Why.
+        source: io::Error,
+    },
+    /// PrusaSlicer's binary format.
+    #[error(
+        "this is binary G-code; turn off \"Supports binary G-code\" in the \
+         slicer, or convert the file to text with it"
+    )]
+    Binary,
+}
+
+/// Reads a file, event by event.
+#[derive(Debug)]
+pub struct Reader<R> {
+    lines: Lines<R>,
+    parser: Parser,
+    failed: bool,
+}
+
+/// Everything but the bytes themselves.
+#[derive(Debug)]
+struct Parser {
+    line: u64,
+    words: Words,
+    machine: Machine,
+    layering: Layering,
+    role: Role,
+    wipe: bool,
+    filament_diameter: Option<Mm>,
+    info: Info,
+    problems: Problems,
+    /// Events of the line read last.
+    pending: VecDeque<Event>,
+    /// An arc on its way, and the filament of each of its moves.
+    arc: Option<(Arc, Mm)>,
+}
+
+impl<R: Read> Reader<R> {
+    /// Reads from `input`, which needs no buffer of its own.
+    pub fn new(input: R) -> Self {
+        Self {
+            lines: Lines::new(input),
+            parser: Parser {
+                line: 0,
+                words: Words::default(),
+                machine: Machine::new(),
+                layering: Layering::new(),
+                role: Role::Unknown,
+                wipe: false,
+                filament_diameter: None,
+                info: Info::default(),
+                problems: Problems::default(),
+                pending: VecDeque::new(),
+                arc: None,
+            },
+            failed: false,
+        }
+    }
+
+    /// Takes filament of this diameter, whatever the file says; it matters
+    /// only where the file does not say how wide its beads are.
+    #[must_use]
+    pub fn filament_diameter(mut self, diameter: Mm) -> Self {
+        self.parser.filament_diameter = Some(diameter);
+        self
+    }
+
+    /// What the printer knows after the event handed out last.
+    pub fn state(&self) -> &State {
+        &self.parser.machine.state
+    }
+
+    /// The words of the command read last.
+    pub fn words(&self) -> &Words {
+        &self.parser.words
+    }
+
+    /// What the file has said about itself so far. Slicers write much of it
+    /// at the end.
+    pub fn info(&self) -> &Info {
+        &self.parser.info
+    }
+
+    /// What has been passed over so far.
+    pub fn problems(&self) -> &Problems {
+        &self.parser.problems
+    }
+
+    /// Lines read so far.
+    pub fn lines(&self) -> u64 {
+        self.lines.number()
+    }
+
+    fn read(&mut self) -> Result<Option<Event>, ReadError> {
+        loop {
+            if let Some(event) = self.parser.next_pending() {
+                return Ok(Some(event));
+            }
+            let number = self.lines.number();
+            let line = self.lines.next().map_err(|source| ReadError::Io {
+                line: number,
+                source,
+            })?;
+            let Some(line) = line else {
+                return Ok(None);
+            };
+            if number == 0 && line.text.starts_with(b"GCDE") {
+                return Err(ReadError::Binary);
+            }
+            self.parser.line = number + 1;
+            self.parser.take(&line);
+        }
+    }
+}
+
+impl<R: Read> Iterator for Reader<R> {
+    type Item = Result<Event, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.failed {
+            return None;
+        }
+        let read = self.read();
+        self.failed = read.is_err();
+        read.transpose()
+    }
+}
+
+impl Parser {
+    fn next_pending(&mut self) -> Option<Event> {
+        let event = self.pending.pop_front();
+        if event.is_some() || self.arc.is_none() {
+            return event;
+        }
+        let (arc, filament) = self.arc.as_mut()?;
+        let (next, filament) = (arc.next(), *filament);
+        match next {
+            Some(to) => self.step(Target { to, filament }),
+            None => self.arc = None,
+        }
+        self.pending.pop_front()
+    }
+
+    fn take(&mut self, line: &Line<'_>) {
+        let parsed = parse(line.text, &mut self.words);
+        match parsed.command {
+            Command::Blank => {}
+            Command::Text => {
+                if line.text.starts_with(b"SET_VELOCITY_LIMIT") {
+                    self.machine.set_velocity_limit(line.text);
+                }
+                self.pending.push_back(Event::Macro { line: self.line });
+            }
+            Command::Code(letter, tenths) => {
+                if !line.whole {
+                    self.problem(Problem::LongLine);
+                }
+                self.command(letter, tenths, parsed.stray);
+            }
+        }
+        if let (Command::Blank, Some(at)) = (parsed.command, parsed.comment) {
+            self.comment(&line.text[at..]);
+        }
+    }
+
+    fn comment(&mut self, comment: &[u8]) {
+        match tag(comment) {
+            Some(Tag::Role(role)) => self.role = role,
+            Some(Tag::Wipe(wipe)) => self.wipe = wipe,
+            Some(tag) => {
+                if self.layering.tag(tag) {
+                    self.begin_layer();
+                }
+            }
+            None => self.info.comment(comment),
+        }
+    }
+
+    fn begin_layer(&mut self) {
+        self.pending.push_back(Event::Layer {
+            line: self.line,
+            number: self.layering.number,
+        });
+    }
+
+    fn problem(&mut self, problem: Problem) {
+        let line = self.line;
+        self.problems.count(problem, line);
+        self.pending.push_back(Event::Problem { line, problem });
+    }
+
+    fn command(&mut self, letter: u8, tenths: u32, stray: bool) {
+        let line = self.line;
+        let event = match (letter, tenths) {
+            (b'G', 0 | 10) => {
+                self.check(b"XYZEF", stray);
+                return self.go();
+            }
+            (b'G', 20 | 30) => {
+                self.check(b"XYZEFIJR", stray);
+                return self.arc(tenths == 20);
+            }
+            (b'G', 40) => {
+                let milliseconds = self.words.get(b'P').unwrap_or(0.0);
+                let seconds = self.words.get(b'S').unwrap_or(0.0);
+                let time = (seconds + 1e-3 * milliseconds).max(0.0);
+                Event::Dwell { line, time }
+            }
+            // RepRapFirmware sets a tool's temperatures and offsets with it.
+            (b'G', 100) if self.words.has(b'P') => match self.words.get(b'S') {
+                Some(to) => {
+                    let tool = self.words.get(b'P').map(|t| t as u32);
+                    self.heat(Heater::Nozzle(tool), to, false)
+                }
+                None => other(line, letter, tenths),
+            },
+            (b'G', 100 | 110) => {
+                let back = tenths == 100;
+                self.machine.state.firmware_retracted = back;
+                Event::FirmwareRetract { line, back }
+            }
+            (b'G', 200 | 210) => {
+                self.machine.set_inches(tenths == 200);
+                other(line, letter, tenths)
+            }
+            (b'G', 280) => {
+                self.machine.home(&self.words);
+                Event::Home { line }
+            }
+            (b'G', 900 | 910) => {
+                self.machine.set_relative(tenths == 910);
+                other(line, letter, tenths)
+            }
+            (b'G', 920) => {
+                self.check(b"XYZE", stray);
+                self.machine.set_position(&self.words);
+                other(line, letter, tenths)
+            }
+            (b'M', 820 | 830) => {
+                self.machine.set_relative_e(tenths == 830);
+                other(line, letter, tenths)
+            }
+            (b'M', 1040 | 1090 | 1400 | 1900) => self.heating(tenths),
+            (b'M', 1060 | 1070) => {
+                let fan = self.words.get(b'P').unwrap_or(0.0) as u32;
+                let speed = match tenths {
+                    1060 => Machine::fan_speed(&self.words),
+                    _ => 0.0,
+                };
+                if fan == 0 {
+                    self.machine.state.fan = speed;
+                }
+                Event::Fan { line, fan, speed }
+            }
+            (b'M', 2040) => {
+                self.machine.set_acceleration(&self.words);
+                other(line, letter, tenths)
+            }
+            (b'T', _) if tenths % 10 == 0 => {
+                let tool = tenths / 10;
+                self.machine.state.tool = tool;
+                Event::Tool { line, tool }
+            }
+            _ => other(line, letter, tenths),
+        };
+        self.pending.push_back(event);
+    }
+
+    /// Says what is wrong with a command that has these letters.
+    fn check(&mut self, letters: &[u8], stray: bool) {
+        if let Some(bare) = self.words.bare_among(letters) {
+            self.problem(Problem::MissingNumber(char::from(bare)));
+        }
+        if stray {
+            self.problem(Problem::Stray);
+        }
+    }
+
+    fn heating(&mut self, tenths: u32) -> Event {
+        let (heater, wait) = match tenths {
+            1040 | 1090 => {
+                let tool = self.words.get(b'T').map(|t| t as u32);
+                (Heater::Nozzle(tool), tenths == 1090)
+            }
+            _ => (Heater::Bed, tenths == 1900),
+        };
+        // R waits for cooling, too.
+        let to = self.words.get(b'S').or_else(|| self.words.get(b'R'));
+        match to {
+            Some(to) => self.heat(heater, to, wait),
+            None => other(self.line, b'M', tenths),
+        }
+    }
+
+    fn heat(&mut self, heater: Heater, to: Celsius, wait: bool) -> Event {
+        let state = &mut self.machine.state;
+        match heater {
+            Heater::Bed => state.bed = Some(to),
+            Heater::Nozzle(tool) => {
+                if tool.is_none_or(|t| t == state.tool) {
+                    state.nozzle = Some(to);
+                }
+            }
+        }
+        Event::Heat {
+            line: self.line,
+            heater,
+            to,
+            wait,
+        }
+    }
+
+    fn go(&mut self) {
+        match self.machine.aim(&self.words) {
+            Some(target) => self.step(target),
+            None => self.problem(Problem::OutOfReach),
+        }
+    }
+
+    fn arc(&mut self, clockwise: bool) {
+        let from = self.machine.state.position;
+        let Some(target) = self.machine.aim(&self.words) else {
+            return self.problem(Problem::OutOfReach);
+        };
+        let length = |letter| self.machine.length(&self.words, letter);
+        let arc = match length(b'R') {
+            Some(radius) => {
+                Arc::with_radius(from, target.to, radius, clockwise)
+            }
+            None => {
+                let offset = DVec2::new(
+                    length(b'I').unwrap_or(0.0),
+                    length(b'J').unwrap_or(0.0),
+                );
+                Arc::around(from, target.to, offset, clockwise)
+            }
+        };
+        match arc {
+            Some(arc) => {
+                let filament = target.filament * arc.share();
+                self.arc = Some((arc, filament));
+            }
+            None => {
+                self.problem(Problem::BadArc);
+                self.step(target);
+            }
+        }
+    }
+
+    /// A straight move to where it says.
+    fn step(&mut self, target: Target) {
+        let Target { to, filament } = target;
+        let from = self.machine.state.position;
+        let mut step = Move {
+            line: self.line,
+            from,
+            to,
+            filament,
+            speed: self.machine.state.speed,
+            role: self.role,
+            layer: self.layering.number,
+            width: 0.0,
+            height: 0.0,
+            tool: self.machine.state.tool,
+            wipe: self.wipe,
+        };
+        if step.prints() {
+            if self.layering.print(from, to) {
+                self.begin_layer();
+            }
+            let diameter = self
+                .filament_diameter
+                .or(self.info.filament_diameter)
+                .unwrap_or(USUAL_FILAMENT);
+            step.layer = self.layering.number;
+            step.width = self.layering.width(step.area(diameter));
+            step.height = self.layering.height();
+        }
+        self.machine.state.position = to;
+        self.pending.push_back(Event::Move(step));
+    }
+}
+
+fn other(line: u64, letter: u8, tenths: u32) -> Event {
+    Event::Other {
+        line,
+        letter: char::from(letter),
+        tenths,
+    }
+}
+
+#[cfg(test)]
+mod tests;

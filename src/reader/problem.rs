@@ -1,0 +1,73 @@
+//! What cannot be made sense of in a file.
+
+use std::fmt;
+
+/// Why a line, or a part of one, was passed over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Problem {
+    /// A letter without a number, as in `G1 X Y10`; it is passed over. A
+    /// number that is too large to be one counts as none.
+    MissingNumber(char),
+    /// A position beyond any machine's reach; the line is passed over.
+    OutOfReach,
+    /// An arc that has no centre; it is taken as a straight move.
+    BadArc,
+    /// Signs that are no words in a line that moves.
+    Stray,
+    /// A line too long to be a command; its end is passed over.
+    LongLine,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Problem::MissingNumber(letter) => {
+                write!(f, "{letter} without a number")
+            }
+            Problem::OutOfReach => {
+                write!(f, "a position beyond any machine's reach")
+            }
+            Problem::BadArc => write!(f, "an arc without a centre"),
+            Problem::Stray => write!(f, "signs that are no command"),
+            Problem::LongLine => write!(f, "a line too long to be a command"),
+        }
+    }
+}
+
+/// Problems of each kind: where the first one is, and how many there are.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Problems {
+    /// In the order in which they were met first.
+    found: Vec<(Problem, u64, u64)>,
+}
+
+impl Problems {
+    /// Counts a problem; true if its kind has not been met before.
+    pub(super) fn count(&mut self, problem: Problem, line: u64) -> bool {
+        for (known, _, count) in &mut self.found {
+            if *known == problem {
+                *count += 1;
+                return false;
+            }
+        }
+        self.found.push((problem, line, 1));
+        true
+    }
+
+    /// Every kind met, with the line of the first and how many there are.
+    pub fn iter(&self) -> impl Iterator<Item = (Problem, u64, u64)> + '_ {
+        self.found.iter().copied()
+    }
+
+    /// The same, as sentences; `name` is the file's.
+    pub fn warnings(&self, name: &str) -> Vec<String> {
+        self.iter()
+            .map(|(problem, line, count)| match count {
+                1 => format!("{name}:{line}: {problem}"),
+                _ => format!(
+                    "{name}:{line}: {problem}, the first of {count} such lines"
+                ),
+            })
+            .collect()
+    }
+}
