@@ -5,6 +5,7 @@
 //! other. No geometry, and no default of a setting, is decided here.
 
 mod args;
+mod check;
 mod info;
 mod output;
 mod preview;
@@ -46,6 +47,8 @@ enum Command {
     Slice(Box<slice::SliceArgs>),
     /// Make a page that shows G-code, or a model sliced, in 3D
     Preview(Box<preview::PreviewArgs>),
+    /// Check G-code, of any slicer, against what the printer can do
+    Check(check::CheckArgs),
     /// Show a model's bounds, size, layers and parameters
     Info(Box<info::InfoArgs>),
     /// Print all settings as commented TOML
@@ -57,6 +60,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Preview(args) => preview::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Settings(args) => settings::run(&args),
     }
