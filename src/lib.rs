@@ -124,6 +124,7 @@
 
 pub mod adhesion;
 pub mod bead;
+pub mod check;
 pub mod contour;
 pub mod field;
 pub mod fuzzy;

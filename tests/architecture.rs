@@ -42,6 +42,8 @@ const ORDER: &[&[&str]] = &[
     &["gcode", "report"],
     // G-code of any slicer, back to moves.
     &["reader"],
+    // Is it safe to run?
+    &["check"],
     &["preview"],
     &["pipeline"],
     &["cli"],

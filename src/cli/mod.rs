@@ -5,6 +5,7 @@
 //! other. No geometry, and no default of a setting, is decided here.
 
 mod args;
+mod check;
 mod info;
 mod manual;
 mod new;
@@ -65,6 +66,8 @@ enum Command {
     Slice(Box<slice::SliceArgs>),
     /// Make a page that shows G-code, or a model sliced, in 3D
     Preview(Box<preview::PreviewArgs>),
+    /// Check G-code, of any slicer, against what the printer can do
+    Check(check::CheckArgs),
     /// Show a model's bounds, size, layers and parameters
     Info(Box<info::InfoArgs>),
     /// Draw a model, shaded, as a PNG picture
@@ -87,6 +90,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Preview(args) => preview::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Settings(args) => settings::run(&args),

@@ -1,0 +1,122 @@
+//! `isoslice check`: is G-code safe to run on a printer?
+
+use super::args::SettingsSource;
+use super::terminal;
+use anyhow::{Context, bail};
+use clap::Args;
+use isoslice::check::{Rules, Severity, Verdict, check};
+use serde_json::json;
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  isoslice check part.gcode
+  isoslice check part.gcode --set printer.bed_x=180 --set gcode.flavour=klipper
+  zcat part.gcode.gz | isoslice check -
+
+Faults make the exit code 1; warnings do not.";
+
+/// Arguments of `isoslice check`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct CheckArgs {
+    /// G-code of any slicer; - for standard input
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+
+    #[command(flatten)]
+    settings: SettingsSource,
+
+    /// Print the verdict as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &CheckArgs) -> anyhow::Result<()> {
+    let settings = args.settings.read()?;
+    let rules = Rules::new(&settings);
+    let (name, verdict) = match args.file == Path::new("-") {
+        true => {
+            let name = "standard input".to_owned();
+            let verdict = judge(io::stdin().lock(), &name, &rules)?;
+            (name, verdict)
+        }
+        false => {
+            let name = args.file.display().to_string();
+            if args.file.is_dir() {
+                bail!("{name} is a folder; name a file in it");
+            }
+            let file = File::open(&args.file)
+                .with_context(|| format!("cannot read {name}"))?;
+            let verdict = judge(file, &name, &rules)?;
+            (name, verdict)
+        }
+    };
+    let mut out = io::stdout().lock();
+    if args.json {
+        writeln!(out, "{:#}", described(&name, &verdict))?;
+    } else {
+        for fault in verdict.sentences(&name, Severity::Fault) {
+            writeln!(out, "fault: {fault}")?;
+        }
+        terminal::warn(&verdict.sentences(&name, Severity::Warning));
+        writeln!(
+            out,
+            "{name}: {} moves in {} layers, {} faults, {} warnings",
+            verdict.moves,
+            verdict.layers,
+            verdict.count(Severity::Fault),
+            verdict.count(Severity::Warning)
+        )?;
+    }
+    out.flush()?;
+    if !verdict.is_safe() {
+        bail!("{name} should not be run on this printer as it is");
+    }
+    Ok(())
+}
+
+fn judge(
+    input: impl Read,
+    name: &str,
+    rules: &Rules,
+) -> anyhow::Result<Verdict> {
+    check(input, rules).with_context(|| name.to_owned())
+}
+
+fn described(name: &str, verdict: &Verdict) -> serde_json::Value {
+    let severity = |s: Severity| match s {
+        Severity::Fault => "fault",
+        Severity::Warning => "warning",
+    };
+    let findings: Vec<_> = verdict
+        .findings
+        .iter()
+        .map(|f| {
+            json!({
+                "kind": f.kind.name(),
+                "severity": severity(f.kind.severity()),
+                "line": (f.line > 0).then_some(f.line),
+                "at": f.at.is_finite().then(|| f.at.to_array()),
+                "message": f.message,
+            })
+        })
+        .collect();
+    let counts: serde_json::Map<String, serde_json::Value> = verdict
+        .counts
+        .iter()
+        .map(|(kind, &count)| (kind.name().to_owned(), count.into()))
+        .collect();
+    json!({
+        "file": name,
+        "safe": verdict.is_safe(),
+        "generator": verdict.generator,
+        "lines": verdict.lines,
+        "moves": verdict.moves,
+        "layers": verdict.layers,
+        "counts": counts,
+        "findings": findings,
+    })
+}
