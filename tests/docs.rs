@@ -61,7 +61,9 @@ fn run(page: &Path) -> usize {
         match words[..] {
             ["sh"] => {}
             [_, name] => {
-                std::fs::write(folder.path().join(name), block.text).unwrap();
+                let file = folder.path().join(name);
+                std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+                std::fs::write(file, block.text).unwrap();
                 continue;
             }
             _ => continue,

@@ -108,7 +108,7 @@ pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
     let mut reader =
         Reader::new(input).filament_diameter(rules.filament_diameter);
     let mut state = State::new(rules);
-    while let Some(event) = reader.next() {
+    for event in &mut reader {
         state.take(event?);
     }
     state.finish();

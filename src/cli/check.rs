@@ -35,7 +35,7 @@ pub(super) struct CheckArgs {
 }
 
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<()> {
-    let settings = args.settings.read()?;
+    let settings = args.settings.gather()?.settings;
     let rules = Rules::new(&settings);
     let (name, verdict) = match args.file == Path::new("-") {
         true => {

@@ -47,10 +47,6 @@ pub(super) struct PreviewArgs {
     /// Show the page in the browser, too
     #[arg(long, help_heading = "Output")]
     open: bool,
-
-    /// Show neither progress nor summary, only warnings and errors
-    #[arg(short, long, help_heading = "Output")]
-    quiet: bool,
 }
 
 /// What is shown; all but the file's name is for models.
@@ -123,7 +119,7 @@ pub(super) fn run(args: &PreviewArgs) -> anyhow::Result<()> {
     let streamed = output.is_stream();
     output.finish().with_context(cannot)?;
 
-    if !args.quiet {
+    if !terminal::is_quiet() {
         let text = describe(&path, &toolpath, started)?;
         if streamed {
             io::stderr().write_all(text.as_bytes())?;
@@ -161,9 +157,9 @@ impl PreviewArgs {
     /// Slices the model into a file that nobody sees.
     fn slice(&self) -> anyhow::Result<impl Read + use<>> {
         let sliced = &self.source;
-        let settings = sliced.settings.read()?;
+        let settings = sliced.settings.gather()?.settings;
         let model = sliced.model.load(&settings)?;
-        let bar = terminal::layer_progress(self.quiet);
+        let bar = terminal::layer_progress(terminal::is_quiet());
         let options = Options {
             threads: sliced.threads.map(usize::from),
             layers: sliced.layers.unwrap_or(LayerRange::ALL),
@@ -239,11 +235,8 @@ impl Sliced {
     }
 
     fn inputs(&self) -> Vec<&Path> {
-        let model = self.model.model.iter();
-        model
-            .chain(&self.settings.config)
-            .map(PathBuf::as_path)
-            .collect()
+        let model = self.model.model.iter().map(PathBuf::as_path);
+        model.chain(self.settings.files()).collect()
     }
 }
 

@@ -107,7 +107,7 @@ enum Background {
 }
 
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<()> {
-    let settings = args.settings.read()?;
+    let settings = args.settings.gather()?.settings;
     let path = args.output_path();
     // Before the work, so that a mistaken name costs none.
     let mut output = Output::create(&path, &args.inputs())?;

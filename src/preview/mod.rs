@@ -19,9 +19,9 @@ mod svg;
 mod toolpath;
 
 pub use folder::Pictures;
+pub use html::write_html;
 pub use image::Picture;
 pub use picture::{draw, thumbnails};
 pub use raster::{PictureError, View, outline_from_above};
-pub use html::write_html;
 pub use svg::layer_svg;
 pub use toolpath::{Share, Statistics, Toolpath};

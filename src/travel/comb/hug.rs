@@ -159,12 +159,7 @@ impl Hull {
     /// Of a stretch that begins and ends on the line from `a` to `b`. `ahead`
     /// tells that it runs as its ring does, the area to its left. Nothing if
     /// the stretch is on the wrong side, or winds back behind an end.
-    fn new(
-        a: DVec2,
-        b: DVec2,
-        stretch: &[DVec2],
-        ahead: bool,
-    ) -> Option<Hull> {
+    fn new(a: DVec2, b: DVec2, stretch: &[DVec2], ahead: bool) -> Option<Hull> {
         let first = stretch.first()?;
         let twice: f64 = stretch
             .windows(2)
@@ -255,8 +250,7 @@ fn around(hull: &[DVec2], far: Mm) -> Vec<DVec2> {
     let meeting = |pair: &[(DVec2, DVec2)]| {
         let ((p, d), (q, e)) = (moved(pair[0]), moved(pair[1]));
         let turn = d.perp_dot(e);
-        (turn.abs() > STRAIGHT)
-            .then(|| p + d * ((q - p).perp_dot(e) / turn))
+        (turn.abs() > STRAIGHT).then(|| p + d * ((q - p).perp_dot(e) / turn))
     };
     touching.windows(2).filter_map(meeting).collect()
 }
@@ -276,9 +270,7 @@ mod tests {
         let n = 400;
         // The area is outside, to the left of a ring that runs clockwise.
         let stretch: Vec<DVec2> = (0..=n)
-            .map(|i| {
-                5.0 * DVec2::from_angle(PI * (1.0 - f64::from(i) / 400.0))
-            })
+            .map(|i| 5.0 * DVec2::from_angle(PI * (1.0 - f64::from(i) / 400.0)))
             .collect();
         let (a, b) = (DVec2::new(-15.0, 0.0), DVec2::new(15.0, 0.0));
         let stops = Hull::new(a, b, &stretch, true).unwrap().stops(a, 0.5);
