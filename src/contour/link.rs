@@ -74,6 +74,9 @@ pub(super) struct Chains {
     leaves: Vec<(u32, u32)>,
     /// Cells that were divided, by column and row.
     divided: Vec<[usize; 2]>,
+    /// The loose ends and starts, in order, if nothing has changed since they
+    /// were looked for.
+    loose: Option<[Vec<Loose>; 2]>,
 }
 
 impl Chains {
@@ -96,6 +99,7 @@ impl Chains {
         crossing: Crossing,
         fixed: bool,
     ) -> u32 {
+        self.loose = None;
         self.links.push(Link {
             point,
             crossing,
@@ -108,6 +112,7 @@ impl Chains {
 
     /// Lets `to` follow `from`.
     pub(super) fn connect(&mut self, from: u32, to: u32) {
+        self.loose = None;
         self.links[from as usize].next = to;
         self.links[to as usize].has_previous = true;
     }
@@ -130,7 +135,10 @@ impl Chains {
 
     /// Vertices at which a chain ends and those at which one begins, by
     /// lattice edge.
-    fn loose(&self) -> (Vec<Loose>, Vec<Loose>) {
+    fn loose(&mut self) -> [Vec<Loose>; 2] {
+        if let Some(known) = self.loose.take() {
+            return known;
+        }
         let (mut ends, mut starts) = (Vec::new(), Vec::new());
         for i in 0..self.links.len() {
             match (self.links[i].has_previous, self.links[i].next != NONE) {
@@ -143,12 +151,16 @@ impl Chains {
         }
         ends.sort_unstable();
         starts.sort_unstable();
-        (ends, starts)
+        [ends, starts]
     }
 
     /// What must be sampled for the chains to close.
-    pub(super) fn missing(&self, layer: usize, lattice: &Lattice) -> Missing {
-        let (ends, starts) = self.loose();
+    pub(super) fn missing(
+        &mut self,
+        layer: usize,
+        lattice: &Lattice,
+    ) -> Missing {
+        let [ends, starts] = self.loose();
         let paired = |a: &[Loose], c: Crossing| {
             a.binary_search_by_key(&c, |x| x.0).is_ok()
         };
@@ -158,6 +170,7 @@ impl Chains {
         };
         let mut lonely = lone(&ends, &starts);
         lonely.extend(lone(&starts, &ends));
+        self.loose = Some([ends, starts]);
         if lonely.is_empty() {
             return Missing::default();
         }
@@ -210,6 +223,7 @@ impl Chains {
         // are the next cell's, which may turn back on the same edge.
         let own =
             |c: Crossing| c.part == Crossing::WHOLE && edges.contains(&c.edge);
+        self.loose = None;
         for first in 0..self.links.len() {
             if !own(self.links[first].crossing) {
                 continue;
@@ -236,7 +250,7 @@ impl Chains {
 
     /// The closed rings, and how many had to be closed by force.
     pub(super) fn into_rings(mut self) -> (Vec<Joined>, usize) {
-        let (ends, starts) = self.loose();
+        let [ends, starts] = self.loose();
         for (crossing, end) in ends {
             let at = starts.partition_point(|s| s.0 < crossing);
             if let Some(&(c, start)) = starts.get(at)
