@@ -273,7 +273,7 @@ impl EdgeGrid {
 
     /// Calls `visit` with every edge that comes closer than `distance` to the
     /// segment, as long as it returns true.
-    fn near(
+    pub(super) fn near(
         &self,
         a: DVec2,
         b: DVec2,
@@ -287,9 +287,6 @@ impl EdgeGrid {
         let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
         let slope = (high.x - low.x) / (high.y - low.y);
-        // Most edges in these cells are wholly to one side of the line.
-        let across = (b - a).perp().normalize_or_zero();
-        let aside = distance + ROUNDING;
         for row in self.row(lo.y)..=self.row(hi.y) {
             // The stretch of the segment that is near this row; rows at the
             // grid's edge have all that is beyond them.
@@ -315,11 +312,10 @@ impl EdgeGrid {
                 {
                     continue;
                 }
-                let (s, t) = (across.dot(c - a), across.dot(d - a));
-                if s.min(t) > aside || s.max(t) < -aside {
-                    continue;
-                }
-                if distance_squared(a, b, c, d) < limit && !visit(m as usize) {
+                if !apart(a, b, c, d, limit)
+                    && distance_squared(a, b, c, d) < limit
+                    && !visit(m as usize)
+                {
                     return;
                 }
             }
@@ -362,48 +358,44 @@ impl EdgeGrid {
         let mut best: Option<(f64, u32, DVec2)> = None;
         // Square of the distance beyond which nothing is of interest.
         let mut limit = reach * reach;
-        let mut look = |cell: usize, limit: &mut f64| {
-            for &m in self.members(cell) {
+        // The row with the point first, then those on either side of it: what
+        // is near may settle all others.
+        let (low, high) = (self.row(p.y - reach), self.row(p.y + reach));
+        let own = self.row(p.y);
+        let above = (own + 1..=high).map(|row| (row, true));
+        let below = (low..own).rev().map(|row| (row, false));
+        for (row, up) in [(own, true)].into_iter().chain(above).chain(below) {
+            // How far the row is. What is outside the grid belongs to the
+            // cells at its edge.
+            let side =
+                self.origin.y + (row + usize::from(!up)) as f64 * self.cell;
+            let off = if row == own { 0.0 } else { (p.y - side).abs() };
+            // A hair more: the cells' sides are rounded.
+            let wide = limit + 1e-9 - off * off;
+            if wide < 0.0 {
+                continue;
+            }
+            let wide = wide.sqrt();
+            let from = row * self.columns + self.column(p.x - wide);
+            let to = row * self.columns + self.column(p.x + wide) + 1;
+            let (from, to) = (self.starts[from], self.starts[to]);
+            for &m in &self.members[from as usize..to as usize] {
                 let (a, b) = self.edge(m as usize);
+                let along = b - a;
+                let side = along.perp_dot(p - a);
+                // Farther from its line already; a hair less, for rounding.
+                if side * side > limit * along.length_squared() * (1.0 + 1e-9) {
+                    continue;
+                }
                 let q = nearest_on(p, a, b);
                 let d = p.distance_squared(q);
                 // Of equally near edges the first one, however cells and
                 // edges are laid out.
                 let better =
                     best.is_none_or(|(e, n, _)| d < e || (d == e && m < n));
-                if d <= *limit && better {
+                if d <= limit && better {
                     best = Some((d, m, q));
-                    *limit = d;
-                }
-            }
-        };
-        let (lo, hi) = (p - reach, p + reach);
-        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
-        // The cell with the point first: it may settle all others.
-        let own = self.row(p.y) * self.columns + self.column(p.x);
-        look(own, &mut limit);
-        // How far the point is from a cell's range, in one direction. What
-        // is outside the grid belongs to the cells at its edge.
-        let off = |at: f64, origin: f64, number: usize, count: usize| {
-            let low = origin + number as f64 * self.cell;
-            let above = if number == 0 { 0.0 } else { low - at };
-            let below = match number + 1 == count {
-                true => 0.0,
-                false => at - low - self.cell,
-            };
-            above.max(below).max(0.0)
-        };
-        for row in self.row(lo.y)..=self.row(hi.y) {
-            let dy = off(p.y, self.origin.y, row, self.rows);
-            if dy * dy > limit {
-                continue;
-            }
-            for column in c0..=c1 {
-                let cell = row * self.columns + column;
-                let dx = off(p.x, self.origin.x, column, self.columns);
-                // A hair more: the cell's sides are rounded.
-                if cell != own && dx * dx + dy * dy <= limit + 1e-9 {
-                    look(cell, &mut limit);
+                    limit = d;
                 }
             }
         }
@@ -466,6 +458,18 @@ impl EdgeGrid {
         });
         clear
     }
+}
+
+/// True if one of two segments lies on one side of the other's line, farther
+/// from it than the root of `limit`: so do nearly all whose boxes are near to
+/// each other. Much cheaper than their distance.
+fn apart(a: DVec2, b: DVec2, c: DVec2, d: DVec2, limit: f64) -> bool {
+    let beside = |p: DVec2, along: DVec2, q: DVec2, r: DVec2| {
+        let (s, t) = (along.perp_dot(q - p), along.perp_dot(r - p));
+        let nearer = s.abs().min(t.abs());
+        s * t > 0.0 && nearer * nearer > limit * along.length_squared()
+    };
+    beside(a, b - a, c, d) || beside(c, d - c, a, b)
 }
 
 /// Square of the distance between two segments.

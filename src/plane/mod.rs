@@ -14,6 +14,7 @@ pub mod nest;
 pub mod offset;
 pub mod places;
 pub mod simplify;
+mod trim;
 
 use crate::units::{Mm, Mm2};
 use glam::DVec2;

@@ -13,6 +13,7 @@
 
 use super::clip::positive;
 use super::grid::EdgeGrid;
+use super::trim::{self, Moved, State};
 use super::{Area, Rect, Ring, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
@@ -39,14 +40,48 @@ pub fn offset_with(
     distance: Mm,
     tolerance: Mm,
 ) -> Area {
+    offset_within(area, grid, None, distance, tolerance)
+}
+
+/// How far an area's edges can move inwards until they meet others: for each
+/// of them, numbered as in a grid, from where to where that is. An edge that
+/// nothing is known of has it from 0 to infinity.
+#[derive(Clone, Debug, Default)]
+pub struct Room {
+    /// The least along the edge and those beside it.
+    pub least: Vec<Mm>,
+    /// The most.
+    pub most: Vec<Mm>,
+}
+
+impl Room {
+    /// What becomes of an edge that moves by `distance`, if that is certain.
+    /// Room is known at places some tenths of a millimetre apart, between
+    /// which it may be a little less.
+    fn state(&self, edge: usize, distance: Mm) -> Option<State> {
+        let margin = 0.03 + 0.05 * distance;
+        match (self.least.get(edge)?, self.most.get(edge)?) {
+            (least, _) if *least > distance + margin => Some(State::Clear),
+            (_, most) if *most < distance - 0.02 => Some(State::Covered),
+            _ => None,
+        }
+    }
+}
+
+/// The same, where it is known how far the edges can move inwards.
+pub fn offset_within(
+    area: &Area,
+    grid: &EdgeGrid,
+    room: Option<&Room>,
+    distance: Mm,
+    tolerance: Mm,
+) -> Area {
     if area.is_empty() || distance == 0.0 {
         return area.clone();
     }
     // Arcs are cut short by the tolerance, and coordinates are rounded.
-    let clearance = (distance.abs() - 1.5 * tolerance - 1e-6).max(0.0);
-    let clear = |ring: &Ring| {
-        super::edges(ring).all(|(a, b)| grid.clear(a, b, clearance))
-    };
+    let slack = 1.02 * tolerance + 1e-6;
+    let clearance = (distance.abs() - slack).max(0.0);
     // A ring no wider than twice the distance vanishes when its inside
     // shrinks, one hardly wider all but does. Turned inside out, or shrunk to
     // a point, all its edges would cross all others.
@@ -56,32 +91,70 @@ pub fn offset_with(
         let width = (bounds.max - bounds.min).min_element();
         inside_shrinks && width <= 2.0 * distance.abs() + tolerance
     };
-    // One that is much thinner than long is turned inside out as well, and
-    // lies at the distance on the wrong side.
-    let mut turned = false;
-    let rings: Vec<Ring> = area
-        .rings
-        .iter()
-        .filter(|r| !vanishes(r))
-        .map(|r| (r, moved(r, -distance, tolerance)))
-        .filter(|(_, m)| m.len() >= 3)
-        .map(|(r, m)| {
-            turned |= (signed_area(r) > 0.0) != (signed_area(&m) > 0.0);
-            m
-        })
-        .collect();
-    let moved = Area { rings };
-    match !turned && moved.rings.iter().all(clear) {
-        true => moved,
+    let room = room.filter(|_| distance < 0.0);
+    let mut rings: Vec<Ring> = Vec::with_capacity(area.rings.len());
+    let mut turned = Vec::with_capacity(area.rings.len());
+    let mut states = Vec::new();
+    let mut origins = Vec::new();
+    let mut first = 0;
+    for ring in &area.rings {
+        let begin = first;
+        first += ring.len() + usize::from(!ring.is_empty());
+        if vanishes(ring) {
+            continue;
+        }
+        origins.clear();
+        let m = moved(ring, -distance, tolerance, &mut origins);
+        if m.len() < 3 {
+            continue;
+        }
+        for ((a, b), &origin) in super::edges(&m).zip(&origins) {
+            let known = match (room, origin) {
+                (Some(room), Some(edge)) => {
+                    room.state(begin + edge as usize, -distance)
+                }
+                _ => None,
+            };
+            let ask = || trim::state(a, b, grid, clearance);
+            states.push(known.unwrap_or_else(ask));
+        }
+        turned.push((signed_area(ring) > 0.0) != (signed_area(&m) > 0.0));
+        rings.push(m);
+    }
+    let clear = states.iter().all(|s| *s == State::Clear);
+    if clear && !turned.contains(&true) {
+        return Area { rings };
+    }
+    let left = Moved {
+        rings: &rings,
+        states,
+        grid,
+        clearance,
+        slack,
+        left: distance < 0.0,
+        turned: &turned,
+    };
+    match left.trim() {
+        Some(rings) => Area { rings },
         // A hole's loops cancel against the ring around it: all or none.
-        false => positive(&moved),
+        None => positive(&Area { rings }),
     }
 }
+
+/// Turn of a corner, in radians, up to which what is known of its edges holds
+/// for the arc around it.
+const SMALL_TURN: f64 = 0.35;
 
 /// The ring with every edge moved to its left by `by`. Not yet free of
 /// overlaps: where an edge is too short for the corners at its ends, the ring
 /// runs back to the corner itself, so that what overlaps winds negatively.
-fn moved(ring: &[DVec2], by: f64, tolerance: Mm) -> Ring {
+/// `origins` gets the edge of which each of the new edges comes, if it is one.
+fn moved(
+    ring: &[DVec2],
+    by: f64,
+    tolerance: Mm,
+    origins: &mut Vec<Option<u32>>,
+) -> Ring {
     let sides = Sides::new(ring, by);
     let n = sides.all.len();
     let mut out = Ring::with_capacity(n + n / 4);
@@ -103,7 +176,9 @@ fn moved(ring: &[DVec2], by: f64, tolerance: Mm) -> Ring {
                 out.push(meet);
             } else {
                 out.extend([p + nu * by, p, p + nv * by]);
+                origins.extend([None, None]);
             }
+            origins.push(Some(side.edge));
             continue;
         }
         let (sine, cosine) = (u.perp_dot(v), u.dot(v));
@@ -113,6 +188,7 @@ fn moved(ring: &[DVec2], by: f64, tolerance: Mm) -> Ring {
             // Both normals' sum has the bisector's direction; scaled by this
             // it reaches the point where the moved edges' lines meet.
             out.push(p + (nu + nv) * (by * reach));
+            origins.push(Some(side.edge));
             continue;
         }
         let turn = sine.atan2(cosine);
@@ -126,6 +202,9 @@ fn moved(ring: &[DVec2], by: f64, tolerance: Mm) -> Ring {
             let angle = turn * k as f64 / steps;
             let normal = DVec2::from_angle(angle).rotate(nu);
             out.push(p + normal * by);
+            // The room beside a small turn is that of the edges.
+            let beside = k as f64 >= steps || turn.abs() < SMALL_TURN;
+            origins.push(beside.then_some(side.edge));
         }
     }
     out
@@ -133,6 +212,8 @@ fn moved(ring: &[DVec2], by: f64, tolerance: Mm) -> Ring {
 
 /// A ring's edge that is to be moved.
 struct Side {
+    /// Its number in the ring.
+    edge: u32,
     from: DVec2,
     along: DVec2,
     length: Mm,
@@ -151,9 +232,11 @@ struct Sides {
 
 impl Sides {
     fn new(ring: &[DVec2], by: f64) -> Sides {
-        let mut all: Vec<Side> = super::edges(ring)
-            .filter(|(a, b)| a != b)
-            .map(|(a, b)| Side {
+        let mut all: Vec<Side> = (0..)
+            .zip(super::edges(ring))
+            .filter(|(_, (a, b))| a != b)
+            .map(|(edge, (a, b))| Side {
+                edge,
                 from: a,
                 along: (b - a) / a.distance(b),
                 length: a.distance(b),

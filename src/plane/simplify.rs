@@ -15,8 +15,8 @@ use super::{Ring, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
-/// A piece of the input, from `start` to `end` (indices modulo the length),
-/// and the line that stands for it.
+/// A piece of the input, from the point `start` to the point `end`, and the
+/// line that stands for it.
 struct Piece {
     start: usize,
     end: usize,
@@ -44,6 +44,9 @@ pub fn simplify(ring: &[DVec2], tolerance: Mm) -> Ring {
     let farthest =
         (0..points.len()).max_by(|a, b| distance(a).total_cmp(&distance(b)));
     points.rotate_left(farthest.unwrap_or(0));
+    let signed = signed_area(&points);
+    // The first point again at the end: the last piece ends there.
+    points.extend_from_within(..1);
     let mut pieces = split(&points, tolerance);
     let mut out = corners(&points, &pieces);
     while let Some(finer) = halve_misfits(&points, &pieces, &out, tolerance) {
@@ -52,7 +55,7 @@ pub fn simplify(ring: &[DVec2], tolerance: Mm) -> Ring {
     }
     drop_straight(&mut out);
     // A sliver thinner than the tolerance may fold over.
-    if out.len() < 3 || signed_area(&out) * signed_area(&points) <= 0.0 {
+    if out.len() < 3 || signed_area(&out) * signed <= 0.0 {
         return Ring::new();
     }
     out
@@ -64,10 +67,10 @@ const CORNER: f64 = 0.45;
 /// Cuts the ring into pieces, each as long as the tolerance permits and none
 /// across a corner.
 fn split(points: &[DVec2], tolerance: Mm) -> Vec<Piece> {
-    let n = points.len();
-    let at = |k: usize| points[k % n];
+    let n = points.len() - 1;
     let is_corner = |k: usize| {
-        let (u, v) = (at(k) - at(k + n - 1), at(k + 1) - at(k));
+        let before = points[if k == 0 { n - 1 } else { k - 1 }];
+        let (u, v) = (points[k] - before, points[k + 1] - points[k]);
         // By the cosine: the angle itself costs ten times as much.
         let along = u.dot(v);
         let bound = CORNER.cos().powi(2) * u.length_squared();
@@ -79,7 +82,7 @@ fn split(points: &[DVec2], tolerance: Mm) -> Vec<Piece> {
         let last = (start + 1..n).find(|&k| is_corner(k)).unwrap_or(n);
         let mut corner = is_corner(start);
         while start < last {
-            let (end, shift) = longest(&at, start, last, tolerance, corner);
+            let (end, shift) = longest(points, start, last, tolerance, corner);
             pieces.push(Piece {
                 start,
                 end,
@@ -95,7 +98,7 @@ fn split(points: &[DVec2], tolerance: Mm) -> Vec<Piece> {
 /// The farthest end, up to `last`, of a piece that begins at `start`: found
 /// by doubling the piece until it no longer fits, then halving the rest.
 fn longest(
-    at: &impl Fn(usize) -> DVec2,
+    points: &[DVec2],
     start: usize,
     last: usize,
     tolerance: Mm,
@@ -105,7 +108,7 @@ fn longest(
     let mut step = 2;
     let mut bad = last + 1;
     while start + step <= last {
-        match fit(at, start, start + step, tolerance, corner) {
+        match fit(points, start, start + step, tolerance, corner) {
             Some(shift) => best = (start + step, shift),
             None => {
                 bad = start + step;
@@ -119,7 +122,7 @@ fn longest(
     }
     while bad - best.0 > 1 {
         let middle = best.0 + (bad - best.0) / 2;
-        match fit(at, start, middle, tolerance, corner) {
+        match fit(points, start, middle, tolerance, corner) {
             Some(shift) => best = (middle, shift),
             None => bad = middle,
         }
@@ -132,19 +135,27 @@ fn longest(
 /// from it than the tolerance. At a corner the line cannot be shifted: the
 /// chord itself must fit.
 fn fit(
-    at: &impl Fn(usize) -> DVec2,
+    points: &[DVec2],
     i: usize,
     j: usize,
     tolerance: Mm,
     corner: bool,
 ) -> Option<f64> {
-    let chord = (at(j) - at(i)).try_normalize()?;
+    let piece = points.get(i..=j)?;
+    let (&first, &last) = (piece.first()?, piece.last()?);
+    let chord = (last - first).try_normalize()?;
+    // Most pieces that do not fit are off in the middle already.
+    let middle = chord.perp_dot(piece[piece.len() / 2] - first);
+    if middle.abs() > 2.0 * tolerance {
+        return None;
+    }
     let (mut lo, mut hi) = (0.0_f64, 0.0_f64);
     let (mut sum, mut length) = (0.0, 0.0);
     let mut previous = 0.0;
-    for k in i + 1..=j {
-        let deviation = chord.perp_dot(at(k) - at(i));
-        let step = at(k).distance(at(k - 1));
+    for pair in piece.windows(2) {
+        let deviation = chord.perp_dot(pair[1] - first);
+        let along = pair[1] - pair[0];
+        let step = along.length();
         sum += 0.5 * (deviation + previous) * step;
         length += step;
         previous = deviation;
@@ -153,7 +164,7 @@ fn fit(
             return None;
         }
         // A piece must not double back on itself.
-        if chord.dot(at(k) - at(k - 1)) < 0.0 && step > tolerance {
+        if chord.dot(along) < 0.0 && step > tolerance {
             return None;
         }
     }
@@ -172,8 +183,6 @@ fn halve_misfits(
     out: &[DVec2],
     tolerance: Mm,
 ) -> Option<Vec<Piece>> {
-    let n = points.len();
-    let at = |k: usize| points[k % n];
     // As `fit` allows, and a little for rounding.
     let limit = 1.0001 * tolerance;
     let misfit = |i: usize| {
@@ -183,8 +192,9 @@ fn halve_misfits(
             return p.end > p.start + 1;
         };
         p.end > p.start + 1
-            && (p.start..=p.end)
-                .any(|k| along.perp_dot(at(k) - a).abs() > limit)
+            && points[p.start..=p.end]
+                .iter()
+                .any(|&q| along.perp_dot(q - a).abs() > limit)
     };
     let bad: Vec<bool> = (0..pieces.len()).map(misfit).collect();
     if !bad.contains(&true) {
@@ -200,7 +210,7 @@ fn halve_misfits(
         for (start, end) in ends {
             let corner = p.corner && start == p.start;
             let shift = match bad {
-                true => fit(&at, start, end, tolerance, corner),
+                true => fit(points, start, end, tolerance, corner),
                 false => Some(p.shift),
             };
             finer.push(Piece {
@@ -244,9 +254,8 @@ fn drop_straight(ring: &mut Ring) {
 
 /// The points where the lines of neighbouring pieces meet.
 fn corners(points: &[DVec2], pieces: &[Piece]) -> Ring {
-    let n = points.len();
     let line = |p: &Piece| {
-        let (a, b) = (points[p.start % n], points[p.end % n]);
+        let (a, b) = (points[p.start], points[p.end]);
         let along = (b - a).normalize_or_zero();
         (along, along.perp() * p.shift)
     };
@@ -255,7 +264,7 @@ fn corners(points: &[DVec2], pieces: &[Piece]) -> Ring {
         let before = &pieces[(i + pieces.len() - 1) % pieces.len()];
         let (u, du) = line(before);
         let (v, dv) = line(piece);
-        let p = points[piece.start % n];
+        let p = points[piece.start];
         if piece.corner {
             out.push(p);
             continue;

@@ -11,6 +11,7 @@
 //! begins beside the one before.
 
 use crate::plane::grid::{EdgeGrid, nearest_on};
+use crate::plane::offset::Room;
 use crate::plane::{Area, edges};
 use crate::units::Mm;
 use glam::DVec2;
@@ -26,8 +27,13 @@ pub(super) struct Ball {
 pub(super) const STEP: Mm = 0.2;
 /// How exactly the end of a ridge is looked for along the border, mm.
 const END: Mm = 0.005;
+/// The same where the area becomes thicker than what matters: the ridge is cut
+/// by its thickness there.
+const THICK_END: Mm = 0.05;
 /// Turn of the border at a corner, and between balls that touch the corner.
 const FAN: f64 = 0.35;
+/// How deep the border may be in a ball that touches it, mm.
+const DEEP: Mm = 5e-4;
 /// Distance of ball and border below which they touch, mm.
 const TOUCHING: Mm = 1e-5;
 
@@ -41,6 +47,9 @@ struct Seen {
 }
 
 const NONE: u32 = u32::MAX;
+
+/// The radii of no balls at all.
+const UNKNOWN: (Mm, Mm) = (f64::INFINITY, 0.0);
 
 impl Seen {
     fn new(edges: usize) -> Seen {
@@ -89,6 +98,8 @@ pub(super) struct Border<'a> {
     /// The edge before it.
     last: Vec<u32>,
     seen: Seen,
+    /// The least and the largest radius of the balls that touch each edge.
+    radii: Vec<(Mm, Mm)>,
 }
 
 /// A ball and where it touches the other side.
@@ -109,6 +120,7 @@ impl<'a> Border<'a> {
             seen: Seen::new(numbers),
             next: Vec::with_capacity(numbers),
             last: Vec::with_capacity(numbers),
+            radii: vec![UNKNOWN; numbers],
         };
         for ring in area.rings.iter().filter(|r| !r.is_empty()) {
             let first = border.next.len() as u32;
@@ -133,6 +145,7 @@ impl<'a> Border<'a> {
         let mut balls = Vec::with_capacity(ring.len());
         // The last ball, its edge, and how far along the edge it is.
         let mut before: Option<(usize, Mm, Option<Grown>)> = None;
+        let mut last_radius = 0.0;
         // The first one, if there was one right away.
         let mut very_first = None;
         let mut last_along = (0..ring.len()).rev().find_map(|i| {
@@ -164,6 +177,7 @@ impl<'a> Border<'a> {
             if !beside && self.grid.clear(a + up, b + up, 0.98 * self.radius) {
                 balls.push(None);
                 before = None;
+                self.meets(number, 0.98 * self.radius);
                 continue;
             }
             let count = (length / STEP).ceil().clamp(1.0, 1e6);
@@ -176,17 +190,25 @@ impl<'a> Border<'a> {
                 }
                 let hint = before.and_then(|b| b.2);
                 let here = self.grow(a + along * at, normal, hint);
+                self.meets(number, here.0);
+                let (radius, here) = here;
+                let exact = |radius: Mm| match radius < self.radius {
+                    true => END,
+                    false => THICK_END,
+                };
+                let exact = [exact(last_radius), exact(radius)];
+                last_radius = radius;
                 let on_edge = |at: Mm, border: &Border<'_>| {
-                    border.grow(a + along * at, normal, hint)
+                    border.grow(a + along * at, normal, hint).1
                 };
                 match (before, here) {
                     (Some((edge, from, Some(g))), None) if edge == number => {
-                        let end = self.end(from, g, at, on_edge);
+                        let end = self.end(from, g, at, exact[1], on_edge);
                         balls.push(Some(end.ball));
                         self.mark(g, end);
                     }
                     (Some((edge, from, None)), Some(g)) if edge == number => {
-                        let begin = self.end(at, g, from, on_edge);
+                        let begin = self.end(at, g, from, exact[0], on_edge);
                         balls.push(Some(begin.ball));
                         self.mark(begin, g);
                     }
@@ -222,7 +244,10 @@ impl<'a> Border<'a> {
         for k in 0..count as usize {
             let angle = turn * (1.0 - (k as f64 + 0.5) / count);
             let normal = DVec2::from_angle(angle).rotate(normal);
-            let here = self.grow(corner, normal, None).filter(|g| {
+            let (r, here) = self.grow(corner, normal, None);
+            self.meets(number, r);
+            self.meets(self.last[number] as usize, r);
+            let here = here.filter(|g| {
                 // Of two corners the first one has the balls, and of a corner
                 // and an edge as well.
                 let (a, b) = self.grid.edge(g.edge);
@@ -244,15 +269,16 @@ impl<'a> Border<'a> {
     }
 
     /// The last ball on the way from where there is one to where there is
-    /// none.
+    /// none, up to `exact` of the way.
     fn end(
         &self,
         mut from: Mm,
         mut last: Grown,
         mut to: Mm,
+        exact: Mm,
         grow: impl Fn(Mm, &Border<'_>) -> Option<Grown>,
     ) -> Grown {
-        while (to - from).abs() > END {
+        while (to - from).abs() > exact {
             let middle = 0.5 * (from + to);
             match grow(middle, self) {
                 Some(g) => (from, last) = (middle, g),
@@ -294,6 +320,8 @@ impl<'a> Border<'a> {
             if last {
                 for (edge, low, high) in stretch.into_iter().take(k + 1) {
                     self.seen.add(edge, low, high);
+                    self.meets(edge, 0.5 * first.ball.thickness);
+                    self.meets(edge, 0.5 * second.ball.thickness);
                 }
                 return;
             }
@@ -301,24 +329,53 @@ impl<'a> Border<'a> {
         }
     }
 
-    /// The largest ball that touches the border at `p`, if it is smaller
-    /// than all that matter and touches the opposite side as well. `hint` is
-    /// one from nearby.
+    /// Notes the radius of a ball that touches an edge.
+    fn meets(&mut self, edge: usize, radius: Mm) {
+        let (least, most) = &mut self.radii[edge];
+        (*least, *most) = (least.min(radius), most.max(radius));
+    }
+
+    /// How far the edges can move inwards until they meet others.
+    pub fn room(&self) -> Room {
+        let all = |edge: usize| {
+            let (last, next) = (self.last[edge], self.next[edge]);
+            let near = [last as usize, edge, next as usize];
+            let radii = near.map(|e| match self.radii[e] {
+                // Nothing is known.
+                (least, _) if least == f64::INFINITY => (0.0, f64::INFINITY),
+                radii => radii,
+            });
+            radii
+                .into_iter()
+                .fold(UNKNOWN, |a, b| (a.0.min(b.0), a.1.max(b.1)))
+        };
+        let (least, most) = (0..self.next.len()).map(all).unzip();
+        Room { least, most }
+    }
+
+    /// The radius of the largest ball that touches the border at `p`, 0 if
+    /// there is none; and the ball, if it is smaller than all that matter and
+    /// touches the opposite side as well. `hint` is one from nearby.
     fn grow(
         &self,
         p: DVec2,
         normal: DVec2,
         hint: Option<Grown>,
-    ) -> Option<Grown> {
+    ) -> (Mm, Option<Grown>) {
         let guess = hint.and_then(|h| self.beside(p, normal, h));
-        let (r, touch) = match guess {
+        let shrunk = match guess {
             Some((r, touch)) => {
-                let (r, nearer) = self.shrink(p, normal, r)?;
-                (r, nearer.or(Some(touch)))
+                let shrunk = self.shrink(p, normal, r);
+                shrunk.map(|(r, nearer)| (r, nearer.or(Some(touch))))
             }
-            None => self.shrink(p, normal, self.radius)?,
+            None => self.shrink(p, normal, self.radius),
         };
-        let (edge, q) = touch?;
+        let Some((r, touch)) = shrunk else {
+            return (0.0, None);
+        };
+        let Some((edge, q)) = touch else {
+            return (r, None);
+        };
         let centre = p + normal * r;
         // Seen from the centre, p and q are more than 120° apart.
         let opposite = (p - centre).dot(q - centre) < -0.5 * r * r;
@@ -326,11 +383,12 @@ impl<'a> Border<'a> {
             centre,
             thickness: 2.0 * r,
         };
-        opposite.then_some(Grown {
+        let grown = Grown {
             ball,
             edge,
             touch: q,
-        })
+        };
+        (r, opposite.then_some(grown))
     }
 
     /// The radius of a ball at `p` that touches the border where another did,
@@ -397,7 +455,13 @@ impl<'a> Border<'a> {
                 return None;
             }
             touch = Some((edge, q));
+            // What else is in the ball that touches here is hardly deeper in
+            // it than this is in the one before.
+            let deep = r - q.distance(centre);
             r = v.length_squared() / (2.0 * up);
+            if deep < DEEP {
+                break;
+            }
         }
         Some((r, touch))
     }

@@ -242,9 +242,11 @@ fn widen(
     let mut widths = Vec::new();
     let mut changed = false;
     // A point, and the direction of the line there.
-    let mut push = |p: DVec2, along: DVec2| {
-        let sliver = index
-            .nearest(p, reach)
+    let mut push = |p: DVec2, along: DVec2, clear: bool| {
+        let near = || index.nearest(p, reach);
+        let sliver = (!clear)
+            .then(near)
+            .flatten()
             .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
         match sliver {
             Some((q, t)) => {
@@ -270,17 +272,18 @@ fn widen(
             _ => line.points[(k + n - 1) % n],
         };
         let along = (b - a).normalize_or_zero();
-        push(a, along + (a - back).normalize_or_zero());
-        if index.grid.clear(a, b, reach) {
+        let clear = index.grid.clear(a, b, reach);
+        push(a, along + (a - back).normalize_or_zero(), clear);
+        if clear {
             continue;
         }
         let count = (a.distance(b) / WIDEN_STEP).ceil().clamp(1.0, 1e6);
         for i in 1..count as usize {
-            push(a.lerp(b, i as f64 / count), along);
+            push(a.lerp(b, i as f64 / count), along, false);
         }
     }
     if let (false, [.., a, b]) = (line.closed, line.points.as_slice()) {
-        push(*b, *b - *a);
+        push(*b, *b - *a, false);
     }
     if !changed {
         return line;

@@ -28,7 +28,7 @@ mod tip;
 
 use crate::bead::spacing;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::offset::offset_with;
+use crate::plane::offset::{Room, offset_within};
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, signed_area};
 use crate::settings::Settings;
@@ -123,7 +123,8 @@ pub(crate) struct Laid {
 pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
     let grid = EdgeGrid::new(area, CELL);
     let skeleton = Skeleton::new(area, &grid, lay.limit, tolerance);
-    let rings = shrink_with(area, &grid, lay.centre, tolerance);
+    let room = Some(&skeleton.room);
+    let rings = shrink_with(area, &grid, room, lay.centre, tolerance);
     skeleton.lay(rings, 0.0, lay)
 }
 
@@ -138,15 +139,17 @@ const CELL: Mm = 0.5;
 /// be laid by the ridges of the outline.
 struct Skeleton {
     ridges: Vec<Ridge>,
+    /// How far the area's edges can move inwards.
+    room: Room,
 }
 
 impl Skeleton {
     fn new(area: &Area, grid: &EdgeGrid, limit: Mm, tolerance: Mm) -> Skeleton {
-        let ridges = match area.is_empty() || limit <= 0.0 {
-            true => Vec::new(),
+        let (ridges, room) = match area.is_empty() || limit <= 0.0 {
+            true => (Vec::new(), Room::default()),
             false => ridges(area, grid, limit, tolerance),
         };
-        Skeleton { ridges }
+        Skeleton { ridges, room }
     }
 
     /// Cuts the rings of a wall of what is left at `depth`, and lays the
@@ -210,8 +213,8 @@ pub fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
 
 /// The walls of an outline, as offsets in the plane.
 ///
-/// Each wall is made from the one outside it: shrinking by a and then by b
-/// is shrinking by a + b, exactly, and the rings become simpler on the way.
+/// Two walls at a time, and what they leave, are made from the same border: a
+/// grid of its edges and its ridges serve for all of them.
 pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
     let tolerance = 0.5 * (1.0 - OUTLINE_SHARE) * settings.accuracy;
     let last = Lay::inside(settings.skin_width, height, settings);
@@ -237,12 +240,18 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
         limit = limit.max(2.0 * depth + last.least);
         let grid = EdgeGrid::new(&area, CELL);
         let skeleton = Skeleton::new(&area, &grid, limit, settings.accuracy);
+        let shrunk = |distance: Mm, tolerance: Mm| {
+            let room = Some(&skeleton.room);
+            shrink_with(&area, &grid, room, distance, tolerance)
+        };
         depth = 0.0;
-        for (k, &plan) in pair.iter().enumerate() {
-            let rings = match k {
-                0 => shrink_with(&area, &grid, plan.centre, tolerance),
-                _ => shrink(&area, plan.centre, tolerance),
+        for &plan in pair {
+            // The outer wall is seen.
+            let tolerance = match lines.is_empty() {
+                true => tolerance,
+                false => 2.0 * tolerance,
             };
+            let rings = shrunk(depth + plan.centre, tolerance);
             let mut laid = skeleton.lay(rings, depth, plan);
             laid.thin = laid
                 .ridges
@@ -257,11 +266,15 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
                 let wide = std::mem::take(before);
                 *before = absorb(wide, &laid.slivers, away, settings.accuracy);
             }
-            area = shrink(&laid.rings, plan.inner - plan.centre, tolerance);
             depth += plan.inner;
             lines.push(laid.lines);
             thin.push(laid.thin);
         }
+        // Nobody sees the border of what is filled.
+        let left = match lines.len() == plans.len() {
+            true => shrunk(depth, settings.accuracy),
+            false => shrunk(depth, tolerance),
+        };
         // What the last walls leave and no bead can fill is theirs as well.
         if lines.len() == plans.len()
             && let Some(before) = lines.last_mut()
@@ -271,6 +284,7 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
             let wide = std::mem::take(before);
             *before = absorb(wide, &slivers, away, settings.accuracy);
         }
+        area = left;
     }
     let mut walls = Walls {
         lines,
@@ -325,17 +339,18 @@ pub(crate) fn shrink(area: &Area, distance: Mm, tolerance: Mm) -> Area {
         return area.clone();
     }
     let grid = EdgeGrid::new(area, distance);
-    shrink_with(area, &grid, distance, tolerance)
+    shrink_with(area, &grid, None, distance, tolerance)
 }
 
-/// The same, with a grid of the area's edges.
+/// The same, with a grid of the area's edges, and how far they can move.
 fn shrink_with(
     area: &Area,
     grid: &EdgeGrid,
+    room: Option<&Room>,
     distance: Mm,
     tolerance: Mm,
 ) -> Area {
-    let mut shrunk = offset_with(area, grid, -distance, tolerance);
+    let mut shrunk = offset_within(area, grid, room, -distance, tolerance);
     shrunk.rings = shrunk
         .rings
         .iter()

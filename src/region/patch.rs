@@ -45,7 +45,8 @@ pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let grid = EdgeGrid::new(area, CELL);
     let limit = 2.0 * plan.inner + plan.limit;
     let skeleton = Skeleton::new(area, &grid, limit, tolerance);
-    let rings = shrink_with(area, &grid, plan.centre, tolerance);
+    let room = Some(&skeleton.room);
+    let rings = shrink_with(area, &grid, room, plan.centre, tolerance);
     let laid = skeleton.lay(rings, 0.0, plan);
     let (core, slivers) =
         skeleton.thin_places(plan.inner, plan.limit, plan.least);
@@ -116,7 +117,8 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Line> {
     while !area.is_empty() {
         let grid = EdgeGrid::new(&area, CELL);
         let skeleton = Skeleton::new(&area, &grid, plan.limit, tolerance);
-        let whole = shrink_with(&area, &grid, plan.centre, tolerance);
+        let room = Some(&skeleton.room);
+        let whole = shrink_with(&area, &grid, room, plan.centre, tolerance);
         let laid = skeleton.lay(whole, 0.0, plan);
         rings.extend(absorb(last, &laid.slivers, away, tolerance));
         rings.extend(laid.thin);

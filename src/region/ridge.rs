@@ -20,6 +20,7 @@ use super::ball::Border;
 use super::run::{Run, join, split_runs};
 use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
+use crate::plane::offset::Room;
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -34,14 +35,15 @@ pub struct Ridge {
     pub closed: bool,
 }
 
-/// The ridges of an area where it is thinner than `limit`. `grid` holds the
-/// area's edges. Lines are thinned to `tolerance`, in place and thickness.
+/// The ridges of an area where it is thinner than `limit`, and how far its
+/// edges can move. `grid` holds the area's edges. Lines are thinned to
+/// `tolerance`, in place and thickness.
 pub fn ridges(
     area: &Area,
     grid: &EdgeGrid,
     limit: Mm,
     tolerance: Mm,
-) -> Vec<Ridge> {
+) -> (Vec<Ridge>, Room) {
     let mut border = Border::new(area, grid, 0.5 * limit);
     let mut runs: Vec<Run> = Vec::new();
     let mut first_edge = 0;
@@ -50,8 +52,10 @@ pub fn ridges(
         split_runs(&balls, grid, &mut runs);
         first_edge += EdgeGrid::numbers(std::slice::from_ref(ring));
     }
+    let room = border.room();
     join(&mut runs, grid);
-    runs.into_iter()
+    let all = runs
+        .into_iter()
         .filter(|run| run.closed || run.balls.len() > 1)
         .map(|run| {
             let balls = run.balls.iter();
@@ -62,7 +66,8 @@ pub fn ridges(
             };
             ridge.thinned(tolerance)
         })
-        .collect()
+        .collect();
+    (all, room)
 }
 
 impl Ridge {
@@ -196,7 +201,7 @@ mod tests {
     }
 
     fn ridges_of(area: &Area, limit: f64) -> Vec<Ridge> {
-        ridges(area, &EdgeGrid::new(area, limit), limit, 0.005)
+        ridges(area, &EdgeGrid::new(area, limit), limit, 0.005).0
     }
 
     fn total(r: &Ridge) -> f64 {

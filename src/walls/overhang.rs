@@ -16,7 +16,6 @@ use crate::bead::{Bead, Role};
 use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
-use crate::plane::path_length;
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
@@ -197,10 +196,23 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
     }
 }
 
+/// Length of the bead's part.
+fn length(bead: &Bead, piece: &Piece) -> Mm {
+    let n = bead.points.len();
+    let mut last = at(bead, piece.from).0;
+    let mut sum = 0.0;
+    for i in piece.from as usize + 1..piece.to.ceil() as usize {
+        let p = bead.points[i % n];
+        sum += last.distance(p);
+        last = p;
+    }
+    sum + last.distance(at(bead, piece.to).0)
+}
+
 /// Joins short pieces to those beside them: what holds between two hanging
 /// pieces hangs with them, and a short one that hangs does not count.
 fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
-    let length = |p: &Piece| path_length(&part(bead, p).points, false);
+    let length = |p: &Piece| length(bead, p);
     // Gaps between hanging pieces first, so that a row of short ones counts.
     for hangs in [false, true] {
         let last = pieces.len().saturating_sub(1);

@@ -1,0 +1,412 @@
+//! Offset borders that run into each other, cut back where they meet.
+//!
+//! ```text
+//!   ────────╲   ╱────────   The border has been moved inwards from both
+//!            ╲ ╱            sides of a neck. Beyond where the two cross (×)
+//!   - - - - - × - - - - -   each is nearer than the distance to the other's
+//!            ╱ ╲            origin, and not part of the result; before it,
+//!   ────────╱   ╲────────   each goes on in the other.
+//! ```
+//!
+//! In: rings whose edges have been moved, and a grid of the edges they come
+//! from. Out: the same rings without what is nearer to these than it should
+//! be. Only the few edges of which a part is too near, and those beside them,
+//! are compared with each other: a sweep of all edges costs many times as
+//! much.
+//!
+//! Fronts that graze each other may cross where no edge is too near by more
+//! than the tolerance. What is left does not close then; all edges around the
+//! loose ends are compared in a second round. Where that does not help, as
+//! where three fronts meet at one place within the tolerance, nothing is
+//! returned at all, and the caller has to sweep.
+
+use super::grid::{EdgeGrid, nearest_on};
+use super::{Rect, Ring};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// What is known of a moved edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum State {
+    /// No origin is nearer than it should be.
+    Clear,
+    /// A part of it may be too near to an origin.
+    Mixed,
+    /// All of it is too near.
+    Covered,
+}
+
+/// The state of the moved edge from `a` to `b`: `grid` has the edges that it
+/// and others come from, and none of them should be nearer than `clearance`.
+pub(super) fn state(
+    a: DVec2,
+    b: DVec2,
+    grid: &EdgeGrid,
+    clearance: Mm,
+) -> State {
+    let mut state = State::Clear;
+    grid.near(a, b, clearance, |edge| {
+        let (c, d) = grid.edge(edge);
+        let far = |p: DVec2| p.distance_squared(nearest_on(p, c, d));
+        // The distance from a segment is convex: the ends tell of the rest.
+        let covered = far(a).max(far(b)) < clearance * clearance;
+        state = match covered {
+            true => State::Covered,
+            false => State::Mixed,
+        };
+        !covered
+    });
+    state
+}
+
+/// Bend of fronts that may just touch, mm: it tells how far beside what is too
+/// near by more than the slack they may cross.
+const BEND: Mm = 2.0;
+
+/// How far around a loose end what it should go on in is looked for, mm.
+const AROUND: Mm = 0.5;
+
+/// Points nearer to each other than this are one, mm.
+const SAME: Mm = 1e-6;
+
+/// Rings that have been moved, with their edges' states.
+pub(super) struct Moved<'a> {
+    /// The rings.
+    pub rings: &'a [Ring],
+    /// Of all edges, ring by ring.
+    pub states: Vec<State>,
+    /// The edges they come from.
+    pub grid: &'a EdgeGrid,
+    /// How near these must not be.
+    pub clearance: Mm,
+    /// By how much that is less than the distance they have moved by.
+    pub slack: Mm,
+    /// They have moved to their left.
+    pub left: bool,
+    /// By ring, whether it has been turned inside out.
+    pub turned: &'a [bool],
+}
+
+/// A place where two edges cross.
+struct Crossing {
+    at: DVec2,
+    /// The event on the edge that ends here, and on that which begins, if it
+    /// is a place where the border goes on from one to the other.
+    ends: usize,
+    begins: usize,
+}
+
+/// A crossing, seen from one of its edges.
+struct Event {
+    ring: usize,
+    /// Number of the ring's first edge.
+    first: usize,
+    /// Number of the edge in its ring.
+    edge: usize,
+    /// Where on the edge, from 0 to 1.
+    t: f64,
+    crossing: usize,
+    /// The ring's next event. What lies between is called by the number of
+    /// the event it begins with.
+    next: usize,
+    /// The one before.
+    last: usize,
+}
+
+impl Moved<'_> {
+    /// What is left of the rings; nothing if that does not close.
+    pub fn trim(mut self) -> Option<Vec<Ring>> {
+        let mut marked = self.marked();
+        let loose = match self.cut_back(&marked) {
+            Ok(rings) => return Some(rings),
+            Err(loose) => loose,
+        };
+        let ends = loose.iter().map(|&p| (0, (p, p)));
+        let ends = EdgeGrid::of(ends, AROUND);
+        let mut edge = 0;
+        for ring in self.rings {
+            for (a, b) in super::edges(ring) {
+                let (lo, hi) = (a.min(b) - AROUND, a.max(b) + AROUND);
+                if ends.meets(Rect { min: lo, max: hi }) {
+                    self.states[edge] = state(a, b, self.grid, self.clearance);
+                    marked[edge] = true;
+                }
+                edge += 1;
+            }
+        }
+        self.cut_back(&marked).ok()
+    }
+
+    /// The same, if only marked edges cross; else the places where what is
+    /// left has a loose end.
+    fn cut_back(&self, marked: &[bool]) -> Result<Vec<Ring>, Vec<DVec2>> {
+        let (crossings, mut events) = self.crossings(marked);
+        link(&mut events);
+        let near: Vec<Option<DVec2>> =
+            events.iter().map(|e| self.too_near(e, &events)).collect();
+        // Where the border goes on from one edge to the other.
+        let live = |c: &Crossing| {
+            near[events[c.ends].last].is_none() && near[c.begins].is_none()
+        };
+        let live: Vec<bool> = crossings.iter().map(live).collect();
+        let mut gone: Vec<bool> = near.iter().map(Option::is_some).collect();
+        for (c, _) in crossings.iter().zip(&live).filter(|(_, live)| **live) {
+            gone[c.ends] = true;
+            gone[events[c.begins].last] = true;
+        }
+        // Of each piece that is left, the one that follows.
+        let mut next: Vec<Option<usize>> = vec![None; events.len()];
+        let mut entered = vec![false; events.len()];
+        let mut loose = Vec::new();
+        for piece in (0..events.len()).filter(|&i| !gone[i]) {
+            let end = events[piece].next;
+            let number = events[end].crossing;
+            let c = &crossings[number];
+            let follows = match live[number] {
+                true => c.begins,
+                false => end,
+            };
+            let stray = live[number] && c.ends != end;
+            if stray || gone[follows] || entered[follows] {
+                loose.push(c.at);
+                // What it should have crossed may be where the pieces that
+                // begin here become too near.
+                loose.extend(near[follows]);
+                loose.extend(near[c.begins]);
+            }
+            entered[follows] = true;
+            next[piece] = Some(follows);
+        }
+        for i in (0..events.len()).filter(|&i| !gone[i] && !entered[i]) {
+            loose.push(crossings[events[i].crossing].at);
+            loose.extend(near[events[i].last]);
+        }
+        if !loose.is_empty() {
+            return Err(loose);
+        }
+        let mut out = self.untouched(&events);
+        for start in 0..events.len() {
+            let mut ring = Ring::new();
+            let mut piece = start;
+            while let Some(follows) = next[piece].take() {
+                ring.push(crossings[events[piece].crossing].at);
+                self.points(&events[piece], &events, &mut ring);
+                piece = follows;
+            }
+            ring.dedup_by(|a, b| a.distance_squared(*b) < SAME * SAME);
+            if ring.len() >= 3 {
+                out.push(ring);
+            }
+        }
+        Ok(out)
+    }
+
+    /// Where marked edges cross.
+    fn crossings(&self, marked: &[bool]) -> (Vec<Crossing>, Vec<Event>) {
+        let mut suspects: Vec<(usize, usize, usize)> = Vec::new();
+        let mut first = 0;
+        for (r, ring) in self.rings.iter().enumerate() {
+            // What is too near all along cannot cross what is left.
+            let crossed = |&k: &usize| {
+                marked[first + k] && self.states[first + k] != State::Covered
+            };
+            let own = (0..ring.len()).filter(crossed);
+            suspects.extend(own.map(|k| (r, first, k)));
+            first += ring.len();
+        }
+        let edge = |(r, _, k): (usize, usize, usize)| {
+            let ring = &self.rings[r];
+            (ring[k], ring[(k + 1) % ring.len()])
+        };
+        let all = suspects.iter().enumerate().map(|(i, &s)| (i, edge(s)));
+        let length: Mm = all.clone().map(|(_, (a, b))| a.distance(b)).sum();
+        let mean = length / suspects.len().max(1) as f64;
+        let grid = EdgeGrid::of(all, 2.0 * mean);
+        let mut crossings = Vec::new();
+        let mut events = Vec::new();
+        let mut beside: Vec<usize> = Vec::new();
+        for (i, &own) in suspects.iter().enumerate() {
+            let (a, b) = edge(own);
+            beside.clear();
+            grid.visit_box(a.min(b), a.max(b), |e| beside.push(grid.owner(e)));
+            beside.retain(|&j| j > i);
+            beside.sort_unstable();
+            beside.dedup();
+            for &j in &beside {
+                let other = suspects[j];
+                let n = self.rings[own.0].len();
+                let apart = (other.2 + n - own.2) % n;
+                if own.0 == other.0 && (apart == 1 || apart + 1 == n) {
+                    continue;
+                }
+                let (c, d) = edge(other);
+                let Some((t, s)) = crossing(a, b, c, d) else {
+                    continue;
+                };
+                let number = events.len();
+                let event = |place: (usize, usize, usize), t: f64| Event {
+                    ring: place.0,
+                    first: place.1,
+                    edge: place.2,
+                    t,
+                    crossing: crossings.len(),
+                    next: 0,
+                    last: 0,
+                };
+                events.push(event(own, t));
+                events.push(event(other, s));
+                // What lies ahead of both fronts is left: of the one that
+                // crosses towards where the other has come from, the end.
+                let left = (b - a).perp_dot(d - c) > 0.0;
+                let (ends, begins) = match left == self.left {
+                    true => (number, number + 1),
+                    false => (number + 1, number),
+                };
+                let at = a.lerp(b, t);
+                crossings.push(Crossing { at, ends, begins });
+            }
+        }
+        (crossings, events)
+    }
+
+    /// The edges that may be crossed where that matters.
+    fn marked(&self) -> Vec<bool> {
+        let beside = (2.0 * BEND * self.slack).sqrt();
+        let mut marked = vec![false; self.states.len()];
+        let mut first = 0;
+        for ring in self.rings {
+            let n = ring.len();
+            let states = &self.states[first..first + n];
+            let marked = &mut marked[first..first + n];
+            first += n;
+            if states.iter().all(|s| *s == State::Clear) {
+                continue;
+            }
+            let length = |k: usize| ring[k].distance(ring[(k + 1) % n]);
+            // Both ways round, twice each: what is beside the first edge may
+            // be the last.
+            for back in [false, true] {
+                let mut left = 0.0;
+                for i in 0..2 * n {
+                    let k = if back { (2 * n - 1 - i) % n } else { i % n };
+                    if states[k] != State::Clear {
+                        left = beside;
+                        marked[k] = true;
+                    } else if left > 0.0 {
+                        left -= length(k);
+                        marked[k] = true;
+                    }
+                }
+            }
+        }
+        marked
+    }
+
+    /// A place where the piece that begins with an event is too near to an
+    /// origin.
+    fn too_near(&self, begin: &Event, events: &[Event]) -> Option<DVec2> {
+        let end = &events[begin.next];
+        let ring = &self.rings[begin.ring];
+        let n = ring.len();
+        let count = edges_between(begin, end, n);
+        (0..=count).find_map(|j| {
+            let k = (begin.edge + j) % n;
+            let from = if j == 0 { begin.t } else { 0.0 };
+            let to = if j == count { end.t } else { 1.0 };
+            let middle = ring[k].lerp(ring[(k + 1) % n], 0.5 * (from + to));
+            let near = match self.states[begin.first + k] {
+                State::Clear => false,
+                State::Covered => true,
+                State::Mixed => {
+                    !self.grid.clear(middle, middle, self.clearance)
+                }
+            };
+            near.then_some(middle)
+        })
+    }
+
+    /// The points between an event and the next.
+    fn points(&self, begin: &Event, events: &[Event], out: &mut Ring) {
+        let end = &events[begin.next];
+        let ring = &self.rings[begin.ring];
+        let n = ring.len();
+        let count = edges_between(begin, end, n);
+        out.extend((1..=count).map(|j| ring[(begin.edge + j) % n]));
+    }
+
+    /// The rings that no other crosses and that are far enough from all
+    /// origins. What is much thinner than the distance may be turned inside
+    /// out, and is far enough on the wrong side.
+    fn untouched(&self, events: &[Event]) -> Vec<Ring> {
+        let mut touched = vec![false; self.rings.len()];
+        for event in events {
+            touched[event.ring] = true;
+        }
+        let mut first = 0;
+        let mut out = Vec::new();
+        for (r, ring) in self.rings.iter().enumerate() {
+            let states = &self.states[first..first + ring.len()];
+            first += ring.len();
+            let far = |(&state, (a, b)): (&State, (DVec2, DVec2))| match state {
+                State::Clear => true,
+                State::Covered => false,
+                State::Mixed => {
+                    let p = a.midpoint(b);
+                    self.grid.clear(p, p, self.clearance)
+                }
+            };
+            let whole = !touched[r] && !self.turned[r];
+            if whole && states.iter().zip(super::edges(ring)).all(far) {
+                out.push(ring.clone());
+            }
+        }
+        out
+    }
+}
+
+/// How many edges of a ring of `n` begin between two events on it.
+fn edges_between(begin: &Event, end: &Event, n: usize) -> usize {
+    match (end.edge + n - begin.edge) % n {
+        0 if end.t > begin.t => 0,
+        0 => n,
+        count => count,
+    }
+}
+
+/// Links each event with those before and after it on its ring.
+fn link(events: &mut [Event]) {
+    let mut order: Vec<usize> = (0..events.len()).collect();
+    order.sort_by(|&i, &j| {
+        let (a, b) = (&events[i], &events[j]);
+        let place = |e: &Event| (e.ring, e.edge);
+        place(a).cmp(&place(b)).then(a.t.total_cmp(&b.t))
+    });
+    let mut from = 0;
+    while from < order.len() {
+        let ring = events[order[from]].ring;
+        let own = |&i: &usize| events[i].ring == ring;
+        let to = from + order[from..].iter().take_while(|i| own(i)).count();
+        for k in from..to {
+            let next = if k + 1 == to { from } else { k + 1 };
+            events[order[k]].next = order[next];
+            events[order[next]].last = order[k];
+        }
+        from = to;
+    }
+}
+
+/// Where two segments cross, from 0 to 1 along each. A point on a line counts
+/// as right of it, wherever it is met: so a line through a vertex crosses one
+/// of its edges, or both, or none.
+fn crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<(f64, f64)> {
+    let left = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p) > 0.0;
+    if left(a, b, c) == left(a, b, d) || left(c, d, a) == left(c, d, b) {
+        return None;
+    }
+    let (u, v) = (b - a, d - c);
+    let det = u.perp_dot(v);
+    let t = (c - a).perp_dot(v) / det;
+    let s = (c - a).perp_dot(u) / det;
+    (t.is_finite() && s.is_finite())
+        .then(|| (t.clamp(0.0, 1.0), s.clamp(0.0, 1.0)))
+}
