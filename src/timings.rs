@@ -41,7 +41,9 @@ pub enum Stage {
     Skin,
     /// Sparse infill.
     Infill,
-    /// Order, seams and travels.
+    /// Order and seams.
+    Order,
+    /// Travels.
     Travel,
     /// Speeds and print time.
     Pace,
@@ -53,12 +55,13 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the pipeline.
-    pub const ALL: [Stage; 9] = [
+    pub const ALL: [Stage; 10] = [
         Stage::Field,
         Stage::Contour,
         Stage::Walls,
         Stage::Skin,
         Stage::Infill,
+        Stage::Order,
         Stage::Travel,
         Stage::Pace,
         Stage::Gcode,
@@ -73,6 +76,7 @@ impl Stage {
             Stage::Walls => "walls",
             Stage::Skin => "skin",
             Stage::Infill => "infill",
+            Stage::Order => "order",
             Stage::Travel => "travel",
             Stage::Pace => "pace",
             Stage::Gcode => "gcode",

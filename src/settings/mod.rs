@@ -39,12 +39,14 @@
 mod check;
 mod infill;
 mod read;
+mod seam;
 mod table;
 mod value;
 mod write;
 
 pub use infill::Infill;
 pub use read::{Builder, Place, SettingsError};
+pub use seam::Seam;
 pub use table::{Key, Range, keys};
 pub use value::Varying;
 
@@ -86,8 +88,17 @@ table::settings! {
         /// every field, or by the field's own value, right only where the
         /// field is that distance.
         wall_offset: WallOffset = WallOffset::Distance;
-        /// Where closed walls begin and end.
-        seam: Seam = Seam::Aligned;
+        /// Where outer walls begin and end; an expression puts the seam where
+        /// it is least along each.
+        seam: Seam = Seam::Rule(SeamRule::Aligned);
+        /// How far before its beginning an outer wall ends.
+        seam_gap: Mm = 0.0, in 0.0..=5.0;
+        /// Length over which an outer wall begins with growing flow, and is
+        /// overlapped with shrinking flow by its end; 0 for a plain seam.
+        seam_scarf: Mm = 0.0, in 0.0..=200.0;
+        /// How far the nozzle moves inwards, without printing, from the end
+        /// of an outer wall before it goes elsewhere.
+        seam_wipe: Mm = 0.3, in 0.0..=5.0;
 
         ["Skin: the solid top and bottom"]
         /// Thickness of solid material below each upward face.
@@ -394,13 +405,15 @@ value::words! {
 }
 value::words! {
     /// Where closed walls begin and end.
-    Seam {
-        /// In one line up the part.
+    SeamRule {
+        /// In one line up the part, in a corner where there is one.
         Aligned = "aligned",
         /// At the back, greatest y.
         Rear = "rear",
         /// Nearest to where the nozzle comes from.
         Nearest = "nearest",
+        /// Anywhere, in every layer elsewhere.
+        Random = "random",
     }
 }
 value::words! {

@@ -45,12 +45,14 @@ pub struct LayerPath {
     pub moves: Vec<Move>,
 }
 
-/// Connects the beads of a layer. `outline` is its border, `solid` the same
+/// Connects the beads of a layer. `wipes` tells for each of them where the
+/// nozzle goes right after it, if anywhere. `outline` is its border, `solid` the same
 /// for asking what is where, `from` where the head stands, all in the model's
 /// coordinates; `offset` moves the result to the printer's.
 pub fn connect(
     span: LayerSpan,
     beads: Vec<Bead>,
+    wipes: &[Option<DVec2>],
     outline: &Area,
     solid: &EdgeGrid,
     from: Option<DVec2>,
@@ -66,6 +68,7 @@ pub fn connect(
     let mut travels: Vec<Option<Move>> = Vec::with_capacity(beads.len());
     let mut at = from;
     let mut inside = false;
+    let wipe = |i: usize| wipes.get(i).copied().flatten();
     for (next, bead) in beads.iter().enumerate() {
         let Some((start, end)) = ends(bead) else {
             travels.push(None);
@@ -77,10 +80,10 @@ pub fn connect(
         }));
         // Beads of the part end inside it; a skirt's does not.
         inside = bead.role != Role::Skirt;
-        at = Some(end);
+        at = wipe(next).or(Some(end));
     }
     let mut moves = Vec::with_capacity(2 * beads.len());
-    for (mut bead, travel) in beads.into_iter().zip(travels) {
+    for (i, (mut bead, travel)) in beads.into_iter().zip(travels).enumerate() {
         if bead.points.is_empty() {
             continue;
         }
@@ -89,6 +92,7 @@ pub fn connect(
             *p += offset;
         }
         moves.push(Move::Print(bead));
+        moves.extend(wipe(i).map(|p| straight(p, false).moved(offset)));
     }
     LayerPath { span, moves }
 }
@@ -234,14 +238,23 @@ mod tests {
         let settings = Settings::default();
         let solid = solid();
         let grid = EdgeGrid::new(&solid, 1.0);
-        connect(span, beads, &solid, &grid, None, DVec2::ZERO, &settings)
-            .moves
-            .iter()
-            .filter_map(|m| match m {
-                Move::Travel { retract, .. } => Some(*retract),
-                Move::Print(_) => None,
-            })
-            .collect()
+        connect(
+            span,
+            beads,
+            &[],
+            &solid,
+            &grid,
+            None,
+            DVec2::ZERO,
+            &settings,
+        )
+        .moves
+        .iter()
+        .filter_map(|m| match m {
+            Move::Travel { retract, .. } => Some(*retract),
+            Move::Print(_) => None,
+        })
+        .collect()
     }
 
     #[test]
@@ -280,7 +293,7 @@ mod tests {
         let solid = solid();
         let grid = EdgeGrid::new(&solid, 1.0);
         let path =
-            connect(span, vec![line], &solid, &grid, None, by, &settings);
+            connect(span, vec![line], &[], &solid, &grid, None, by, &settings);
         let Some(Move::Print(b)) = path.moves.last() else {
             panic!("nothing printed");
         };
