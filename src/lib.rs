@@ -31,8 +31,8 @@
 //!    [`bead`] the cross-section that says how far apart lines lie.
 //! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of that,
 //!    and [`fuzzy`] a texture. From here on beads are all there is.
-//! 7. [`order`] puts them in a short order, one island at a time, and places
-//!    the seams.
+//! 7. [`seam`] says where loops may begin, and [`order`] puts all beads in a
+//!    short order, one island at a time, and begins them there.
 //! 8. [`travel`] connects them, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, slower where the hot end
 //!    or the cooling could not follow, and adds up the time.
@@ -140,6 +140,7 @@ pub mod preview;
 pub mod reader;
 pub mod region;
 pub mod report;
+pub mod seam;
 pub mod settings;
 pub mod skin;
 pub mod timings;

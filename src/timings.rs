@@ -43,7 +43,9 @@ pub enum Stage {
     Skin,
     /// Sparse infill.
     Infill,
-    /// Order, seams and travels.
+    /// Order and seams.
+    Order,
+    /// Travels.
     Travel,
     /// Speeds and print time.
     Pace,
@@ -55,13 +57,14 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the pipeline.
-    pub const ALL: [Stage; 10] = [
+    pub const ALL: [Stage; 11] = [
         Stage::Picture,
         Stage::Field,
         Stage::Contour,
         Stage::Walls,
         Stage::Skin,
         Stage::Infill,
+        Stage::Order,
         Stage::Travel,
         Stage::Pace,
         Stage::Gcode,
@@ -77,6 +80,7 @@ impl Stage {
             Stage::Walls => "walls",
             Stage::Skin => "skin",
             Stage::Infill => "infill",
+            Stage::Order => "order",
             Stage::Travel => "travel",
             Stage::Pace => "pace",
             Stage::Gcode => "gcode",

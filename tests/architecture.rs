@@ -36,6 +36,8 @@ const ORDER: &[&[&str]] = &[
     &["bead"],
     &["region"],
     &["walls", "fuzzy", "skin", "infill", "adhesion", "support"],
+    // Where loops begin follows from the walls as they are before fuzzy skin.
+    &["seam"],
     &["order"],
     &["travel"],
     &["pace"],

@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 use isoslice::settings::{
-    Builder, Infill, InfillPattern, Key, Settings, SettingsError, keys,
+    Builder, Infill, InfillPattern, Key, Seam, SeamRule, Settings,
+    SettingsError, keys,
 };
 use std::collections::BTreeSet;
 
@@ -202,7 +203,7 @@ fn the_last_one_wins() {
     let settings = builder.settings();
     assert_eq!(settings.walls, 5);
     assert_eq!(settings.skirt.loops, 0);
-    assert_eq!(settings.seam.word(), "rear");
+    assert_eq!(settings.seam, Seam::Rule(SeamRule::Rear));
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! Lines in an order in which each comes after those it waits for, else
 //! nearest end first.
 
-use super::{Head, Nearest, finish};
+use super::jobs::finish;
+use super::nearest::Nearest;
 use crate::bead::Bead;
 use crate::skin::Fill;
+use glam::DVec2;
 
 /// Prints a fill whose lines wait for one another.
-pub(super) fn print(fill: Fill, out: &mut Vec<Bead>, head: &mut Head) {
+pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
     let Fill { lines, after } = fill;
     let mut waits: Vec<usize> = after.iter().map(Vec::len).collect();
     let mut next: Vec<Vec<usize>> = vec![Vec::new(); lines.len()];
@@ -29,14 +31,14 @@ pub(super) fn print(fill: Fill, out: &mut Vec<Bead>, head: &mut Head) {
             add(&mut free, line, i);
         }
     }
-    while let Some(end) = free.pop(head.at) {
+    while let Some(end) = free.pop(*at) {
         let Some(mut bead) = lines[end / 2].take() else {
             continue;
         };
         if end % 2 == 1 {
             bead.reverse();
         }
-        finish(bead, out, head);
+        finish(bead, at, out);
         for &i in &next[end / 2] {
             waits[i] -= 1;
             if waits[i] == 0 {
@@ -50,7 +52,6 @@ pub(super) fn print(fill: Fill, out: &mut Vec<Bead>, head: &mut Head) {
 mod tests {
     use super::*;
     use crate::bead::Role;
-    use glam::DVec2;
 
     #[test]
     fn no_line_is_printed_between_two_older_ones() {
@@ -82,12 +83,9 @@ mod tests {
             }
             before = here;
         }
-        let mut head = Head {
-            at: Some(DVec2::new(5.0, 9.5)),
-            ..Head::default()
-        };
+        let mut at = Some(DVec2::new(5.0, 9.5));
         let mut out = Vec::new();
-        print(Fill { lines, after }, &mut out, &mut head);
+        print(Fill { lines, after }, &mut at, &mut out);
         assert_eq!(out.len(), 14);
         for (i, b) in out.iter().enumerate() {
             for older in &out[..i] {

@@ -16,6 +16,7 @@ use crate::plane::Rect;
 use crate::preview::Pictures;
 use crate::region::floating::floating;
 use crate::report;
+use crate::seam::ending::{Ended, endings};
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Ground, Move, connect};
@@ -132,15 +133,20 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
         let from = self.head.at;
         let outline = &shell.outline.area;
-        let path = self.timings.time(Stage::Travel, || {
+        let ended = self.timings.time(Stage::Order, || {
             let beads = order(beads, outline, &mut self.head, self.settings);
-            let beads = self.overhangs(beads, shell, below);
+            endings(beads, &shell.solid, self.settings)
+        });
+        self.head.at = ended.last().and_then(Ended::end).or(from);
+        let path = self.timings.time(Stage::Travel, || {
+            let (beads, wipes) = self.overhangs(ended, shell, below);
             if written {
                 self.beads += beads.len();
             }
             let mut path = connect(
                 shell.span,
                 beads,
+                &wipes,
                 Ground {
                     outline,
                     solid: &shell.solid,
@@ -183,21 +189,31 @@ impl<'a, 'w> Exit<'a, 'w> {
         Ok(())
     }
 
-    /// The beads, with walls cut where they hang over the layer below.
+    /// The beads, with walls cut where they hang over the layer below, and
+    /// what follows on each.
     fn overhangs(
         &self,
-        beads: Vec<Bead>,
+        ended: Vec<Ended>,
         shell: &Shell,
         below: Option<&Shell>,
-    ) -> Vec<Bead> {
+    ) -> (Vec<Bead>, Vec<Option<DVec2>>) {
         let below = below.filter(|b| !Arc::ptr_eq(&b.outline, &shell.outline));
         let support = below.and_then(|b| {
             Support::new(&b.outline.area, &b.solid, self.settings)
         });
-        match support {
-            Some(support) => support.cut(beads),
-            None => beads,
+        let mut beads = Vec::with_capacity(ended.len());
+        let mut wipes = Vec::with_capacity(ended.len());
+        for Ended { bead, wipe } in ended {
+            match &support {
+                Some(support) => beads.extend(support.cut(vec![bead])),
+                None => beads.push(bead),
+            }
+            wipes.resize(beads.len(), None);
+            if let Some(last) = wipes.last_mut() {
+                *last = wipe;
+            }
         }
+        (beads, wipes)
     }
 
     /// Counts the islands in cavities that begin in this layer.

@@ -21,6 +21,7 @@ use crate::region::cover::Cover;
 use crate::region::exposure::{Slope, roomy, slope_layers, split};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
+use crate::seam::Seams;
 use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
 use crate::units::{Mm, Mm2};
@@ -112,6 +113,7 @@ pub(super) struct Stages<'a> {
     field: Field,
     /// The fields of the walls, if they are offsets of the expression.
     wall_fields: Vec<Field>,
+    seams: Seams<'a>,
     fuzzy: Option<Fuzzy<'a>>,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
@@ -169,6 +171,7 @@ impl<'a> Stages<'a> {
             settings,
             field,
             wall_fields,
+            seams: Seams::new(settings, around)?,
             fuzzy: Fuzzy::new(settings, around)?,
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
@@ -499,6 +502,10 @@ impl<'a> Stages<'a> {
             (areas, skin)
         });
         let mut walls = walls::beads(walls, height);
+        let sites = self.timings.time(Stage::Walls, || {
+            self.seams
+                .sites(&walls, layer, span.sample_z(), &shell.solid)
+        })?;
         if let Some(fuzzy) = &self.fuzzy {
             self.timings.time(Stage::Walls, || {
                 fuzzy.apply(&mut walls, layer, span.sample_z(), &shell.solid)
@@ -516,6 +523,7 @@ impl<'a> Stages<'a> {
         let beads = LayerBeads {
             skirt: around,
             walls,
+            sites,
             infill: self.timings.time(Stage::Infill, || {
                 let place = infill::Place {
                     number: layer,

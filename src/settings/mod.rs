@@ -46,6 +46,7 @@ mod profile;
 mod read;
 mod shipped;
 mod sizes;
+mod seam;
 mod table;
 mod value;
 mod write;
@@ -54,6 +55,7 @@ pub use error::{Place, SettingsError};
 pub use infill::Infill;
 pub use profile::{Origin, Profile, ProfileKind, Profiles};
 pub use read::Builder;
+pub use seam::Seam;
 pub use sizes::Sizes;
 pub use table::{Key, Range, keys};
 pub use value::Varying;
@@ -107,8 +109,17 @@ table::settings! {
         /// Number of layers, from the bed, that are drawn in, each less than
         /// the one below.
         elephant_foot_layers: u32 = 1, in 1..=1000;
-        /// Where closed walls begin and end.
-        seam: Seam = Seam::Aligned;
+        /// Where outer walls begin and end; an expression puts the seam where
+        /// it is least along each.
+        seam: Seam = Seam::Rule(SeamRule::Aligned);
+        /// How far before its beginning an outer wall ends.
+        seam_gap: Mm = 0.0, in 0.0..=5.0;
+        /// Length over which an outer wall begins with growing flow, and is
+        /// overlapped with shrinking flow by its end; 0 for a plain seam.
+        seam_scarf: Mm = 0.0, in 0.0..=200.0;
+        /// How far the nozzle moves inwards, without printing, from the end
+        /// of an outer wall before it goes elsewhere.
+        seam_wipe: Mm = 0.3, in 0.0..=5.0;
 
         ["Skin: the solid top and bottom"]
         /// Thickness of solid material below each upward face.
@@ -523,13 +534,15 @@ value::words! {
 }
 value::words! {
     /// Where closed walls begin and end.
-    Seam {
-        /// In one line up the part.
+    SeamRule {
+        /// In one line up the part, in a corner where there is one.
         Aligned = "aligned",
         /// At the back, greatest y.
         Rear = "rear",
         /// Nearest to where the nozzle comes from.
         Nearest = "nearest",
+        /// Anywhere, in every layer elsewhere.
+        Random = "random",
     }
 }
 value::words! {

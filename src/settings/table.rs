@@ -72,6 +72,9 @@ impl Key {
             Kind::WordOrShape(words) => {
                 format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
             }
+            Kind::WordOrFormula(words) => {
+                format!("{} or \"expr: ...\"", words.join(", "))
+            }
         }
     }
 
@@ -106,9 +109,13 @@ impl Key {
             }
             (Kind::Text, _) => "text in quotes".to_owned(),
             (Kind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
-            (Kind::Switch | Kind::Word(_) | Kind::WordOrShape(_), _) => {
-                self.allowed()
-            }
+            (
+                Kind::Switch
+                | Kind::Word(_)
+                | Kind::WordOrShape(_)
+                | Kind::WordOrFormula(_),
+                _,
+            ) => self.allowed(),
         }
     }
 

@@ -64,6 +64,8 @@ pub(super) enum Kind {
     Word(&'static [&'static str]),
     /// A word, an expression, or the name of a script.
     WordOrShape(&'static [&'static str]),
+    /// A word, or an expression.
+    WordOrFormula(&'static [&'static str]),
 }
 
 /// A field of the settings.

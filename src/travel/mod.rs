@@ -80,11 +80,13 @@ pub struct Ground<'a> {
     pub above: Option<&'a Area>,
 }
 
-/// Connects the beads of a layer. `from` is where the head stands, in the
-/// model's coordinates; `offset` moves the result to the printer's.
+/// Connects the beads of a layer. `wipes` tells for each of them where the
+/// nozzle goes right after it, if anywhere; `from` is where the head stands,
+/// in the model's coordinates; `offset` moves the result to the printer's.
 pub fn connect(
     span: LayerSpan,
     beads: Vec<Bead>,
+    wipes: &[Option<DVec2>],
     ground: Ground<'_>,
     from: Option<DVec2>,
     offset: DVec2,
@@ -96,6 +98,7 @@ pub fn connect(
     let mut travels: Vec<Option<Travel>> = Vec::with_capacity(beads.len());
     let mut at = from;
     let mut before: Option<&Bead> = None;
+    let wipe = |i: usize| wipes.get(i).copied().flatten();
     for (next, bead) in beads.iter().enumerate() {
         let Some((start, end)) = ends(bead) else {
             travels.push(None);
@@ -106,10 +109,10 @@ pub fn connect(
             None => Travel::straight(start, false),
         }));
         before = Some(bead);
-        at = Some(end);
+        at = wipe(next).or(Some(end));
     }
     let mut moves = Vec::with_capacity(2 * beads.len());
-    for (mut bead, travel) in beads.into_iter().zip(travels) {
+    for (i, (mut bead, travel)) in beads.into_iter().zip(travels).enumerate() {
         if bead.points.is_empty() {
             continue;
         }
@@ -118,6 +121,8 @@ pub fn connect(
             *p += offset;
         }
         moves.push(Move::Print(bead));
+        let there = |p| Travel::straight(p, false).moved(offset);
+        moves.extend(wipe(i).map(|p| Move::Travel(there(p))));
     }
     LayerPath { span, moves }
 }

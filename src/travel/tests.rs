@@ -116,6 +116,7 @@ impl Part {
         let path = connect(
             SPAN,
             all,
+            &[],
             self.ground(&grid),
             None,
             DVec2::ZERO,
@@ -449,6 +450,7 @@ fn beads_are_moved_to_the_bed() {
     let path = connect(
         SPAN,
         vec![line],
+        &[],
         part.ground(&grid),
         None,
         by,

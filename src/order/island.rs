@@ -1,0 +1,148 @@
+//! The way through one island: its walls, what fills gaps between them, its
+//! infill and its skin.
+
+use super::begin::{begin_near, nearest_spot};
+use super::islands::{Island, Loop};
+use super::jobs::{Job, print};
+use super::tour::{Stop, tour};
+use super::{SEAM_REACH, sweep};
+use crate::bead::{Bead, Role};
+use crate::settings::{Settings, WallOrder};
+use crate::skin::{Fill, Patch};
+use glam::DVec2;
+
+/// Prints an island on a short way from where the head is, `at`, to `to`.
+pub(super) fn print_island(
+    island: Island,
+    at: &mut Option<DVec2>,
+    to: Option<DVec2>,
+    settings: &Settings,
+    out: &mut Vec<Bead>,
+) {
+    let inner_first = settings.wall_order == WallOrder::InnerFirst;
+    // Walls that pass no seam, in stages: before all loops, or after.
+    let mut jobs: Vec<(u32, Job)> = Vec::new();
+    let away_stage = if inner_first { 0 } else { 2 };
+    for group in island.loops {
+        let (job, away) = loop_job(group, inner_first, settings);
+        jobs.extend(job.map(|job| (1, job)));
+        jobs.extend(away.into_iter().map(|b| (away_stage, Job::of(b))));
+    }
+    // Gaps lie between such walls, where there are any; else they can be
+    // filled on the way through the infill.
+    let gap_stage = match jobs.iter().any(|j| j.0 == away_stage) {
+        true => away_stage,
+        false => 3,
+    };
+    let gaps = island.gaps.into_iter();
+    jobs.extend(gaps.map(|b| (gap_stage, Job::of(b))));
+    let infill = island.infill.into_iter();
+    jobs.extend(infill.map(|b| (3, Job::of(b))));
+    if island.skin.is_empty() {
+        return print(jobs, at, to, out);
+    }
+    print(jobs, at, None, out);
+    print_skin(island.skin, at, to, out);
+}
+
+/// A loop's walls that pass its seam, in their order, and those that do not.
+fn loop_job(
+    group: Loop,
+    inner_first: bool,
+    settings: &Settings,
+) -> (Option<Job>, Vec<Bead>) {
+    let mut walls = group.walls.into_iter();
+    let Some(outer) = walls.next() else {
+        return (None, Vec::new());
+    };
+    let (mut beside, mut away) = (Vec::new(), Vec::new());
+    let anywhere = outer.closed && settings.seam.is_nearest();
+    let seam = outer.points.first().copied().filter(|_| outer.closed);
+    for mut wall in walls {
+        let spot = seam
+            .filter(|_| wall.closed)
+            .and_then(|seam| Some((seam, nearest_spot(&wall, seam)?)));
+        match spot {
+            Some((seam, spot)) if seam.distance(spot.at) <= SEAM_REACH => {
+                begin_near(&mut wall, seam);
+                beside.push(wall);
+            }
+            _ => away.push(wall),
+        }
+    }
+    let leader = if inner_first { beside.len() } else { 0 };
+    if inner_first {
+        beside.reverse();
+        beside.push(outer);
+    } else {
+        beside.insert(0, outer);
+    }
+    let job = match (anywhere, beside.as_slice()) {
+        (true, _) => Job::rings(beside, leader),
+        (false, [one]) if !one.closed => Job::of(beside.swap_remove(0)),
+        // A ring without a seam of its own may begin anywhere, too.
+        (false, [one]) if one.role != Role::OuterWall => Job::rings(beside, 0),
+        _ => Job::Fixed(beside),
+    };
+    (Some(job), away)
+}
+
+/// Prints skins, one after the other.
+fn print_skin(
+    skin: Vec<Patch>,
+    at: &mut Option<DVec2>,
+    to: Option<DVec2>,
+    out: &mut Vec<Bead>,
+) {
+    let mut stops = Vec::new();
+    let mut patches = Vec::new();
+    for patch in skin {
+        let ring = patch.rings.first().and_then(|r| r.points.first());
+        if let Some(&p) = ring {
+            stops.push(Stop {
+                from: p,
+                to: p,
+                turns: false,
+                stage: 0,
+            });
+            patches.push(Some(patch));
+        }
+    }
+    let mut jobs: Vec<(u32, Job)> = Vec::new();
+    let mut stage = 0;
+    for visit in tour(&stops, *at, to) {
+        let Some(patch) = patches[visit.stop].take() else {
+            continue;
+        };
+        // Around it first; what is in the middle of thin places can wait.
+        for ring in patch.rings {
+            let later = u32::from(!ring.closed);
+            jobs.push((stage + later, Job::of(ring)));
+        }
+        stage += 1;
+        for fill in patch.fills {
+            if !fill.after.is_empty() {
+                print(std::mem::take(&mut jobs), at, None, out);
+                sweep::print(fill, at, out);
+                continue;
+            }
+            stage += u32::from(!hidden(&fill));
+            let beads = fill.lines.into_iter();
+            jobs.extend(beads.map(|b| (stage, Job::of(b))));
+        }
+        stage += 1;
+    }
+    print(jobs, at, to, out);
+}
+
+/// True if a fill's beads may be printed together with what is beside them:
+/// nothing is seen of them, and nothing hangs.
+fn hidden(fill: &Fill) -> bool {
+    let hidden = |b: &Bead| {
+        matches!(
+            b.role,
+            Role::InternalSkin | Role::BottomSkin | Role::GapFill
+        )
+    };
+    fill.lines.iter().all(hidden)
+}

@@ -1,0 +1,113 @@
+//! What belongs to which island.
+//!
+//! In: a layer's beads by kind, and its outline. Out: islands, each with its
+//! loops: an outer wall and the walls that run along it.
+
+use super::LayerBeads;
+use crate::bead::{Bead, Role};
+use crate::plane::Area;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::nest::Nest;
+use crate::seam::Site;
+use crate::skin::Patch;
+use crate::units::Mm;
+
+/// An outer wall and those that run along it.
+#[derive(Default)]
+pub(super) struct Loop {
+    /// The outer wall comes first, unless there is none.
+    pub walls: Vec<Bead>,
+    /// Where the seam may be.
+    pub site: Site,
+}
+
+/// Beads of one island.
+#[derive(Default)]
+pub(super) struct Island {
+    pub loops: Vec<Loop>,
+    /// Beads in gaps between the walls.
+    pub gaps: Vec<Bead>,
+    pub infill: Vec<Bead>,
+    pub skin: Vec<Patch>,
+}
+
+/// Sorts the beads to the islands they lie in; the skirt's in none.
+pub(super) fn islands(outline: &Area, beads: LayerBeads) -> Vec<Island> {
+    let solids = outline.islands();
+    // The first ring of an island is its outer one.
+    let nest = Nest::new(solids.iter().filter_map(|s| s.rings.first()));
+    // What lies in none, for rounding, goes with the bead before it.
+    let mut last = 0;
+    let mut find = |bead: Option<&Bead>| -> usize {
+        if solids.len() > 1
+            && let Some(&p) = bead.and_then(|b| b.points.first())
+        {
+            last = nest.around(p).unwrap_or(last);
+        }
+        last
+    };
+    let mut islands: Vec<Island> =
+        solids.iter().map(|_| Island::default()).collect();
+    if islands.is_empty() {
+        return islands;
+    }
+    let mut inner: Vec<Vec<Bead>> = vec![Vec::new(); islands.len()];
+    let mut sites = beads.sites.into_iter();
+    for bead in beads.walls {
+        let i = find(Some(&bead));
+        let site = sites.next().unwrap_or_default();
+        match bead.role {
+            Role::OuterWall => islands[i].loops.push(Loop {
+                walls: vec![bead],
+                site,
+            }),
+            Role::GapFill => islands[i].gaps.push(bead),
+            _ => inner[i].push(bead),
+        }
+    }
+    for (island, inner) in islands.iter_mut().zip(inner) {
+        add_inner(&mut island.loops, inner);
+    }
+    for bead in beads.infill {
+        let i = find(Some(&bead));
+        islands[i].infill.push(bead);
+    }
+    for patch in beads.skin {
+        let i = find(patch.rings.first());
+        islands[i].skin.push(patch);
+    }
+    islands
+}
+
+/// A grid of beads' segments, numbered by bead.
+pub(super) fn grid_of<'a>(
+    beads: impl Iterator<Item = &'a Bead>,
+    reach: Mm,
+) -> EdgeGrid {
+    let segments = beads
+        .enumerate()
+        .flat_map(|(i, b)| b.segments().map(move |s| (i, s)));
+    EdgeGrid::of(segments, reach)
+}
+
+/// Adds each inner wall to the outer wall that it runs along.
+fn add_inner(loops: &mut Vec<Loop>, inner: Vec<Bead>) {
+    if loops.is_empty() {
+        loops.extend(inner.into_iter().map(|b| Loop {
+            walls: vec![b],
+            site: Site::default(),
+        }));
+        return;
+    }
+    let outer = loops.iter().filter_map(|l| l.walls.first());
+    let grid =
+        (loops.len() > 1 && !inner.is_empty()).then(|| grid_of(outer, 1.0));
+    for bead in inner {
+        let i = grid
+            .as_ref()
+            .zip(bead.points.first())
+            .and_then(|(grid, &p)| grid.nearest(p))
+            .map_or(0, |near| near.0);
+        loops[i].walls.push(bead);
+    }
+}

@@ -1,0 +1,212 @@
+//! Jobs, and the order in which they are done.
+//!
+//! A job is what is printed without choice once it has begun: a bead that may
+//! be turned round, a ring that may begin anywhere, a few beads one after the
+//! other.
+
+use super::begin::{Spot, begin_at, begin_near, nearest_spot, spot_between};
+use super::tour::{Stop, tour};
+use crate::bead::{Bead, Role};
+use glam::DVec2;
+
+/// Something to print.
+pub(super) enum Job {
+    /// An open bead, from either end.
+    Line(Bead),
+    /// Beads in this order. Those that are closed begin near one place of the
+    /// `leader`th, any one.
+    Rings {
+        beads: Vec<Bead>,
+        leader: usize,
+        spot: Option<Spot>,
+    },
+    /// Beads in this order, as they are.
+    Fixed(Vec<Bead>),
+}
+
+impl Job {
+    /// A bead that may begin at either end, or anywhere if it is closed.
+    pub fn of(bead: Bead) -> Job {
+        match bead.closed {
+            true => Job::rings(vec![bead], 0),
+            false => Job::Line(bead),
+        }
+    }
+
+    /// Beads that may begin anywhere, but in one place.
+    pub fn rings(beads: Vec<Bead>, leader: usize) -> Job {
+        Job::Rings {
+            beads,
+            leader,
+            spot: None,
+        }
+    }
+
+    /// Where it begins and ends, as far as is known.
+    pub fn ends(&self) -> Option<(DVec2, DVec2)> {
+        match self {
+            Job::Line(bead) => Some((*bead.points.first()?, end(bead)?)),
+            Job::Rings {
+                beads,
+                leader,
+                spot,
+            } => {
+                let first = beads.get(*leader)?.points.first();
+                let at = spot.map(|s| s.at).or(first.copied())?;
+                Some((at, at))
+            }
+            Job::Fixed(beads) => {
+                let from = beads.first()?.points.first()?;
+                Some((*from, end(beads.last()?)?))
+            }
+        }
+    }
+
+    /// Lets rings begin between two places, or near the one that is known.
+    fn settle(&mut self, before: Option<DVec2>, after: Option<DVec2>) {
+        let Job::Rings {
+            beads,
+            leader,
+            spot,
+        } = self
+        else {
+            return;
+        };
+        let Some(ring) = beads.get(*leader) else {
+            return;
+        };
+        // A wall begins where the nozzle comes from, whatever follows.
+        let after = after.filter(|_| ring.role != Role::OuterWall);
+        *spot = match (before, after) {
+            (Some(a), Some(b)) => spot_between(ring, a, b),
+            (Some(p), None) | (None, Some(p)) => nearest_spot(ring, p),
+            (None, None) => None,
+        };
+    }
+
+    /// Its beads as they are to be printed.
+    fn beads(self, turned: bool) -> Vec<Bead> {
+        match self {
+            Job::Line(mut bead) => {
+                if turned {
+                    bead.reverse();
+                }
+                vec![bead]
+            }
+            Job::Rings {
+                mut beads,
+                leader,
+                spot,
+            } => {
+                let Some(spot) = spot else { return beads };
+                for (i, bead) in beads.iter_mut().enumerate() {
+                    match bead.closed {
+                        true if i == leader => begin_at(bead, spot),
+                        true => begin_near(bead, spot.at),
+                        false => {}
+                    }
+                }
+                beads
+            }
+            Job::Fixed(beads) => beads,
+        }
+    }
+}
+
+/// Where a bead ends.
+pub(super) fn end(bead: &Bead) -> Option<DVec2> {
+    match bead.closed {
+        true => bead.points.first().copied(),
+        false => bead.points.last().copied(),
+    }
+}
+
+/// Prints jobs, those of lower stages first, on a short way from where the
+/// head is, `at`, to `to`.
+pub(super) fn print(
+    jobs: Vec<(u32, Job)>,
+    at: &mut Option<DVec2>,
+    to: Option<DVec2>,
+    out: &mut Vec<Bead>,
+) {
+    let mut jobs: Vec<(u32, Job)> =
+        jobs.into_iter().filter(|j| j.1.ends().is_some()).collect();
+    let anywhere = |j: &(u32, Job)| matches!(j.1, Job::Rings { .. });
+    if jobs.iter().any(anywhere) {
+        // At first as if each ring came right after the head, then where it
+        // suits those before and after it.
+        for (_, job) in &mut jobs {
+            job.settle(*at, None);
+        }
+        for _ in 0..2 {
+            let order = tour_of(&jobs, *at, to);
+            settle_rings(&mut jobs, &order, *at, to);
+        }
+    }
+    let order = tour_of(&jobs, *at, to);
+    settle_rings(&mut jobs, &order, *at, to);
+    let mut jobs: Vec<Option<Job>> =
+        jobs.into_iter().map(|j| Some(j.1)).collect();
+    for (i, turned) in order {
+        let beads = jobs[i].take().map(|job| job.beads(turned));
+        for bead in beads.into_iter().flatten() {
+            finish(bead, at, out);
+        }
+    }
+}
+
+/// Prints one bead.
+pub(super) fn finish(bead: Bead, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
+    if let Some(p) = end(&bead) {
+        *at = Some(p);
+        out.push(bead);
+    }
+}
+
+/// The jobs' numbers in order, and which ones are turned round.
+fn tour_of(
+    jobs: &[(u32, Job)],
+    at: Option<DVec2>,
+    to: Option<DVec2>,
+) -> Vec<(usize, bool)> {
+    let stops: Vec<Stop> = jobs
+        .iter()
+        .filter_map(|(stage, job)| {
+            let (from, to) = job.ends()?;
+            Some(Stop {
+                from,
+                to,
+                turns: matches!(job, Job::Line(_)),
+                stage: *stage,
+            })
+        })
+        .collect();
+    let visits = tour(&stops, at, to).into_iter();
+    visits
+        .map(|v| (v.stop, v.turned && stops[v.stop].turns))
+        .collect()
+}
+
+/// Lets rings begin where the ways to and from them are shortest.
+fn settle_rings(
+    jobs: &mut [(u32, Job)],
+    order: &[(usize, bool)],
+    at: Option<DVec2>,
+    to: Option<DVec2>,
+) {
+    let ends = |jobs: &[(u32, Job)], (i, turned): (usize, bool)| {
+        jobs[i].1.ends().map(|(a, b)| match turned {
+            true => (b, a),
+            false => (a, b),
+        })
+    };
+    let mut before = at;
+    for (k, &visit) in order.iter().enumerate() {
+        let after = match order.get(k + 1) {
+            Some(&next) => ends(jobs, next).map(|e| e.0),
+            None => to,
+        };
+        jobs[visit.0].1.settle(before, after);
+        before = ends(jobs, visit).map(|e| e.1);
+    }
+}

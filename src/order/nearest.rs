@@ -1,0 +1,34 @@
+//! What is left to be visited, nearest first.
+
+use glam::DVec2;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+/// Points to be visited nearest first.
+pub(super) struct Nearest {
+    tree: RTree<GeomWithData<[f64; 2], usize>>,
+}
+
+impl Nearest {
+    /// Points and their numbers.
+    pub fn new(points: impl Iterator<Item = (DVec2, usize)>) -> Nearest {
+        let all = points
+            .map(|(p, i)| GeomWithData::new(p.to_array(), i))
+            .collect();
+        Nearest {
+            tree: RTree::bulk_load(all),
+        }
+    }
+
+    /// One more point.
+    pub fn push(&mut self, at: DVec2, number: usize) {
+        self.tree.insert(GeomWithData::new(at.to_array(), number));
+    }
+
+    /// Takes the point nearest to `from`; without one, that nearest to the
+    /// origin, so that the order does not depend on the tree's shape.
+    pub fn pop(&mut self, from: Option<DVec2>) -> Option<usize> {
+        let at = from.unwrap_or(DVec2::ZERO).to_array();
+        self.tree.pop_nearest_neighbor(&at).map(|g| g.data)
+    }
+}

@@ -1,0 +1,410 @@
+//! A short tour: which stop comes next, and which way round it is taken.
+//!
+//! In: stops with one or two ends, in stages, and where the tour begins and
+//! leads to. Out: every stop once, stage by stage.
+//!
+//! ```text
+//!    ──●   ●──      nearest first leaves long ways to what it has passed by;
+//!      │   │        they are shortened by turning round a part of the tour
+//!    ──●   ●──      (2-opt) or by moving up to three stops (Or-opt), as long
+//!                   as that helps and the work allowed lasts
+//! ```
+//!
+//! Guaranteed: never longer than nearest first, the same result everywhere,
+//! and work in proportion to the stops: partners for an exchange are looked
+//! for among near ends only, and what is moved has a greatest length. Not
+//! guaranteed: the shortest tour.
+
+use super::near_ends::NearEnds;
+use super::nearest::Nearest;
+use crate::units::Mm;
+use glam::DVec2;
+
+/// Something to visit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stop {
+    /// Where it is entered.
+    pub from: DVec2,
+    /// Where it is left.
+    pub to: DVec2,
+    /// Whether it may be taken the other way round.
+    pub turns: bool,
+    /// Stops of a lower stage come first.
+    pub stage: u32,
+}
+
+/// A stop of a tour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Visit {
+    /// Its number.
+    pub stop: usize,
+    /// Whether it is taken the other way round.
+    pub turned: bool,
+}
+
+/// Ways shorter than this are left as they are, mm.
+const SHORT: Mm = 0.8;
+/// An exchange has to save more than this, mm.
+const GAIN: Mm = 0.01;
+/// Ends looked at around each end of a long way.
+const PARTNERS: usize = 8;
+/// What a way to the tour's end counts: where the next one begins is often a
+/// guess.
+const END_WEIGHT: f64 = 0.7;
+/// Stops moved at a time.
+const MOVED: usize = 3;
+/// Longest part of a tour that is turned round or passed over.
+const SPAN: usize = 1000;
+/// Exchanges tried for each stop, on average, before it has to do.
+const TRIALS: usize = 200;
+
+/// A tour of the stops from `start` to `end`, each of which may be anywhere.
+pub(super) fn tour(
+    stops: &[Stop],
+    start: Option<DVec2>,
+    end: Option<DVec2>,
+) -> Vec<Visit> {
+    let first = nearest_first(stops, start);
+    if stops.len() < 2 {
+        return first;
+    }
+    let mut search = Search::new(stops, first.clone(), start, end);
+    search.run();
+    let better = search.tour;
+    match length(stops, &better, start, end) < length(stops, &first, start, end)
+    {
+        true => better,
+        false => first,
+    }
+}
+
+/// Length of the ways between the stops, and to both ends, the last one in
+/// part.
+pub(super) fn length(
+    stops: &[Stop],
+    tour: &[Visit],
+    start: Option<DVec2>,
+    end: Option<DVec2>,
+) -> Mm {
+    let mut at = start;
+    let mut sum = 0.0;
+    for visit in tour {
+        let stop = &stops[visit.stop];
+        let (from, to) = match visit.turned && stop.turns {
+            true => (stop.to, stop.from),
+            false => (stop.from, stop.to),
+        };
+        sum += at.map_or(0.0, |at| at.distance(from));
+        at = Some(to);
+    }
+    sum + END_WEIGHT * between(at, end)
+}
+
+/// Each time the nearest stop of those left in the stage.
+fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
+    let mut stages: Vec<u32> = stops.iter().map(|s| s.stage).collect();
+    stages.sort_unstable();
+    stages.dedup();
+    let mut tour = Vec::with_capacity(stops.len());
+    let mut done = vec![false; stops.len()];
+    let mut at = start;
+    for stage in stages {
+        let of_stage = stops.iter().enumerate().filter(|s| s.1.stage == stage);
+        let mut left = Nearest::new(of_stage.flat_map(|(i, s)| {
+            let back = s.turns.then_some((s.to, 2 * i + 1));
+            std::iter::once((s.from, 2 * i)).chain(back)
+        }));
+        while let Some(end) = left.pop(at) {
+            let (stop, turned) = (end / 2, end % 2 == 1);
+            if std::mem::replace(&mut done[stop], true) {
+                continue;
+            }
+            at = Some(match turned {
+                true => stops[stop].from,
+                false => stops[stop].to,
+            });
+            tour.push(Visit { stop, turned });
+        }
+    }
+    tour
+}
+
+/// Looks for exchanges that make a tour shorter.
+struct Search<'a> {
+    stops: &'a [Stop],
+    tour: Vec<Visit>,
+    /// Where in the tour each stop is.
+    places: Vec<usize>,
+    start: Option<DVec2>,
+    end: Option<DVec2>,
+    ends: NearEnds,
+    /// Stops whose ways have changed.
+    queue: Vec<usize>,
+    queued: Vec<bool>,
+    trials: usize,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        stops: &'a [Stop],
+        tour: Vec<Visit>,
+        start: Option<DVec2>,
+        end: Option<DVec2>,
+    ) -> Self {
+        let mut places = vec![0; stops.len()];
+        for (k, v) in tour.iter().enumerate() {
+            places[v.stop] = k;
+        }
+        // Looked at from the tour's beginning.
+        let queue: Vec<usize> = tour.iter().rev().map(|v| v.stop).collect();
+        Search {
+            stops,
+            tour,
+            places,
+            start,
+            end,
+            ends: NearEnds::new(
+                stops.iter().flat_map(|s| [s.from, Self::other(s)]),
+            ),
+            queue,
+            queued: vec![true; stops.len()],
+            trials: TRIALS * stops.len(),
+        }
+    }
+
+    /// The other end of a stop. What cannot be turned has one place only as
+    /// far as exchanges are concerned: the error is the way through it.
+    fn other(stop: &Stop) -> DVec2 {
+        match stop.turns {
+            true => stop.to,
+            false => stop.from,
+        }
+    }
+
+    /// Where the `k`th stop of the tour is entered; behind the last one, the
+    /// tour's end.
+    fn entry(&self, k: usize) -> Option<DVec2> {
+        let Some(visit) = self.tour.get(k) else {
+            return self.end;
+        };
+        let stop = &self.stops[visit.stop];
+        Some(match visit.turned {
+            true => Self::other(stop),
+            false => stop.from,
+        })
+    }
+
+    /// Where the stop before the `k`th one is left; before the first one, the
+    /// tour's start.
+    fn exit_before(&self, k: usize) -> Option<DVec2> {
+        let Some(k) = k.checked_sub(1) else {
+            return self.start;
+        };
+        let visit = self.tour.get(k)?;
+        let stop = &self.stops[visit.stop];
+        Some(match visit.turned {
+            true => stop.from,
+            false => Self::other(stop),
+        })
+    }
+
+    /// Length of the way to the `k`th stop.
+    fn way(&self, k: usize) -> Mm {
+        self.way_to(k, self.exit_before(k))
+    }
+
+    /// Length of the way to the `k`th stop, if it led there from `from`.
+    fn way_to(&self, k: usize, from: Option<DVec2>) -> Mm {
+        let weight = if k < self.tour.len() { 1.0 } else { END_WEIGHT };
+        weight * between(from, self.entry(k))
+    }
+
+    fn stage(&self, k: usize) -> Option<u32> {
+        self.tour.get(k).map(|v| self.stops[v.stop].stage)
+    }
+
+    fn run(&mut self) {
+        let mut near = Vec::with_capacity(PARTNERS);
+        while let Some(stop) = self.queue.pop() {
+            self.queued[stop] = false;
+            // The way to it and the way from it, as long as one of them can
+            // be shortened.
+            while self.trials > 0
+                && (0..2)
+                    .any(|k| self.shorten(self.places[stop] + k, &mut near))
+            {
+            }
+        }
+    }
+
+    /// Tries to save something by giving up the way to the `k`th stop.
+    fn shorten(&mut self, k: usize, near: &mut Vec<(f64, u32)>) -> bool {
+        let now = self.way(k);
+        if now < SHORT {
+            return false;
+        }
+        for forward in [true, false] {
+            // What could follow the stop before, or precede the `k`th one.
+            let here = match forward {
+                true => self.exit_before(k),
+                false => self.entry(k),
+            };
+            let Some(here) = here else { continue };
+            self.ends.near(here, now - GAIN, PARTNERS, near);
+            for &(_, end) in near.iter() {
+                if self.trials == 0 {
+                    return false;
+                }
+                self.trials -= 1;
+                let place = self.places[end as usize / 2];
+                // True if the stop is left at this end.
+                let visit = self.tour[place];
+                let left = (end % 2 == 1) != visit.turned;
+                let done = match forward == left {
+                    true => self.turn(k, place + usize::from(forward)),
+                    false => false,
+                };
+                if done
+                    || self.fetch(k, place, left, forward)
+                    || self.bring(k, place, left, forward)
+                {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// 2-opt: gives up the ways to the `i`th and `j`th stops, and turns round
+    /// what is between them.
+    fn turn(&mut self, i: usize, j: usize) -> bool {
+        let (i, j) = (i.min(j), i.max(j));
+        if i == j || j - i > SPAN || self.stage(i) != self.stage(j - 1) {
+            return false;
+        }
+        let old = self.way(i) + self.way(j);
+        let new = between(self.exit_before(i), self.exit_before(j))
+            + self.way_to(j, self.entry(i));
+        if !gains(old, new) {
+            return false;
+        }
+        self.turn_round(i, j);
+        self.update(i, j);
+        true
+    }
+
+    /// Or-opt: fetches up to three stops, at one end of which `place` is, to
+    /// the way to the `k`th stop.
+    fn fetch(
+        &mut self,
+        k: usize,
+        place: usize,
+        left: bool,
+        forward: bool,
+    ) -> bool {
+        // At the end that is to be joined the part ends or begins.
+        (1..=MOVED).any(|count| {
+            let part = match left {
+                true if place + 1 >= count => place + 1 - count..place + 1,
+                false if place + count <= self.tour.len() => {
+                    place..place + count
+                }
+                _ => return false,
+            };
+            // Its end comes first after the stop before, last before the
+            // `k`th one.
+            self.shift(part.start, part.end, k, left == forward)
+        })
+    }
+
+    /// Or-opt: brings up to three stops at the way to the `k`th one to the
+    /// stop at `place`.
+    fn bring(
+        &mut self,
+        k: usize,
+        place: usize,
+        left: bool,
+        forward: bool,
+    ) -> bool {
+        (1..=MOVED).any(|count| {
+            let part = match forward {
+                // Those before the way, whose last end joins.
+                true if k >= count => k - count..k,
+                false if k + count <= self.tour.len() => k..k + count,
+                _ => return false,
+            };
+            // Behind a stop that is left there, before one that is entered.
+            let to = place + usize::from(left);
+            self.shift(part.start, part.end, to, left == forward)
+        })
+    }
+
+    /// Moves the stops from `from` to `to` to before the `k`th one, perhaps
+    /// turned round, if that makes the tour shorter.
+    fn shift(&mut self, from: usize, to: usize, k: usize, turn: bool) -> bool {
+        if (from..=to).contains(&k) {
+            return false;
+        }
+        let (low, high) = (from.min(k), to.max(k));
+        if high - low > SPAN || self.stage(low) != self.stage(high - 1) {
+            return false;
+        }
+        let old = self.way(from) + self.way(to) + self.way(k);
+        let (head, tail) = match turn {
+            true => (self.exit_before(to), self.entry(from)),
+            false => (self.entry(from), self.exit_before(to)),
+        };
+        let new = self.way_to(to, self.exit_before(from))
+            + between(self.exit_before(k), head)
+            + self.way_to(k, tail);
+        if !gains(old, new) {
+            return false;
+        }
+        if turn {
+            self.turn_round(from, to);
+        }
+        let count = to - from;
+        match k < from {
+            true => self.tour[low..high].rotate_right(count),
+            false => self.tour[low..high].rotate_left(count),
+        }
+        self.update(low, high);
+        true
+    }
+
+    fn turn_round(&mut self, from: usize, to: usize) {
+        self.tour[from..to].reverse();
+        for visit in &mut self.tour[from..to] {
+            visit.turned = !visit.turned;
+        }
+    }
+
+    /// Notes what has changed between two places.
+    fn update(&mut self, from: usize, to: usize) {
+        for k in from..to {
+            self.places[self.tour[k].stop] = k;
+        }
+        let around = [from.wrapping_sub(1), from, from + 1, from + MOVED];
+        let behind = [to, to - 1, to.wrapping_sub(2), to.wrapping_sub(MOVED)];
+        for k in around.into_iter().chain(behind) {
+            if let Some(visit) = self.tour.get(k)
+                && !std::mem::replace(&mut self.queued[visit.stop], true)
+            {
+                self.queue.push(visit.stop);
+            }
+        }
+    }
+}
+
+/// True if an exchange is worth it.
+fn gains(old: Mm, new: Mm) -> bool {
+    old - new > GAIN
+}
+
+/// Length of a way; nothing if it leads from or to anywhere.
+fn between(a: Option<DVec2>, b: Option<DVec2>) -> Mm {
+    a.zip(b).map_or(0.0, |(a, b)| a.distance(b))
+}
+
+#[cfg(test)]
+mod tests;

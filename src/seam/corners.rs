@@ -1,0 +1,173 @@
+//! The corners of a ring.
+//!
+//! In: a ring, whose vertices stand for a curve. Out: where it turns sharply,
+//! how much, and to which side.
+//!
+//! How much a ring turns is added up over a short way, weighted by the
+//! distance, and compared with how much a circle of its length would turn
+//! there: neither the facets of a curve are corners then, nor small circles,
+//! and a corner that an offset has rounded is as sharp as it was. Where the
+//! corner is, is the weighted middle of the turning.
+
+use crate::plane::path_length;
+use crate::units::Mm;
+use glam::DVec2;
+use std::f64::consts::TAU;
+
+/// A place where a ring turns sharply.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Corner {
+    pub at: DVec2,
+    /// By how much it turns, in radians, positive.
+    pub turn: f64,
+}
+
+/// The least turn of a concave corner, in radians (30°).
+const CONCAVE: f64 = 0.52;
+/// The least turn of a convex one (45°).
+const CONVEX: f64 = 0.79;
+/// Half the way over which turns are added up to a concave corner, mm: walls
+/// that go round one are arcs of half a line's width in radius.
+const WAY: Mm = 0.4;
+/// The same for a convex one, which stays sharp.
+const SHARP_WAY: Mm = 0.1;
+/// Mean of the weights over the way, with both halves of it.
+const MEAN_WEIGHT: f64 = 16.0 / 15.0;
+
+/// A ring and how it turns.
+pub(super) struct Corners<'a> {
+    ring: &'a [DVec2],
+    /// At each vertex, in radians, positive to the left.
+    turns: Vec<f64>,
+    length: Mm,
+    /// 1 if the ring turns to the left on the whole, else −1.
+    side: f64,
+    /// Length of a facet of a tight curve, mm.
+    facet: Mm,
+}
+
+impl<'a> Corners<'a> {
+    /// Of a ring that is within `accuracy` of what it stands for.
+    pub fn new(ring: &'a [DVec2], accuracy: Mm) -> Corners<'a> {
+        let n = ring.len();
+        let turns: Vec<f64> = (0..n)
+            .map(|i| {
+                let (a, b, c) =
+                    (ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]);
+                let (u, v) = (b - a, c - b);
+                u.perp_dot(v).atan2(u.dot(v))
+            })
+            .collect();
+        let side = turns.iter().sum::<f64>().signum();
+        Corners {
+            ring,
+            turns,
+            length: path_length(ring, true),
+            side,
+            // A facet of a circle of 2 mm.
+            facet: (16.0 * accuracy).sqrt(),
+        }
+    }
+
+    /// Corners that point into the part, which lies to the left.
+    pub fn concave(&self) -> Vec<Corner> {
+        self.find(-1.0, CONCAVE, WAY.max(self.facet))
+    }
+
+    /// Corners that point out of it.
+    pub fn convex(&self) -> Vec<Corner> {
+        self.find(1.0, CONVEX, SHARP_WAY.max(0.5 * self.facet))
+    }
+
+    fn find(&self, sign: f64, least: f64, way: Mm) -> Vec<Corner> {
+        let n = self.ring.len();
+        let circle = sign * self.side * TAU * MEAN_WEIGHT * way / self.length;
+        let least = least + circle.max(0.0);
+        let mut found: Vec<(usize, Corner)> = Vec::new();
+        for i in 0..n {
+            // Most vertices are none by far.
+            if sign * self.turns[i] < 0.02 {
+                continue;
+            }
+            let (turn, _) = self.sum(i, 0.0, sign, way);
+            if turn < least {
+                continue;
+            }
+            // To the middle of the turning, in some steps.
+            let mut offset = 0.0;
+            let mut turn = turn;
+            for _ in 0..8 {
+                let (sum, middle) = self.sum(i, offset, sign, way);
+                turn = sum;
+                offset = middle;
+            }
+            let at = self.at(i, offset);
+            let corner = Corner { at, turn };
+            // Several vertices lead to the same corner.
+            let same = |c: &&mut (usize, Corner)| c.1.at.distance(at) < way;
+            match found.iter_mut().rev().take(8).find(same) {
+                Some(other) if other.1.turn >= turn => {}
+                Some(other) => *other = (i, corner),
+                None => found.push((i, corner)),
+            }
+        }
+        if found.len() > 1
+            && let (Some(first), Some(last)) = (found.first(), found.last())
+            && first.1.at.distance(last.1.at) < way
+        {
+            found.pop();
+        }
+        found.into_iter().map(|(_, c)| c).collect()
+    }
+
+    /// The turning around the place `offset` behind vertex `i`, and its
+    /// weighted middle, as an offset.
+    fn sum(&self, i: usize, offset: Mm, sign: f64, way: Mm) -> (f64, Mm) {
+        let n = self.ring.len();
+        let (mut sum, mut moment) = (0.0, 0.0);
+        let mut add = |k: usize, s: Mm| {
+            let u = (s - offset) / way;
+            let weight = (1.0 - u * u).max(0.0);
+            let turn = sign * self.turns[k] * weight * weight;
+            sum += turn;
+            moment += turn * s;
+        };
+        add(i, 0.0);
+        let half = 0.5 * self.length;
+        for step in [1, n - 1] {
+            let (mut k, mut s) = (i, 0.0);
+            let forth = if step == 1 { 1.0 } else { -1.0 };
+            // Beyond the middle by as much as it is off.
+            while s < (way + offset.abs()).min(half) {
+                let next = (k + step) % n;
+                s += self.ring[k].distance(self.ring[next]);
+                k = next;
+                if k == i || s >= half {
+                    break;
+                }
+                add(k, forth * s);
+            }
+        }
+        match sum > 1e-9 {
+            true => (sum, moment / sum),
+            false => (sum, offset),
+        }
+    }
+
+    /// The point `offset` behind vertex `i`.
+    fn at(&self, i: usize, offset: Mm) -> DVec2 {
+        let n = self.ring.len();
+        let step = if offset < 0.0 { n - 1 } else { 1 };
+        let (mut k, mut left) = (i, offset.abs());
+        for _ in 0..n {
+            let next = (k + step) % n;
+            let edge = self.ring[k].distance(self.ring[next]);
+            if left <= edge && edge > 0.0 {
+                return self.ring[k].lerp(self.ring[next], left / edge);
+            }
+            left -= edge;
+            k = next;
+        }
+        self.ring[i]
+    }
+}

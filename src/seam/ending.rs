@@ -1,0 +1,300 @@
+//! How outer walls end where they began: with a gap, a scarf, a wipe inwards.
+//!
+//! ```text
+//!     ▁▂▃▄▅▆▇███████ … ███████      a scarf: the loop's first way is printed
+//!     ███▇▆▅▄▃▂▁                    twice, with a flow that grows at first
+//!     └─ scarf ─┘                   and shrinks on the second time round
+//! ```
+//!
+//! In: beads in print order, closed ones begun at their seam. Out: the same,
+//! and where the nozzle goes without printing after each. A bead's height is
+//! its layer's, so a scarf ramps by flow, that is by width, alone.
+
+use crate::bead::{Bead, Role, cross_section};
+use crate::plane::grid::EdgeGrid;
+use crate::settings::Settings;
+use crate::units::{Mm, Mm2};
+use glam::DVec2;
+
+/// A bead, and what follows on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// The bead.
+    pub bead: Bead,
+    /// Where the nozzle goes when it is done, before anything else.
+    pub wipe: Option<DVec2>,
+}
+
+impl Ended {
+    /// Where the nozzle is afterwards.
+    pub fn end(&self) -> Option<DVec2> {
+        let end = match self.bead.closed {
+            true => self.bead.points.first(),
+            false => self.bead.points.last(),
+        };
+        self.wipe.or(end.copied())
+    }
+}
+
+/// Points to a ramp; between them its width changes evenly.
+const STEPS: usize = 8;
+
+/// The beads with their ends. `solid` is the layer's outline.
+pub fn endings(
+    beads: Vec<Bead>,
+    solid: &EdgeGrid,
+    settings: &Settings,
+) -> Vec<Ended> {
+    let finish = |bead: Bead| {
+        let meant = bead.closed && bead.role == Role::OuterWall;
+        if !meant || bead.points.len() < 3 {
+            return Ended { bead, wipe: None };
+        }
+        let length = bead.length();
+        // Half of a loop must be left as it is.
+        let scarf = settings.seam_scarf.min(0.5 * length);
+        let gap = settings.seam_gap.min(0.5 * length);
+        let bead = match scarf > 0.0 || gap > 0.0 {
+            true => opened(&bead, length, scarf, gap),
+            false => bead,
+        };
+        let wipe = match settings.seam_wipe > 0.0 {
+            true => inwards(&bead, settings.seam_wipe, solid),
+            false => None,
+        };
+        Ended { bead, wipe }
+    };
+    beads.into_iter().map(finish).collect()
+}
+
+/// A closed bead as an open one that overlaps its beginning by a scarf, and
+/// ends before that by a gap.
+fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
+    let n = bead.points.len();
+    let width =
+        |i: usize| bead.widths.get(i % n).copied().unwrap_or(bead.width);
+    // Where there are to be points: its own, and those of the ramps.
+    let end = length + scarf - gap;
+    let mut stops: Vec<(Mm, DVec2, Mm)> = Vec::new();
+    let mut from = 0.0;
+    for i in 0..2 * n {
+        let (a, b) = (bead.points[i % n], bead.points[(i + 1) % n]);
+        let edge = a.distance(b);
+        let at = |s: Mm| {
+            let t = ((s - from) / edge).clamp(0.0, 1.0);
+            (s, a.lerp(b, t), width(i) + t * (width(i + 1) - width(i)))
+        };
+        stops.push((from, a, width(i)));
+        let first = stops.len();
+        if scarf > 0.0 {
+            for k in 0..=STEPS {
+                let s = scarf * k as f64 / STEPS as f64;
+                let inside = |s: &Mm| *s > from && *s < from + edge;
+                let both = [s, length + s].into_iter().filter(inside);
+                stops.extend(both.map(at));
+            }
+        }
+        stops[first..].sort_by(|a, b| a.0.total_cmp(&b.0));
+        if from + edge >= end {
+            stops.retain(|s| s.0 < end);
+            stops.push(at(end));
+            break;
+        }
+        from += edge;
+    }
+    // How much of the bead is printed at the time.
+    let share = |s: Mm| match scarf > 0.0 {
+        true => (s / scarf)
+            .min((length + scarf - s) / scarf)
+            .clamp(0.0, 1.0),
+        false => 1.0,
+    };
+    let vary = scarf > 0.0 || !bead.widths.is_empty();
+    let thinned = |&(s, _, w): &(Mm, DVec2, Mm)| {
+        let share = share(s);
+        match share < 1.0 {
+            true => {
+                width_of(share * cross_section(w, bead.height), bead.height)
+            }
+            false => w,
+        }
+    };
+    let widths = match vary {
+        true => stops.iter().map(thinned).collect(),
+        false => Vec::new(),
+    };
+    Bead {
+        points: stops.iter().map(|s| s.1).collect(),
+        widths,
+        closed: false,
+        ..*bead
+    }
+}
+
+/// Width of a bead of a given cross-section.
+fn width_of(area: Mm2, height: Mm) -> Mm {
+    use std::f64::consts::FRAC_PI_4;
+    let round = FRAC_PI_4 * height * height;
+    match area > round {
+        true => (area - round) / height + height,
+        false => area / (FRAC_PI_4 * height),
+    }
+}
+
+/// A point inwards of where a bead ends, farther inside the part than that.
+fn inwards(bead: &Bead, length: Mm, solid: &EdgeGrid) -> Option<DVec2> {
+    /// How near something may be that the wipe could run into, mm.
+    const REACH: Mm = 2.0;
+    let n = bead.points.len();
+    let ways: [(DVec2, DVec2); 2] = match bead.closed {
+        true => [
+            (bead.points[n - 1], bead.points[0]),
+            (bead.points[0], bead.points[1]),
+        ],
+        false => [(bead.points[n - 2], bead.points[n - 1]); 2],
+    };
+    let end = ways[0].1;
+    // The part lies to the left of its walls.
+    let left = |(a, b): (DVec2, DVec2)| (b - a).perp().normalize_or_zero();
+    let inward = (left(ways[0]) + left(ways[1])).try_normalize()?;
+    let depth = |p: DVec2| -> Mm {
+        let d = solid
+            .nearest_within(p, REACH + length)
+            .map_or(REACH + length, |(_, q)| p.distance(q));
+        match solid.contains(p) {
+            true => d,
+            false => -d,
+        }
+    };
+    let here = depth(end);
+    [1.0, 0.5, 0.25]
+        .map(|share| end + share * length * inward)
+        .into_iter()
+        .find(|&p| depth(p) > here)
+}
+
+/// Length of a path, for tests of what is printed twice.
+#[cfg(test)]
+fn printed(bead: &Bead) -> f64 {
+    let pieces = bead.clone().pieces();
+    pieces.iter().map(|p| p.area() * p.length()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::Area;
+
+    fn square(half: f64) -> Vec<DVec2> {
+        [(-half, -half), (half, -half), (half, half), (-half, half)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec()
+    }
+
+    fn wall(half: f64) -> Bead {
+        Bead {
+            role: Role::OuterWall,
+            points: square(half),
+            closed: true,
+            width: 0.45,
+            widths: Vec::new(),
+            height: 0.2,
+        }
+    }
+
+    fn ended(bead: Bead, settings: &Settings) -> Ended {
+        let area = Area {
+            rings: vec![square(10.0)],
+        };
+        let grid = EdgeGrid::new(&area, 1.0);
+        endings(vec![bead], &grid, settings).remove(0)
+    }
+
+    fn settings(scarf: f64, gap: f64, wipe: f64) -> Settings {
+        Settings {
+            seam_scarf: scarf,
+            seam_gap: gap,
+            seam_wipe: wipe,
+            ..Settings::default()
+        }
+    }
+
+    #[test]
+    fn without_any_of_it_a_loop_stays_as_it_is() {
+        let wall = wall(9.775);
+        let own = ended(wall.clone(), &settings(0.0, 0.0, 0.0));
+        assert_eq!(own.bead, wall);
+        assert_eq!(own.wipe, None);
+    }
+
+    #[test]
+    fn a_gap_is_left_open() {
+        let own = ended(wall(9.775), &settings(0.0, 0.2, 0.0)).bead;
+        assert!(!own.closed && own.widths.is_empty());
+        assert_eq!(own.points[0], DVec2::splat(-9.775));
+        let last = own.points[own.points.len() - 1];
+        assert!((last - DVec2::new(-9.775, -9.575)).length() < 1e-9);
+        // Not all of a loop that is tiny.
+        let tiny = ended(wall(0.05), &settings(0.0, 2.0, 0.0)).bead;
+        assert!((tiny.length() - 0.2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_scarf_overlaps_and_adds_up_to_the_loop() {
+        for gap in [0.0, 0.1] {
+            let mut wall = wall(9.775);
+            let own = ended(wall.clone(), &settings(25.0, gap, 0.0)).bead;
+            // 25 mm: round the first corner and back onto the first side.
+            assert!((own.length() - (wall.length() + 25.0 - gap)).abs() < 1e-9);
+            let whole = wall.area() * wall.length();
+            let share = printed(&own) / whole;
+            assert!((share - 1.0).abs() < 3e-3, "{share}");
+            assert!(own.widths[0] < 1e-9);
+            assert_eq!(own.widths.len(), own.points.len());
+            // The same where the wall's own width varies.
+            wall.widths = vec![0.4, 0.5, 0.4, 0.5];
+            let own = ended(wall.clone(), &settings(25.0, gap, 0.0)).bead;
+            let share = printed(&own) / printed(&wall);
+            assert!((share - 1.0).abs() < 5e-3, "{share}");
+        }
+        let half = width_of(0.5 * cross_section(0.45, 0.2), 0.2);
+        let area = cross_section(half, 0.2);
+        assert!((2.0 * area - cross_section(0.45, 0.2)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_wipe_leads_inwards() {
+        let mut begun = wall(9.775);
+        begun.points.insert(0, DVec2::new(-9.775, 0.0));
+        let own = ended(begun, &settings(0.0, 0.0, 0.3));
+        let wipe = own.wipe.unwrap();
+        assert!((wipe - DVec2::new(-9.475, 0.0)).length() < 1e-9, "{wipe}");
+        // Around a hole the part is outside.
+        let mut hole = wall(2.0);
+        hole.points.reverse();
+        let area = Area {
+            rings: vec![square(10.0), {
+                let mut ring = square(1.775);
+                ring.reverse();
+                ring
+            }],
+        };
+        let grid = EdgeGrid::new(&area, 1.0);
+        let own = endings(vec![hole], &grid, &settings(0.0, 0.0, 0.3));
+        let wipe = own[0].wipe.unwrap();
+        assert!(wipe.abs().min_element() > 2.2, "{wipe}");
+        // In a place too thin for it there is none.
+        let thin = Area {
+            rings: vec![square(9.775 + 0.2), {
+                let mut ring = square(9.775 - 0.2);
+                ring.reverse();
+                ring
+            }],
+        };
+        let grid = EdgeGrid::new(&thin, 1.0);
+        let settings = settings(0.0, 0.0, 0.8);
+        let mut begun = wall(9.775);
+        begun.points.insert(0, DVec2::new(-9.775, 0.0));
+        assert_eq!(endings(vec![begun], &grid, &settings)[0].wipe, None);
+    }
+}

@@ -1,0 +1,285 @@
+//! Where closed outer walls begin and end, and how.
+//!
+//! In: a layer's walls as they are before any texture. Out: for each the
+//! places where its seam may be, as far as the layer alone tells ([`Site`]);
+//! with the seams of the layer below, where it is ([`follow`]); and what is
+//! done about it ([`ending`]).
+//!
+//! ```text
+//!      ╭──────╮      aligned: in a concave corner (●), where it hides and
+//!      │   ╭──╯      stays from layer to layer; else at a convex one; else
+//!      │   ●         where the line from the middle to the back (+y) leaves
+//!      ╰───┴──╮      the ring
+//! ```
+//!
+//! A layer's own site depends on nothing but its ring, so that seams hardly
+//! jump where the layers below are not known: only where they had followed a
+//! corner that is not the one a layer would choose by itself.
+//!
+//! The walls are polygons, which stand for curves: where a seam lies between
+//! the corners of a polygon is found on a smooth curve through them
+//! ([`lowest`]), so that it does not jump from one to the other.
+
+mod corners;
+pub mod ending;
+mod lowest;
+
+use crate::bead::{Bead, Role};
+use crate::model::Place;
+use crate::plane::grid::{EdgeGrid, nearest_on};
+use crate::plane::path_length;
+use crate::settings::{Seam, SeamRule, Settings, Varying};
+use crate::units::Mm;
+use crate::vary::{Quantity, Surroundings, VaryError};
+use corners::Corners;
+use glam::DVec2;
+use lowest::lowest;
+
+/// Where the seam of a wall may be.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Site {
+    /// Where it is if nothing is known of the layer below; anywhere if not
+    /// given.
+    pub at: Option<DVec2>,
+    /// Whether it goes on where the seam of the layer below is.
+    pub follows: bool,
+    /// The corners it may be in.
+    pub corners: Vec<DVec2>,
+}
+
+/// Slightly to the right counts as back, so that on a level edge it is not
+/// rounding that picks the end.
+const BACK: DVec2 = DVec2::new(0.02, 1.0);
+/// A seam follows a corner that moves by less than this, mm.
+const REACH: Mm = 2.0;
+/// By how much a seam that is not in a corner goes back to its own place
+/// from one layer to the next, mm.
+const PULL: Mm = 0.1;
+
+/// The rule for a run's seams.
+pub struct Seams<'a> {
+    rule: Seam,
+    expression: Option<Quantity>,
+    around: &'a Surroundings<'a>,
+    accuracy: Mm,
+}
+
+impl<'a> Seams<'a> {
+    /// As the settings have it.
+    ///
+    /// # Errors
+    /// If it is an expression with a mistake in it.
+    pub fn new(
+        settings: &Settings,
+        around: &'a Surroundings<'a>,
+    ) -> Result<Seams<'a>, VaryError> {
+        let expression = match &settings.seam {
+            Seam::Expression(text) => {
+                let varying = Varying::Expression(text.clone());
+                Some(Quantity::new("seam", &varying)?)
+            }
+            Seam::Rule(_) => None,
+        };
+        Ok(Seams {
+            rule: settings.seam.clone(),
+            expression,
+            around,
+            accuracy: settings.accuracy,
+        })
+    }
+
+    /// The sites of the walls of a layer, whose outline at the height `z`
+    /// above the bed is `solid`; empty ones for walls that are not closed
+    /// outer ones.
+    ///
+    /// # Errors
+    /// If an expression has no value somewhere.
+    pub fn sites(
+        &self,
+        walls: &[Bead],
+        layer: usize,
+        z: Mm,
+        solid: &EdgeGrid,
+    ) -> Result<Vec<Site>, VaryError> {
+        let own = |(number, wall): (usize, &Bead)| {
+            let outer = wall.closed && wall.role == Role::OuterWall;
+            match outer && wall.points.len() > 2 {
+                true => self.site(&wall.points, [layer, number], z, solid),
+                false => Ok(Site::default()),
+            }
+        };
+        walls.iter().enumerate().map(own).collect()
+    }
+
+    fn site(
+        &self,
+        ring: &[DVec2],
+        number: [usize; 2],
+        z: Mm,
+        solid: &EdgeGrid,
+    ) -> Result<Site, VaryError> {
+        let at = match (&self.rule, &self.expression) {
+            (Seam::Rule(SeamRule::Aligned), _) => {
+                return Ok(aligned(ring, self.accuracy));
+            }
+            (Seam::Rule(SeamRule::Rear), _) => rear(ring, self.accuracy),
+            (Seam::Rule(SeamRule::Random), _) => random(ring, number),
+            (Seam::Expression(_), Some(value)) => {
+                let measure = value.uses_depth();
+                let mut places: Vec<Place> = Vec::new();
+                lowest(ring, self.accuracy, |points, out| {
+                    places.clear();
+                    self.around.places(
+                        points.iter().copied(),
+                        z,
+                        measure,
+                        Some(solid),
+                        &mut places,
+                    )?;
+                    value.evaluate(&places, out)
+                })?
+            }
+            _ => None,
+        };
+        Ok(Site {
+            at,
+            ..Site::default()
+        })
+    }
+}
+
+/// Where an aligned seam may be.
+fn aligned(ring: &[DVec2], accuracy: Mm) -> Site {
+    let corners = Corners::new(ring, accuracy);
+    let mut sharp = corners.concave();
+    if sharp.is_empty() {
+        sharp = corners.convex();
+    }
+    // Of those that are about as sharp as the sharpest the rearmost, so that
+    // it is the same one in the next layer.
+    const ALIKE: f64 = 0.8;
+    let sharpest = sharp.iter().map(|c| c.turn).fold(0.0, f64::max);
+    let rearmost = sharp
+        .iter()
+        .filter(|c| c.turn >= ALIKE * sharpest)
+        .max_by(|a, b| BACK.dot(a.at).total_cmp(&BACK.dot(b.at)));
+    Site {
+        at: rearmost.map(|c| c.at).or_else(|| behind(ring)),
+        follows: true,
+        corners: sharp.iter().map(|c| c.at).collect(),
+    }
+}
+
+/// The point farthest back.
+fn rear(ring: &[DVec2], accuracy: Mm) -> Option<DVec2> {
+    let back = lowest(ring, accuracy, |points, out| {
+        out.extend(points.iter().map(|p| -BACK.dot(*p)));
+        Ok::<(), std::convert::Infallible>(())
+    });
+    match back {
+        Ok(point) => point,
+        Err(never) => match never {},
+    }
+}
+
+/// Where the line from the centre of what a ring encloses to the back leaves
+/// it. It moves as smoothly as the ring does.
+fn behind(ring: &[DVec2]) -> Option<DVec2> {
+    let origin = *ring.first()?;
+    let edges = || (0..ring.len()).map(|i| (i, (i + 1) % ring.len()));
+    let (mut area, mut moment) = (0.0, DVec2::ZERO);
+    for (i, k) in edges() {
+        let (a, b) = (ring[i] - origin, ring[k] - origin);
+        area += a.perp_dot(b);
+        moment += a.perp_dot(b) * (a + b) / 3.0;
+    }
+    let x = origin.x + moment.x / area;
+    edges()
+        .map(|(i, k)| (ring[i], ring[k]))
+        .filter(|(a, b)| (a.x < x) != (b.x < x))
+        .map(|(a, b)| a.lerp(b, (x - a.x) / (b.x - a.x)))
+        .max_by(|p, q| p.y.total_cmp(&q.y))
+        .or(Some(origin))
+}
+
+/// A point that depends on the numbers of layer and wall only.
+fn random(ring: &[DVec2], [layer, number]: [usize; 2]) -> Option<DVec2> {
+    // SplitMix64 (Steele, Lea and Flood 2014), twice.
+    let mix = |seed: u64| {
+        let z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    };
+    let hash = mix(mix(layer as u64) ^ number as u64);
+    let share = (hash >> 11) as f64 / (1_u64 << 53) as f64;
+    along(ring, share * path_length(ring, true))
+}
+
+/// The point of a ring that lies so far behind its first one.
+fn along(ring: &[DVec2], length: Mm) -> Option<DVec2> {
+    let mut left = length;
+    for (i, &a) in ring.iter().enumerate() {
+        let b = ring[(i + 1) % ring.len()];
+        let edge = a.distance(b);
+        if left < edge {
+            return Some(a.lerp(b, left / edge));
+        }
+        left -= edge;
+    }
+    ring.first().copied()
+}
+
+/// Where the seam of a ring is, given the point of it nearest to the seam of
+/// the layer below, if there is one.
+pub fn follow(
+    site: &Site,
+    ring: &[DVec2],
+    below: Option<DVec2>,
+) -> Option<DVec2> {
+    let (Some(own), Some(below)) = (site.at, below) else {
+        return site.at.or(below);
+    };
+    let nearest = site
+        .corners
+        .iter()
+        .map(|c| (c.distance(below), *c))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    match nearest {
+        Some((d, corner)) if d <= REACH => Some(corner),
+        Some(_) => Some(own),
+        None => toward(ring, below, own),
+    }
+}
+
+/// From one point of a ring the shorter way along it to another one, not
+/// farther than a seam may go at a time.
+fn toward(ring: &[DVec2], from: DVec2, to: DVec2) -> Option<DVec2> {
+    if from.distance(to) <= PULL {
+        return Some(to);
+    }
+    let place = |p: DVec2| {
+        let mut length = 0.0;
+        let mut best = (f64::INFINITY, 0.0);
+        for (i, &a) in ring.iter().enumerate() {
+            let b = ring[(i + 1) % ring.len()];
+            let q = nearest_on(p, a, b);
+            let d = q.distance_squared(p);
+            if d < best.0 {
+                best = (d, length + a.distance(q));
+            }
+            length += a.distance(b);
+        }
+        (best.1, length)
+    };
+    let ((a, all), (b, _)) = (place(from), place(to));
+    let ahead = (b - a).rem_euclid(all);
+    let step = match ahead < 0.5 * all {
+        true => PULL.min(ahead),
+        false => -PULL.min(all - ahead),
+    };
+    along(ring, (a + step).rem_euclid(all))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+use super::*;
+use std::f64::consts::TAU;
+
+const ACCURACY: f64 = 0.005;
+
+/// A circle whose facets are within `ACCURACY`, begun anywhere, uneven.
+fn circle(centre: DVec2, radius: f64, begin: f64) -> Vec<DVec2> {
+    let facet = (8.0 * ACCURACY / radius).sqrt();
+    let mut angle = 0.0;
+    let mut ring = Vec::new();
+    while angle < TAU - 0.3 * facet {
+        ring.push(centre + radius * DVec2::from_angle(angle + begin));
+        let uneven = 0.6 + 0.4 * (37.0 * angle).sin().abs();
+        angle += facet * uneven;
+    }
+    ring
+}
+
+fn polygon(points: &[(f64, f64)]) -> Vec<DVec2> {
+    points.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
+}
+
+#[test]
+fn circles_have_no_corners_and_their_seam_is_behind() {
+    for radius in [0.3, 1.0, 4.0, 60.0] {
+        for k in 0..20 {
+            let centre = DVec2::new(3.0, -2.0);
+            let mut ring = circle(centre, radius, f64::from(k) * 0.377);
+            for hole in [false, true] {
+                if hole {
+                    ring.reverse();
+                }
+                let site = aligned(&ring, ACCURACY);
+                assert_eq!(site.corners, [], "{radius} {hole}");
+                let at = site.at.unwrap() - centre;
+                let wanted = DVec2::new(0.0, radius);
+                assert!(at.distance(wanted) < 0.02, "{at}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_least_is_found_between_the_vertices() {
+    for (radius, within) in [(2.0, 0.01), (20.0, 0.03), (60.0, 0.05)] {
+        for k in 0..20 {
+            let begin = f64::from(k) * 0.377;
+            let ring = circle(DVec2::ZERO, radius, begin);
+            let along = DVec2::from_angle(1.1);
+            // As exact as expressions are.
+            let found = lowest(&ring, ACCURACY, |points, out| {
+                out.extend(
+                    points.iter().map(|p| f64::from(along.dot(*p) as f32)),
+                );
+                Ok::<(), ()>(())
+            });
+            let off = found.unwrap().unwrap().distance(-radius * along);
+            assert!(off < within, "{radius}: {off}");
+        }
+    }
+    // At a corner it is the corner, on a level side its end at the back.
+    let ring = polygon(&[(0.0, -3.0), (4.0, 0.0), (4.0, 5.0), (-4.0, 5.0)]);
+    let least = |f: fn(&DVec2) -> f64| {
+        let found = lowest(&ring, ACCURACY, |points, out| {
+            out.extend(points.iter().map(f));
+            Ok::<(), ()>(())
+        });
+        found.unwrap().unwrap()
+    };
+    assert!(least(|p| p.y).distance(ring[0]) < 0.01);
+    assert!(least(|p| -p.y).distance(ring[2]) < 0.01);
+    let at = least(|p| (p.x - 1.3).abs() - p.y);
+    assert!(at.distance(DVec2::new(1.3, 5.0)) < 0.01, "{at}");
+    assert_eq!(lowest(&[], ACCURACY, |_, _| Ok::<(), ()>(())), Ok(None));
+}
+
+#[test]
+fn concave_corners_come_first_and_the_middle_of_round_ones() {
+    // An L whose inner corner is an arc of 0.225 mm, as walls have it.
+    let mut l = polygon(&[(0.0, 9.0), (0.0, 0.0), (9.0, 0.0), (9.0, 3.0)]);
+    let centre = DVec2::new(3.3, 3.3);
+    for k in 0..=5 {
+        let angle = (270.0 - 18.0 * f64::from(k)).to_radians();
+        l.push(centre + 0.3 * DVec2::from_angle(angle));
+    }
+    l.push(DVec2::new(3.0, 9.0));
+    let site = aligned(&l, ACCURACY);
+    assert_eq!(site.corners.len(), 1, "{site:?}");
+    let wanted = centre - 0.3 / 2.0_f64.sqrt();
+    assert!(site.corners[0].distance(wanted) < 0.02, "{site:?}");
+    assert_eq!(site.at, Some(site.corners[0]));
+    // Without one, convex ones: the rearmost, to the right.
+    let square = polygon(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
+    let site = aligned(&square, ACCURACY);
+    assert_eq!(site.corners.len(), 4);
+    assert!(site.at.unwrap().distance(square[2]) < 1e-9);
+}
+
+#[test]
+fn seams_follow_their_corner_or_go_back_bit_by_bit() {
+    let square = polygon(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
+    let site = aligned(&square, ACCURACY);
+    let near = DVec2::new(0.0, 0.7);
+    assert!(follow(&site, &square, Some(near)).unwrap().length() < 1e-9);
+    // From the middle of a side it goes to the corner of its own.
+    let far = DVec2::new(0.0, 4.0);
+    assert_eq!(follow(&site, &square, Some(far)), site.at);
+    let ring = circle(DVec2::ZERO, 10.0, 0.3);
+    let site = aligned(&ring, ACCURACY);
+    let mut at = DVec2::new(10.0, 0.0);
+    let mut steps = 0;
+    while at.distance(site.at.unwrap()) > 1e-9 {
+        let next = follow(&site, &ring, Some(at)).unwrap();
+        // Up to the facets.
+        assert!(next.distance(at) < PULL + 0.02 && next.y > at.y - 0.01);
+        at = next;
+        steps += 1;
+    }
+    // A quarter of the circle.
+    assert!((150..165).contains(&steps), "{steps}");
+    assert_eq!(follow(&site, &ring, None), site.at);
+    assert_eq!(follow(&Site::default(), &ring, Some(at)), Some(at));
+    assert_eq!(follow(&Site::default(), &ring, None), None);
+}
+
+#[test]
+fn random_seams_depend_on_layer_and_ring_alone() {
+    let ring = circle(DVec2::ZERO, 10.0, 0.3);
+    let at = |layer, number| random(&ring, [layer, number]).unwrap();
+    assert_eq!(at(7, 1), at(7, 1));
+    assert!(at(7, 1).distance(at(8, 1)) > 1e-3);
+    assert!(at(7, 1).distance(at(7, 2)) > 1e-3);
+    let mean = (0..2000).map(|k| at(k, 0)).sum::<DVec2>() / 2000.0;
+    assert!(mean.length() < 0.6, "{mean}");
+}

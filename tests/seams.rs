@@ -1,0 +1,270 @@
+//! Where outer walls begin and end, read from the G-code.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+mod common;
+
+use common::{Kind, Layer, OUTER_WALL, formula, parse, settings, slice};
+use glam::DVec2;
+use std::f64::consts::TAU;
+
+/// One wall and nothing else, of a coarse lattice: quick.
+const BARE: [&str; 7] = [
+    "walls=1",
+    "infill_density=0",
+    "top_layers=0",
+    "bottom_layers=0",
+    "overhang_share=100",
+    "sample_spacing=0.5",
+    "skirt.loops=0",
+];
+
+const CYLINDER: &str = "max(sqrt(x^2 + y^2) - 15, abs(z) - 30)";
+/// From 20 to 8 mm over 60.
+const CONE: &str = "max((sqrt(x^2 + y^2) - 14 + 0.2*z), abs(z) - 30)";
+
+fn layers(text: &str, assignments: &[&str]) -> Vec<Layer> {
+    let all: Vec<&str> = BARE.iter().chain(assignments).copied().collect();
+    let settings = settings(&all);
+    let (gcode, _) = slice(&formula(text, &settings), &settings, 2);
+    parse(&gcode)
+}
+
+/// Where a layer's outer walls begin, from the middle of the bed.
+fn begins(layer: &Layer) -> Vec<DVec2> {
+    let wall = |i: usize| {
+        let m = &layer.moves[i];
+        m.kind == Kind::Print && m.role == OUTER_WALL
+    };
+    (0..layer.moves.len())
+        .filter(|&i| wall(i) && (i == 0 || !wall(i - 1)))
+        .map(|i| layer.moves[i].from.truncate() - DVec2::splat(110.0))
+        .collect()
+}
+
+fn only_begins(layers: &[Layer]) -> Vec<DVec2> {
+    let only = |l: &Layer| {
+        let all = begins(l);
+        assert_eq!(all.len(), 1, "{all:?}");
+        all[0]
+    };
+    layers.iter().map(only).collect()
+}
+
+#[track_caller]
+fn assert_steady(text: &str, assignments: &[&str]) {
+    let seams = only_begins(&layers(text, assignments));
+    // More than two blocks.
+    assert!(seams.len() > 256, "{}", seams.len());
+    for (i, pair) in seams.windows(2).enumerate() {
+        let d = pair[0].distance(pair[1]);
+        assert!(d <= 0.2, "layer {i}: {d} at {pair:?}");
+    }
+}
+
+#[test]
+fn seams_of_round_parts_are_straight_lines() {
+    for text in [CYLINDER, CONE] {
+        assert_steady(text, &[]);
+        assert_steady(text, &["seam=rear"]);
+        assert_steady(text, &["seam=expr: x - 2*y"]);
+    }
+    // Off the axis, not a distance, leaning and growing.
+    let oval = "max(((x - 0.1*z)^2/300 + y^2/90 - 1 - 0.004*z), abs(z) - 30)";
+    assert_steady(oval, &[]);
+}
+
+#[test]
+fn an_aligned_seam_is_in_the_concave_corner() {
+    // A corner of a block cut out, up to (4, 3); turned, so that it is not
+    // at the back.
+    for angle in [0.0_f64, 2.0, 4.0] {
+        let (c, s) = (angle.cos(), angle.sin());
+        let text = format!(
+            "max(max(max(abs(x*({c})+y*({s})) - 10, \
+             abs(y*({c})-x*({s})) - 8), -max(4 - (x*({c})+y*({s})), \
+             3 - (y*({c})-x*({s})))), abs(z) - 3)"
+        );
+        let all = layers(&text, &["sample_spacing=0.1"]);
+        let seams = only_begins(&all);
+        for p in &seams {
+            assert!(p.distance(seams[0]) < 0.02, "{p} {}", seams[0]);
+        }
+        // The wall goes round the corner half its width from it; the part may
+        // have been moved to the middle of the bed.
+        let local = DVec2::from_angle(-angle).rotate(seams[3]);
+        let middle = middle_of(&all[3], angle);
+        let local = local - middle;
+        assert!((local.x - (4.0 - 0.159)).abs() < 0.05, "{local}");
+        assert!((local.y - (3.0 - 0.159)).abs() < 0.05, "{local}");
+    }
+}
+
+/// The middle of a layer's outer wall, in directions turned by an angle.
+fn middle_of(layer: &Layer, angle: f64) -> DVec2 {
+    let turned = DVec2::from_angle(-angle);
+    let points = layer.moves.iter().filter(|m| m.role == OUTER_WALL);
+    let prints = points.filter(|m| m.kind == Kind::Print);
+    let (low, high) = prints
+        .map(|m| turned.rotate(m.to.truncate() - DVec2::splat(110.0)))
+        .fold((DVec2::MAX, DVec2::MIN), |(low, high), p| {
+            (low.min(p), high.max(p))
+        });
+    0.5 * (low + high)
+}
+
+#[test]
+fn rear_random_and_expressions_are_where_they_say() {
+    let radius = 14.775;
+    // The bed's layer has no settings of its own here.
+    for p in only_begins(&layers(CYLINDER, &["seam=rear"])) {
+        assert!(p.y > radius - 0.01 && p.x.abs() < 0.4, "{p}");
+    }
+    let low = DVec2::new(0.0, -radius);
+    for p in only_begins(&layers(CYLINDER, &["seam=expr: y"])) {
+        assert!(p.distance(low) < 0.05, "{p}");
+    }
+    // Turning with the height.
+    let seams =
+        only_begins(&layers(CYLINDER, &["seam=expr: x*cos(z/9) + y*sin(z/9)"]));
+    for (i, p) in seams.iter().enumerate() {
+        let z = 0.1 + 0.2 * i as f64;
+        let wanted = -radius * DVec2::from_angle(z / 9.0);
+        assert!(p.distance(wanted) < 0.05, "{p} {wanted}");
+    }
+    let seams = only_begins(&layers(CYLINDER, &["seam=random"]));
+    let mut eighths = [0; 8];
+    for p in &seams {
+        eighths[(p.to_angle().rem_euclid(TAU) / TAU * 8.0) as usize % 8] += 1;
+    }
+    // 300 layers: 37 or 38 to an eighth, give or take six.
+    assert!(eighths.iter().all(|n| (15..=62).contains(n)), "{eighths:?}");
+    let near = seams.windows(2).filter(|w| w[0].distance(w[1]) < 5.0);
+    assert!(near.count() < 60);
+}
+
+#[test]
+fn a_nearest_seam_is_nearest_to_where_the_nozzle_was() {
+    // A pillar and a block beside it.
+    let two = "min(max(sqrt((x+12)^2 + y^2) - 6, abs(z) - 3), \
+               max(max(abs(x-12) - 5, abs(y) - 5), abs(z) - 3))";
+    for layer in &layers(two, &["seam=nearest", "seam_wipe=0"])[1..] {
+        let mut was = layer.moves[0].from.truncate();
+        let (mut walls, mut begun) = (Vec::new(), false);
+        for m in &layer.moves {
+            let (from, to) = m.ends();
+            if m.kind == Kind::Print && !begun {
+                walls.push((was, Vec::new()));
+            }
+            begun = m.kind == Kind::Print;
+            if begun {
+                walls.last_mut().unwrap().1.push(from);
+                was = to;
+            }
+        }
+        assert_eq!(walls.len(), 2);
+        for (was, points) in walls {
+            let own = was.distance(points[0]);
+            let least = points.iter().map(|p| was.distance(*p));
+            let least = least.fold(f64::INFINITY, f64::min);
+            assert!(own < least + 0.02, "{own} {least}");
+        }
+    }
+}
+
+/// Settings that cut, move and vary walls.
+const ROUGH: &str = "max(max(abs(x) - 12, abs(y) - 6 - 2*sin(z)), abs(z) - 4)";
+const COMBINATIONS: [&[&str]; 4] = [
+    &[],
+    &["fuzzy.thickness=0.2"],
+    &["overhang_share=30", "walls=3", "wall_order=outer-first"],
+    &["outer_wall_width=0.6", "thin_max=150", "flow=expr: 100 + x"],
+];
+
+/// Filament in outer walls, of which some are overhangs.
+fn in_walls(layers: &[Layer]) -> f64 {
+    let all = layers.iter().flat_map(Layer::prints);
+    all.map(|m| m.fed).sum()
+}
+
+#[test]
+fn loops_end_in_a_wipe_inwards() {
+    for more in COMBINATIONS {
+        let mut all = vec!["seam_wipe=0.4"];
+        all.extend(more);
+        let layers = layers(ROUGH, &all);
+        let (mut ends, mut wipes) = (0, 0);
+        for layer in &layers {
+            for pair in layer.moves.windows(2) {
+                let ended = pair[0].kind == Kind::Print
+                    && pair[0].role == OUTER_WALL
+                    && pair[1].kind != Kind::Print;
+                if !ended {
+                    continue;
+                }
+                ends += 1;
+                // Before anything is pulled back.
+                let wipe = &pair[1];
+                if wipe.kind != Kind::Travel || wipe.length() > 0.41 {
+                    continue;
+                }
+                wipes += 1;
+                let (from, to) = wipe.ends();
+                let middle = DVec2::splat(110.0);
+                let (a, b) = (from - middle, to - middle);
+                // A rough wall need not run along its side.
+                let slack = match more.contains(&"fuzzy.thickness=0.2") {
+                    true => 0.2,
+                    false => 0.02,
+                };
+                let inside = b.abs().cmple(a.abs() + slack).all();
+                assert!(inside && wipe.length() > 0.09, "{a} {b}");
+            }
+        }
+        assert!(10 * wipes >= 9 * ends, "{wipes} of {ends} {more:?}");
+        assert!(2 * wipes >= layers.len(), "{wipes} {more:?}");
+    }
+}
+
+#[test]
+fn gaps_and_scarfs_go_with_everything() {
+    for more in COMBINATIONS {
+        let fed = |own: &[&str]| {
+            let mut all = own.to_vec();
+            all.extend(more);
+            in_walls(&layers(ROUGH, &all))
+        };
+        let plain = fed(&[]);
+        // What is printed twice adds up to what was printed once.
+        let scarf = fed(&["seam_scarf=8"]) / plain;
+        assert!((scarf - 1.0).abs() < 0.003, "{scarf} {more:?}");
+        // Half a millimetre of about 70, of one wall of several.
+        let gap = 1.0 - fed(&["seam_gap=0.5"]) / plain;
+        assert!(gap > 0.001 && gap < 0.012, "{gap} {more:?}");
+    }
+}
+
+#[test]
+fn seams_depend_neither_on_threads_nor_on_the_range() {
+    let twisted = "max(max(abs(x*cos(z/9) + y*sin(z/9)) - 9, \
+                   abs(y*cos(z/9) - x*sin(z/9)) - 6), abs(z) - 14)";
+    for seam in ["aligned", "random", "expr: abs(x) + d", "nearest"] {
+        let seam = format!("seam={seam}");
+        let mut all = BARE.to_vec();
+        all.extend([seam.as_str(), "seam_scarf=3", "fuzzy.thickness=0.1"]);
+        let settings = settings(&all);
+        let model = formula(twisted, &settings);
+        let (one, _) = slice(&model, &settings, 1);
+        let (three, _) = slice(&model, &settings, 3);
+        assert!(one == three, "{seam}");
+        let (upper, _) = common::slice_layers(&model, &settings, "129..140", 2);
+        let body = |text: &str, skip: usize| {
+            let end = text.find("; end of layers").unwrap();
+            let mut parts = text[..end].split(";LAYER_CHANGE");
+            parts.by_ref().take(skip + 1).count();
+            parts.collect::<String>()
+        };
+        assert!(body(&upper, 0).len() > 1000);
+        assert!(body(&upper, 0) == body(&one, 128), "{seam}");
+    }
+}
