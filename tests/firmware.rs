@@ -102,7 +102,8 @@ fn word(code: &str) -> &str {
     code.split(' ').next().unwrap_or("")
 }
 
-/// Slices every example for a firmware and looks at each file.
+/// Slices the lower layers of every example for a firmware and looks at each
+/// file.
 fn each_example(
     flavour: &str,
     known: &[&str],
@@ -113,18 +114,27 @@ fn each_example(
     all.push(&flavour);
     for example in examples() {
         let (model, settings) = example.place(&all);
-        let (gcode, _) = slice(&model, &settings, 2);
-        for code in commands(&gcode) {
-            assert!(known.contains(&word(code)), "{}: {code}", example.name);
-        }
+        let (gcode, _) = slice_layers(&model, &settings, "1..24", 2);
+        assert_known(&gcode, known);
         let count =
             |command| commands(&gcode).filter(|c| word(c) == command).count();
         let name = &example.name;
         assert!(count("G10") > 0, "{name}");
         let left = count("G10").abs_diff(count("G11"));
         assert!(left <= 1, "{name}: {left} retractions without a partner");
-        assert!(count("M73") > 10, "{name}");
         look(name, &gcode, &settings);
+    }
+    // A whole part, which tells how far it has come.
+    let (model, settings) = ball(&all);
+    let (gcode, _) = slice(&model, &settings, 2);
+    assert_known(&gcode, known);
+    assert!(commands(&gcode).filter(|c| word(c) == "M73").count() > 10);
+    look("test", &gcode, &settings);
+}
+
+fn assert_known(gcode: &str, known: &[&str]) {
+    for code in commands(gcode) {
+        assert!(known.contains(&word(code)), "{code}");
     }
 }
 

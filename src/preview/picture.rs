@@ -11,9 +11,15 @@ use super::raster::{PictureError, Subject, View};
 use super::shade::shade;
 use crate::model::Model;
 
-/// Pixels that are looked at for one of the picture, along each side, for
-/// pictures up to each size: smooth edges cost their square.
-const SMOOTH: [(usize, usize); 3] = [(160, 4), (640, 2), (2000, 2)];
+/// Pixels that are looked at for one of the picture, along each side, up to
+/// [`SMOOTHED`]: smooth edges cost the square of it.
+const SMOOTH: usize = 2;
+/// Longer side up to which edges are smooth.
+const SMOOTHED: usize = 2000;
+/// The same for pictures in a file's head, which every run pays for.
+const THUMBNAIL: f64 = 1.5;
+/// Longer side that they are drawn with at least.
+const LEAST: f64 = 128.0;
 
 /// Draws a model, on a transparent background.
 ///
@@ -26,10 +32,17 @@ pub fn draw(
 ) -> Result<Picture, PictureError> {
     let [width, height] = size.map(|n| n.max(1));
     let longest = width.max(height);
-    let block = SMOOTH
-        .iter()
-        .find(|(most, _)| longest <= *most)
-        .map_or(1, |(_, block)| *block);
+    let block = if longest <= SMOOTHED { SMOOTH } else { 1 };
+    drawn(model, view, [width, height], block)
+}
+
+/// The picture, of blocks of that many pixels.
+fn drawn(
+    model: &Model,
+    view: View,
+    [width, height]: [usize; 2],
+    block: usize,
+) -> Result<Picture, PictureError> {
     let subject = Subject::new(model, view)?;
     let seen = subject.fitted(width * block, height * block)?;
     Ok(shade(&seen, subject.axes(), block))
@@ -49,7 +62,10 @@ pub fn thumbnails(
     let Some(&largest) = whole.iter().max_by_key(|[w, h]| w * h) else {
         return Ok(Vec::new());
     };
-    let drawn = draw(model, View::THUMBNAIL, largest)?;
+    let longest = largest[0].max(largest[1]) as f64;
+    let finer = THUMBNAIL.max(LEAST / longest);
+    let size = largest.map(|n| (finer * n as f64).ceil() as usize);
+    let drawn = drawn(model, View::THUMBNAIL, size, 1)?;
     whole
         .into_iter()
         .map(|[width, height]| drawn.shrunk(width, height).png())

@@ -117,7 +117,7 @@ pub(super) struct Seen {
 }
 
 /// Pixels of the first look along its longer side.
-const COARSE: usize = 256;
+const COARSE: usize = 128;
 /// Pixels of the trial that finds the faster evaluator.
 const TRIAL: usize = 48;
 /// Free border, as a share of the picture.

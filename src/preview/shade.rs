@@ -49,8 +49,9 @@ pub(super) fn shade(seen: &Seen, axes: DMat3, block: usize) -> Picture {
         .par_chunks_mut(width)
         .enumerate()
         .for_each(|(j, row)| {
+            let mut last = None;
             for (i, pixel) in row.iter_mut().enumerate() {
-                *pixel = light.block(i * block, j * block, block);
+                *pixel = light.block([i, j], block, &mut last);
             }
         });
     Picture {
@@ -65,6 +66,10 @@ pub(super) fn shade(seen: &Seen, axes: DMat3, block: usize) -> Picture {
 const LEVEL: f32 = 4.0;
 const ALIKE: f32 = 0.95;
 
+/// Neighbours for which what was looked for around a pixel holds: most of the
+/// time goes there.
+const SHARED: u8 = 3;
+
 /// How much of the light reaches a place.
 #[derive(Clone, Copy, Debug)]
 struct Around {
@@ -72,6 +77,20 @@ struct Around {
     open: f32,
     /// Share of the key's.
     lit: f32,
+    /// For how many pixels it has been used.
+    age: u8,
+    /// Where the place is, and which way it faces.
+    z: f32,
+    n: Vec3,
+}
+
+impl Around {
+    /// True if it also holds for the next pixel: it lies on the same surface.
+    fn holds(&self, z: f32, n: Vec3) -> bool {
+        self.age < SHARED
+            && (z - self.z).abs() <= LEVEL
+            && n.dot(self.n) > ALIKE
+    }
 }
 
 struct Light<'a> {
@@ -102,30 +121,35 @@ impl<'a> Light<'a> {
 
     /// The mean colour of a square of pixels, linear, multiplied by its
     /// opacity.
-    fn block(&self, i: usize, j: usize, side: usize) -> [f32; 4] {
+    fn block(
+        &self,
+        block: [usize; 2],
+        side: usize,
+        last: &mut Option<Around>,
+    ) -> [f32; 4] {
         let mut sum = Vec3::ZERO;
         let mut hits = 0;
-        // What is looked for around a pixel holds for those of the block that
-        // lie on the same surface: most of the time goes there.
-        let mut last: Option<(f32, Vec3, Around)> = None;
+        let [i, j] = block.map(|k| k * side);
         for (x, y) in (0..side * side).map(|k| (i + k % side, j + k / side)) {
             let k = x + y * self.seen.width;
             let Some(z) = self.seen.depths[k] else {
                 continue;
             };
             let n = self.seen.normals[k];
-            let around = match last {
-                Some((near, facing, around))
-                    if (z - near).abs() <= LEVEL && n.dot(facing) > ALIKE =>
-                {
-                    around
-                }
+            let around = match *last {
+                Some(near) if near.holds(z, n) => near,
                 _ => Around {
                     open: self.openness(x, y, z, n),
                     lit: self.lit(x, y, z, n),
+                    age: 0,
+                    z,
+                    n,
                 },
             };
-            last = Some((z, n, around));
+            *last = Some(Around {
+                age: around.age + 1,
+                ..around
+            });
             sum += self.colour(n, around);
             hits += 1;
         }
