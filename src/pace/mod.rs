@@ -845,8 +845,10 @@ mod tests {
                 ..Travel::straight(DVec2::splat(70.0), false)
             },
         );
-        let [PacedMove::Travel { .. }, PacedMove::Prime { length, extra, .. }] =
-            steps[..]
+        let [
+            PacedMove::Travel { .. },
+            PacedMove::Prime { length, extra, .. },
+        ] = steps[..]
         else {
             panic!("{steps:?}");
         };

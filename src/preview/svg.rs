@@ -125,8 +125,7 @@ mod tests {
             widths: Vec::new(),
             height: 0.2,
         };
-        let travel =
-            Move::Travel(Travel::straight(DVec2::new(5.0, 5.0), true));
+        let travel = Move::Travel(Travel::straight(DVec2::new(5.0, 5.0), true));
         let path = LayerPath {
             span: LayerSpan {
                 index: 3,

@@ -134,9 +134,8 @@ impl Part {
 
     /// The travel from where one bead of infill ends to another one.
     fn travel(&self, from: (f64, f64), to: (f64, f64)) -> Travel {
-        let short = |p: (f64, f64)| {
-            bead(Role::SparseInfill, &[(p.0, p.1 + 0.1), p])
-        };
+        let short =
+            |p: (f64, f64)| bead(Role::SparseInfill, &[(p.0, p.1 + 0.1), p]);
         let mut to = short(to);
         to.reverse();
         self.travels(vec![short(from), to]).remove(0)
@@ -216,8 +215,7 @@ fn to_touch_is_to_cross() {
 
 #[test]
 fn a_thin_gap_between_islands_is_air() {
-    let part =
-        Part::new(&[[0.0, 0.0, 10.0, 20.0], [10.05, 0.0, 20.0, 20.0]]);
+    let part = Part::new(&[[0.0, 0.0, 10.0, 20.0], [10.05, 0.0, 20.0, 20.0]]);
     part.ask(&part.walls, |o| {
         let across = points(&[(5.0, 10.0), (15.0, 10.0)]);
         assert!(o.air(&across) && !o.within_infill(&across));
@@ -312,9 +310,11 @@ fn combing_goes_round_what_is_in_the_way() {
     };
     let straight = Travel::straight(DVec2::new(16.0, 10.0), true);
     assert_eq!(at(Combing::Off), straight);
-    for combing in
-        [Combing::Everywhere, Combing::NotOverTopSkin, Combing::WithinInfill]
-    {
+    for combing in [
+        Combing::Everywhere,
+        Combing::NotOverTopSkin,
+        Combing::WithinInfill,
+    ] {
         let travel = at(combing);
         assert!(!travel.retract && travel.points.len() > 2, "{travel:?}");
     }

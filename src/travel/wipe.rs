@@ -19,7 +19,9 @@ pub fn path(bead: &Bead, settings: &Settings) -> Option<(Vec<DVec2>, DVec2)> {
     let mut way = Vec::new();
     match bead.closed {
         true => along(bead.path(), retract.wipe, &mut way),
-        false => along(bead.points.iter().rev().copied(), retract.wipe, &mut way),
+        false => {
+            along(bead.points.iter().rev().copied(), retract.wipe, &mut way)
+        }
     }
     let end = *way.last()?;
     Some((way, end))

@@ -80,9 +80,11 @@ fn shortest(area: &Area, grid: &EdgeGrid, ends: [DVec2; 2], room: f64) -> f64 {
                 let turn = DVec2::from_angle(TAU * f64::from(k) / 12.0);
                 q + 0.9 * CLEARANCE * turn
             };
-            nodes.extend((0..12).map(around).filter(|p| {
-                grid.contains(*p) && grid.clear(*p, *p, room)
-            }));
+            nodes.extend(
+                (0..12)
+                    .map(around)
+                    .filter(|p| grid.contains(*p) && grid.clear(*p, *p, room)),
+            );
         }
     }
     let mut lengths = vec![f64::INFINITY; nodes.len()];

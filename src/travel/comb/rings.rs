@@ -123,7 +123,13 @@ impl Comb<'_> {
     }
 
     /// Appends the shorter way along a ring, points no closer than `spacing`.
-    pub(super) fn along(&self, from: Mark, to: Mark, spacing: Mm, way: &mut Vec<Stop>) {
+    pub(super) fn along(
+        &self,
+        from: Mark,
+        to: Mark,
+        spacing: Mm,
+        way: &mut Vec<Stop>,
+    ) {
         let rings = self.rings();
         let ring = rings.places.ring(from.edge);
         let way_round = self.ring_way(from, to);
