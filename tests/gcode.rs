@@ -334,7 +334,7 @@ fn numbers_are_plain() {
             let mut job = rough(2);
             for m in job.iter_mut().flat_map(|l| &mut l.moves) {
                 let at = match m {
-                    Move::Travel { points, .. } => points,
+                    Move::Travel(travel) => &mut travel.points,
                     Move::Print(b) => &mut b.points,
                 };
                 for p in at {

@@ -163,6 +163,7 @@ impl<'a, 'w> Exit<'a, 'w> {
                 && let Some(Move::Travel(travel)) = path.moves.first_mut()
             {
                 travel.retract = true;
+                travel.hop = true;
             }
             path
         });

@@ -33,9 +33,6 @@ pub struct EdgeGrid {
 /// saves nothing.
 const CELLS_PER_EDGE: f64 = 4.0;
 
-/// More than the rounding of a distance, mm.
-const ROUNDING: Mm = 1e-9;
-
 impl EdgeGrid {
     /// A grid of the area's edges for questions about the distance `reach`.
     pub fn new(area: &Area, reach: Mm) -> EdgeGrid {

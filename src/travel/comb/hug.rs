@@ -55,7 +55,7 @@ impl Comb<'_> {
         longest: Mm,
     ) -> Option<Vec<Stop>> {
         if marks.is_empty() {
-            return None;
+            return self.passing(a, b);
         }
         let hulls: Option<Vec<Hull>> = marks
             .chunks_exact(2)
@@ -66,11 +66,7 @@ impl Comb<'_> {
             let room = share * self.clearance;
             let mut way = vec![a];
             for hull in &hulls {
-                way.extend(hull.stops(a.at, room).into_iter().map(|at| Stop {
-                    at,
-                    room,
-                    base: at,
-                }));
+                hull.push_stops(a, room, &mut way);
             }
             way.push(b);
             if marks.len() == 2 {
@@ -81,6 +77,50 @@ impl Comb<'_> {
                 true => Some(way),
                 false => Some(self.tightened(a, way)),
             }
+        })
+    }
+
+    /// The tight way from `a` to `b`, which see each other, but come too near
+    /// to the border on one side.
+    fn passing(&self, a: Stop, b: Stop) -> Option<Vec<Stop>> {
+        SHARES.iter().find_map(|share| {
+            let room = share * self.clearance;
+            let hull = self.hull_near(a.at, b.at, room)?;
+            let mut way = vec![a];
+            hull.push_stops(a, room, &mut way);
+            way.push(b);
+            self.clear_way(&way).then_some(way)
+        })
+    }
+
+    /// The hull of what of the border is near a straight way; nothing if it is
+    /// on both sides.
+    fn hull_near(&self, a: DVec2, b: DVec2, reach: Mm) -> Option<Hull> {
+        let length = a.distance(b);
+        let along = (b - a) / length;
+        let mut aside = along.perp();
+        let mut near: Vec<DVec2> = Vec::new();
+        self.grid.visit_edges_near(a, b, reach, |edge| {
+            let (p, q) = self.grid.edge(edge);
+            let place =
+                |p: DVec2| DVec2::new((p - a).dot(along), (p - a).dot(aside));
+            let beside = |p: &DVec2| (0.0..=length).contains(&p.x);
+            near.extend([place(p), place(q)].into_iter().filter(beside));
+        });
+        let below = near.first()?.y < 0.0;
+        if near.iter().any(|p| (p.y < 0.0) != below) {
+            return None;
+        }
+        if !below {
+            aside = -aside;
+            near.iter_mut().for_each(|p| p.y = -p.y);
+        }
+        near.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+        Some(Hull {
+            points: upper(near.into_iter()),
+            along,
+            aside,
+            length,
         })
     }
 
@@ -190,6 +230,15 @@ impl Hull {
         })
     }
 
+    /// Appends the stops of the way round it, `far` away from it.
+    fn push_stops(&self, a: Stop, far: Mm, way: &mut Vec<Stop>) {
+        way.extend(self.stops(a.at, far).into_iter().map(|at| Stop {
+            at,
+            room: far,
+            base: at,
+        }));
+    }
+
     /// The stops of the way round it, `far` away from it.
     fn stops(&self, a: DVec2, far: Mm) -> Vec<DVec2> {
         let inside = |p: &DVec2| p.x > 0.0 && p.x < self.length;
@@ -226,22 +275,23 @@ fn around(hull: &[DVec2], far: Mm) -> Vec<DVec2> {
     touching.extend(hull.first().map(|&p| (p, DVec2::Y)));
     let side = |i: usize| (hull[i + 1] - hull[i]).normalize_or_zero();
     let mut before = DVec2::Y;
+    let turns = |from: DVec2, to: DVec2| from.dot(to) < TURN.cos();
     for (i, &corner) in hull.iter().enumerate() {
         let last = i + 1 == hull.len();
         let next = if last { DVec2::NEG_Y } else { side(i) };
-        let turn = right_turn(before, next);
-        let since = touching.last().map_or(0.0, |t| right_turn(t.1, next));
-        let parts = (turn / TURN).ceil();
-        if parts > 1.0 {
-            if since > turn + STRAIGHT {
+        let since = touching.last().map_or(next, |t| t.1);
+        if turns(before, next) {
+            if right_turn(since, before) > STRAIGHT {
                 touching.push((corner, before));
             }
+            let turn = right_turn(before, next);
+            let parts = (turn / TURN).ceil();
             for k in 1..parts as usize {
                 let by = DVec2::from_angle(-turn * k as f64 / parts);
                 touching.push((corner, by.rotate(before)));
             }
             touching.push((corner, next));
-        } else if since > TURN || last {
+        } else if last || turns(since, next) {
             touching.push((corner, next));
         }
         before = next;

@@ -1,3 +1,4 @@
+
 use super::*;
 use crate::plane::path_length;
 use std::f64::consts::{PI, TAU};
