@@ -33,6 +33,9 @@ Examples:
     mut_arg("model", |arg| arg.value_name("FILE").help(
         "G-code of any slicer, - for standard input; or a model (.rhai, .vm) \
          to slice first, which the options for models and settings are for"
+    )),
+    mut_arg("expression", |arg| arg.help(
+        "Instead of FILE: one formula in x, y and z, in mm, negative inside"
     ))
 )]
 pub(super) struct PreviewArgs {

@@ -496,7 +496,7 @@ impl Parser {
                 self.machine.set_acceleration(&self.words);
                 other(line, letter, tenths)
             }
-            (b'T', _) if tenths % 10 == 0 => {
+            (b'T', _) if tenths.is_multiple_of(10) => {
                 let tool = tenths / 10;
                 self.machine.state.tool = tool;
                 Event::Tool { line, tool }
