@@ -54,5 +54,7 @@ python3 - "$work/ball.png" assets/preview.png <<'END'
 import sys
 from PIL import Image
 picture = Image.open(sys.argv[1]).convert("RGB")
-picture.quantize(96, dither=Image.Dither.NONE).save(sys.argv[2], optimize=True)
+small = picture.quantize(
+    255, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+small.save(sys.argv[2], optimize=True)
 END

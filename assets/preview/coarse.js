@@ -18,15 +18,20 @@ function coarsen(moves, told) {
   let [made, layer] = [0, 0];
 
   // Whether all points between two lie near the line from one to the other.
+  // Asked for every move, so in plain numbers.
   const straight = (from, to) => {
-    const [x, y] = [points[4 * from], points[4 * from + 1]];
-    const [dx, dy] = [points[4 * to] - x, points[4 * to + 1] - y];
+    const x = points[4 * from];
+    const y = points[4 * from + 1];
+    const dx = points[4 * to] - x;
+    const dy = points[4 * to + 1] - y;
     const square = dx * dx + dy * dy;
-    for (let i = from + 1; i < to; i++) {
-      const [px, py] = [points[4 * i] - x, points[4 * i + 1] - y];
-      const along = square > 0
-        ? Math.max(0, Math.min(1, (px * dx + py * dy) / square)) : 0;
-      const [ox, oy] = [px - along * dx, py - along * dy];
+    for (let at = 4 * from + 4; at < 4 * to; at += 4) {
+      const px = points[at] - x;
+      const py = points[at + 1] - y;
+      let along = square > 0 ? (px * dx + py * dy) / square : 0;
+      along = along < 0 ? 0 : along > 1 ? 1 : along;
+      const ox = px - along * dx;
+      const oy = py - along * dy;
       if (ox * ox + oy * oy > limit) {
         return false;
       }
@@ -55,8 +60,10 @@ function coarsen(moves, told) {
   coarse.set(points.subarray(0, 4));
   for (let i = 0; i < made; i++) {
     const end = i + 1 < made ? of[i + 1] : count;
-    coarse.set(points.subarray(4 * end, 4 * end + 3), 4 * (i + 1));
-    coarse[4 * (i + 1) + 3] = points[4 * of[i] + 7];
+    for (let axis = 0; axis < 3; axis++) {
+      coarse[4 * i + 4 + axis] = points[4 * end + axis];
+    }
+    coarse[4 * i + 7] = points[4 * of[i] + 7];
   }
   return { count: made, points: coarse, first, of: of.subarray(0, made) };
 }

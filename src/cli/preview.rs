@@ -13,7 +13,7 @@ use isoslice::units::human_time;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::io::{self, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -33,6 +33,9 @@ Examples:
     mut_arg("model", |arg| arg.value_name("FILE").help(
         "G-code of any slicer, - for standard input; or a model (.rhai, .vm) \
          to slice first, which the options for models and settings are for"
+    )),
+    mut_arg("expression", |arg| arg.help(
+        "Instead of FILE: one formula in x, y and z, in mm, negative inside"
     ))
 )]
 pub(super) struct PreviewArgs {
@@ -128,7 +131,8 @@ pub(super) fn run(args: &PreviewArgs) -> anyhow::Result<()> {
         }
     }
     if args.open && !streamed {
-        open::that_detached(&path).with_context(|| {
+        let page = path.canonicalize().unwrap_or_else(|_| path.clone());
+        open::that_detached(page).with_context(|| {
             format!(
                 "cannot start a browser; open {} in one yourself",
                 path.display()
@@ -155,7 +159,7 @@ impl PreviewArgs {
     }
 
     /// Slices the model into a file that nobody sees.
-    fn slice(&self) -> anyhow::Result<impl Read + use<>> {
+    fn slice(&self) -> anyhow::Result<File> {
         let sliced = &self.source;
         let settings = sliced.settings.gather()?.settings;
         let model = sliced.model.load(&settings)?;
@@ -183,7 +187,7 @@ impl PreviewArgs {
             .map_err(io::IntoInnerError::into_error)
             .context("cannot write the temporary file")?;
         file.rewind().context("cannot read the temporary file")?;
-        Ok(BufReader::new(file))
+        Ok(file)
     }
 }
 
@@ -209,9 +213,10 @@ impl Sliced {
             );
         }
         // As if nothing but the file had been given.
+        let words = [OsStr::new("preview"), "--".as_ref(), file.as_os_str()];
         let plain = Sliced::from_arg_matches(
             &Sliced::augment_args(clap::Command::new("preview"))
-                .get_matches_from([OsStr::new("preview"), file.as_os_str()]),
+                .try_get_matches_from(words)?,
         )?;
         if *self != plain {
             bail!(
@@ -264,11 +269,12 @@ fn read_as<R: Read>(reader: Reader<R>, name: &str) -> anyhow::Result<Toolpath> {
 /// only, when the beads have been read.
 fn said_diameter(file: &mut File) -> io::Result<Option<f64>> {
     const TAIL: u64 = 1 << 17;
+    let metadata = file.metadata()?;
     // What cannot be rewound (a pipe with a name) is read as it comes.
-    if !file.metadata()?.is_file() {
+    if !metadata.is_file() {
         return Ok(None);
     }
-    let length = file.metadata()?.len();
+    let length = metadata.len();
     file.seek(io::SeekFrom::Start(length.saturating_sub(TAIL)))?;
     let mut tail = Reader::new(&mut *file);
     while let Some(Ok(_)) = tail.next() {}

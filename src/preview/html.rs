@@ -112,7 +112,7 @@ pub fn write_html(
 }
 
 fn thousandths(number: f64) -> f64 {
-    (number * 1e3).round() * 1e-3
+    (number * 1e3).round() / 1e3
 }
 
 /// Text for between tags, and for attributes in quotes.

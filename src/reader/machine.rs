@@ -137,8 +137,12 @@ impl Machine {
         Some(Target { to, filament })
     }
 
-    /// G92: the head is here from now on.
+    /// G92: the head is here from now on; at zero, if nothing is said.
     pub fn set_position(&mut self, words: &Words) {
+        if !b"XYZE".iter().any(|l| words.has(*l)) {
+            self.e = 0.0;
+            self.offset = self.state.position;
+        }
         if let Some(e) = self.length(words, b'E') {
             self.e = e;
         }

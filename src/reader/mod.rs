@@ -305,7 +305,8 @@ impl<R: Read> Reader<R> {
         self
     }
 
-    /// What the printer knows after the event handed out last.
+    /// What the printer knows after the line that the event handed out last
+    /// stands in.
     pub fn state(&self) -> &State {
         &self.parser.machine.state
     }

@@ -51,11 +51,13 @@ fn relative_and_absolute_places_and_filament() {
 
 #[test]
 fn g92_moves_the_zero_and_not_the_head() {
-    let found = moves("G1 X10\nG92 X0 E5\nG1 X5 E6\nG28 X\nG1 X1\n");
+    let found =
+        moves("G1 X10\nG92 X0 E5\nG1 X5 E6\nG28 X\nG1 X1\nG92\nG1 X2 E1\n");
     assert_eq!(found[1].from.x, 10.0);
     assert_eq!(found[1].to.x, 15.0);
     assert_eq!(found[1].filament, 1.0);
     assert_eq!((found[2].from.x, found[2].to.x), (0.0, 1.0));
+    assert_eq!((found[3].to.x, found[3].filament), (3.0, 1.0));
 }
 
 #[test]

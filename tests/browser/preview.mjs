@@ -375,7 +375,10 @@ await test("nothing in a file becomes a script", async () => {
 });
 
 if (screenshots) {
-  const page = await open("ball.html");
+  const page = await open("ball.html", {
+    before: () => localStorage.removeItem("isoslice-theme"),
+  });
+  await page.setViewportSize({ width: 960, height: 640 });
   for (let i = 0; i < 4; i++) {
     await press(page, "Shift+ArrowDown");
   }
