@@ -138,10 +138,8 @@ pub(super) fn print(
         for (_, job) in &mut jobs {
             job.settle(*at, None);
         }
-        for _ in 0..2 {
-            let order = tour_of(&jobs, *at, to);
-            settle_rings(&mut jobs, &order, *at, to);
-        }
+        let order = tour_of(&jobs, *at, to);
+        settle_rings(&mut jobs, &order, *at, to);
     }
     let order = tour_of(&jobs, *at, to);
     settle_rings(&mut jobs, &order, *at, to);

@@ -47,7 +47,7 @@ const SHORT: Mm = 0.8;
 /// An exchange has to save more than this, mm.
 const GAIN: Mm = 0.01;
 /// Ends looked at around each end of a long way.
-const PARTNERS: usize = 8;
+const PARTNERS: usize = 6;
 /// What a way to the tour's end counts: where the next one begins is often a
 /// guess.
 const END_WEIGHT: f64 = 0.7;
@@ -55,6 +55,8 @@ const END_WEIGHT: f64 = 0.7;
 const MOVED: usize = 3;
 /// Longest part of a tour that is turned round or passed over.
 const SPAN: usize = 1000;
+/// So few stops are looked through without a tree.
+const FEW: usize = 40;
 /// Exchanges tried for each stop, on average, before it has to do.
 const TRIALS: usize = 200;
 
@@ -110,6 +112,18 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
     let mut at = start;
     for stage in stages {
         let of_stage = stops.iter().enumerate().filter(|s| s.1.stage == stage);
+        if of_stage.clone().count() <= FEW {
+            let mut left: Vec<usize> = of_stage.map(|s| s.0).collect();
+            while let Some((k, visit)) = nearest_of(stops, &left, at) {
+                at = Some(match visit.turned {
+                    true => stops[visit.stop].from,
+                    false => stops[visit.stop].to,
+                });
+                left.remove(k);
+                tour.push(visit);
+            }
+            continue;
+        }
         let mut left = Nearest::new(of_stage.flat_map(|(i, s)| {
             let back = s.turns.then_some((s.to, 2 * i + 1));
             std::iter::once((s.from, 2 * i)).chain(back)
@@ -127,6 +141,28 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
         }
     }
     tour
+}
+
+/// Of the stops `left` the one nearest to `at`, or to the origin, and its
+/// place among them.
+fn nearest_of(
+    stops: &[Stop],
+    left: &[usize],
+    at: Option<DVec2>,
+) -> Option<(usize, Visit)> {
+    let at = at.unwrap_or(DVec2::ZERO);
+    let ends = left.iter().enumerate().flat_map(|(k, &stop)| {
+        let Stop {
+            from, to, turns, ..
+        } = stops[stop];
+        let end = |p: DVec2, turned| {
+            (p.distance_squared(at), k, Visit { stop, turned })
+        };
+        [Some(end(from, false)), turns.then(|| end(to, true))]
+    });
+    ends.flatten()
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, k, visit)| (k, visit))
 }
 
 /// Looks for exchanges that make a tour shorter.

@@ -1,4 +1,3 @@
-
 use super::*;
 use crate::plane::path_length;
 use std::f64::consts::{PI, TAU};
