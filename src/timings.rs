@@ -31,6 +31,8 @@ impl Stopwatch {
 /// A stage of the pipeline, as reports name it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
+    /// Pictures for the file's head.
+    Picture,
     /// Proofs and samples of the field.
     Field,
     /// Outlines from samples.
@@ -53,7 +55,8 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the pipeline.
-    pub const ALL: [Stage; 9] = [
+    pub const ALL: [Stage; 10] = [
+        Stage::Picture,
         Stage::Field,
         Stage::Contour,
         Stage::Walls,
@@ -68,6 +71,7 @@ impl Stage {
     /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
+            Stage::Picture => "picture",
             Stage::Field => "field",
             Stage::Contour => "contour",
             Stage::Walls => "walls",

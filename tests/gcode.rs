@@ -14,12 +14,8 @@ use isoslice::settings::{Flavour, Settings};
 use isoslice::travel::{LayerPath, Move};
 use isoslice::units::filament_area;
 
-/// The defaults, with the writer's own templates.
 fn settings() -> Settings {
-    let mut s = Settings::default();
-    s.gcode.start.clear();
-    s.gcode.end.clear();
-    s
+    Settings::default()
 }
 
 fn points(at: &[(f64, f64)]) -> Vec<DVec2> {
@@ -138,6 +134,8 @@ fn header(layer_count: usize) -> Header {
         nozzle_temperature: 215.0,
         part_min: DVec3::new(100.0, 100.0, 0.0),
         part_max: DVec3::new(112.0, 110.0, 0.2 * layer_count as f64),
+        outline: Vec::new(),
+        thumbnails: Vec::new(),
     }
 }
 
@@ -401,40 +399,6 @@ fn retractions_are_primed_and_the_last_one_stays() {
 }
 
 #[test]
-fn klipper_gets_no_word_it_does_not_know() {
-    let mut s = settings();
-    s.gcode.flavour = Flavour::Klipper;
-    let (text, _) = written(&s, tiny());
-    for line in text.lines().filter(|l| !l.starts_with(';')) {
-        let command = line.split(' ').next().unwrap_or("");
-        assert!(
-            [
-                "G1",
-                "G21",
-                "G28",
-                "G90",
-                "G92",
-                "M82",
-                "M84",
-                "M104",
-                "M106",
-                "M107",
-                "M109",
-                "M140",
-                "M190",
-                "M204",
-                "SET_PRINT_STATS_INFO",
-            ]
-            .contains(&command),
-            "{line}"
-        );
-        if command == "M204" {
-            assert!(line.starts_with("M204 S"));
-        }
-    }
-}
-
-#[test]
 fn comments_of_our_own_avoid_the_words_viewers_colour_by() {
     let (text, _) = written(&settings(), tiny());
     for line in text.lines().filter(|l| !l.starts_with(";TYPE:")) {
@@ -459,8 +423,8 @@ fn comments_of_our_own_avoid_the_words_viewers_colour_by() {
 #[test]
 fn a_start_template_that_heats_is_left_to_it() {
     let mut s = settings();
-    s.gcode.start = "START_PRINT BED={first_layer_bed_temperature} \
-                     NOZZLE={first_layer_nozzle_temperature}"
+    s.gcode.start = "START_PRINT BED={{ first_layer_bed_temperature }} \
+                     NOZZLE={{ first_layer_nozzle_temperature }}"
         .to_owned();
     let (text, _) = written(&s, tiny());
     assert!(text.contains("\nSTART_PRINT BED=60 NOZZLE=215\n"));
@@ -486,9 +450,45 @@ fn an_unheated_bed_is_never_spoken_of() {
 }
 
 #[test]
+fn the_firmware_retracts_if_asked() {
+    let mut s = settings();
+    s.retract.firmware = true;
+    s.retract.extra_prime = 0.05;
+    for relative_e in [false, true] {
+        s.gcode.relative_e = relative_e;
+        let (text, totals) = written(&s, tiny());
+        assert!(text.contains("\nM207 S0.8 F2100 Z0\nM208 S0.05 F2100\n"));
+        let count = |c| text.lines().filter(|l| *l == c).count();
+        assert_eq!((count("G10"), count("G11")), (4, 4));
+        // The file pulls back once, at its end: a firmware that was left
+        // retracted would not retract again in the next print.
+        let m = Machine::run(&text);
+        assert_eq!((m.retractions, m.primes), (1, 0));
+        assert!((m.retracted - 0.8).abs() < 1e-9);
+        let extra = 4.0 * 0.05;
+        let fed = m.fed + m.retracted + extra;
+        assert!((fed - totals.filament_length).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn the_end_knows_what_the_print_took() {
+    let mut s = settings();
+    s.gcode.end =
+        "M117 {{ print_time }}, {{ filament_length | round(1) }} mm".into();
+    let (text, totals) = written(&s, tiny());
+    let time = isoslice::units::human_time(totals.time);
+    let length = (totals.filament_length * 10.0).round() / 10.0;
+    assert!(
+        text.contains(&format!("\nM117 {time}, {length} mm\n")),
+        "{text}"
+    );
+}
+
+#[test]
 fn template_errors_name_place_and_remedy() {
     let mut s = settings();
-    s.gcode.end = "M104 S0\nG1 Z{part_max} F600".to_owned();
+    s.gcode.end = "M104 S0\nG1 Z{{ part_max }} F600".to_owned();
     let error = Writer::new(Vec::new(), &s, &header(2)).map(|_| ());
     let text = error.expect_err("unknown placeholder").to_string();
     insta::assert_snapshot!(text);

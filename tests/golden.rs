@@ -95,7 +95,7 @@ const PLATE: &str = "max(max(max(abs(x) - 15, abs(y) - 10), abs(z) - 0.6), \
 
 #[test]
 fn plate_with_holes() {
-    let settings = Settings::default();
+    let settings = settings(&[]);
     assert_table!(&formula(PLATE, &settings), &settings);
 }
 

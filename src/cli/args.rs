@@ -21,6 +21,48 @@ pub(super) const STDIN: &str = "stdin";
 /// Which model, and how it is placed.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(super) struct ModelArgs {
+    #[command(flatten)]
+    pub(super) part: PartArgs,
+
+    #[command(flatten)]
+    scale: ScaleArgs,
+}
+
+impl ModelArgs {
+    /// Loads the model and puts it on the printer.
+    pub(super) fn load(&self, settings: &Settings) -> anyhow::Result<Model> {
+        self.part.load(&self.scale, settings)
+    }
+}
+
+/// How large a model becomes.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub(super) struct ScaleArgs {
+    /// Scale so that the largest side measures S mm
+    #[arg(
+        long,
+        value_name = "S",
+        conflicts_with = "scale",
+        allow_hyphen_values = true,
+        value_parser = positive,
+        help_heading = "Placement"
+    )]
+    size: Option<f64>,
+
+    /// Scale by a factor
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        allow_hyphen_values = true,
+        value_parser = positive,
+        help_heading = "Placement"
+    )]
+    scale: Option<f64>,
+}
+
+/// Which model, and how it is placed, but for its scale.
+#[derive(Args, Clone, Debug, PartialEq)]
+pub(super) struct PartArgs {
     /// The model: a Rhai script (.rhai) or fidget's text format (.vm); - is
     /// standard input
     #[arg(
@@ -70,27 +112,6 @@ pub(super) struct ModelArgs {
         help_heading = "Model"
     )]
     bounds: Option<Bounds>,
-
-    /// Scale so that the largest side measures S mm
-    #[arg(
-        long,
-        value_name = "S",
-        conflicts_with = "scale",
-        allow_hyphen_values = true,
-        value_parser = positive,
-        help_heading = "Placement"
-    )]
-    size: Option<f64>,
-
-    /// Scale by a factor
-    #[arg(
-        long,
-        value_name = "FACTOR",
-        allow_hyphen_values = true,
-        value_parser = positive,
-        help_heading = "Placement"
-    )]
-    scale: Option<f64>,
 
     /// Rotate about the x axis, degrees; x first, then y, then z
     #[arg(
@@ -153,13 +174,17 @@ enum Format {
     Formula,
 }
 
-impl ModelArgs {
+impl PartArgs {
     /// Loads the model and puts it on the printer.
-    pub(super) fn load(&self, settings: &Settings) -> anyhow::Result<Model> {
+    pub(super) fn load(
+        &self,
+        scale: &ScaleArgs,
+        settings: &Settings,
+    ) -> anyhow::Result<Model> {
         let loaded = model::load(&self.source()?, &self.defines)?;
         let placement = Placement {
-            scale: self.scale,
-            size: self.size,
+            scale: scale.scale,
+            size: scale.size,
             rotate: [self.rotate_x, self.rotate_y, self.rotate_z],
             at: self.at,
             keep_position: self.keep_position,
@@ -258,6 +283,11 @@ pub(super) struct Gathered {
 }
 
 impl SettingsSource {
+    /// The settings; warnings are shown to the user.
+    pub(super) fn read(&self) -> anyhow::Result<Settings> {
+        Ok(self.gather()?.settings)
+    }
+
     /// The settings and where they are from; warnings are shown to the user.
     pub(super) fn gather(&self) -> anyhow::Result<Gathered> {
         let profiles = self.profiles.find()?;

@@ -10,6 +10,7 @@ mod manual;
 mod new;
 mod output;
 mod profiles;
+mod render;
 mod settings;
 mod slice;
 mod summary;
@@ -26,6 +27,7 @@ Examples:
   isoslice slice part.rhai --printer prusa-mk4 --filament petg --preset fine
   isoslice info part.rhai                         size, layers, parameters
   isoslice profiles                               printers, filaments, presets
+  isoslice render part.rhai                       a picture, part.png
   isoslice settings > my.toml                     to edit, for --config my.toml
 
 Exit codes:
@@ -61,6 +63,8 @@ enum Command {
     Slice(Box<slice::SliceArgs>),
     /// Show a model's bounds, size, layers and parameters
     Info(Box<info::InfoArgs>),
+    /// Draw a model, shaded, as a PNG picture
+    Render(Box<render::RenderArgs>),
     /// Print all settings as commented TOML
     Settings(settings::SettingsArgs),
     /// List printers, filaments and presets, or show one
@@ -79,6 +83,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Render(args) => render::run(&args),
         Command::Settings(args) => settings::run(&args),
         Command::Profiles(args) => profiles::run(&args),
         Command::New(args) => new::run(&args),

@@ -161,9 +161,9 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
 
 impl SliceArgs {
     fn output_path(&self) -> PathBuf {
-        match (&self.output, &self.model.model) {
+        match (&self.output, &self.model.part.model) {
             (Some(output), _) => output.clone(),
-            _ if self.model.is_stdin() => {
+            _ if self.model.part.is_stdin() => {
                 Path::new(STDIN).with_extension("gcode")
             }
             (None, Some(model)) => model.with_extension("gcode"),
@@ -191,7 +191,7 @@ impl SliceArgs {
     }
 
     fn inputs(&self) -> Vec<&Path> {
-        let model = self.model.model.iter().map(PathBuf::as_path);
+        let model = self.model.part.model.iter().map(PathBuf::as_path);
         model.chain(self.settings.files()).collect()
     }
 }

@@ -1,28 +1,48 @@
 //! What differs between firmwares, in one place.
 //!
-//! In: the firmware. Out: its words, and the start and end templates used if
-//! the settings give none.
+//! In: the settings. Out: the firmware's own words for its limits, pressure
+//! advance, fan, progress and retraction, and the start and end templates
+//! used if the settings give none.
+//!
+//! | | Marlin 2 | Prusa | RepRapFirmware 3 | Klipper |
+//! |---|---|---|---|---|
+//! | acceleration | M204 P T | M204 P T | M204 P T | SET_VELOCITY_LIMIT, M204 S |
+//! | corners | M205 X Y J | M205 X Y | M566 X Y | SET_VELOCITY_LIMIT |
+//! | pressure advance | M900 K | M900 K, M572 S | M572 D0 S | SET_PRESSURE_ADVANCE |
+//! | fan off | M107 | M107 | M106 S0 | M107 |
+//! | fan full | M106 S255 | M106 S255 | M106 S1 | M106 S255 |
+//! | retraction | M207, M208 | M207, M208 | M207 | SET_RETRACTION |
 //!
 //! Klipper knows none of M201, M203, M205, M900, M862, M486, G29 and, with one
-//! extruder, no `T0`; its M204 takes `S`, one acceleration for every move.
+//! extruder, no `T0`; its M204 takes `S`, one acceleration for every move. In
+//! RepRapFirmware M208 sets how far the axes reach, and a fan's speed of 1 is
+//! full.
 
-use crate::settings::Flavour;
+use super::number::text;
+use crate::settings::{Flavour, Settings};
+use crate::units::{MmPerSec, Percent, feed_rate};
 
 /// Home, then wait off the bed for the heaters.
 const START: &str = "\
 G28
-G1 Z5 F{feed_rate_z}
+G1 Z5 F{{ feed_rate_z }}
 ";
 
 /// Heaters off first, so that they are off even if a move is refused; then
-/// off the part before aside, which shows it. The writer turns the fan off.
+/// off the part before aside, so that the nozzle is not dragged over it. The
+/// writer turns the fan off.
 const END: &str = "\
 M104 S0
+{% if bed_temperature > 0 or first_layer_bed_temperature > 0 %}
 M140 S0
-G1 Z{park_z} F{feed_rate_z}
-G1 X0 Y{bed_y} F{feed_rate_travel}
+{% endif %}
+G1 Z{{ park_z }} F{{ feed_rate_z }}
+G1 X0 Y{{ bed_y }} F{{ feed_rate_travel }}
 M84
 ";
+
+/// Decimals of accelerations and speeds.
+const COARSE: u32 = 1;
 
 /// The start template of a firmware, used if the settings' is empty. The
 /// writer adds the heating before and after it.
@@ -46,17 +66,232 @@ pub fn default_end(flavour: Flavour) -> &'static str {
 /// True if the firmware keeps one acceleration for printing and travelling,
 /// which then has to be set before each change from one to the other.
 pub(super) fn one_acceleration(flavour: Flavour) -> bool {
-    match flavour {
-        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => false,
-        Flavour::Klipper => true,
-    }
+    flavour == Flavour::Klipper
 }
 
 /// True if the firmware keeps statistics of the print that hosts read the
 /// layer's number from.
 pub(super) fn print_stats(flavour: Flavour) -> bool {
+    flavour == Flavour::Klipper
+}
+
+/// A line that makes the extruder the one that temperatures are for, where
+/// none is until then.
+pub(super) fn select_tool(flavour: Flavour) -> Option<&'static str> {
+    (flavour == Flavour::Rrf).then_some("T0")
+}
+
+/// Which of Prusa's two firmwares a printer has, by what it calls itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Board {
+    /// Nobody says: only what both know.
+    Unknown,
+    /// The 8-bit one, to the MK3S+.
+    Old,
+    /// The one of the MINI: linear advance, M900.
+    Mini,
+    /// The one of MK3.5, MK4, XL, CORE One: pressure advance, M572.
+    Buddy,
+}
+
+impl Board {
+    pub(super) fn of(settings: &Settings) -> Board {
+        let model = settings.printer.model.trim().to_uppercase();
+        let later = ["MK3.5", "MK3.9"].iter().any(|m| model.starts_with(m));
+        if model.is_empty() {
+            Board::Unknown
+        } else if model.starts_with("MINI") {
+            Board::Mini
+        } else if !later && ["MK2", "MK3"].iter().any(|m| model.starts_with(m))
+        {
+            Board::Old
+        } else {
+            Board::Buddy
+        }
+    }
+}
+
+/// Asks the firmware whether the file is for this printer.
+pub(super) fn checks(settings: &Settings) -> Vec<String> {
+    let printer = &settings.printer;
+    if settings.gcode.flavour != Flavour::Prusa {
+        return Vec::new();
+    }
+    let mut lines = Vec::new();
+    // A quote or a line's end would end the name.
+    let model: String = printer
+        .model
+        .trim()
+        .chars()
+        .filter(|c| !c.is_control() && *c != '"')
+        .collect();
+    if !model.is_empty() {
+        lines.push(format!("M862.3 P \"{model}\""));
+    }
+    lines.push(format!("M862.1 P{}", text(printer.nozzle_diameter, 2)));
+    lines
+}
+
+/// Accelerations and the speed through corners.
+///
+/// The square corner velocity v is the jerk of firmware that limits the
+/// sudden change of each axis: at a right angle one axis loses v and the other
+/// gains it. A junction deviation of v²·(√2 − 1)/a has the same speed there.
+pub(super) fn limits(settings: &Settings) -> Vec<String> {
+    // What Marlin takes.
+    const DEVIATION: (f64, f64) = (0.01, 0.3);
+    let printer = &settings.printer;
+    let (print, travel) = (printer.acceleration, printer.travel_acceleration);
+    let corner = printer.square_corner_velocity;
+    let flavour = settings.gcode.flavour;
+    let two = || {
+        let [p, t] = [print, travel].map(|a| text(a, COARSE));
+        format!("M204 P{p} T{t}")
+    };
+    if !settings.gcode.set_limits {
+        return Vec::new();
+    }
+    let v = text(corner, COARSE);
     match flavour {
-        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => false,
-        Flavour::Klipper => true,
+        Flavour::Marlin => {
+            let factor = std::f64::consts::SQRT_2 - 1.0;
+            let deviation = (corner * corner * factor / print)
+                .clamp(DEVIATION.0, DEVIATION.1);
+            vec![two(), format!("M205 X{v} Y{v} J{}", text(deviation, 3))]
+        }
+        Flavour::Prusa => vec![two(), format!("M205 X{v} Y{v}")],
+        Flavour::Rrf => {
+            let v = text(feed_rate(corner), 0);
+            vec![two(), format!("M566 X{v} Y{v}")]
+        }
+        Flavour::Klipper => vec![format!(
+            "SET_VELOCITY_LIMIT ACCEL={} SQUARE_CORNER_VELOCITY={v}",
+            text(print.max(travel), COARSE)
+        )],
+    }
+}
+
+/// Sets the pressure advance, if it is to be set.
+pub(super) fn pressure_advance(settings: &Settings) -> Option<String> {
+    let k = text(settings.filament.pressure_advance?, 4);
+    Some(match settings.gcode.flavour {
+        Flavour::Marlin => format!("M900 K{k}"),
+        Flavour::Prusa => match Board::of(settings) {
+            Board::Buddy => format!("M572 S{k}"),
+            Board::Old | Board::Mini | Board::Unknown => format!("M900 K{k}"),
+        },
+        Flavour::Rrf => format!("M572 D0 S{k}"),
+        Flavour::Klipper => format!("SET_PRESSURE_ADVANCE ADVANCE={k}"),
+    })
+}
+
+/// Tells the firmware how to retract, if it is to do so.
+pub(super) fn retraction(settings: &Settings) -> Vec<String> {
+    let retract = &settings.retract;
+    if !retract.firmware || retract.length <= 0.0 {
+        return Vec::new();
+    }
+    let length = text(retract.length, 5);
+    let extra = text(retract.extra_prime, 5);
+    let feed = |speed: MmPerSec| text(feed_rate(speed), 0);
+    let (back, forth) = (feed(retract.speed), feed(retract.prime_speed));
+    match settings.gcode.flavour {
+        // The file lifts the nozzle itself.
+        Flavour::Marlin | Flavour::Prusa => vec![
+            format!("M207 S{length} F{back} Z0"),
+            format!("M208 S{extra} F{forth}"),
+        ],
+        Flavour::Rrf => {
+            vec![format!("M207 S{length} R{extra} F{back} T{forth} Z0")]
+        }
+        Flavour::Klipper => vec![format!(
+            "SET_RETRACTION RETRACT_LENGTH={length} RETRACT_SPEED={} \
+             UNRETRACT_EXTRA_LENGTH={extra} UNRETRACT_SPEED={}",
+            text(retract.speed, COARSE),
+            text(retract.prime_speed, COARSE)
+        )],
+    }
+}
+
+/// Sets the fan to `pwm` of 255.
+pub(super) fn fan(flavour: Flavour, pwm: i64) -> String {
+    match (flavour, pwm) {
+        (Flavour::Rrf, _) => format!("M106 S{}", text(pwm as f64 / 255.0, 3)),
+        (_, 0) => "M107".to_owned(),
+        _ => format!("M106 S{pwm}"),
+    }
+}
+
+/// A fan's speed as the firmware counts it.
+pub(super) fn pwm(speed: Percent) -> i64 {
+    // A number that is none stops the fan.
+    (speed.clamp(0.0, 100.0) * 2.55).round() as i64
+}
+
+/// How far the print has come.
+pub(super) fn progress(flavour: Flavour, percent: u8, minutes: u64) -> String {
+    match flavour {
+        // It counts the minutes itself.
+        Flavour::Klipper => format!("M73 P{percent}"),
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => {
+            format!("M73 P{percent} R{minutes}")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(flavour: Flavour, model: &str) -> Settings {
+        let mut s = Settings::default();
+        s.gcode.flavour = flavour;
+        s.printer.model = model.to_owned();
+        s
+    }
+
+    #[test]
+    fn the_limits_agree_about_a_right_angle() {
+        let mut s = settings(Flavour::Marlin, "");
+        s.printer.square_corner_velocity = 10.0;
+        assert_eq!(limits(&s), ["M204 P1000 T1500", "M205 X10 Y10 J0.041"]);
+        s.gcode.flavour = Flavour::Rrf;
+        assert_eq!(limits(&s)[1], "M566 X600 Y600");
+        s.gcode.flavour = Flavour::Klipper;
+        let all = "SET_VELOCITY_LIMIT ACCEL=1500 SQUARE_CORNER_VELOCITY=10";
+        assert_eq!(limits(&s), [all]);
+        s.gcode.set_limits = false;
+        assert!(limits(&s).is_empty());
+    }
+
+    #[test]
+    fn prusa_printers_get_the_words_of_their_firmware() {
+        let advance = |model| {
+            let mut s = settings(Flavour::Prusa, model);
+            s.filament.pressure_advance = Some(0.05);
+            pressure_advance(&s).unwrap_or_default()
+        };
+        for old in ["", "MK3S", "mk2.5", "MINI"] {
+            assert_eq!(advance(old), "M900 K0.05", "{old}");
+        }
+        for new in ["MK4", "XL", "MK3.5", "MK3.9", "COREONE"] {
+            assert_eq!(advance(new), "M572 S0.05", "{new}");
+        }
+        assert_eq!(
+            checks(&settings(Flavour::Prusa, "MK\"3S\n")),
+            ["M862.3 P \"MK3S\"", "M862.1 P0.4"]
+        );
+        assert_eq!(checks(&settings(Flavour::Prusa, "")), ["M862.1 P0.4"]);
+        assert!(checks(&settings(Flavour::Marlin, "MK3S")).is_empty());
+    }
+
+    #[test]
+    fn the_fan_is_full_where_it_should_be() {
+        assert_eq!(fan(Flavour::Marlin, pwm(100.0)), "M106 S255");
+        assert_eq!(fan(Flavour::Rrf, pwm(100.0)), "M106 S1");
+        // In RepRapFirmware an S of 1 is not 1/255.
+        assert_eq!(fan(Flavour::Rrf, 1), "M106 S0.004");
+        assert_eq!(fan(Flavour::Rrf, 0), "M106 S0");
+        assert_eq!(fan(Flavour::Klipper, pwm(f64::NAN)), "M107");
     }
 }

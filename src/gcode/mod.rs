@@ -14,11 +14,13 @@
 //!   filament alike;
 //! - a move whose end rounds to where the head stands is left out;
 //! - the nozzle and the bed are waited for before the first layer;
+//! - every command is one that the firmware knows;
 //! - what is not a finite number is an error, never text;
 //! - after [`Writer::restart`] the text does not depend on anything written
 //!   before: layers written by several runs can be joined. Nothing in a layer
-//!   tells how far the print has come, in time or filament; the file's end
-//!   has the totals.
+//!   tells how far the print has come, in time or filament, but the lines of
+//!   `progress`, which only a file of the whole part has; the file's end has
+//!   the totals.
 //!
 //! Not guaranteed: that the templates make sense to the firmware.
 //!
@@ -26,30 +28,46 @@
 //! |---|---|
 //! | `flavour` | what differs between firmwares |
 //! | `comments` | the words that viewers and hosts read |
-//! | `template` | placeholders in the start and end lines |
+//! | `ends` | the file's head and foot |
+//! | `thumbnail` | the pictures in the head |
+//! | `label` | the part's name and outline, for hosts |
+//! | `progress` | lines that need the whole print's time |
+//! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
 //! | `number` | how a number is written |
 
 mod comments;
+mod ends;
 mod flavour;
+mod label;
+mod limits;
 mod number;
+mod placeholders;
+mod progress;
+mod scan;
 mod template;
+mod thumbnail;
 
 pub use comments::role_name;
 pub use flavour::{default_end, default_start};
-pub use template::{PLACEHOLDERS, Placeholder, TemplateError};
+pub use placeholders::{PLACEHOLDERS, Placeholder, Scope};
+pub use template::TemplateError;
+pub use thumbnail::Thumbnail;
 
 use crate::bead::{Bead, Role};
 use crate::pace::{PacedLayer, PacedMove};
-use crate::settings::Settings;
+use crate::settings::{Comments, Emit, Flavour, Settings};
 use crate::units::{
     Celsius, Mm, Mm3, MmPerSec, MmPerSec2, Percent, Seconds, feed_rate,
-    filament_area, human_time,
+    filament_area,
 };
 use glam::{DVec2, DVec3};
+use label::Label;
 use number::{push_integer, push_scaled, scaled, text};
+use placeholders::Moment;
+use progress::Waiting;
 use std::io::Write;
 use std::ops::Range;
-use template::{Heating, heating};
+use template::Templates;
 
 /// Decimals of coordinates: a micrometre.
 const XYZ: u32 = 3;
@@ -83,6 +101,11 @@ pub struct Header {
     pub part_min: DVec3,
     /// Upper corner of the part.
     pub part_max: DVec3,
+    /// The part seen from above, on the bed: a convex ring around it. Where
+    /// it is empty its box is taken.
+    pub outline: Vec<DVec2>,
+    /// Pictures of it.
+    pub thumbnails: Vec<Thumbnail>,
 }
 
 /// What a print takes.
@@ -129,12 +152,16 @@ pub enum WriteError {
 pub struct Writer<'a, W: Write> {
     out: W,
     settings: &'a Settings,
-    /// Rendered before the first line is written, so that a mistake in it
-    /// does not turn up after hours of output.
-    end: String,
+    templates: Templates<'a>,
+    label: Option<Label>,
+    /// Where the text is until the whole time is known, if it has to be.
+    waiting: Option<Waiting>,
+    warnings: Vec<String>,
     /// Text not yet handed on; reused.
     buffer: Vec<u8>,
     totals: Totals,
+    /// Filament that the firmware has fed by itself, mm.
+    extra: Mm,
     layer: usize,
 
     // What the machine has been told so far, in units of last decimals;
@@ -193,25 +220,23 @@ impl<'a, W: Write> Writer<'a, W> {
         settings: &'a Settings,
         header: &Header,
     ) -> Result<Self, WriteError> {
-        let gcode = &settings.gcode;
-        let own = |text: &'a str, default| match text.trim().is_empty() {
-            true => default,
-            false => text,
+        let templates = Templates::new(settings, header)?;
+        let start = templates.start()?;
+        let whole = header.layers == (0..header.layer_count);
+        let waiting = match whole && tells_progress(settings) {
+            true => Some(Waiting::new()?),
+            false => None,
         };
-        let start = own(&gcode.start, default_start(gcode.flavour));
-        let end = own(&gcode.end, default_end(gcode.flavour));
-        let rendered =
-            template::render("gcode.start", start, settings, header)?;
-        let mut end = template::render("gcode.end", end, settings, header)?;
-        if gcode.end.trim().is_empty() && !bed_heated(settings) {
-            end = end.replace("M140 S0\n", "");
-        }
         let mut writer = Self {
             out,
             settings,
-            end,
+            templates,
+            label: Label::new(settings, header),
+            waiting,
+            warnings: Vec::new(),
             buffer: Vec::with_capacity(2 * FULL),
             totals: Totals::default(),
+            extra: 0.0,
             layer: 0,
             xy: None,
             z: None,
@@ -224,85 +249,19 @@ impl<'a, W: Write> Writer<'a, W> {
             height: None,
             retracted: false,
             filament: Filament {
-                relative: gcode.relative_e,
+                relative: settings.gcode.relative_e,
                 zero: Some(0),
                 ..Filament::default()
             },
         };
-        writer.begin(start, &rendered, header);
+        writer.begin(&start, header)?;
         writer.flush()?;
         Ok(writer)
     }
 
-    /// Header to heating. `source` is the start template as written by the
-    /// user, `rendered` what became of it.
-    fn begin(&mut self, source: &str, rendered: &str, header: &Header) {
-        let settings = self.settings;
-        let filament = &settings.filament;
-        self.line(concat!(
-            "; generated by isoslice ",
-            env!("CARGO_PKG_VERSION")
-        ));
-        let (Range { start, end }, count) =
-            (&header.layers, header.layer_count);
-        if header.layers != (0..count) {
-            self.line(&format!("; layers {} to {end} of {count}", start + 1));
-        }
-        self.modes();
-
-        let bed = match bed_heated(settings) {
-            true => heating(
-                source,
-                "M140",
-                "M190",
-                &["bed_temperature", "first_layer_bed_temperature"],
-            ),
-            false => Heating::Waits,
-        };
-        let nozzle = heating(
-            source,
-            "M104",
-            "M109",
-            &["nozzle_temperature", "first_layer_nozzle_temperature"],
-        );
-        // The second layer changes the temperatures itself.
-        let (bed_to, nozzle_to) = match header.layers.start {
-            0 | 1 => (
-                filament.first_layer_bed_temperature,
-                filament.first_layer_nozzle_temperature,
-            ),
-            _ => (filament.bed_temperature, header.nozzle_temperature),
-        };
-        self.nozzle = Some(nozzle_to);
-        if bed == Heating::Not {
-            self.temperature("M140", bed_to);
-        }
-        if nozzle == Heating::Not {
-            self.temperature("M104", nozzle_to);
-        }
-        self.type_comment(comments::CUSTOM);
-        self.buffer.extend_from_slice(rendered.as_bytes());
-        if bed != Heating::Waits {
-            self.temperature("M190", bed_to);
-        }
-        if nozzle != Heating::Waits {
-            self.temperature("M109", nozzle_to);
-        }
-        if template::may_change_modes(source) {
-            self.modes();
-        }
-        self.line("G92 E0");
-        if !flavour::one_acceleration(settings.gcode.flavour) {
-            let printer = &settings.printer;
-            let (p, t) = (printer.acceleration, printer.travel_acceleration);
-            let words =
-                format!("M204 P{} T{}", text(p, COARSE), text(t, COARSE));
-            self.line(&words);
-        }
-        if flavour::print_stats(settings.gcode.flavour) {
-            let count = header.layer_count;
-            self.line(&format!("SET_PRINT_STATS_INFO TOTAL_LAYER={count}"));
-        }
+    /// What the user should know about the templates.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Writes a layer.
@@ -310,9 +269,10 @@ impl<'a, W: Write> Writer<'a, W> {
     /// # Errors
     /// If the output cannot be written, or a number is none.
     pub fn layer(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
-        let before = self.filament.exact;
+        let before = self.filament.exact + self.extra;
         self.compose(layer, Self::flush)?;
-        self.totals.filament_length += self.filament.exact - before;
+        let fed = self.filament.exact + self.extra - before;
+        self.totals.filament_length += fed;
         self.totals.time += layer.time;
         self.totals.layers += 1;
         self.flush()
@@ -357,16 +317,11 @@ impl<'a, W: Write> Writer<'a, W> {
         pass_on: impl Fn(&mut Self) -> Result<(), WriteError>,
     ) -> Result<(), WriteError> {
         self.layer = layer.span.index;
-        self.line(";LAYER_CHANGE");
-        let z = self.count("z", layer.span.top, XYZ)?;
-        self.comment_number(";Z:", z, XYZ);
-        let height = self.count("layer height", layer.span.height(), WIDTH)?;
-        self.comment_number(";HEIGHT:", height, WIDTH);
-        self.height = Some(height);
+        self.layer_comments(layer)?;
         // Readers that take a layer on its own want both in it.
         self.role = None;
         self.width = None;
-
+        self.layer_template(layer)?;
         self.reset_filament();
         if flavour::print_stats(self.settings.gcode.flavour) {
             let current = self.layer + 1;
@@ -380,14 +335,92 @@ impl<'a, W: Write> Writer<'a, W> {
             self.temperature("M104", layer.nozzle_temperature);
         }
         self.set_fan(layer.fan);
-        for step in &layer.moves {
+        let labelled = labelled(&layer.moves);
+        let label = match labelled.is_empty() {
+            true => None,
+            false => self.label.clone(),
+        };
+        let mut clock = Clock::new(layer);
+        self.mark(clock.time());
+        for (i, step) in layer.moves.iter().enumerate() {
+            if i == labelled.start
+                && let Some(label) = &label
+            {
+                self.line(&label.start);
+            }
             self.step(step)?;
+            if self.waiting.is_some() {
+                clock.step(step);
+                self.mark_if_due(clock.time());
+            }
             if self.buffer.len() >= FULL {
                 pass_on(self)?;
             }
         }
+        if let Some(label) = &label {
+            self.line(&label.end);
+        }
         self.count("time", layer.time, XYZ)?;
         Ok(())
+    }
+
+    /// Tells readers that a layer begins.
+    fn layer_comments(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
+        let z = self.count("z", layer.span.top, XYZ)?;
+        let height = self.count("layer height", layer.span.height(), WIDTH)?;
+        self.height = Some(height);
+        match self.settings.gcode.comments {
+            Comments::Prusa | Comments::Orca => {
+                self.line(";LAYER_CHANGE");
+                self.comment_number(";Z:", z, XYZ);
+                self.comment_number(";HEIGHT:", height, WIDTH);
+            }
+            Comments::Cura => self.line(&format!(";LAYER:{}", self.layer)),
+            Comments::None => {}
+        }
+        Ok(())
+    }
+
+    /// The user's own lines for a layer. The machine may be anywhere, and in
+    /// any mode, after them.
+    fn layer_template(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
+        let moment = Moment {
+            number: self.layer + 1,
+            z: layer.span.top,
+            height: layer.span.height(),
+        };
+        let Some(lines) = self.templates.layer(moment)? else {
+            return Ok(());
+        };
+        self.buffer.extend_from_slice(lines.as_bytes());
+        if scan::may_change_modes(&lines) {
+            self.modes();
+        }
+        self.xy = None;
+        self.z = None;
+        self.feed = None;
+        self.fan = None;
+        self.acceleration = None;
+        self.filament.zero = None;
+        Ok(())
+    }
+
+    /// Marks a place that tells how far the print has come; `time` is that
+    /// since the layer's beginning.
+    fn mark(&mut self, time: Seconds) {
+        let time = self.totals.time + time;
+        if let Some(waiting) = &mut self.waiting {
+            waiting.mark(self.buffer.len(), time);
+        }
+    }
+
+    /// The same, if the last one was long ago.
+    fn mark_if_due(&mut self, time: Seconds) {
+        let last = self.waiting.as_ref().and_then(Waiting::last);
+        let since = self.totals.time + time - last.unwrap_or(0.0);
+        if since >= progress::BETWEEN {
+            self.mark(time);
+        }
     }
 
     /// Ends the file: last retraction, fan off, end template, what the print
@@ -396,16 +429,18 @@ impl<'a, W: Write> Writer<'a, W> {
     /// # Errors
     /// If the output cannot be written.
     pub fn finish(mut self) -> Result<Totals, WriteError> {
-        self.line(comments::END_OF_LAYERS);
+        if self.settings.gcode.comments != Comments::None {
+            self.line(comments::END_OF_LAYERS);
+        }
         let retract = &self.settings.retract;
         if self.totals.layers > 0 && !self.retracted && retract.length > 0.0 {
-            self.retract(retract.length, retract.speed)?;
+            // By the file even where the firmware retracts: it would take
+            // the next print's first retraction for done.
+            self.filament.back = self.count("retraction", retract.length, E)?;
+            self.filament_move(retract.speed)?;
         }
         self.set_fan(0.0);
-        self.type_comment(comments::CUSTOM);
-        let end = std::mem::take(&mut self.end);
-        self.buffer.extend_from_slice(end.as_bytes());
-
+        self.custom_comment();
         let filament = &self.settings.filament;
         let totals = &mut self.totals;
         totals.filament_volume =
@@ -413,38 +448,18 @@ impl<'a, W: Write> Writer<'a, W> {
         // Density is in g/cm³.
         totals.filament_mass_g =
             totals.filament_volume * 1e-3 * filament.density;
+        let end = self.templates.end(self.totals)?;
+        self.buffer.extend_from_slice(end.as_bytes());
+        self.mark(0.0);
         self.footer();
         self.flush()?;
+        if let Some(waiting) = self.waiting.take() {
+            let flavour = self.settings.gcode.flavour;
+            let line = |p, m| flavour::progress(flavour, p, m);
+            waiting.release(&mut self.out, self.totals.time, line)?;
+        }
         self.out.flush()?;
         Ok(self.totals)
-    }
-
-    fn footer(&mut self) {
-        let (s, t) = (self.settings, self.totals);
-        self.line("; times are without heating and homing");
-        let mut key = |name: &str, value: &str| {
-            self.buffer
-                .extend_from_slice(format!("; {name} = {value}\n").as_bytes());
-        };
-        key("filament used [mm]", &text(t.filament_length, 2));
-        key("filament used [cm3]", &text(t.filament_volume * 1e-3, 2));
-        key("filament used [g]", &text(t.filament_mass_g, 2));
-        key("total filament used [g]", &text(t.filament_mass_g, 2));
-        key("estimated printing time (normal mode)", &human_time(t.time));
-        key("total layers count", &t.layers.to_string());
-        key("layer_height", &text(s.layer_height, WIDTH));
-        key("first_layer_height", &text(s.first_layer_height, WIDTH));
-        key("nozzle_diameter", &text(s.printer.nozzle_diameter, 3));
-        key("filament_diameter", &text(s.filament.diameter, 3));
-        key("filament_density", &text(s.filament.density, 3));
-        key(
-            "first_layer_temperature",
-            &text(s.filament.first_layer_nozzle_temperature, COARSE),
-        );
-        key(
-            "first_layer_bed_temperature",
-            &text(s.filament.first_layer_bed_temperature, COARSE),
-        );
     }
 
     fn step(&mut self, step: &PacedMove) -> Result<(), WriteError> {
@@ -482,18 +497,25 @@ impl<'a, W: Write> Writer<'a, W> {
         flow: f64,
     ) -> Result<(), WriteError> {
         if self.role != Some(bead.role) {
+            let dialect = self.settings.gcode.comments;
+            let name = |role| role_name(dialect, role);
+            // Several roles may have one name.
+            if self.role.and_then(name) != name(bead.role) {
+                self.type_comment(name(bead.role));
+            }
             self.role = Some(bead.role);
-            self.type_comment(role_name(bead.role));
         }
         let width = self.count("bead width", bead.width, WIDTH)?;
-        if self.width != Some(width) {
-            self.width = Some(width);
-            self.comment_number(";WIDTH:", width, WIDTH);
-        }
         let height = self.count("bead height", bead.height, WIDTH)?;
-        if self.height != Some(height) {
-            self.height = Some(height);
-            self.comment_number(";HEIGHT:", height, WIDTH);
+        if comments::has_sizes(self.settings.gcode.comments) {
+            if self.width != Some(width) {
+                self.width = Some(width);
+                self.comment_number(";WIDTH:", width, WIDTH);
+            }
+            if self.height != Some(height) {
+                self.height = Some(height);
+                self.comment_number(";HEIGHT:", height, WIDTH);
+            }
         }
         self.accelerate(self.settings.printer.acceleration);
         let area =
@@ -554,12 +576,22 @@ impl<'a, W: Write> Writer<'a, W> {
         length: Mm,
         speed: MmPerSec,
     ) -> Result<(), WriteError> {
-        self.filament.back = self.count("retraction", length, E)?;
         self.retracted = true;
+        if self.settings.retract.firmware {
+            self.line("G10");
+            return Ok(());
+        }
+        self.filament.back = self.count("retraction", length, E)?;
         self.filament_move(speed)
     }
 
     fn prime(&mut self, extra: Mm, speed: MmPerSec) -> Result<(), WriteError> {
+        if self.settings.retract.firmware {
+            self.retracted = false;
+            self.extra += extra;
+            self.line("G11");
+            return Ok(());
+        }
         self.filament.back = 0;
         self.retracted = false;
         self.feed_filament(extra)?;
@@ -629,22 +661,17 @@ impl<'a, W: Write> Writer<'a, W> {
     }
 
     fn set_fan(&mut self, speed: Percent) {
-        // 0 to 255 for 0 to 100 %.
-        let pwm = scaled(speed.clamp(0.0, 100.0) * 2.55, 0).unwrap_or(0);
-        if self.fan == Some(pwm) {
-            return;
-        }
-        self.fan = Some(pwm);
-        if pwm == 0 {
-            self.line("M107");
-        } else {
-            self.line(&format!("M106 S{pwm}"));
+        let pwm = flavour::pwm(speed);
+        if self.fan != Some(pwm) {
+            self.fan = Some(pwm);
+            self.line(&flavour::fan(self.settings.gcode.flavour, pwm));
         }
     }
 
     /// Sets the acceleration where the firmware has one for all moves.
     fn accelerate(&mut self, to: MmPerSec2) {
-        if !flavour::one_acceleration(self.settings.gcode.flavour) {
+        let gcode = &self.settings.gcode;
+        if !gcode.set_limits || !flavour::one_acceleration(gcode.flavour) {
             return;
         }
         let count = scaled(to, COARSE);
@@ -656,9 +683,16 @@ impl<'a, W: Write> Writer<'a, W> {
         }
     }
 
-    fn type_comment(&mut self, name: &str) {
-        self.buffer.extend_from_slice(b";TYPE:");
-        self.line(name);
+    fn type_comment(&mut self, name: Option<&str>) {
+        if let Some(name) = name {
+            self.buffer.extend_from_slice(b";TYPE:");
+            self.line(name);
+        }
+    }
+
+    /// What a template prints is not the part.
+    fn custom_comment(&mut self) {
+        self.type_comment(comments::custom(self.settings.gcode.comments));
     }
 
     fn comment_number(&mut self, tag: &str, count: i64, decimals: u32) {
@@ -697,15 +731,70 @@ impl<'a, W: Write> Writer<'a, W> {
     }
 
     fn flush(&mut self) -> Result<(), WriteError> {
-        self.out.write_all(&self.buffer)?;
+        match &mut self.waiting {
+            Some(waiting) => waiting.write(&self.buffer)?,
+            None => self.out.write_all(&self.buffer)?,
+        }
         self.buffer.clear();
         Ok(())
     }
 }
 
-/// False if the bed stays cold: a printer without a heated bed may not know
-/// the commands for one.
-fn bed_heated(settings: &Settings) -> bool {
-    let filament = &settings.filament;
-    filament.bed_temperature > 0.0 || filament.first_layer_bed_temperature > 0.0
+/// True if layers are to tell how far the print has come.
+fn tells_progress(settings: &Settings) -> bool {
+    match settings.gcode.progress {
+        Emit::On => true,
+        Emit::Off => false,
+        Emit::Auto => settings.gcode.flavour == Flavour::Prusa,
+    }
+}
+
+/// Which of a layer's moves print the part, and not a skirt before it, with
+/// the way there; none if nothing of the part is printed.
+fn labelled(moves: &[PacedMove]) -> Range<usize> {
+    let is = |m: &PacedMove, skirt: bool| {
+        matches!(m, PacedMove::Print { bead, .. }
+            if (bead.role == Role::Skirt) == skirt)
+    };
+    if !moves.iter().any(|m| is(m, false)) {
+        return 0..0;
+    }
+    let skirt = moves.iter().rposition(|m| is(m, true));
+    skirt.map_or(0, |i| i + 1)..moves.len()
+}
+
+/// How far a layer has come in time: its share of the printing moves at their
+/// speeds.
+struct Clock {
+    time: Seconds,
+    printing: Seconds,
+    passed: Seconds,
+}
+
+impl Clock {
+    fn new(layer: &PacedLayer) -> Self {
+        Self {
+            time: layer.time,
+            printing: layer.moves.iter().map(printing).sum(),
+            passed: 0.0,
+        }
+    }
+
+    fn step(&mut self, step: &PacedMove) {
+        self.passed += printing(step);
+    }
+
+    fn time(&self) -> Seconds {
+        match self.printing > 0.0 {
+            true => self.time * self.passed / self.printing,
+            false => 0.0,
+        }
+    }
+}
+
+fn printing(step: &PacedMove) -> Seconds {
+    match step {
+        PacedMove::Print { bead, speed, .. } => bead.length() / speed,
+        _ => 0.0,
+    }
 }

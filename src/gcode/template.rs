@@ -1,322 +1,442 @@
-//! Templates: the user's own lines at the start and the end of a file.
+//! Templates: the user's own lines at the start and the end of a file and of
+//! each layer.
 //!
-//! In: text with placeholders, `{name}`; `{{` and `}}` stand for the braces
-//! themselves. Out: the text with every placeholder replaced by its value.
-//! [`PLACEHOLDERS`] is the list of them.
+//! In: text in the syntax of Jinja, by minijinja: `{{ bed_temperature }}`,
+//! `{{ (layer_height * 2) | round(2) }}`, `{% if bed_temperature > 90 %}`.
+//! Out: G-code. [`PLACEHOLDERS`](super::PLACEHOLDERS) is the list of names.
 //!
-//! Guarantees: a placeholder nobody knows, and a brace without its partner,
-//! are errors that say where; nothing is left out silently.
+//! Guarantees: a name nobody knows is an error that says where, also in a
+//! branch that is not taken, and so is a placeholder in another slicer's
+//! brackets; nothing is left out silently. All templates are tried before the
+//! first line is written. Numbers are written as firmware reads them. A
+//! template can neither read files nor run for ever.
 
 use super::Header;
 use super::number::text;
+use super::placeholders::{self, Known, Moment, Scope};
+use super::{Totals, flavour};
 use crate::settings::Settings;
-use crate::units::feed_rate;
+use minijinja::value::ValueKind;
+use minijinja::{
+    Environment, Error, ErrorKind, Output, State, UndefinedBehavior, Value,
+};
+use std::collections::BTreeMap;
+use std::ops::Range;
 
-/// A name that a template may use.
-#[derive(Clone, Copy, Debug)]
-pub struct Placeholder {
-    /// The name, as between the braces.
-    pub name: &'static str,
-    /// What it stands for, with its unit.
-    pub description: &'static str,
-    /// Its value in a print.
-    pub value: fn(&Settings, &Header) -> String,
-}
+/// Steps a template may take: thousands of lines.
+const FUEL: u64 = 200_000;
 
-macro_rules! placeholders {
-    ($($name:literal, $description:literal,
-       |$s:pat_param, $h:pat_param| $value:expr;)*) => {
-        &[$(Placeholder {
-            name: $name,
-            description: $description,
-            value: |$s, $h| $value,
-        }),*]
-    };
-}
-
-/// How far above the part the head is parked, mm: out of the way of a hand.
-const PARK_LIFT: f64 = 10.0;
-
-/// Every placeholder, in the order documentation lists them.
-pub const PLACEHOLDERS: &[Placeholder] = placeholders![
-    "nozzle_temperature", "nozzle temperature, °C",
-        |s, _| {
-            // An expression begins above the first layer.
-            let filament = &s.filament;
-            let above = filament.nozzle_temperature.constant();
-            text(above.unwrap_or(filament.first_layer_nozzle_temperature), 1)
-        };
-    "first_layer_nozzle_temperature",
-        "nozzle temperature of the first layer, °C",
-        |s, _| text(s.filament.first_layer_nozzle_temperature, 1);
-    "bed_temperature", "bed temperature, °C",
-        |s, _| text(s.filament.bed_temperature, 1);
-    "first_layer_bed_temperature", "bed temperature of the first layer, °C",
-        |s, _| text(s.filament.first_layer_bed_temperature, 1);
-    "layer_count", "number of layers",
-        |_, h| h.layer_count.to_string();
-    "layer_height", "layer height, mm",
-        |s, _| text(s.layer_height, 4);
-    "first_layer_height", "height of the first layer, mm",
-        |s, _| text(s.first_layer_height, 4);
-    "bed_x", "width of the bed, mm",
-        |s, _| text(s.printer.bed_x, 3);
-    "bed_y", "depth of the bed, mm",
-        |s, _| text(s.printer.bed_y, 3);
-    "height", "greatest height the printer prints, mm",
-        |s, _| text(s.printer.height, 3);
-    "nozzle_diameter", "diameter of the nozzle, mm",
-        |s, _| text(s.printer.nozzle_diameter, 3);
-    "filament_diameter", "diameter of the filament, mm",
-        |s, _| text(s.filament.diameter, 3);
-    "retract_length", "length of a retraction, mm",
-        |s, _| text(s.retract.length, 3);
-    "feed_rate_travel", "travel speed as a feed rate, mm/min",
-        |s, _| text(feed_rate(s.speed.travel), 0);
-    "feed_rate_z", "greatest speed of z as a feed rate, mm/min",
-        |s, _| text(feed_rate(s.printer.max_speed_z), 0);
-    "part_min_x", "least x of the part, mm", |_, h| text(h.part_min.x, 3);
-    "part_min_y", "least y of the part, mm", |_, h| text(h.part_min.y, 3);
-    "part_min_z", "least z of the part, mm", |_, h| text(h.part_min.z, 3);
-    "part_max_x", "greatest x of the part, mm", |_, h| text(h.part_max.x, 3);
-    "part_max_y", "greatest y of the part, mm", |_, h| text(h.part_max.y, 3);
-    "part_max_z", "greatest z of the part, mm", |_, h| text(h.part_max.z, 3);
-    "park_z", "10 mm above the part, or as high as the printer goes, mm",
-        |s, h| text(
-            (h.part_max.z + PARK_LIFT)
-                .min(s.printer.height)
-                .max(h.part_max.z),
-            3,
-        );
-    "model_name", "name of the model, without folder and extension",
-        |_, h| one_line(&h.model_name);
-];
+/// Decimals of numbers; templates that want fewer round.
+const DECIMALS: u32 = 5;
 
 /// Why a template cannot be filled in.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum TemplateError {
-    /// A placeholder that does not exist.
-    #[error(
-        "{template}, line {line}, column {column}: there is no placeholder \
-         {{{name}}}{hint}; the known ones are {known}"
-    )]
-    Unknown {
-        /// The setting that holds the template.
-        template: &'static str,
-        /// Line, from 1.
-        line: usize,
-        /// Column of its brace in characters, from 1.
-        column: usize,
-        /// Its name.
-        name: String,
-        /// What may have been meant, as the end of a sentence; or nothing.
-        hint: String,
-        /// All names.
-        known: String,
-    },
-    /// A brace that opens and does not close on its line.
-    #[error(
-        "{template}, line {line}, column {column}: {{ is not closed on its \
-         line; write {{name}} for a placeholder, {{{{ for the brace itself"
-    )]
-    Unclosed {
-        /// The setting that holds the template.
-        template: &'static str,
-        /// Line, from 1.
-        line: usize,
-        /// Column of the brace in characters, from 1.
-        column: usize,
-    },
-    /// A brace that closes nothing.
-    #[error(
-        "{template}, line {line}, column {column}: }} closes nothing; write \
-         }}}} for the brace itself"
-    )]
-    Unopened {
-        /// The setting that holds the template.
-        template: &'static str,
-        /// Line, from 1.
-        line: usize,
-        /// Column of the brace in characters, from 1.
-        column: usize,
-    },
+#[error("{template}, line {line}, column {column}: {message}")]
+pub struct TemplateError {
+    /// The setting that holds the template.
+    pub template: &'static str,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// What is wrong, and the remedy.
+    pub message: String,
 }
 
-/// Fills in `source`, which is the setting called `template`. Lines end in a
-/// line feed, the last one too, without blanks before it.
-///
-/// # Errors
-/// If a placeholder is unknown or a brace has no partner.
-pub fn render(
-    template: &'static str,
-    source: &str,
-    settings: &Settings,
-    header: &Header,
-) -> Result<String, TemplateError> {
-    let mut out = String::with_capacity(2 * source.len());
-    for (number, line) in source.lines().enumerate() {
-        let place = Place {
-            template,
-            line: number + 1,
+/// Names of the settings that hold templates.
+const START: &str = "gcode.start";
+const END: &str = "gcode.end";
+const LAYER: &str = "gcode.layer";
+
+/// A print's templates.
+#[derive(Debug)]
+pub(super) struct Templates<'a> {
+    engine: Environment<'a>,
+    settings: &'a Settings,
+    header: Header,
+    /// Values that every template knows.
+    known: BTreeMap<String, Value>,
+    /// The start's text, as the user wrote it.
+    pub start: &'a str,
+    end: &'a str,
+    has_layer: bool,
+}
+
+impl<'a> Templates<'a> {
+    /// Reads and tries the templates of `settings`.
+    pub(super) fn new(
+        settings: &'a Settings,
+        header: &Header,
+    ) -> Result<Self, TemplateError> {
+        let gcode = &settings.gcode;
+        let own = |text: &'a str, default| match text.trim().is_empty() {
+            true => default,
+            false => text,
         };
-        fill(line, &place, settings, header, &mut out)?;
-        out.truncate(out.trim_end_matches([' ', '\t', '\r']).len());
-        out.push('\n');
+        let start = own(&gcode.start, flavour::default_start(gcode.flavour));
+        let end = own(&gcode.end, flavour::default_end(gcode.flavour));
+        let mut known = placeholders::of_settings(settings);
+        let of_all = Known {
+            settings,
+            header,
+            moment: Moment::default(),
+            totals: Totals::default(),
+        };
+        known.extend(placeholders::of(Scope::All, &of_all));
+        let mut templates = Self {
+            engine: engine(),
+            settings,
+            header: Header {
+                thumbnails: Vec::new(),
+                outline: Vec::new(),
+                ..header.clone()
+            },
+            known,
+            start,
+            end,
+            has_layer: !gcode.layer.trim().is_empty(),
+        };
+        templates.add(START, start, Scope::All)?;
+        templates.add(END, end, Scope::End)?;
+        templates.add(LAYER, &gcode.layer, Scope::Layer)?;
+        templates.end(Totals::default())?;
+        if templates.has_layer {
+            templates.layer(Moment::default())?;
+        }
+        Ok(templates)
     }
-    Ok(out)
+
+    /// What stands at the file's start.
+    pub(super) fn start(&self) -> Result<String, TemplateError> {
+        self.render(START, Scope::All, Moment::default(), Totals::default())
+    }
+
+    /// What stands at a layer's beginning, if anything.
+    pub(super) fn layer(
+        &self,
+        moment: Moment,
+    ) -> Result<Option<String>, TemplateError> {
+        self.has_layer
+            .then(|| {
+                self.render(LAYER, Scope::Layer, moment, Totals::default())
+            })
+            .transpose()
+    }
+
+    /// What stands at the file's end.
+    pub(super) fn end(&self, totals: Totals) -> Result<String, TemplateError> {
+        self.render(END, Scope::End, Moment::default(), totals)
+    }
+
+    /// Reads a template and looks for names that are not known.
+    fn add(
+        &mut self,
+        name: &'static str,
+        source: &'a str,
+        scope: Scope,
+    ) -> Result<(), TemplateError> {
+        let failed = |e| failure(name, source, &e);
+        self.engine.add_template(name, source).map_err(failed)?;
+        let template = self.engine.get_template(name).map_err(failed)?;
+        let globals: Vec<&str> =
+            self.engine.globals().map(|(name, _)| name).collect();
+        let known: Vec<&str> = placeholders::names(scope).collect();
+        let is_known = |used: &str| {
+            let group = |k: &&str| k.split('.').next() == Some(used);
+            globals.contains(&used)
+                || known.contains(&used)
+                || known.iter().any(group)
+        };
+        let pieces = pieces(source);
+        let mut unknown: Vec<(usize, String)> = template
+            .undeclared_variables(true)
+            .into_iter()
+            .filter(|used| !is_known(used))
+            .map(|used| (find(source, &pieces, &used), used))
+            .collect();
+        unknown.sort();
+        if let Some((at, used)) = unknown.first() {
+            return Err(error(name, source, *at, unknown_name(used, scope)));
+        }
+        match foreign(source, &pieces, &known) {
+            Some((at, message)) => Err(error(name, source, at, message)),
+            None => Ok(()),
+        }
+    }
+
+    fn render(
+        &self,
+        name: &'static str,
+        scope: Scope,
+        moment: Moment,
+        totals: Totals,
+    ) -> Result<String, TemplateError> {
+        let now = Known {
+            settings: self.settings,
+            header: &self.header,
+            moment,
+            totals,
+        };
+        let mut values = self.known.clone();
+        if scope != Scope::All {
+            values.extend(placeholders::of(scope, &now));
+        }
+        let rendered = self
+            .engine
+            .get_template(name)
+            .and_then(|t| t.render(Value::from_iter(values)))
+            .map_err(|e| failure(name, self.source(name), &e))?;
+        let mut out = String::with_capacity(rendered.len() + 1);
+        for line in rendered.lines() {
+            out.push_str(line.trim_end());
+            out.push('\n');
+        }
+        Ok(out)
+    }
+
+    fn source(&self, name: &str) -> &'a str {
+        match name {
+            START => self.start,
+            LAYER => &self.settings.gcode.layer,
+            _ => self.end,
+        }
+    }
 }
 
-/// Where a line stands, for error messages.
-struct Place {
-    template: &'static str,
-    line: usize,
+fn engine<'a>() -> Environment<'a> {
+    let mut engine = Environment::new();
+    engine.set_undefined_behavior(UndefinedBehavior::Strict);
+    engine.set_fuel(Some(FUEL));
+    // For the place of a mistake.
+    engine.set_debug(true);
+    // A line with nothing but a condition leaves no empty line.
+    engine.set_trim_blocks(true);
+    engine.set_lstrip_blocks(true);
+    engine.set_formatter(write);
+    engine
 }
 
-/// Fills in one line.
-fn fill(
-    line: &str,
-    place: &Place,
-    settings: &Settings,
-    header: &Header,
-    out: &mut String,
-) -> Result<(), TemplateError> {
-    let Place {
-        template,
-        line: number,
-    } = *place;
-    let mut rest = line;
-    while let Some(at) = rest.find(['{', '}']) {
-        let (before, brace) = rest.split_at(at);
-        out.push_str(before);
-        let column = line[..line.len() - brace.len()].chars().count() + 1;
-        if let Some(after) = brace.strip_prefix("{{") {
-            out.push('{');
-            rest = after;
-        } else if let Some(after) = brace.strip_prefix("}}") {
-            out.push('}');
-            rest = after;
-        } else if let Some(after) = brace.strip_prefix('{') {
-            let Some((name, after)) = after.split_once('}') else {
-                return Err(TemplateError::Unclosed {
-                    template,
-                    line: number,
-                    column,
-                });
-            };
-            let known =
-                find(name.trim()).ok_or_else(|| TemplateError::Unknown {
-                    template,
-                    line: number,
-                    column,
-                    name: name.to_owned(),
-                    hint: hint(name.trim()),
-                    known: names().collect::<Vec<_>>().join(", "),
-                })?;
-            out.push_str(&(known.value)(settings, header));
-            rest = after;
-        } else {
-            return Err(TemplateError::Unopened {
-                template,
-                line: number,
-                column,
+/// Writes a value as firmware reads it.
+fn write(out: &mut Output, _: &State, value: &Value) -> Result<(), Error> {
+    let written = match value.kind() {
+        ValueKind::Number if !value.is_integer() => {
+            let x = f64::try_from(value.clone())?;
+            if super::number::scaled(x, DECIMALS).is_none() {
+                return Err(Error::new(
+                    ErrorKind::InvalidOperation,
+                    format!("the result is {x}, which firmware cannot read"),
+                ));
+            }
+            text(x, DECIMALS)
+        }
+        ValueKind::Undefined => {
+            return Err(Error::from(ErrorKind::UndefinedError));
+        }
+        _ => value.to_string(),
+    };
+    out.write_str(&written)
+        .map_err(|_| Error::from(ErrorKind::WriteFailure))
+}
+
+/// A piece of a template.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Piece {
+    /// Where it is, in bytes.
+    at: Range<usize>,
+    /// Whether it is an expression or a condition, and not plain text.
+    code: bool,
+}
+
+/// The pieces of a template: plain text, and what is between braces.
+/// Comments and raw text are left out.
+fn pieces(source: &str) -> Vec<Piece> {
+    let mut all = Vec::new();
+    let mut at = 0;
+    while let Some(open) = source[at..]
+        .match_indices('{')
+        .map(|(i, _)| at + i)
+        .find(|&i| source[i + 1..].starts_with(['{', '%', '#']))
+    {
+        all.push(Piece {
+            at: at..open,
+            code: false,
+        });
+        let close = match source.as_bytes().get(open + 1) {
+            Some(b'{') => "}}",
+            Some(b'%') => "%}",
+            _ => "#}",
+        };
+        let inside = open + 2;
+        let end = |from: usize, what: &str| {
+            source[from..].find(what).map_or(source.len(), |i| from + i)
+        };
+        let to = end(inside, close);
+        let tag = source[inside..to].trim_matches(['-', '+', ' ', '\t']);
+        at = (to + close.len()).min(source.len());
+        if close == "%}" && tag == "raw" {
+            let over = end(at, "endraw");
+            at = (end(over, "%}") + 2).min(source.len());
+        } else if close != "#}" {
+            all.push(Piece {
+                at: inside..to,
+                code: true,
             });
         }
     }
-    out.push_str(rest);
-    Ok(())
+    all.push(Piece {
+        at: at..source.len(),
+        code: false,
+    });
+    all
 }
 
-/// What a start template does about a heater itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Heating {
-    /// Nothing.
-    Not,
-    /// Sets the temperature and goes on.
-    Sets,
-    /// Sets the temperature and waits for it.
-    Waits,
+/// Where `name` is used first.
+fn find(source: &str, pieces: &[Piece], name: &str) -> usize {
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    pieces
+        .iter()
+        .filter(|p| p.code)
+        .flat_map(|p| {
+            let places = source[p.at.clone()].match_indices(name);
+            places.map(|(i, _)| p.at.start + i)
+        })
+        .find(|&i| {
+            let before = source[..i].chars().next_back();
+            let after = source[i + name.len()..].chars().next();
+            !before.is_some_and(|c| part(c) || c == '.')
+                && !after.is_some_and(part)
+        })
+        .unwrap_or(0)
 }
 
-/// What `source` does about the heater whose commands are `set` and `wait`
-/// and whose temperatures have the placeholders `names`. A macro that is
-/// given the temperature is trusted to wait for it.
-pub(super) fn heating(
+/// A placeholder in brackets of another kind, `{name}` or `[name]`, that
+/// would reach the printer as it is.
+fn foreign(
     source: &str,
-    set: &str,
-    wait: &str,
-    names: &[&str],
-) -> Heating {
-    let mut found = Heating::Not;
-    for line in source.lines() {
-        let code = line.split(';').next().unwrap_or("");
-        let command = code.split_whitespace().next().unwrap_or("");
-        if command.eq_ignore_ascii_case(set) {
-            found = Heating::Sets;
-        } else if command.eq_ignore_ascii_case(wait)
-            || (is_macro(command) && names.iter().any(|n| uses(code, n)))
-        {
-            return Heating::Waits;
+    pieces: &[Piece],
+    known: &[&str],
+) -> Option<(usize, String)> {
+    let text = pieces.iter().filter(|p| !p.code);
+    let mut found = text.flat_map(|p| {
+        let piece = &source[p.at.clone()];
+        piece
+            .match_indices(['{', '['])
+            .filter_map(move |(i, open)| {
+                // Comments may hold anything.
+                let line = piece[..i].rsplit('\n').next().unwrap_or("");
+                let close = if open == "{" { '}' } else { ']' };
+                let (name, _) = piece[i + 1..].split_once(close)?;
+                let name = name.trim();
+                let plain = !name.is_empty()
+                    && name.chars().all(|c| c.is_alphanumeric() || c == '_')
+                    && !name.starts_with(|c: char| c.is_ascii_digit());
+                let meant = plain && (open == "{" || known.contains(&name));
+                (meant && !line.contains(';')).then(|| {
+                    let at = p.at.start + i;
+                    let shown = &piece[i..i + piece[i..].find(close)? + 1];
+                    Some((
+                        at,
+                        format!(
+                            "{shown} would reach the printer as it is; write \
+                         {{{{ {name} }}}} for a placeholder"
+                        ),
+                    ))
+                })?
+            })
+    });
+    found.next()
+}
+
+/// What to say about a name that is not known.
+fn unknown_name(name: &str, scope: Scope) -> String {
+    let elsewhere = super::PLACEHOLDERS
+        .iter()
+        .find(|p| p.name == name && p.scope != scope);
+    match elsewhere.map(|p| p.scope) {
+        Some(Scope::Layer) => {
+            return format!("{name} is known in {LAYER} only");
         }
+        Some(Scope::End) => {
+            return format!("{name} is known in {END} only");
+        }
+        _ => {}
     }
-    found
-}
-
-/// True if `source` may leave the machine with other units or modes than it
-/// found: it sets them for its own use, or calls a macro, which can do
-/// anything.
-pub(super) fn may_change_modes(source: &str) -> bool {
-    const MODES: [&str; 6] = ["G20", "G21", "G90", "G91", "M82", "M83"];
-    source
-        .lines()
-        .map(|line| line.split(';').next().unwrap_or(""))
-        .filter_map(|code| code.split_whitespace().next())
-        .any(|c| is_macro(c) || MODES.iter().any(|m| c.eq_ignore_ascii_case(m)))
-}
-
-/// True for a command that is a name, not a letter and a number: what an
-/// `M117` shows does not heat.
-fn is_macro(command: &str) -> bool {
-    !command
-        .chars()
-        .skip(1)
-        .all(|c| c.is_ascii_digit() || c == '.')
-}
-
-/// True if `code` has the placeholder `name`.
-fn uses(code: &str, name: &str) -> bool {
-    code.split('{')
-        .filter_map(|part| part.split_once('}'))
-        .any(|(inside, _)| inside.trim() == name)
-}
-
-fn names() -> impl Iterator<Item = &'static str> {
-    PLACEHOLDERS.iter().map(|p| p.name)
-}
-
-fn find(name: &str) -> Option<&'static Placeholder> {
-    PLACEHOLDERS.iter().find(|p| p.name == name)
-}
-
-/// The nearest known name, if one is near.
-fn hint(name: &str) -> String {
     // Below this two names have little more than a letter in common.
     const NEAR: f64 = 0.8;
-    names()
-        .map(|known| (strsim::jaro_winkler(name, known), known))
+    let like = |known: &str| {
+        // The right name in the wrong group is near, too.
+        let leaf = known.rsplit('.').next().unwrap_or(known);
+        let own = name.rsplit('.').next().unwrap_or(name);
+        let whole = strsim::jaro_winkler(name, known);
+        whole.max(0.95 * strsim::jaro_winkler(own, leaf))
+    };
+    let hint = placeholders::names(scope)
+        .map(|known| (like(known), known))
         .filter(|(likeness, _)| *likeness >= NEAR)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, known)| format!(", did you mean {{{known}}}?"))
-        .unwrap_or_default()
+        // The first of several that are as near.
+        .fold(None::<(f64, &str)>, |best, this| match best {
+            Some(best) if best.0 >= this.0 => Some(best),
+            _ => Some(this),
+        })
+        .map(|(_, known)| format!(", did you mean {{{{ {known} }}}}?"))
+        .unwrap_or_default();
+    let all: Vec<&str> = super::PLACEHOLDERS
+        .iter()
+        .filter(|p| p.scope == Scope::All || p.scope == scope)
+        .map(|p| p.name)
+        .collect();
+    format!(
+        "there is no placeholder {{{{ {name} }}}}{hint}; there are {}, and \
+         every setting by its name",
+        all.join(", ")
+    )
 }
 
-/// `name` without what would end its line or hide in it.
-fn one_line(name: &str) -> String {
-    name.chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect()
+/// An error of the engine's in our words.
+fn failure(
+    template: &'static str,
+    source: &str,
+    failed: &Error,
+) -> TemplateError {
+    let start = failed.range().map(|r| r.start);
+    let mut message = match failed.kind() {
+        ErrorKind::OutOfFuel => "it takes too long; make it shorter".to_owned(),
+        ErrorKind::UndefinedError => "this has no value".to_owned(),
+        kind => kind.to_string(),
+    };
+    if let Some(detail) = failed.detail() {
+        message = format!("{message}: {detail}");
+    }
+    match start {
+        Some(at) => error(template, source, at, message),
+        None => TemplateError {
+            template,
+            line: failed.line().unwrap_or(1),
+            column: 1,
+            message,
+        },
+    }
+}
+
+fn error(
+    template: &'static str,
+    source: &str,
+    at: usize,
+    message: String,
+) -> TemplateError {
+    let before = source.get(..at).unwrap_or(source);
+    let line = before.matches('\n').count() + 1;
+    let start = before.rfind('\n').map_or(0, |i| i + 1);
+    TemplateError {
+        template,
+        line,
+        column: before[start..].chars().count() + 1,
+        message,
+    }
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use glam::DVec3;
@@ -325,90 +445,139 @@ mod tests {
         Header {
             model_name: "gyroid\nball".to_owned(),
             layer_count: 12,
+            layers: 0..12,
             nozzle_temperature: 210.0,
-            layers: 0..1,
             part_min: DVec3::new(95.0, 95.0, 0.0),
             part_max: DVec3::new(125.0, 125.0, 30.0),
+            outline: Vec::new(),
+            thumbnails: Vec::new(),
         }
     }
 
-    fn filled(source: &str) -> Result<String, TemplateError> {
-        render("gcode.start", source, &Settings::default(), &header())
+    fn filled(source: &str) -> Result<String, String> {
+        let mut s = Settings::default();
+        s.gcode.start = source.to_owned();
+        let start = Templates::new(&s, &header()).and_then(|t| t.start());
+        start.map_err(|e| {
+            let s = e.to_string();
+            s.split("; ").next().unwrap_or("").to_owned()
+        })
+    }
+
+    #[track_caller]
+    fn assert_filled(source: &str, expected: &str) {
+        assert_eq!(filled(source).as_deref(), Ok(expected));
     }
 
     #[test]
     fn placeholders_are_filled_in() {
-        assert_eq!(
-            filled("M104 S{nozzle_temperature} \r\nG1 Z{ park_z }").as_deref(),
-            Ok("M104 S210\nG1 Z40\n")
+        assert_filled(
+            "M104 S{{ nozzle_temperature }} \r\nG1 Z{{park_z}}",
+            "M104 S210\nG1 Z40\n",
         );
-        assert_eq!(
-            filled("M117 {{{model_name}}}").as_deref(),
-            Ok("M117 {gyroid ball}\n")
+        assert_filled(
+            "M117 {{ '{' }}{{ model_name }}}",
+            "M117 {gyroid ball}\n",
         );
-        assert_eq!(filled("").as_deref(), Ok(""));
+        assert_filled("M117 {% raw %}{a}{% endraw %}", "M117 {a}\n");
+        assert_filled("{{ speed.travel }} {{ printer.model }}", "150\n");
+    }
+
+    #[test]
+    fn expressions_are_computed_and_written_plainly() {
+        assert_filled("{{ (layer_height * 2) | round(2) }}", "0.4\n");
+        assert_filled("{{ layer_height / 3 }} {{ 1/2 }}", "0.06667 0.5\n");
+        assert_filled("{{ bed_temperature / 2 }}", "30\n");
+        assert_filled("{{ 1e-9 }} {{ -layer_height }}", "0 -0.2\n");
+        assert_filled(
+            "G28\n{% if bed_temperature > 50 %}\nM190 S{{ bed_temperature }}\n\
+             {% else %}\nG4 P1\n{% endif %}\nG29",
+            "G28\nM190 S60\nG29\n",
+        );
+        assert_filled("{{ [part_max_x + 5, bed_x] | min }}", "130\n");
     }
 
     #[test]
     fn every_placeholder_has_a_value_and_its_own_name() {
-        for p in PLACEHOLDERS {
-            let value = (p.value)(&Settings::default(), &header());
-            assert!(!value.is_empty(), "{}", p.name);
-            assert_eq!(names().filter(|n| *n == p.name).count(), 1);
+        let all = super::super::PLACEHOLDERS;
+        for p in all {
+            assert_eq!(all.iter().filter(|q| q.name == p.name).count(), 1);
+            let mut s = Settings::default();
+            let text = format!("{{{{ {} }}}}", p.name);
+            match p.scope {
+                Scope::All => s.gcode.start = text,
+                Scope::Layer => s.gcode.layer = text,
+                Scope::End => s.gcode.end = text,
+            }
+            assert!(Templates::new(&s, &header()).is_ok(), "{}", p.name);
         }
+        // All settings but the templates.
+        for key in crate::settings::keys() {
+            let template = key.name.starts_with("gcode.")
+                && ["start", "end", "layer"].contains(&&key.name[6..]);
+            let used = filled(&format!("{{{{ {} }}}}", key.name));
+            assert_eq!(used.is_ok(), !template, "{}", key.name);
+        }
+    }
+
+    #[track_caller]
+    fn assert_refused(source: &str, expected: &str) {
+        assert_eq!(filled(source), Err(format!("gcode.start, {expected}")));
     }
 
     #[test]
     fn errors_say_where() {
-        let error = filled("G28\nM104 Sé{nozle_temp}").map_err(|e| {
-            let s = e.to_string();
-            s.split("; ").next().unwrap_or("").to_owned()
-        });
-        assert_eq!(
-            error,
-            Err("gcode.start, line 2, column 8: there is no placeholder \
-                 {nozle_temp}, did you mean {nozzle_temperature}?"
-                .to_owned())
+        assert_refused(
+            "G28\nM104 Sé{{ nozle_temp }}",
+            "line 2, column 11: there is no placeholder {{ nozle_temp }}, did \
+             you mean {{ nozzle_temperature }}?",
         );
-        assert!(matches!(
-            filled("G28 {bed_x"),
-            Err(TemplateError::Unclosed {
-                line: 1,
-                column: 5,
-                ..
-            })
-        ));
-        assert!(matches!(
-            filled("\n\nG28 }"),
-            Err(TemplateError::Unopened {
-                line: 3,
-                column: 5,
-                ..
-            })
-        ));
+        // Also where it would not be reached.
+        assert_refused(
+            "{% if false %}\n{{ 1 + bed_q }}{% endif %}",
+            "line 2, column 8: there is no placeholder {{ bed_q }}, did you \
+             mean {{ bed_x }}?",
+        );
+        assert_refused(
+            "{{ filament.diametre }}",
+            "line 1, column 4: there is no placeholder \
+             {{ filament.diametre }}, did you mean {{ filament.diameter }}?",
+        );
+        assert_refused(
+            "{{ layer }}",
+            "line 1, column 4: layer is known in gcode.layer only",
+        );
+        assert_refused(
+            "G28\n\nM190 S{bed_temperature}",
+            "line 3, column 7: {bed_temperature} would reach the printer as \
+             it is",
+        );
+        assert_refused(
+            "M190 S[bed_temperature]",
+            "line 1, column 7: [bed_temperature] would reach the printer as \
+             it is",
+        );
+        for broken in ["G28 {{ bed_x", "G28 {{ bed_x + }}", "{% if true %}"] {
+            let error = filled(broken).unwrap_err();
+            assert!(error.contains("line 1, column"), "{error}");
+            assert!(error.contains("syntax error"), "{error}");
+        }
+        for wrong in ["G28\n{{ 1 // 0 }}", "G28\n{{ 1 / 0 }}", "\n{{ x.y }}"] {
+            let error = filled(wrong).unwrap_err();
+            assert!(error.contains("line 2, column 4"), "{error}");
+        }
     }
 
     #[test]
-    fn changes_of_mode_are_recognised() {
-        assert!(!may_change_modes("G28 ; G91\nG1 Z5"));
-        assert!(may_change_modes("G28\n g91\nG1 Z5\nG90"));
-        assert!(may_change_modes("START_PRINT"));
+    fn text_that_only_looks_like_a_placeholder_is_left_alone() {
+        let plain = "G1 X1 ; {any} [thing]\nM117 [100] {1} [hi]\n";
+        assert_filled(plain, plain);
     }
 
     #[test]
-    fn heating_is_recognised() {
-        let nozzle = |s| heating(s, "M104", "M109", &["nozzle_temperature"]);
-        assert_eq!(nozzle("G28 ; M109 S200"), Heating::Not);
-        assert_eq!(nozzle("G28\nm104 S200"), Heating::Sets);
-        assert_eq!(nozzle("M117 at {nozzle_temperature}"), Heating::Not);
-        assert_eq!(nozzle("M104 S{nozzle_temperature}\nG28"), Heating::Sets);
-        assert_eq!(
-            nozzle("M104 S{nozzle_temperature}\nM109 S200"),
-            Heating::Waits
-        );
-        assert_eq!(
-            nozzle("START_PRINT T={ nozzle_temperature }"),
-            Heating::Waits
-        );
+    fn a_template_that_goes_on_for_ever_is_stopped() {
+        let bomb = "{% for i in range(9999) %}{% for j in range(9999) %}G4\n\
+                    {% endfor %}{% endfor %}";
+        assert!(filled(bomb).unwrap_err().contains("too long"));
     }
 }

@@ -30,16 +30,16 @@ mod stages;
 mod tally;
 
 use crate::field::{FieldError, SLAB};
-use crate::gcode::{Header, WriteError, Writer};
+use crate::gcode::{Header, Thumbnail, WriteError, Writer};
 use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
 use crate::model::Model;
 use crate::pace::Pacer;
 use crate::pace::rates::Rater;
 use crate::plane::Rect;
-use crate::preview::Pictures;
+use crate::preview::{PictureError, Pictures, outline_from_above, thumbnails};
 use crate::report::{Figures, Gauge, Report, ReportError};
-use crate::settings::Settings;
+use crate::settings::{Flavour, Settings};
 use crate::timings::Stage;
 use crate::units::{Mm, Mm2, Seconds};
 use crate::vary::{Surroundings, VaryError};
@@ -128,6 +128,9 @@ pub enum SliceError {
     /// The layers' pictures cannot be written.
     #[error("cannot write the pictures in {}", .0.display())]
     Picture(PathBuf, #[source] io::Error),
+    /// The part cannot be drawn.
+    #[error(transparent)]
+    Drawing(#[from] PictureError),
     /// The layers cannot be measured.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -173,6 +176,16 @@ pub fn slice(
         },
         part_min: low,
         part_max: high,
+        outline: match settings.gcode.flavour {
+            // The one firmware that is told.
+            Flavour::Klipper => pool.install(|| outline_from_above(model))?,
+            _ => Vec::new(),
+        },
+        thumbnails: pool.install(|| {
+            stages
+                .timings
+                .time(Stage::Picture, || pictures_of(model, settings))
+        })?,
     };
     let frame = Rect {
         min: low.truncate(),
@@ -186,6 +199,7 @@ pub fn slice(
         })
         .transpose()?;
     let writer = Writer::new(out, settings, &header)?;
+    let of_templates = writer.warnings().to_vec();
     let mut exit = Exit::new(
         &stages.timings,
         model.offset.truncate(),
@@ -246,7 +260,8 @@ pub fn slice(
         }
     }
     let done = exit.finish()?;
-    let (tally, mut warnings) = (done.tally, done.warnings);
+    let (tally, mut warnings) = (done.tally, of_templates);
+    warnings.extend(done.warnings);
     let all = layers == (0..spans.len());
     if done.beads == 0 && all {
         return Err(SliceError::NothingToPrint);
@@ -288,4 +303,17 @@ pub fn slice(
         warnings,
         timings: stages.timings.report(),
     })
+}
+
+/// The pictures for the file's head.
+fn pictures_of(
+    model: &Model,
+    settings: &Settings,
+) -> Result<Vec<Thumbnail>, PictureError> {
+    let sizes = settings.gcode.thumbnails.all();
+    let files = thumbnails(model, sizes)?;
+    let pictures = sizes.iter().zip(files);
+    Ok(pictures
+        .map(|(&size, png)| Thumbnail { size, png })
+        .collect())
 }

@@ -45,6 +45,7 @@ mod infill;
 mod profile;
 mod read;
 mod shipped;
+mod sizes;
 mod table;
 mod value;
 mod write;
@@ -53,6 +54,7 @@ pub use error::{Place, SettingsError};
 pub use infill::Infill;
 pub use profile::{Origin, Profile, ProfileKind, Profiles};
 pub use read::Builder;
+pub use sizes::Sizes;
 pub use table::{Key, Range, keys};
 pub use value::Varying;
 pub use write::suggestions;
@@ -292,6 +294,9 @@ table::settings! {
         extra_prime: Mm = 0.0, in -5.0..=5.0;
         /// How far the nozzle is lifted during a retracted travel.
         z_hop: Mm = 0.0, in 0.0..=10.0;
+        /// Whether the firmware retracts (G10 and G11), by the lengths and
+        /// speeds set here, which the start of the file tells it.
+        firmware: bool = false;
     }
     /// Loops around the part that start the flow before the part does.
     skirt: Skirt {
@@ -353,6 +358,9 @@ table::settings! {
         /// Greatest volume of plastic the hot end melts per second; faster
         /// moves are slowed down to it.
         max_flow: Mm3PerSec = 12.0, in 0.1..=500.0;
+        /// Pressure advance (linear advance): how long the filament's push
+        /// runs ahead of the nozzle; auto leaves it as the firmware has it.
+        pressure_advance: Option<Seconds> = None, in 0.0..=5.0;
         /// Temperature of the nozzle above the first layer; an expression of
         /// it may depend on z only, and holds for whole layers.
         nozzle_temperature: Varying<Celsius> = Varying::Constant(210.0),
@@ -366,6 +374,9 @@ table::settings! {
     }
     /// The machine.
     printer: Printer {
+        /// What a Prusa printer calls itself (MK3S, MINI, MK4, XL): its
+        /// firmware then checks that the file is for it. Empty for no check.
+        model: String = String::new();
         /// Width of the bed; x runs from 0 to this.
         bed_x: Mm = 220.0, in 1.0..=10_000.0;
         /// Depth of the bed; y runs from 0 to this.
@@ -389,34 +400,40 @@ table::settings! {
         /// Greatest speed of the z axis.
         max_speed_z: MmPerSec = 10.0, in 0.1..=1000.0;
     }
-    /// The text that is written. Templates may hold placeholders such as
-    /// {nozzle_temperature}; write {{ and }} for plain braces.
+    /// The text that is written. Templates are text with placeholders such
+    /// as {{ nozzle_temperature }}; docs/gcode.md lists them.
     gcode: Gcode {
         /// Firmware that will read the G-code.
         flavour: Flavour = Flavour::Marlin;
+        /// Whose words the comments use, for viewers and hosts.
+        comments: Comments = Comments::Prusa;
         /// Extruder positions relative to the last one instead of absolute.
         relative_e: bool = false;
-        /// Template for the start of the print. Temperatures that it does
-        /// not set are set before it, and waited for after it.
-        start: String = START.to_owned();
-        /// Template for the end of the print; the fan is already off.
-        end: String = END.to_owned();
+        /// Template for the start of the print; empty for homing and no
+        /// more. Temperatures that it does not set are set before it, and
+        /// waited for after it.
+        start: String = String::new();
+        /// Template for the end of the print; the fan is already off. Empty
+        /// for heaters off, off the part and aside, motors off.
+        end: String = String::new();
+        /// Template for the beginning of every layer; it must leave the
+        /// filament as it was, but may move the head.
+        layer: String = String::new();
+        /// Whether the start sets the printer's accelerations and its speed
+        /// through corners. If false, they only count for the estimate.
+        set_limits: bool = true;
+        /// Whether layers tell how far the print has come, and the minutes
+        /// left (M73); auto does for Prusa's firmware. Only files of a whole
+        /// part can tell.
+        progress: Emit = Emit::Auto;
+        /// Whether the part has a label, which hosts show and can exclude;
+        /// auto labels for firmware that is sure to know the words.
+        labels: Emit = Emit::Auto;
+        /// Sizes of the pictures in the file's head that hosts and printers
+        /// show, such as "32x32, 300x300"; empty for none.
+        thumbnails: Sizes = Sizes::thumbnails();
     }
 }
-
-/// Works on Marlin and Klipper alike, and assumes nothing but end stops.
-const START: &str = "G28 ; home all axes\n";
-
-/// Heaters first: they must go off even if the firmware refuses the move that
-/// follows. Lifted before moving aside, so that the nozzle is not dragged
-/// over the part.
-const END: &str = "\
-M104 S0 ; nozzle heater off
-M140 S0 ; bed heater off
-G1 Z{park_z} F{feed_rate_z} ; off the part
-G1 X0 Y{bed_y} F{feed_rate_travel} ; move aside
-M84 ; motors off
-";
 
 value::words! {
     /// Firmware that reads the G-code.
@@ -429,6 +446,30 @@ value::words! {
         Rrf = "rrf",
         /// Prusa's firmware.
         Prusa = "prusa",
+    }
+}
+value::words! {
+    /// Whose words comments use.
+    Comments {
+        /// PrusaSlicer's, which most viewers and hosts know.
+        Prusa = "prusa",
+        /// OrcaSlicer's.
+        Orca = "orca",
+        /// Cura's.
+        Cura = "cura",
+        /// None but the file's first line and its pictures.
+        None = "none",
+    }
+}
+value::words! {
+    /// Whether some lines are written.
+    Emit {
+        /// As suits the firmware.
+        Auto = "auto",
+        /// Always.
+        On = "on",
+        /// Never.
+        Off = "off",
     }
 }
 value::words! {

@@ -65,6 +65,9 @@ impl Key {
             }
             Kind::Switch => "true or false".to_owned(),
             Kind::Text => "any text".to_owned(),
+            Kind::Sizes => {
+                "32x32, 300x300 or other sizes, or nothing".to_owned()
+            }
             Kind::Word(words) => alternatives(words),
             Kind::WordOrShape(words) => {
                 format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
@@ -102,6 +105,7 @@ impl Key {
                 )
             }
             (Kind::Text, _) => "text in quotes".to_owned(),
+            (Kind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
             (Kind::Switch | Kind::Word(_) | Kind::WordOrShape(_), _) => {
                 self.allowed()
             }
@@ -215,6 +219,9 @@ macro_rules! unit {
     };
     (Option<$inner:ident>) => {
         $crate::settings::table::unit!($inner)
+    };
+    (Option<Seconds>) => {
+        "s"
     };
     (Mm2) => {
         "mm²"

@@ -59,6 +59,8 @@ pub(super) enum Kind {
     NumberOrAuto,
     Switch,
     Text,
+    /// Sizes of pictures.
+    Sizes,
     Word(&'static [&'static str]),
     /// A word, an expression, or the name of a script.
     WordOrShape(&'static [&'static str]),

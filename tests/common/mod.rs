@@ -21,9 +21,11 @@ use isoslice::settings::{Builder, Settings};
 use isoslice::timings::Timings;
 use std::path::Path;
 
-/// Settings from assignments as `--set` takes them.
+/// Settings from assignments as `--set` takes them, without pictures, which
+/// cost more than many a test's part.
 pub fn settings(assignments: &[&str]) -> Settings {
     let mut builder = Builder::new();
+    builder.set("gcode.thumbnails=").unwrap();
     for assignment in assignments {
         builder.set(assignment).unwrap();
     }

@@ -1,0 +1,236 @@
+//! `isoslice render`: a picture of a model, straight from its function.
+
+use super::args::{FORMULA, PartArgs, STDIN, ScaleArgs, SettingsSource};
+use super::output::Output;
+use super::terminal;
+use anyhow::Context;
+use clap::Args;
+use isoslice::preview::{Picture, View, draw};
+use std::io::{Write, stdout};
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  isoslice render part.rhai
+  isoslice render part.rhai -o part.png --size 800x600 --view front
+  isoslice render part.rhai --azimuth 30 --elevation 20 --background none
+  isoslice render -e 'sqrt(x^2+y^2+z^2) - 15' -o - > ball.png";
+
+/// Greatest side of a picture, pixels.
+const GREATEST: usize = 4096;
+
+/// Arguments of `isoslice render`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = EXAMPLES,
+    override_usage = "isoslice render [OPTIONS] <MODEL>\n       \
+                      isoslice render [OPTIONS] -e <FORMULA>"
+)]
+pub(super) struct RenderArgs {
+    #[command(flatten)]
+    model: PartArgs,
+
+    #[command(flatten)]
+    settings: SettingsSource,
+
+    /// PNG file to write, - for standard output [default: the model's name
+    /// with .png, beside it; formula.png for -e]
+    #[arg(short, long, value_name = "FILE", help_heading = "Picture")]
+    output: Option<PathBuf>,
+
+    /// Width and height in pixels, up to 4096 each
+    #[arg(
+        long,
+        value_name = "WxH",
+        default_value = "800x600",
+        value_parser = size,
+        help_heading = "Picture"
+    )]
+    size: [usize; 2],
+
+    /// From where to look: iso, front, back, left, right, top or bottom
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "iso",
+        value_parser = view,
+        help_heading = "Picture"
+    )]
+    view: View,
+
+    /// Where the viewer stands, seen from above: degrees counter-clockwise
+    /// from the x axis, -90 in front; instead of --view's
+    #[arg(
+        long,
+        value_name = "A",
+        allow_hyphen_values = true,
+        value_parser = degrees,
+        help_heading = "Picture"
+    )]
+    azimuth: Option<f64>,
+
+    /// How far above the horizon, degrees; instead of --view's
+    #[arg(
+        long,
+        value_name = "A",
+        allow_hyphen_values = true,
+        value_parser = degrees,
+        help_heading = "Picture"
+    )]
+    elevation: Option<f64>,
+
+    /// Colour behind the part: white, black, grey, #rrggbb, or none
+    #[arg(
+        long,
+        value_name = "COLOUR",
+        default_value = "white",
+        value_parser = background,
+        help_heading = "Picture"
+    )]
+    background: Background,
+
+    /// Number of threads [default: all processors]; the picture is the same
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = "Picture"
+    )]
+    threads: Option<u16>,
+}
+
+/// What is behind the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Background {
+    None,
+    Colour([u8; 3]),
+}
+
+pub(super) fn run(args: &RenderArgs) -> anyhow::Result<()> {
+    let settings = args.settings.read()?;
+    let path = args.output_path();
+    let output = match path.as_deref() {
+        // Before the work, so that a mistaken name costs none.
+        Some(path) => Some((Output::create(path, &args.inputs())?, path)),
+        None => None,
+    };
+    let model = args.model.load(&ScaleArgs::default(), &settings)?;
+    terminal::warn(&model.warnings);
+    let view = View {
+        azimuth: args.azimuth.unwrap_or(args.view.azimuth),
+        elevation: args.elevation.unwrap_or(args.view.elevation),
+    };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.map_or(0, usize::from))
+        .build()
+        .context("cannot start the worker threads; try --threads 1")?;
+    let picture = pool
+        .install(|| draw(&model, view, args.size))
+        .with_context(|| format!("cannot draw {}", model.name))?;
+    let png = args.background.behind(picture).png()?;
+    let Some((mut output, path)) = output else {
+        let mut out = stdout().lock();
+        out.write_all(&png)?;
+        return Ok(out.flush()?);
+    };
+    let no_picture = || format!("cannot write {}", path.display());
+    output.write_all(&png).with_context(no_picture)?;
+    output.finish().with_context(no_picture)
+}
+
+impl RenderArgs {
+    /// The file to write, if it is not standard output.
+    fn output_path(&self) -> Option<PathBuf> {
+        match (&self.output, &self.model.model) {
+            (Some(output), _) if output == Path::new("-") => None,
+            (Some(output), _) => Some(output.clone()),
+            _ if self.model.is_stdin() => {
+                Some(Path::new(STDIN).with_extension("png"))
+            }
+            (None, Some(model)) => Some(model.with_extension("png")),
+            (None, None) => Some(Path::new(FORMULA).with_extension("png")),
+        }
+    }
+
+    fn inputs(&self) -> Vec<&Path> {
+        let model = self.model.model.iter().map(PathBuf::as_path);
+        model.chain(self.settings.files()).collect()
+    }
+}
+
+impl Background {
+    fn behind(self, picture: Picture) -> Picture {
+        match self {
+            Background::None => picture,
+            Background::Colour(colour) => picture.over(colour),
+        }
+    }
+}
+
+fn size(given: &str) -> Result<[usize; 2], String> {
+    let form =
+        || format!("write it as WxH, as in 800x600, each from 1 to {GREATEST}");
+    let (width, height) = given.split_once(['x', 'X']).ok_or_else(form)?;
+    let side = |text: &str| {
+        let side = text.trim().parse().ok();
+        side.filter(|n| (1..=GREATEST).contains(n)).ok_or_else(form)
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+fn view(given: &str) -> Result<View, String> {
+    let named = View::NAMED.iter().find(|(name, _)| *name == given);
+    named.map(|(_, view)| *view).ok_or_else(|| {
+        let names: Vec<_> = View::NAMED.iter().map(|(n, _)| *n).collect();
+        format!(
+            "there are {}; for others give --azimuth and --elevation",
+            names.join(", ")
+        )
+    })
+}
+
+fn degrees(given: &str) -> Result<f64, String> {
+    match given.trim().parse::<f64>() {
+        Ok(angle) if angle.abs() <= 360.0 => Ok(angle),
+        _ => Err("it must be a number from -360 to 360".to_owned()),
+    }
+}
+
+fn background(given: &str) -> Result<Background, String> {
+    let colour = |[r, g, b]: [u8; 3]| Ok(Background::Colour([r, g, b]));
+    match given {
+        "none" | "transparent" => return Ok(Background::None),
+        "white" => return colour([255; 3]),
+        "black" => return colour([0; 3]),
+        "grey" | "gray" => return colour([128; 3]),
+        _ => {}
+    }
+    let digits = given.strip_prefix('#').unwrap_or(given);
+    let value = u32::from_str_radix(digits, 16).ok();
+    match value.filter(|_| digits.len() == 6 && !digits.starts_with('+')) {
+        Some(v) => colour([v >> 16, v >> 8, v].map(|byte| byte as u8)),
+        None => Err("there are white, black, grey, none, and #rrggbb as in \
+                     #1e1e1e"
+            .to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_and_sizes_are_read() {
+        let red = Background::Colour([255, 16, 0]);
+        assert_eq!(background("#ff1000"), Ok(red));
+        assert_eq!(background("FF1000"), Ok(red));
+        for bad in ["", "#ff", "#+ff100", "#ff10000", "mauve"] {
+            assert!(background(bad).is_err(), "{bad}");
+        }
+        assert_eq!(size("800x600"), Ok([800, 600]));
+        for bad in ["", "800", "0x5", "5000x1", "1x-1", "axb"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+        assert!(view("iso").is_ok() && view("above").is_err());
+    }
+}

@@ -1,0 +1,124 @@
+//! Labels of the part, by which hosts show it, and leave it out if asked.
+//!
+//! In: the part's name and its outline seen from above. Out: the lines that
+//! define it in the file's head, and those around it in every layer. What is
+//! not the part, a skirt, stands outside of them.
+
+use super::Header;
+use super::flavour::Board;
+use super::number::text;
+use crate::settings::{Emit, Flavour, Settings};
+use glam::DVec2;
+
+/// Decimals of the outline: it is clicked at, not printed.
+const DECIMALS: u32 = 2;
+
+/// The lines of a part's label.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Label {
+    /// In the file's head.
+    pub define: Vec<String>,
+    /// Before the part in a layer.
+    pub start: String,
+    /// After it.
+    pub end: String,
+}
+
+impl Label {
+    /// The label of the file's part, if it is to have one.
+    pub(super) fn new(settings: &Settings, header: &Header) -> Option<Label> {
+        let flavour = settings.gcode.flavour;
+        let wanted = match settings.gcode.labels {
+            Emit::On => true,
+            Emit::Off => false,
+            Emit::Auto => known(flavour, settings),
+        };
+        let name = name(&header.model_name);
+        let numbered = |define: &[&str]| Label {
+            define: define.iter().map(|l| (*l).to_owned()).collect(),
+            start: "M486 S0".to_owned(),
+            end: "M486 S-1".to_owned(),
+        };
+        wanted.then(|| match flavour {
+            Flavour::Klipper => Label {
+                define: vec![format!(
+                    "EXCLUDE_OBJECT_DEFINE NAME={name} {}",
+                    outline(header)
+                )],
+                start: format!("EXCLUDE_OBJECT_START NAME={name}"),
+                end: format!("EXCLUDE_OBJECT_END NAME={name}"),
+            },
+            Flavour::Marlin => numbered(&["M486 T1"]),
+            Flavour::Rrf => numbered(&[
+                "M486 T1",
+                &format!("M486 S0 A\"{name}\""),
+                "M486 S-1",
+            ]),
+            // The name has to be alone in its line.
+            Flavour::Prusa => numbered(&[
+                "M486 T1",
+                "M486 S0",
+                &format!("M486 A{name}"),
+                "M486 S-1",
+            ]),
+        })
+    }
+}
+
+/// True if any firmware of the flavour understands labels. Marlin does if it
+/// was built to, and Prusa's if it is the newer one.
+fn known(flavour: Flavour, settings: &Settings) -> bool {
+    match flavour {
+        Flavour::Klipper | Flavour::Rrf => true,
+        Flavour::Marlin => false,
+        Flavour::Prusa => {
+            matches!(Board::of(settings), Board::Buddy | Board::Mini)
+        }
+    }
+}
+
+/// A name that no parser stumbles over.
+fn name(model: &str) -> String {
+    let plain = |c: char| match c.is_ascii_alphanumeric() {
+        true => c,
+        false => '_',
+    };
+    let name: String = model.chars().map(plain).collect();
+    match name.is_empty() {
+        true => "part".to_owned(),
+        false => name,
+    }
+}
+
+/// `CENTER=x,y POLYGON=[[x,y],...]`.
+fn outline(header: &Header) -> String {
+    let (min, max) = (header.part_min, header.part_max);
+    let corners = [
+        DVec2::new(min.x, min.y),
+        DVec2::new(max.x, min.y),
+        DVec2::new(max.x, max.y),
+        DVec2::new(min.x, max.y),
+    ];
+    let ring = match header.outline.len() {
+        0..3 => corners.as_slice(),
+        _ => header.outline.as_slice(),
+    };
+    let point =
+        |p: &DVec2| format!("{},{}", text(p.x, DECIMALS), text(p.y, DECIMALS));
+    let points: Vec<_> =
+        ring.iter().map(|p| format!("[{}]", point(p))).collect();
+    let centre = 0.5 * (min + max).truncate();
+    format!("CENTER={} POLYGON=[{}]", point(&centre), points.join(","))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_plain() {
+        assert_eq!(name("my part \"2\".v1"), "my_part__2__v1");
+        assert_eq!(name("Ü"), "_");
+        assert_eq!(name(""), "part");
+    }
+}

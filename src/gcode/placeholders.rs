@@ -1,0 +1,221 @@
+//! What templates may name.
+//!
+//! In: the settings and what is known of the print. Out: values for the
+//! template engine. Besides [`PLACEHOLDERS`] every setting has its own name:
+//! `layer_height`, `filament.diameter`.
+
+use super::{Header, Totals};
+use crate::settings::{Settings, keys};
+use crate::units::{Mm, feed_rate, human_time};
+use minijinja::Value;
+use std::collections::BTreeMap;
+
+/// A name that a template may use.
+#[derive(Clone, Copy, Debug)]
+pub struct Placeholder {
+    /// The name.
+    pub name: &'static str,
+    /// What it stands for, with its unit.
+    pub description: &'static str,
+    /// Where it is known.
+    pub scope: Scope,
+    value: fn(&Known<'_>) -> Value,
+}
+
+/// Which templates know a placeholder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// All of them.
+    All,
+    /// `gcode.layer`.
+    Layer,
+    /// `gcode.end`.
+    End,
+}
+
+/// A layer that begins.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moment {
+    /// Its number, from 1.
+    pub number: usize,
+    /// Height of its top above the bed.
+    pub z: Mm,
+    /// Its thickness.
+    pub height: Mm,
+}
+
+/// What values are made of.
+pub(super) struct Known<'a> {
+    pub settings: &'a Settings,
+    pub header: &'a Header,
+    pub moment: Moment,
+    pub totals: Totals,
+}
+
+macro_rules! placeholders {
+    ($($scope:ident $name:literal, $description:literal,
+       |$k:pat_param| $value:expr;)*) => {
+        &[$(Placeholder {
+            name: $name,
+            description: $description,
+            scope: Scope::$scope,
+            value: |$k| $value,
+        }),*]
+    };
+}
+
+/// How far above the part the head is parked, mm: out of the way of a hand.
+const PARK_LIFT: f64 = 10.0;
+
+/// Every placeholder, in the order documentation lists them.
+pub const PLACEHOLDERS: &[Placeholder] = placeholders![
+    All "nozzle_temperature", "nozzle temperature, °C",
+        |k| {
+            // An expression begins above the first layer.
+            let filament = &k.settings.filament;
+            let above = filament.nozzle_temperature.constant();
+            number(above.unwrap_or(filament.first_layer_nozzle_temperature))
+        };
+    All "first_layer_nozzle_temperature",
+        "nozzle temperature of the first layer, °C",
+        |k| number(k.settings.filament.first_layer_nozzle_temperature);
+    All "bed_temperature", "bed temperature, °C",
+        |k| number(k.settings.filament.bed_temperature);
+    All "first_layer_bed_temperature", "bed temperature of the first layer, °C",
+        |k| number(k.settings.filament.first_layer_bed_temperature);
+    All "layer_count", "number of layers of the part",
+        |k| number(k.header.layer_count as f64);
+    All "bed_x", "width of the bed, mm",
+        |k| number(k.settings.printer.bed_x);
+    All "bed_y", "depth of the bed, mm",
+        |k| number(k.settings.printer.bed_y);
+    All "height", "greatest height the printer prints, mm",
+        |k| number(k.settings.printer.height);
+    All "nozzle_diameter", "diameter of the nozzle, mm",
+        |k| number(k.settings.printer.nozzle_diameter);
+    All "filament_diameter", "diameter of the filament, mm",
+        |k| number(k.settings.filament.diameter);
+    All "retract_length", "length of a retraction, mm",
+        |k| number(k.settings.retract.length);
+    All "feed_rate_travel", "travel speed as a feed rate, mm/min",
+        |k| number(feed_rate(k.settings.speed.travel).round());
+    All "feed_rate_z", "greatest speed of z as a feed rate, mm/min",
+        |k| number(feed_rate(k.settings.printer.max_speed_z).round());
+    All "part_min_x", "least x of the part, mm",
+        |k| length(k.header.part_min.x);
+    All "part_min_y", "least y of the part, mm",
+        |k| length(k.header.part_min.y);
+    All "part_min_z", "least z of the part, mm",
+        |k| length(k.header.part_min.z);
+    All "part_max_x", "greatest x of the part, mm",
+        |k| length(k.header.part_max.x);
+    All "part_max_y", "greatest y of the part, mm",
+        |k| length(k.header.part_max.y);
+    All "part_max_z", "greatest z of the part, mm",
+        |k| length(k.header.part_max.z);
+    All "park_z", "10 mm above the part, or as high as the printer goes, mm",
+        |k| {
+            let top = k.header.part_max.z;
+            let park = (top + PARK_LIFT).min(k.settings.printer.height);
+            length(park.max(top))
+        };
+    All "model_name", "name of the model, without folder and extension",
+        |k| Value::from(one_line(&k.header.model_name));
+    Layer "layer", "number of the layer, from 1",
+        |k| number(k.moment.number as f64);
+    Layer "layer_z", "height of the layer's top above the bed, mm",
+        |k| length(k.moment.z);
+    Layer "layer_thickness", "thickness of this layer, mm",
+        |k| length(k.moment.height);
+    End "print_time", "estimated time, without heating and homing: 1h 2m 3s",
+        |k| Value::from(human_time(k.totals.time));
+    End "print_seconds", "the same in seconds",
+        |k| number(k.totals.time.round());
+    End "filament_length", "filament used, mm",
+        |k| length(k.totals.filament_length);
+    End "filament_mass", "filament used, g",
+        |k| length(k.totals.filament_mass_g);
+];
+
+/// Names a template of that scope may use, settings by their whole names.
+pub(super) fn names(scope: Scope) -> impl Iterator<Item = &'static str> {
+    PLACEHOLDERS
+        .iter()
+        .filter(move |p| p.scope == Scope::All || p.scope == scope)
+        .map(|p| p.name)
+        .chain(setting_names())
+}
+
+/// Names of settings; templates are none of their own.
+fn setting_names() -> impl Iterator<Item = &'static str> {
+    const TEMPLATES: [&str; 3] = ["gcode.start", "gcode.end", "gcode.layer"];
+    let all = keys().iter().map(|k| k.name);
+    all.filter(|name| !TEMPLATES.contains(name))
+}
+
+/// The settings, by their names.
+pub(super) fn of_settings(settings: &Settings) -> BTreeMap<String, Value> {
+    let mut values = BTreeMap::new();
+    let mut groups: BTreeMap<&str, BTreeMap<&str, Value>> = BTreeMap::new();
+    let names: Vec<_> = setting_names().collect();
+    for key in keys().iter().filter(|k| names.contains(&k.name)) {
+        let value = from_toml(&key.get(settings));
+        match key.name.split_once('.') {
+            Some((group, leaf)) => {
+                groups.entry(group).or_default().insert(leaf, value);
+            }
+            None => {
+                values.insert(key.name.to_owned(), value);
+            }
+        }
+    }
+    for (group, members) in groups {
+        values.insert(group.to_owned(), Value::from_iter(members));
+    }
+    values
+}
+
+/// The placeholders of `scope` alone.
+pub(super) fn of(
+    scope: Scope,
+    known: &Known<'_>,
+) -> impl Iterator<Item = (String, Value)> {
+    PLACEHOLDERS
+        .iter()
+        .filter(move |p| p.scope == scope)
+        .map(move |p| (p.name.to_owned(), (p.value)(known)))
+}
+
+/// A value that is written as TOML.
+fn from_toml(text: &str) -> Value {
+    let table = toml::from_str::<toml::Table>(&format!("v = {text}"));
+    match table.ok().and_then(|mut t| t.remove("v")) {
+        Some(toml::Value::Boolean(b)) => Value::from(b),
+        Some(toml::Value::Integer(i)) => Value::from(i),
+        Some(toml::Value::Float(x)) => number(x),
+        Some(toml::Value::String(s)) => Value::from(s),
+        _ => Value::from(text),
+    }
+}
+
+/// A whole number stays one in what is computed from it.
+fn number(x: f64) -> Value {
+    // Up to here an f64 holds every whole number.
+    const WHOLE: f64 = 9e15;
+    match x.fract() == 0.0 && x.abs() < WHOLE {
+        true => Value::from(x as i64),
+        false => Value::from(x),
+    }
+}
+
+/// A length to the micrometre.
+fn length(x: Mm) -> Value {
+    number((x * 1e3).round() / 1e3)
+}
+
+/// `name` without what would end its line or hide in it.
+fn one_line(name: &str) -> String {
+    name.chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect()
+}

@@ -1,0 +1,123 @@
+//! Lines that tell how far the print has come.
+//!
+//! In: the file's text, and marks in it with the time that has passed there.
+//! Out: the same text with a line at each mark, once the whole time is known.
+//! Until then the text waits in a temporary file, so that memory does not
+//! grow with the part.
+
+use crate::units::Seconds;
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+
+/// Time between marks, at least: hosts show minutes.
+pub(super) const BETWEEN: Seconds = 20.0;
+
+/// A file's text that waits for its total time.
+#[derive(Debug)]
+pub(super) struct Waiting {
+    text: BufWriter<File>,
+    length: u64,
+    marks: Vec<Mark>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    /// Bytes before it.
+    at: u64,
+    /// Time that has passed.
+    time: Seconds,
+}
+
+impl Waiting {
+    /// An empty text.
+    pub(super) fn new() -> io::Result<Self> {
+        Ok(Self {
+            text: BufWriter::new(tempfile::tempfile()?),
+            length: 0,
+            marks: Vec::new(),
+        })
+    }
+
+    /// Adds to the text.
+    pub(super) fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.length += bytes.len() as u64;
+        self.text.write_all(bytes)
+    }
+
+    /// Marks the place `ahead` bytes after what has been written so far.
+    pub(super) fn mark(&mut self, ahead: usize, time: Seconds) {
+        let at = self.length + ahead as u64;
+        self.marks.push(Mark { at, time });
+    }
+
+    /// When the last mark was.
+    pub(super) fn last(&self) -> Option<Seconds> {
+        self.marks.last().map(|m| m.time)
+    }
+
+    /// Hands the text on, with the `line` of percent and minutes left at each
+    /// mark where it differs from the one before.
+    pub(super) fn release(
+        self,
+        out: &mut impl Write,
+        total: Seconds,
+        line: impl Fn(u8, u64) -> String,
+    ) -> io::Result<()> {
+        let mut file = self.text.into_inner().map_err(|e| e.into_error())?;
+        file.rewind()?;
+        let mut text = BufReader::new(file);
+        let mut done = 0;
+        let mut said = None;
+        for mark in self.marks {
+            io::copy(&mut text.by_ref().take(mark.at - done), out)?;
+            done = mark.at;
+            let now = figures(mark.time, total);
+            if said != Some(now) {
+                said = Some(now);
+                writeln!(out, "{}", line(now.0, now.1))?;
+            }
+        }
+        io::copy(&mut text, out)?;
+        Ok(())
+    }
+}
+
+/// Whole percents done, whole minutes left.
+fn figures(time: Seconds, total: Seconds) -> (u8, u64) {
+    if total <= 0.0 || time >= total {
+        return (100, 0);
+    }
+    // Casts of floats saturate.
+    let percent = (100.0 * time / total).floor() as u8;
+    (percent, ((total - time) / 60.0).round() as u64)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_where_the_marks_are_and_only_if_they_change() {
+        let mut waiting = Waiting::new().unwrap();
+        waiting.mark(0, 0.0);
+        waiting.write(b"a\n").unwrap();
+        waiting.mark(2, 0.5);
+        waiting.mark(2, 300.0);
+        waiting.write(b"b\nc\n").unwrap();
+        waiting.mark(0, 600.0);
+        let mut out = Vec::new();
+        let line = |p, m| format!("{p} {m}");
+        waiting.release(&mut out, 600.0, line).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        assert_eq!(text, "0 10\na\nb\n50 5\nc\n100 0\n");
+    }
+
+    #[test]
+    fn figures_stay_in_their_range() {
+        assert_eq!(figures(0.0, 0.0), (100, 0));
+        assert_eq!(figures(1.0, 3600.0), (0, 60));
+        assert_eq!(figures(3599.0, 3600.0), (99, 0));
+        assert_eq!(figures(3601.0, 3600.0), (100, 0));
+    }
+}

@@ -1,0 +1,113 @@
+//! What a start template does by itself, so that the writer does the rest.
+
+/// What a start template does about a heater itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Heating {
+    /// Nothing.
+    Not,
+    /// Sets the temperature and goes on.
+    Sets,
+    /// Sets the temperature and waits for it.
+    Waits,
+}
+
+/// What a template does about the heater whose commands are `set` and `wait`
+/// and whose temperatures have the placeholders `names`. A macro that is
+/// given the temperature is trusted to wait for it.
+pub(super) fn heating(
+    source: &str,
+    rendered: &str,
+    set: &str,
+    wait: &str,
+    names: &[&str],
+) -> Heating {
+    let mut found = Heating::Not;
+    for command in rendered.lines().filter_map(command) {
+        if command.eq_ignore_ascii_case(set) {
+            found = Heating::Sets;
+        } else if command.eq_ignore_ascii_case(wait) {
+            return Heating::Waits;
+        }
+    }
+    let macros = source.lines().filter(|l| command(l).is_some_and(is_macro));
+    for line in macros {
+        let code = line.split(';').next().unwrap_or("");
+        if names.iter().any(|name| uses(code, name)) {
+            return Heating::Waits;
+        }
+    }
+    found
+}
+
+/// True if what is written may leave the machine with other units or modes
+/// than it found: it sets them for its own use, or calls a macro, which can
+/// do anything.
+pub(super) fn may_change_modes(rendered: &str) -> bool {
+    const MODES: [&str; 6] = ["G20", "G21", "G90", "G91", "M82", "M83"];
+    rendered
+        .lines()
+        .filter_map(command)
+        .any(|c| is_macro(c) || MODES.iter().any(|m| c.eq_ignore_ascii_case(m)))
+}
+
+/// A line's first word that is not in a comment.
+fn command(line: &str) -> Option<&str> {
+    line.split(';').next()?.split_whitespace().next()
+}
+
+/// True for a command that is a name, not a letter and a number: what an
+/// `M117` shows does not heat.
+fn is_macro(command: &str) -> bool {
+    let starts = command.starts_with(|c: char| c.is_alphabetic() || c == '_');
+    let numbered = command
+        .chars()
+        .skip(1)
+        .all(|c| c.is_ascii_digit() || c == '.');
+    starts && !numbered
+}
+
+/// True if an expression in `code` names `name`.
+fn uses(code: &str, name: &str) -> bool {
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    code.split("{{")
+        .skip(1)
+        .filter_map(|rest| rest.split("}}").next())
+        .any(|inside| inside.split(|c| !part(c)).any(|word| word == name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_of_mode_are_recognised() {
+        assert!(!may_change_modes("G28 ; G91\nG1 Z5"));
+        assert!(may_change_modes("G28\n g91\nG1 Z5\nG90"));
+        assert!(may_change_modes("START_PRINT"));
+    }
+
+    #[test]
+    fn heating_is_recognised() {
+        let nozzle = |s| heating(s, s, "M104", "M109", &["nozzle_temperature"]);
+        assert_eq!(nozzle("G28 ; M109 S200"), Heating::Not);
+        assert_eq!(nozzle("G28\nm104 S200"), Heating::Sets);
+        assert_eq!(nozzle("M117 at {{ nozzle_temperature }}"), Heating::Not);
+        assert_eq!(nozzle("M104 S200\nM109 S200"), Heating::Waits);
+        assert_eq!(
+            nozzle("START_PRINT T={{ [nozzle_temperature, 200] | max }}"),
+            Heating::Waits
+        );
+        assert_eq!(
+            nozzle("START_PRINT T={{ first_layer_nozzle_temperature }}"),
+            Heating::Not
+        );
+        assert_eq!(
+            nozzle("START_PRINT ; {{ nozzle_temperature }}"),
+            Heating::Not
+        );
+        // What a condition leaves out heats nothing.
+        let source = "{% if false %}\nM109 S200\n{% endif %}\nG28";
+        let found = heating(source, "G28\n", "M104", "M109", &[]);
+        assert_eq!(found, Heating::Not);
+    }
+}

@@ -1,0 +1,164 @@
+//! Pictures made of pixels, and PNG files of them.
+
+use super::raster::PictureError;
+
+/// A picture: colours in linear light, multiplied by their opacity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub(super) width: usize,
+    /// Rows, from the top.
+    pub(super) height: usize,
+    /// Red, green, blue and opacity, row by row.
+    pub(super) pixels: Vec<[f32; 4]>,
+}
+
+impl Picture {
+    /// Width and height, pixels.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// The picture in front of a colour, given as sRGB.
+    pub fn over(mut self, background: [u8; 3]) -> Picture {
+        let behind = background.map(linear);
+        for pixel in &mut self.pixels {
+            let through = 1.0 - pixel[3];
+            for k in 0..3 {
+                pixel[k] += through * behind[k];
+            }
+            pixel[3] = 1.0;
+        }
+        self
+    }
+
+    /// All of the picture, smaller and in the middle of other proportions:
+    /// each new pixel is the mean of those it covers.
+    pub fn shrunk(&self, width: usize, height: usize) -> Picture {
+        let scale = (self.width as f64 / width as f64)
+            .max(self.height as f64 / height as f64);
+        let left = 0.5 * (self.width as f64 - scale * width as f64);
+        let top = 0.5 * (self.height as f64 - scale * height as f64);
+        let columns: Vec<_> = (0..width)
+            .map(|i| shares(left + scale * i as f64, scale, self.width))
+            .collect();
+        let rows: Vec<_> = (0..height)
+            .map(|j| shares(top + scale * j as f64, scale, self.height))
+            .collect();
+        let mut pixels = Vec::with_capacity(width * height);
+        for row in &rows {
+            for column in &columns {
+                let mut sum = [0.0f32; 4];
+                for &(y, of_row) in row {
+                    for &(x, of_column) in column {
+                        let pixel = self.pixels[x + y * self.width];
+                        for k in 0..4 {
+                            sum[k] += of_row * of_column * pixel[k];
+                        }
+                    }
+                }
+                pixels.push(sum);
+            }
+        }
+        Picture {
+            width,
+            height,
+            pixels,
+        }
+    }
+
+    /// The picture as a PNG file.
+    ///
+    /// # Errors
+    /// If a side is zero or beyond what PNG holds.
+    pub fn png(&self) -> Result<Vec<u8>, PictureError> {
+        let bytes: Vec<u8> =
+            self.pixels.iter().flat_map(|p| srgb(*p)).collect();
+        let mut file = Vec::new();
+        let side = |n: usize| u32::try_from(n).unwrap_or(0);
+        let (width, height) = (side(self.width), side(self.height));
+        let mut encoder = png::Encoder::new(&mut file, width, height);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&bytes)?;
+        writer.finish()?;
+        Ok(file)
+    }
+}
+
+/// Which of `count` pixels a length covers that begins at `from`, and which
+/// share of it each is.
+fn shares(from: f64, length: f64, count: usize) -> Vec<(usize, f32)> {
+    let to = from + length;
+    let first = from.floor().max(0.0) as usize;
+    (first..count)
+        .take_while(|&i| (i as f64) < to)
+        .map(|i| {
+            let covered = (i as f64 + 1.0).min(to) - (i as f64).max(from);
+            (i, (covered / length) as f32)
+        })
+        .collect()
+}
+
+/// Opacity as it is, colours not multiplied by it, in sRGB.
+fn srgb([r, g, b, a]: [f32; 4]) -> [u8; 4] {
+    let byte = |x: f32| (255.0 * x.clamp(0.0, 1.0)).round() as u8;
+    if byte(a) == 0 {
+        return [0; 4];
+    }
+    let encoded = |x: f32| {
+        let x = (x / a).clamp(0.0, 1.0);
+        byte(match x <= 0.003_130_8 {
+            true => 12.92 * x,
+            false => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+        })
+    };
+    [encoded(r), encoded(g), encoded(b), byte(a)]
+}
+
+/// A byte of sRGB in linear light.
+fn linear(byte: u8) -> f32 {
+    let x = f32::from(byte) / 255.0;
+    match x <= 0.040_45 {
+        true => x / 12.92,
+        false => ((x + 0.055) / 1.055).powf(2.4),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_come_back_as_they_were() {
+        for byte in 0..=255 {
+            let x = linear(byte);
+            assert_eq!(srgb([x, x, x, 1.0]), [byte, byte, byte, 255]);
+            let half = srgb([0.5 * x, 0.5 * x, 0.5 * x, 0.5]);
+            assert_eq!(half, [byte, byte, byte, 128]);
+        }
+        assert_eq!(srgb([f32::NAN, 0.0, 9.0, 1.0]), [0, 0, 255, 255]);
+    }
+
+    #[test]
+    fn shrinking_keeps_the_mean_and_the_middle() {
+        let pixels: Vec<[f32; 4]> = (0..30 * 20)
+            .map(|k| [(k % 30) as f32, (k / 30) as f32, 0.0, 1.0])
+            .collect();
+        let all = Picture {
+            width: 30,
+            height: 20,
+            pixels,
+        };
+        let small = all.shrunk(7, 7);
+        let mean = |k: usize| -> f32 {
+            small.pixels.iter().map(|p| p[k]).sum::<f32>() / 49.0
+        };
+        // 30/7 pixels become one; above and below there is nothing.
+        assert!((mean(0) - 14.5 * 20.0 / 30.0).abs() < 1e-3);
+        assert!((mean(3) - 20.0 / 30.0).abs() < 1e-4);
+        assert_eq!(all.shrunk(30, 20), all);
+    }
+}

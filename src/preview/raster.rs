@@ -1,0 +1,551 @@
+//! What of a part is seen from somewhere: depths and normals, from the field.
+//!
+//! In: a placed model, a view, a size. Out: for each pixel how far towards the
+//! viewer the part reaches there, and which way its surface faces.
+//!
+//! ```text
+//!            u                 the viewer looks along −w, from infinitely
+//!            │   w (viewer)    far away: no perspective, so that lengths
+//!            │  ╱              compare
+//!            │ ╱  elevation
+//!   ─────────┼────────── r     azimuth: where the viewer stands, seen from
+//!           ╱│                 above, counter-clockwise from the x axis
+//! ```
+//!
+//! Tiles of voxels are proven full or empty by interval arithmetic and the
+//! rest is sampled (fidget's raster): what is thinner than a voxel may be
+//! missed. The result depends neither on the number of threads nor on the
+//! evaluator.
+
+use crate::model::Model;
+use crate::units::{Degrees, Mm};
+use fidget::context::{Context, Tree};
+use fidget::eval::MathFunction;
+use fidget::jit::JitFunction;
+use fidget::raster::voxel::{EvalConfig, RenderConfig, RenderSize, render};
+use fidget::render::{CancelToken, RenderHints, ThreadPool, TileSizes};
+use fidget::shape::Shape;
+use fidget::vm::VmFunction;
+use geo::{ConvexHull, MultiPoint};
+use glam::{DMat3, DVec2, DVec3, Vec3};
+use nalgebra::Matrix4;
+use std::time::Instant;
+
+/// From where a part is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Where the viewer stands, seen from above: counter-clockwise from the x
+    /// axis.
+    pub azimuth: Degrees,
+    /// How far above the horizon.
+    pub elevation: Degrees,
+}
+
+impl View {
+    /// From the front, the right and above: equally far along each axis.
+    pub const ISO: View = View {
+        azimuth: -45.0,
+        // The angle between a cube's diagonal and its faces.
+        elevation: 35.264_389_682_754_654,
+    };
+    /// As most hosts show parts: more of the front, less of the top.
+    pub const THUMBNAIL: View = View {
+        azimuth: -60.0,
+        elevation: 30.0,
+    };
+
+    /// Views that have names.
+    pub const NAMED: [(&'static str, View); 7] = [
+        ("iso", View::ISO),
+        ("front", View::of(-90.0, 0.0)),
+        ("back", View::of(90.0, 0.0)),
+        ("left", View::of(180.0, 0.0)),
+        ("right", View::of(0.0, 0.0)),
+        ("top", View::of(-90.0, 90.0)),
+        ("bottom", View::of(-90.0, -90.0)),
+    ];
+
+    const fn of(azimuth: Degrees, elevation: Degrees) -> View {
+        View { azimuth, elevation }
+    }
+
+    /// Right, up and towards the viewer, as columns.
+    pub(super) fn axes(self) -> DMat3 {
+        let (sa, ca) = sin_cos(self.azimuth);
+        let (se, ce) = sin_cos(self.elevation);
+        let right = DVec3::new(-sa, ca, 0.0);
+        let towards = DVec3::new(ce * ca, ce * sa, se);
+        DMat3::from_cols(right, towards.cross(right), towards)
+    }
+}
+
+/// Exact at multiples of 90°, so that faces stay faces.
+fn sin_cos(degrees: Degrees) -> (f64, f64) {
+    match degrees.rem_euclid(360.0) {
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        turn => turn.to_radians().sin_cos(),
+    }
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// fidget refuses the expression.
+    #[error("the field cannot be drawn: {0}; this is a bug in isoslice")]
+    Field(String),
+    /// The PNG cannot be made.
+    #[error("the picture cannot be written as PNG")]
+    Png(#[from] png::EncodingError),
+}
+
+fn bug(error: impl std::fmt::Display) -> PictureError {
+    PictureError::Field(error.to_string())
+}
+
+/// Depths and normals of what is seen.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Seen {
+    pub width: usize,
+    pub height: usize,
+    /// Towards the viewer, in pixels; nothing where nothing is.
+    pub depths: Vec<Option<f32>>,
+    /// Outwards, of length 1, along right, up and towards the viewer.
+    pub normals: Vec<Vec3>,
+}
+
+/// Pixels of the first look along its longer side.
+const COARSE: usize = 256;
+/// Pixels of the trial that finds the faster evaluator.
+const TRIAL: usize = 48;
+/// Free border, as a share of the picture.
+const MARGIN: f64 = 0.04;
+/// Voxels along the view, at most, as a multiple of the longer side.
+const DEEPEST: f64 = 4.0;
+/// Sides of the tiles, voxels; the same for every evaluator, since which
+/// tiles are proven full shows in the depths.
+const TILES: [usize; 3] = [64, 16, 8];
+
+/// A part that is looked at.
+pub(super) struct Subject {
+    vm: Shape<VmFunction>,
+    jit: Shape<JitFunction>,
+    native: bool,
+    axes: DMat3,
+    centre: DVec3,
+    /// Half the part's box along the view's axes.
+    half: DVec3,
+}
+
+/// A grid of voxels in front of the viewer.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    centre: DVec3,
+    /// Voxels: right, down, towards the viewer.
+    size: [usize; 3],
+    /// Side of a pixel.
+    pixel: Mm,
+    /// Length of a voxel along the view.
+    step: Mm,
+}
+
+impl Subject {
+    /// `model` as it will be printed, seen from `view`.
+    pub(super) fn new(model: &Model, view: View) -> Result<Self, PictureError> {
+        let mut bounds = model.bounds;
+        let mut tree = model.tree.clone();
+        let bed = -model.offset.z;
+        if bounds.min.z < bed {
+            let (_, _, z) = Tree::axes();
+            tree = tree.max(Tree::constant(bed as f32) - z);
+            bounds.min.z = bed;
+        }
+        let mut ctx = Context::new();
+        let root = ctx.import(&tree);
+        let vm = VmFunction::new(&ctx, &[root]).map_err(bug)?;
+        let jit = JitFunction::new(&ctx, &[root]).map_err(bug)?;
+        let axes = view.axes();
+        let mut subject = Subject {
+            vm: Shape::new_raw(vm),
+            jit: Shape::new_raw(jit),
+            native: true,
+            axes,
+            centre: bounds.centre(),
+            half: (0..8)
+                .map(|i| {
+                    let side = |k| if i >> k & 1 == 0 { -0.5 } else { 0.5 };
+                    let corner =
+                        bounds.size() * DVec3::new(side(0), side(1), side(2));
+                    (axes.transpose() * corner).abs()
+                })
+                .fold(DVec3::ZERO, DVec3::max),
+        };
+        // Native code is slower than the interpreter where the expression
+        // calls sin or exp, and faster elsewhere: only a trial tells. Both
+        // see the same.
+        let frame = subject.whole(TRIAL);
+        let time = |native: bool, subject: &mut Subject| {
+            subject.native = native;
+            let start = Instant::now();
+            subject.look(frame).map(|_| start.elapsed())
+        };
+        subject.native = time(true, &mut subject)? < time(false, &mut subject)?;
+        Ok(subject)
+    }
+
+    /// The view's axes.
+    pub(super) fn axes(&self) -> DMat3 {
+        self.axes
+    }
+
+    /// Uses one evaluator or the other.
+    #[cfg(test)]
+    fn natively(mut self, native: bool) -> Self {
+        self.native = native;
+        self
+    }
+
+    /// The part, as large as fits `width` × `height` pixels.
+    pub(super) fn fitted(
+        &self,
+        width: usize,
+        height: usize,
+    ) -> Result<Seen, PictureError> {
+        let coarse = self.whole(COARSE);
+        let seen = self.look(coarse)?;
+        let frame = self.around(&coarse, &seen, [width, height]);
+        self.look(frame)
+    }
+
+    /// The part's whole box.
+    fn whole(&self, longest: usize) -> Frame {
+        let pixel =
+            2.0 * self.half.x.max(self.half.y).max(MIN_EXTENT) / longest as f64;
+        let count = |half: f64| (2.0 * half / pixel).ceil().max(1.0) as usize;
+        let depth = (count(self.half.z) + 2).min(depth_limit(longest));
+        Frame {
+            centre: self.centre,
+            // A pixel more on every side, so that a border shows.
+            size: [count(self.half.x) + 2, count(self.half.y) + 2, depth],
+            pixel,
+            step: (2.0 * self.half.z + 2.0 * pixel) / depth as f64,
+        }
+    }
+
+    /// A frame of that size around what has been seen in a coarser one.
+    fn around(&self, coarse: &Frame, seen: &Seen, size: [usize; 2]) -> Frame {
+        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+        for (i, depth) in seen.depths.iter().enumerate() {
+            if depth.is_some() {
+                let at = [i % seen.width, i / seen.width];
+                for k in 0..2 {
+                    low[k] = low[k].min(at[k]);
+                    high[k] = high[k].max(at[k]);
+                }
+            }
+        }
+        if low[0] > high[0] {
+            (low, high) = ([0; 2], [seen.width - 1, seen.height - 1]);
+        }
+        // Something thin may reach into the pixels beside.
+        let side = |k: usize| (high[k] - low[k] + 3) as f64 * coarse.pixel;
+        let middle =
+            |k: usize| 0.5 * (low[k] + high[k] + 1) as f64 * coarse.pixel;
+        let half = |k: usize| 0.5 * coarse.size[k] as f64 * coarse.pixel;
+        let centre = coarse.centre + self.axes.x_axis * (middle(0) - half(0))
+            - self.axes.y_axis * (middle(1) - half(1));
+        let room = |k: usize| size[k] as f64 * (1.0 - 2.0 * MARGIN);
+        let pixel = (side(0) / room(0)).max(side(1) / room(1));
+        let deep = 2.0 * self.half.z + 2.0 * pixel;
+        let longest = size[0].max(size[1]);
+        let depth = (deep / pixel).ceil().min(depth_limit(longest) as f64);
+        Frame {
+            centre,
+            size: [size[0], size[1], depth as usize],
+            pixel,
+            step: deep / depth,
+        }
+    }
+
+    fn look(&self, frame: Frame) -> Result<Seen, PictureError> {
+        match self.native {
+            true => self.look_with(&self.jit, frame),
+            false => self.look_with(&self.vm, frame),
+        }
+    }
+
+    fn look_with<F: MathFunction + RenderHints>(
+        &self,
+        shape: &Shape<F>,
+        frame: Frame,
+    ) -> Result<Seen, PictureError> {
+        let [width, height, depth] = frame.size;
+        let size = RenderSize::new(width as u32, height as u32, depth as u32);
+        let config = RenderConfig {
+            image_size: size,
+            world_to_model: self.world_to_model(&frame, size)?,
+        };
+        let how = EvalConfig {
+            tile_sizes: Some(TileSizes::new(&TILES).map_err(bug)?),
+            threads: Some(&ThreadPool::Global),
+            cancel: CancelToken::new(),
+        };
+        let bound = shape
+            .clone()
+            .try_into()
+            .map_err(|_| bug("it has variables besides x, y and z"))?;
+        let image = render(bound, &config, &how)
+            .ok_or_else(|| bug("the drawing was given up"))?;
+        let scale = (frame.step / frame.pixel) as f32;
+        let normal = |[x, y, z]: [f32; 3]| {
+            let n = Vec3::new(x, -y, z / scale).normalize_or_zero();
+            // None where a tile is full to its face, which is a surface that
+            // faces the viewer.
+            if n == Vec3::ZERO { Vec3::Z } else { n }
+        };
+        Ok(Seen {
+            width,
+            height,
+            depths: image
+                .iter()
+                .map(|p| (p.depth > 0).then_some(p.depth as f32 * scale))
+                .collect(),
+            normals: image.iter().map(|p| normal(p.normal)).collect(),
+        })
+    }
+
+    /// fidget's way from its cube to the model: what takes voxels there, less
+    /// what fidget itself does with them.
+    fn world_to_model(
+        &self,
+        frame: &Frame,
+        size: RenderSize,
+    ) -> Result<Matrix4<f32>, PictureError> {
+        let [width, height, depth] = frame.size.map(|n| n as f64);
+        let right = self.axes.x_axis * frame.pixel;
+        let down = -self.axes.y_axis * frame.pixel;
+        let towards = self.axes.z_axis * frame.step;
+        // A pixel is seen through its middle.
+        let corner = frame.centre
+            + right * (0.5 - 0.5 * width)
+            + down * (0.5 - 0.5 * height)
+            + towards * (-0.5 * depth);
+        let mut screen = Matrix4::<f64>::identity();
+        for (k, column) in
+            [right, down, towards, corner].into_iter().enumerate()
+        {
+            for (i, x) in column.to_array().into_iter().enumerate() {
+                screen[(i, k)] = x;
+            }
+        }
+        let back = size.screen_to_world().cast::<f64>().try_inverse();
+        let back = back.ok_or_else(|| bug("an empty picture"))?;
+        Ok((screen * back).cast())
+    }
+}
+
+/// Parts thinner than this are drawn as if they were not, mm.
+const MIN_EXTENT: Mm = 1e-6;
+
+fn depth_limit(longest: usize) -> usize {
+    (DEEPEST * longest as f64) as usize
+}
+
+/// A convex ring around the part seen from above, in the bed's coordinates,
+/// counter-clockwise; no farther from it than a hundredth of its size.
+///
+/// # Errors
+/// If fidget refuses the expression.
+pub fn outline_from_above(model: &Model) -> Result<Vec<DVec2>, PictureError> {
+    // Half a pixel on either side.
+    const PIXELS: usize = 100;
+    let view = View::of(-90.0, 90.0);
+    let subject = Subject::new(model, view)?;
+    let frame = subject.whole(PIXELS);
+    let seen = subject.look(frame)?;
+    let printed = model.printed_bounds();
+    let (low, high) = (printed.min.truncate(), printed.max.truncate());
+    let middle = (subject.centre + model.offset).truncate();
+    let half = 0.5 * DVec2::new(seen.width as f64, seen.height as f64);
+    let place = |i: usize, j: usize| {
+        let p = DVec2::new(i as f64, j as f64) - half;
+        middle + frame.pixel * DVec2::new(p.x, -p.y)
+    };
+    let corners = seen.depths.iter().enumerate().filter(|(_, d)| d.is_some());
+    let corners: MultiPoint = corners
+        .flat_map(|(k, _)| {
+            let (i, j) = (k % seen.width, k / seen.width);
+            [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
+        })
+        .map(|(i, j)| {
+            let p = place(i, j).clamp(low, high);
+            geo::Point::new(p.x, p.y)
+        })
+        .collect();
+    let hull = corners.convex_hull();
+    let ring = hull.exterior().0.iter().map(|c| DVec2::new(c.x, c.y));
+    let mut ring: Vec<DVec2> = ring.collect();
+    // The first point again.
+    ring.pop();
+    Ok(ring)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::model::{
+        BuildVolume, Placement, Source, SourceKind, load, place,
+    };
+
+    fn model(formula: &str, placement: &Placement) -> Model {
+        let source = Source::Text {
+            name: "test".into(),
+            kind: SourceKind::Formula,
+            text: formula.into(),
+        };
+        let bed = BuildVolume {
+            x: 200.0,
+            y: 200.0,
+            z: 200.0,
+        };
+        place(&load(&source, &[]).unwrap(), placement, bed).unwrap()
+    }
+
+    fn seen(formula: &str, view: View, size: [usize; 2]) -> Seen {
+        let subject =
+            Subject::new(&model(formula, &Placement::default()), view);
+        subject.unwrap().fitted(size[0], size[1]).unwrap()
+    }
+
+    fn hits(seen: &Seen) -> usize {
+        seen.depths.iter().flatten().count()
+    }
+
+    /// Left, right, top and bottom of what is seen, in pixels.
+    fn extent(seen: &Seen) -> [usize; 4] {
+        let at = |k: usize| (k % seen.width, k / seen.width);
+        let all = seen.depths.iter().enumerate();
+        let all: Vec<_> = all
+            .filter(|(_, d)| d.is_some())
+            .map(|(k, _)| at(k))
+            .collect();
+        [
+            all.iter().map(|p| p.0).min().unwrap(),
+            all.iter().map(|p| p.0).max().unwrap() + 1,
+            all.iter().map(|p| p.1).min().unwrap(),
+            all.iter().map(|p| p.1).max().unwrap() + 1,
+        ]
+    }
+
+    const BALL: &str = "sqrt(x^2 + y^2 + z^2) - 10";
+
+    #[test]
+    fn a_ball_is_a_disc_with_its_normals() {
+        for (name, view) in View::NAMED {
+            let seen = seen(BALL, view, [200, 300]);
+            let [left, right, top, bottom] = extent(&seen);
+            // Centred, with a border of 4 % and a coarse pixel.
+            assert!((left + right).abs_diff(200) <= 1, "{name}");
+            assert!((top + bottom).abs_diff(300) <= 1, "{name}");
+            let diameter = right - left;
+            assert!((176..=184).contains(&diameter), "{name} {diameter}");
+            let r = 0.5 * diameter as f64;
+            let disc = std::f64::consts::PI * r * r;
+            let share = hits(&seen) as f64 / disc;
+            assert!((share - 1.0).abs() < 0.02, "{name} {share}");
+            for (k, depth) in seen.depths.iter().enumerate() {
+                if depth.is_none() {
+                    continue;
+                }
+                let p = DVec2::new((k % 200) as f64, (k / 200) as f64);
+                let p = (p - DVec2::new(99.5, 149.5)) / r;
+                let n = seen.normals[k];
+                let off = DVec2::new(n.x.into(), -f64::from(n.y)) - p;
+                assert!(off.length() < 0.15, "{name} {p} {n}");
+            }
+        }
+    }
+
+    /// 40 × 20 × 10, with a post at its right, front, upper corner.
+    const BLOCK: &str = "min(max(max(abs(x) - 20, abs(y) - 10), abs(z) - 5), \
+         max(max(abs(x - 19) - 1, abs(y + 9) - 1), abs(z - 9) - 4))";
+
+    #[test]
+    fn views_show_the_side_they_name() {
+        let shape = |name: &str| {
+            let view = View::NAMED.iter().find(|(n, _)| *n == name).unwrap().1;
+            let seen = seen(BLOCK, view, [300, 300]);
+            let [left, right, top, bottom] = extent(&seen);
+            let row = |j: usize| {
+                let row = &seen.depths[j * 300..(j + 1) * 300];
+                row.iter().position(Option::is_some).unwrap()
+            };
+            let post_right = row(top + 3) > (left + right) / 2;
+            let aspect = (right - left) as f64 / (bottom - top) as f64;
+            (aspect, post_right)
+        };
+        let about = |a: f64, b: f64| (a / b - 1.0).abs() < 0.03;
+        let (aspect, post_right) = shape("front");
+        assert!(about(aspect, 40.0 / 18.0) && post_right, "{aspect}");
+        let (aspect, post_right) = shape("back");
+        assert!(about(aspect, 40.0 / 18.0) && !post_right, "{aspect}");
+        // From the right the front is on the left.
+        let (aspect, post_right) = shape("right");
+        assert!(about(aspect, 20.0 / 18.0) && !post_right, "{aspect}");
+        assert!(shape("left").1);
+        assert!(about(shape("top").0, 2.0) && about(shape("bottom").0, 2.0));
+    }
+
+    #[test]
+    fn evaluators_and_threads_do_not_show() {
+        let formula = "sin(x) * cos(y) + sin(y) * cos(z) + sin(z) * cos(x) + \
+                       max(0, x^2 + y^2 + z^2 - 80) / 10";
+        let part = model(formula, &Placement::default());
+        let look = |native: bool, threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let subject = Subject::new(&part, View::ISO).unwrap();
+            let subject = subject.natively(native);
+            let pool = pool.build().unwrap();
+            pool.install(|| subject.fitted(150, 100)).unwrap()
+        };
+        let one = look(true, 1);
+        assert!(hits(&one) > 1000);
+        assert!(one == look(true, 3));
+        assert!(one == look(false, 1));
+        assert!(one == look(false, 3));
+    }
+
+    #[test]
+    fn what_lies_below_the_bed_is_cut_off() {
+        let placement = Placement {
+            keep_position: true,
+            ..Placement::default()
+        };
+        let formula = "sqrt((x - 50)^2 + (y - 50)^2 + z^2) - 10";
+        let part = model(formula, &placement);
+        let front = View::of(-90.0, 0.0);
+        let seen = Subject::new(&part, front).unwrap().fitted(200, 200);
+        let [left, right, top, bottom] = extent(&seen.unwrap());
+        assert!((right - left).abs_diff(2 * (bottom - top)) <= 3);
+    }
+
+    #[test]
+    fn an_outline_from_above_holds_the_part_tightly() {
+        let ring =
+            outline_from_above(&model(BLOCK, &Placement::default())).unwrap();
+        // The bed's middle is at 100.
+        let area: f64 = ring
+            .iter()
+            .zip(ring.iter().cycle().skip(1))
+            .map(|(a, b)| 0.5 * a.perp_dot(*b))
+            .sum();
+        assert!((799.0..=801.0).contains(&area), "{area}");
+        for p in ring {
+            let off = (p - DVec2::splat(100.0)).abs();
+            assert!(off.x <= 20.001 && off.y <= 10.001, "{p}");
+        }
+    }
+}
