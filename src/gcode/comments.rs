@@ -72,6 +72,7 @@ fn prusa(role: Role) -> &'static str {
 fn orca(role: Role) -> &'static str {
     match role {
         Role::Skirt => "Skirt",
+        Role::Brim => "Brim",
         Role::OuterWall => "Outer wall",
         Role::InnerWall => "Inner wall",
         Role::Overhang => "Overhang wall",
@@ -87,7 +88,7 @@ fn orca(role: Role) -> &'static str {
 
 fn cura(role: Role) -> &'static str {
     match role {
-        Role::Skirt => "SKIRT",
+        Role::Skirt | Role::Brim => "SKIRT",
         Role::OuterWall | Role::Overhang => "WALL-OUTER",
         Role::InnerWall | Role::GapFill => "WALL-INNER",
         Role::SparseInfill => "FILL",
