@@ -329,10 +329,12 @@ impl<'a> Border<'a> {
         }
     }
 
-    /// Notes the radius of a ball that touches an edge.
+    /// Notes the radius of a ball that touches an edge; 0 if there is none,
+    /// which says nothing of what is there.
     fn meets(&mut self, edge: usize, radius: Mm) {
         let (least, most) = &mut self.radii[edge];
-        (*least, *most) = (least.min(radius), most.max(radius));
+        let largest = if radius > 0.0 { radius } else { f64::INFINITY };
+        (*least, *most) = (least.min(radius), most.max(largest));
     }
 
     /// How far the edges can move inwards until they meet others.
