@@ -43,9 +43,9 @@ pub fn offset_with(
     offset_within(area, grid, None, distance, tolerance)
 }
 
-/// How far an area's edges can move inwards until they meet others: for each
-/// of them, numbered as in a grid, from where to where that is. An edge that
-/// nothing is known of has it from 0 to infinity.
+/// How far an area's edges can move inwards until they meet what is opposite:
+/// for each of them, numbered as in a grid, from where to where that is. An
+/// edge that nothing is known of has it from 0 to infinity.
 #[derive(Clone, Debug, Default)]
 pub struct Room {
     /// The least along the edge and those beside it.
@@ -60,9 +60,11 @@ impl Room {
     /// which it may be a little less.
     fn state(&self, edge: usize, distance: Mm) -> Option<State> {
         let margin = 0.03 + 0.05 * distance;
+        // Between opposite sides room grows by less than 0.6 of the way.
+        let steep = 0.06;
         match (self.least.get(edge)?, self.most.get(edge)?) {
             (least, _) if *least > distance + margin => Some(State::Clear),
-            (_, most) if *most < distance - 0.02 => Some(State::Covered),
+            (_, most) if *most < distance - steep => Some(State::Covered),
             _ => None,
         }
     }

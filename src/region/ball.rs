@@ -177,7 +177,7 @@ impl<'a> Border<'a> {
             if !beside && self.grid.clear(a + up, b + up, 0.98 * self.radius) {
                 balls.push(None);
                 before = None;
-                self.meets(number, 0.98 * self.radius);
+                self.meets(number, 0.98 * self.radius, false);
                 continue;
             }
             let count = (length / STEP).ceil().clamp(1.0, 1e6);
@@ -190,7 +190,7 @@ impl<'a> Border<'a> {
                 }
                 let hint = before.and_then(|b| b.2);
                 let here = self.grow(a + along * at, normal, hint);
-                self.meets(number, here.0);
+                self.meets(number, here.0, here.1.is_some());
                 let (radius, here) = here;
                 let exact = |radius: Mm| match radius < self.radius {
                     true => END,
@@ -245,8 +245,9 @@ impl<'a> Border<'a> {
             let angle = turn * (1.0 - (k as f64 + 0.5) / count);
             let normal = DVec2::from_angle(angle).rotate(normal);
             let (r, here) = self.grow(corner, normal, None);
-            self.meets(number, r);
-            self.meets(self.last[number] as usize, r);
+            let last = self.last[number] as usize;
+            self.meets(number, r, here.is_some());
+            self.meets(last, r, here.is_some());
             let here = here.filter(|g| {
                 // Of two corners the first one has the balls, and of a corner
                 // and an edge as well.
@@ -320,8 +321,8 @@ impl<'a> Border<'a> {
             if last {
                 for (edge, low, high) in stretch.into_iter().take(k + 1) {
                     self.seen.add(edge, low, high);
-                    self.meets(edge, 0.5 * first.ball.thickness);
-                    self.meets(edge, 0.5 * second.ball.thickness);
+                    self.meets(edge, 0.5 * first.ball.thickness, true);
+                    self.meets(edge, 0.5 * second.ball.thickness, true);
                 }
                 return;
             }
@@ -329,10 +330,13 @@ impl<'a> Border<'a> {
         }
     }
 
-    /// Notes the radius of a ball that touches an edge.
-    fn meets(&mut self, edge: usize, radius: Mm) {
+    /// Notes the radius of a ball that touches an edge, and whether it touches
+    /// the opposite side as well. If it does not, as in a corner, the edge
+    /// may go farther.
+    fn meets(&mut self, edge: usize, radius: Mm, opposite: bool) {
         let (least, most) = &mut self.radii[edge];
-        (*least, *most) = (least.min(radius), most.max(radius));
+        let largest = if opposite { radius } else { f64::INFINITY };
+        (*least, *most) = (least.min(radius), most.max(largest));
     }
 
     /// How far the edges can move inwards until they meet others.
