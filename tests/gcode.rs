@@ -568,7 +568,7 @@ fn the_end_knows_what_the_print_took() {
     let time = isoslice::units::human_time(totals.time);
     let length = totals.filament_length.round();
     assert!(
-        text.contains(&format!("\nM117 {time}, {length:?} mm\n")),
+        text.contains(&format!("\nM117 {time}, {length} mm\n")),
         "{text}"
     );
 }
