@@ -1,5 +1,7 @@
 //! Compensations and brims in the G-code, against the radii of a tube.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
 mod common;
 
 use common::{Kind, Layer, formula, parse, settings, slice};

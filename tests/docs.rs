@@ -6,6 +6,7 @@
 //! ```sh                each line is a command, which must succeed
 //! ````
 #![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "tests may unwrap")]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -34,7 +35,7 @@ fn blocks(page: &str) -> Vec<Block> {
             }
             (Some(_), true) => open = false,
             (None, true) => {
-                let block = found.last_mut().expect("a block is open");
+                let block = found.last_mut().unwrap();
                 block.text.push_str(line);
                 block.text.push('\n');
             }

@@ -4,7 +4,7 @@
 //! print order, closed ones rotated to their seam, open ones turned so that
 //! travels are short. Islands are finished one at a time; within an island
 //! come its walls, then what fills gaps between them and sparse infill, then
-//! skin, each on a [short tour](tour) that begins where the one before ends.
+//! skin, each on a short tour (`tour`) that begins where the one before ends.
 //!
 //! | file | what it does |
 //! |---|---|

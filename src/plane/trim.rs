@@ -66,6 +66,10 @@ const BEND: Mm = 2.0;
 /// How far around a loose end what it should go on in is looked for, mm.
 const AROUND: Mm = 0.5;
 
+/// Clear edges shorter than this may lie within the slack beside what is
+/// dropped, mm.
+const SHORT: Mm = 0.02;
+
 /// Points nearer to each other than this are one, mm.
 const SAME: Mm = 1e-6;
 
@@ -181,10 +185,17 @@ impl Moved<'_> {
             loose.push(crossings[events[i].crossing].at);
             loose.extend(near[events[i].last]);
         }
-        if !loose.is_empty() {
-            return Err(loose);
-        }
-        let mut out = self.untouched(&events);
+        // What is dropped is too near all along, or a crossing was missed.
+        let dropped = (0..events.len()).filter(|&i| next[i].is_none());
+        loose.extend(dropped.filter_map(|i| self.far(&events[i], &events)));
+        let mut out = match self.untouched(&events) {
+            Ok(rings) if loose.is_empty() => rings,
+            Ok(_) => return Err(loose),
+            Err(more) => {
+                loose.extend(more);
+                return Err(loose);
+            }
+        };
         for start in 0..events.len() {
             let mut ring = Ring::new();
             let mut piece = start;
@@ -325,6 +336,20 @@ impl Moved<'_> {
         })
     }
 
+    /// A place where the piece that begins with an event is certainly not too
+    /// near to any origin: in the middle of an edge that is clear and does
+    /// not have a crossing.
+    fn far(&self, begin: &Event, events: &[Event]) -> Option<DVec2> {
+        let ring = &self.rings[begin.ring];
+        let n = ring.len();
+        let count = edges_between(begin, &events[begin.next], n);
+        (1..count).map(|j| (begin.edge + j) % n).find_map(|k| {
+            let (a, b) = (ring[k], ring[(k + 1) % n]);
+            let clear = self.states[begin.first + k] == State::Clear;
+            (clear && a.distance(b) > SHORT).then(|| a.midpoint(b))
+        })
+    }
+
     /// The points between an event and the next.
     fn points(&self, begin: &Event, events: &[Event], out: &mut Ring) {
         let end = &events[begin.next];
@@ -337,7 +362,11 @@ impl Moved<'_> {
     /// The rings that no other crosses and that are far enough from all
     /// origins. What is much thinner than the distance may be turned inside
     /// out, and is far enough on the wrong side.
-    fn untouched(&self, events: &[Event]) -> Vec<Ring> {
+    ///
+    /// # Errors
+    /// Places of a ring that is too near to origins in part only: it should
+    /// have been crossed.
+    fn untouched(&self, events: &[Event]) -> Result<Vec<Ring>, Vec<DVec2>> {
         let mut touched = vec![false; self.rings.len()];
         for event in events {
             touched[event.ring] = true;
@@ -355,12 +384,23 @@ impl Moved<'_> {
                     self.grid.clear(p, p, self.clearance)
                 }
             };
-            let whole = !touched[r] && !self.turned[r];
-            if whole && states.iter().zip(super::edges(ring)).all(far) {
+            if touched[r] || self.turned[r] {
+                continue;
+            }
+            let edges = || states.iter().zip(super::edges(ring));
+            if edges().all(far) {
                 out.push(ring.clone());
+                continue;
+            }
+            let clear = |(state, (a, b)): &(&State, (DVec2, DVec2))| {
+                **state == State::Clear && a.distance(*b) > SHORT
+            };
+            if edges().any(|e| clear(&e)) {
+                let near = edges().filter(|&e| !far(e));
+                return Err(near.map(|(_, (a, b))| a.midpoint(b)).collect());
             }
         }
-        out
+        Ok(out)
     }
 }
 

@@ -18,7 +18,7 @@
 //!
 //! The walls are polygons, which stand for curves: where a seam lies between
 //! the corners of a polygon is found on a smooth curve through them
-//! ([`lowest`]), so that it does not jump from one to the other.
+//! (`lowest`), so that it does not jump from one to the other.
 
 mod corners;
 pub mod ending;
