@@ -225,7 +225,7 @@ mod tests {
     #[test]
     fn seams_follow_those_of_the_layer_below() {
         let (mut beads, outline) = two_squares();
-        let corners = vec![DVec2::new(1.0, -4.0), DVec2::new(4.0, 4.0)];
+        let corners = [DVec2::new(1.0, -4.0), DVec2::new(4.0, 4.0)];
         let site = |x: f64| Site {
             at: Some(DVec2::new(x + 4.0, 4.0)),
             follows: true,
