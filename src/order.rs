@@ -431,6 +431,7 @@ fn from_nearest(mut bead: Bead, head: Option<DVec2>) -> Bead {
 }
 
 fn finish(bead: Bead, out: &mut Vec<Bead>, head: &mut Head) {
+    crate::limits::check();
     let end = match bead.closed {
         true => bead.points.first(),
         false => bead.points.last(),

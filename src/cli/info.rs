@@ -1,6 +1,7 @@
 //! `isoslice info`: what a model is, without slicing it.
 
 use super::args::{ModelArgs, SettingsSource};
+use super::limits::{LimitArgs, watched};
 use super::terminal;
 use clap::Args;
 use glam::DVec3;
@@ -27,9 +28,15 @@ pub(super) struct InfoArgs {
     model: ModelArgs,
     #[command(flatten)]
     settings: SettingsSource,
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
 pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
+    watched(&args.limits.watch(), || show(args))
+}
+
+fn show(args: &InfoArgs) -> anyhow::Result<()> {
     let settings = args.settings.read()?;
     let model = args.model.load(&settings)?;
     terminal::warn(&model.warnings);

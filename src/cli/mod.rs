@@ -6,6 +6,7 @@
 
 mod args;
 mod info;
+mod limits;
 mod output;
 mod settings;
 mod slice;
@@ -21,7 +22,8 @@ Examples:
   isoslice info part.rhai                         size, layers, parameters
   isoslice settings > my.toml                     to edit, for --config my.toml
 
-Exit codes: 0 done, 1 something is wrong with the input, 2 with the command.";
+Exit codes: 0 done, 1 something is wrong with the input, 2 with the command,
+130 interrupted.";
 
 /// From a function f(x, y, z), negative inside, to G-code without a mesh.
 #[derive(Parser, Debug)]
@@ -50,6 +52,7 @@ enum Command {
 
 /// Carries out a command.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
+    limits::end_cleanly_when_asked()?;
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Info(args) => info::run(&args),

@@ -2,11 +2,13 @@
 
 use super::args::{FORMULA, ModelArgs, SettingsSource};
 use super::info::dimensions;
+use super::limits::{LimitArgs, watched};
 use super::output::{Output, same_file};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::layers::LayerRange;
+use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options, Summary};
 use isoslice::report::Figures;
 use isoslice::units::human_time;
@@ -79,9 +81,17 @@ pub(super) struct SliceArgs {
     /// Show neither progress nor summary, only warnings and errors
     #[arg(short, long, help_heading = "Output")]
     quiet: bool,
+
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
 pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
+    let watch = args.limits.watch();
+    watched(&watch, || run_watched(args, &watch))
+}
+
+fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let started = Instant::now();
     let settings = args.settings.read()?;
     let path = args.output_path();
@@ -95,12 +105,13 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
         })?;
     }
 
-    let bar = terminal::layer_progress(args.quiet);
+    let bar = terminal::layer_progress(args.quiet, watch);
     let options = Options {
         threads: args.threads.map(usize::from),
         layers: args.layers.unwrap_or(LayerRange::ALL),
         svg_dir: args.svg.as_deref(),
         report: report.is_some(),
+        backend: None,
         on_layer: &|done, total| {
             bar.set_length(total as u64);
             bar.set_position(done as u64);

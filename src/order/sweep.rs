@@ -30,6 +30,7 @@ pub(super) fn print(fill: Fill, out: &mut Vec<Bead>, head: &mut Head) {
         }
     }
     while let Some(end) = free.pop(head.at) {
+        crate::limits::check();
         let Some(mut bead) = lines[end / 2].take() else {
             continue;
         };

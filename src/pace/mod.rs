@@ -172,6 +172,7 @@ impl<'a> Pacer<'a> {
         self.fan = fan;
         let mut out = Vec::with_capacity(moves.len() + 8);
         for step in moves {
+            crate::limits::check();
             match step {
                 Move::Travel { points, retract } => {
                     self.travel(&span, points, retract, &mut out);

@@ -82,6 +82,7 @@ pub fn offset_with(
 /// overlaps: where an edge is too short for the corners at its ends, the ring
 /// runs back to the corner itself, so that what overlaps winds negatively.
 fn moved(ring: &[DVec2], by: f64, tolerance: Mm) -> Ring {
+    crate::limits::check();
     let sides = Sides::new(ring, by);
     let n = sides.all.len();
     let mut out = Ring::with_capacity(n + n / 4);

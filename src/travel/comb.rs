@@ -142,6 +142,7 @@ impl<'a> Comb<'a> {
         let mut way = sparse.or_else(|| around(0.0))?;
         let mut length = stops_length(&way);
         for _ in 0..ROUNDS {
+            crate::limits::check();
             // From the other end, and from between, it can be pulled tighter.
             let tighter = self.pulled(&self.denser(&way))?;
             let shorter = stops_length(&tighter);

@@ -67,6 +67,7 @@ pub fn connect(
     let mut at = from;
     let mut inside = false;
     for (next, bead) in beads.iter().enumerate() {
+        crate::limits::check();
         let Some((start, end)) = ends(bead) else {
             travels.push(None);
             continue;
