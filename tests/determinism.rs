@@ -16,11 +16,12 @@ use isoslice::settings::Settings;
 
 /// Coarse, so that all examples take seconds; with everything that passes from
 /// layer to layer.
-const COARSE: [&str; 5] = [
+const COARSE: [&str; 6] = [
     "sample_spacing=0.8",
     "accuracy=0.1",
-    "layer_height=0.6",
-    "first_layer_height=0.6",
+    "printer.nozzle_diameter=0.6",
+    "layer_height=0.42",
+    "first_layer_height=0.42",
     "retract.z_hop=0.3",
 ];
 
@@ -70,19 +71,15 @@ fn check(name: &str, extra: &[&str]) {
     let (model, settings) = example.place(&all);
     let first = slice(&model, &settings, 1, Some(Backend::Vm));
     assert!(first.matches(";LAYER_CHANGE").count() > 10, "{name}");
-    for (threads, backend) in [
-        (1, Some(Backend::Jit)),
-        (2, Some(Backend::Vm)),
-        (7, Some(Backend::Jit)),
-        (7, None),
-    ] {
+    for (threads, backend) in [(2, Some(Backend::Jit)), (7, Some(Backend::Vm))]
+    {
         let again = slice(&model, &settings, threads, backend);
         let what = format!("{name}, {threads} threads, {backend:?}");
         assert_same(&first, &again, &what);
     }
     // Read once more, from the script on.
     let (model, settings) = example.place(&all);
-    let again = slice(&model, &settings, 2, None);
+    let again = slice(&model, &settings, 1, None);
     assert_same(&first, &again, &format!("{name}, read again"));
 }
 
