@@ -16,8 +16,11 @@ use isoslice::pipeline::{self, Options};
 use isoslice::settings::{Builder, Settings};
 use std::time::Duration;
 
-/// Every target with its name: that of its folder of seeds.
-pub const TARGETS: [(&str, fn(&[u8])); 6] = [
+/// A target with its name: that of its folder of seeds.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// Every target.
+pub const TARGETS: [Target; 6] = [
     ("vm", vm),
     ("rhai", rhai),
     ("formula", formula),

@@ -83,7 +83,7 @@ fn what_grows_without_end_is_stopped() {
         "let s = \"a\"; loop { s += s; }",
         "{BIG} let t = s; s.replace('a', t); x",
         "{BIG} let t = s; s.replace(\"a\", t); x",
-        "{BIG} let t = `${s}${s}`; x",
+        "{BIG} let t = `${s}${s}${s}`; x",
         "{BIG} s.split(\"\"); x",
         "let a = []; loop { {BIG} a.push(s); }",
         "let a = [1]; loop { a += a; }",
