@@ -62,6 +62,7 @@ fn measure(model: &Model) -> Outcome<(f64, usize, Option<f64>)> {
         layers: LayerRange::ALL,
         svg_dir: None,
         report: false,
+        backend: None,
         on_layer: &|_, _| {},
     };
     let mut settings = Settings::default();

@@ -84,6 +84,7 @@ fn whole(
         layers: LayerRange::ALL,
         svg_dir: None,
         report: false,
+        backend: None,
         on_layer: &|_, _| {},
     };
     let settings = Settings::default();

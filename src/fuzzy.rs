@@ -59,6 +59,7 @@ impl<'a> Fuzzy<'a> {
         }
         let fuzzy = &self.settings.fuzzy;
         for bead in beads {
+            crate::limits::check();
             let hole = signed_area(&bead.points) < 0.0;
             let meant = bead.closed && (fuzzy.holes || !hole);
             if bead.role == Role::OuterWall && meant {

@@ -43,7 +43,8 @@
 //!
 //! [`pipeline`] runs these stages over a window of layers that moves up the
 //! part, on as many threads as there are; the result is the same on any
-//! number. [`timings`] measures them, [`units`] names what is measured.
+//! number. [`timings`] measures them, [`limits`] stops them when they take too
+//! much time or memory, [`units`] names what is measured.
 //!
 //! # A ball
 //!
@@ -70,6 +71,7 @@
 //!     layers: LayerRange::ALL,
 //!     svg_dir: None,
 //!     report: false,
+//!     backend: None,
 //!     on_layer: &|_done, _total| {},
 //! };
 //! let mut gcode = Vec::new();
@@ -122,6 +124,22 @@
 //! | wipe | go on along a bead while retracting |
 //! | z-hop | lifting the nozzle on a travel |
 
+// What goes wrong is an error. The tests may panic, that is how they fail; and
+// indices are allowed, since the geometry is full of them: the fuzzer and the
+// hostile models look after those.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
 pub mod adhesion;
 pub mod bead;
 pub mod check;
@@ -131,6 +149,7 @@ pub mod fuzzy;
 pub mod gcode;
 pub mod infill;
 pub mod layers;
+pub mod limits;
 pub mod model;
 pub mod order;
 pub mod pace;

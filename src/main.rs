@@ -1,7 +1,21 @@
 //! The command `isoslice`: parse, run, report.
 //!
 //! Exit codes: 0 done, 1 something about the input is wrong, 2 the command
-//! line is wrong. A reader that closes our output early is no error.
+//! line is wrong, 130 interrupted. A reader that closes our output early is no error.
+
+// As in the library.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
 
 mod cli;
 

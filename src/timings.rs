@@ -5,6 +5,7 @@
 //! the machine does not show, nor does waiting. What a stage hands on to
 //! other threads it has to time there.
 
+use crate::limits;
 use crate::units::Seconds;
 use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -99,7 +100,7 @@ impl Timings {
     /// Runs `work` and adds its time to the stage's.
     pub fn time<T>(&self, stage: Stage, work: impl FnOnce() -> T) -> T {
         let start = Stopwatch::start();
-        let result = work();
+        let result = limits::doing(stage.name(), work);
         let nanos = start.elapsed().as_nanos() as u64;
         self.nanos[stage as usize].fetch_add(nanos, Ordering::Relaxed);
         result

@@ -1,6 +1,7 @@
 //! `isoslice info`: what a model is, without slicing it.
 
 use super::args::{ModelArgs, SettingsSource};
+use super::limits::{LimitArgs, watched};
 use super::{print_json, terminal};
 use clap::Args;
 use glam::DVec3;
@@ -28,6 +29,8 @@ pub(super) struct InfoArgs {
     model: ModelArgs,
     #[command(flatten)]
     settings: SettingsSource,
+    #[command(flatten)]
+    limits: LimitArgs,
 
     /// Print JSON
     #[arg(long, help_heading = "Output")]
@@ -35,6 +38,10 @@ pub(super) struct InfoArgs {
 }
 
 pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
+    watched(&args.limits.watch(), || show(args))
+}
+
+fn show(args: &InfoArgs) -> anyhow::Result<()> {
     let gathered = args.settings.gather()?;
     let settings = &gathered.settings;
     let model = args.model.load(settings)?;

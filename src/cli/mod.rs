@@ -7,6 +7,7 @@
 mod args;
 mod check;
 mod info;
+mod limits;
 mod manual;
 mod new;
 mod output;
@@ -34,9 +35,10 @@ Examples:
   isoslice settings > my.toml                     to edit, for --config my.toml
 
 Exit codes:
-  0  done; also if whoever reads our output has read enough
-  1  something is wrong with the model, the settings or a file
-  2  something is wrong with the command line
+  0    done; also if whoever reads our output has read enough
+  1    something is wrong with the model, the settings or a file
+  2    something is wrong with the command line
+  130  interrupted
 
 Environment:
   ISOSLICE_PROFILES  folder of your own profiles
@@ -87,6 +89,7 @@ enum Command {
 /// Carries out a command.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     cli.verbosity.apply();
+    limits::end_cleanly_when_asked()?;
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Preview(args) => preview::run(&args),

@@ -4,14 +4,34 @@
 //! one step; until then, and after an error, it is as it was. Not guaranteed
 //! for what is not a file, such as standard output, which is written as it
 //! comes, and not against the process being killed, which may leave a hidden
-//! file beside the destination.
+//! file beside the destination, `.isoslice-….tmp`. Asked to end (Ctrl-C), the
+//! process removes that first: see [`discard_all`].
 
 use super::args::is_stream;
 use anyhow::{Context, bail};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write, stdout};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
+
+/// Half-written files: names that are to go if the process ends.
+static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn pending() -> MutexGuard<'static, Vec<PathBuf>> {
+    PENDING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes what is half-written, because the process is about to end. While
+/// the result is held, nothing is put in its place and nothing begun.
+pub(super) fn discard_all() -> MutexGuard<'static, Vec<PathBuf>> {
+    let mut pending = pending();
+    for path in pending.drain(..) {
+        // There is nobody left to tell.
+        let _ = fs::remove_file(path);
+    }
+    pending
+}
 
 /// Output that is being written.
 pub(super) enum Output {
@@ -41,13 +61,19 @@ impl Output {
                 path.join("part.gcode").display()
             );
         }
+        let is_link = fs::symlink_metadata(path).is_ok_and(|d| d.is_symlink());
+        if is_link && fs::metadata(path).is_err() {
+            bail!(
+                "the output {} is a link that leads nowhere; remove it, or \
+                 choose another name with -o",
+                path.display()
+            );
+        }
         // A link stays one: what it points to is replaced.
         let destination =
             fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         for input in inputs {
-            let same =
-                fs::canonicalize(input).is_ok_and(|input| input == destination);
-            if same {
+            if same_file(input, &destination) {
                 bail!(
                     "the output {} is also an input and would be \
                      overwritten; choose another name with -o",
@@ -111,8 +137,14 @@ impl Output {
                 destination,
             } => {
                 let file = writer.into_inner().map_err(|e| e.into_error())?;
-                file.persist(destination).map_err(|e| e.error)?;
-                Ok(())
+                // Some systems tell only now that the disk is full. And the
+                // name must not be on the disk before what it names.
+                file.as_file().sync_all()?;
+                let mut pending = pending();
+                let path = file.path().to_owned();
+                let done = file.persist(destination).map_err(|e| e.error);
+                pending.retain(|p| *p != path);
+                done.map(drop)
             }
         }
     }
@@ -134,8 +166,13 @@ impl Write for Output {
     }
 }
 
-/// Whether two names, of files that may not be there yet, are one file's.
+/// Whether two names, of files that may not be there yet, are one file's: also
+/// through links, hard ones included, and where case does not matter.
 pub(super) fn same_file(a: &Path, b: &Path) -> bool {
+    let is_file = |path: &Path| fs::metadata(path).is_ok_and(|d| d.is_file());
+    if is_file(a) && is_file(b) {
+        return ::same_file::is_same_file(a, b).unwrap_or(a == b);
+    }
     let resolved = |path: &Path| {
         fs::canonicalize(path).or_else(|_| {
             let folder = match path.parent() {
@@ -162,5 +199,8 @@ fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder)
+    let mut pending = pending();
+    let file = builder.tempfile_in(folder)?;
+    pending.push(file.path().to_owned());
+    Ok(file)
 }

@@ -1,11 +1,13 @@
 //! `isoslice preview`: from G-code, or a model, to a page that shows it.
 
 use super::args::{FORMULA, ModelArgs, SettingsSource};
+use super::limits::{LimitArgs, watched};
 use super::output::Output;
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::{Args, FromArgMatches};
 use isoslice::layers::LayerRange;
+use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
 use isoslice::preview::{Toolpath, write_html};
 use isoslice::reader::{ReadError, Reader};
@@ -50,6 +52,9 @@ pub(super) struct PreviewArgs {
     /// Show the page in the browser, too
     #[arg(long, help_heading = "Output")]
     open: bool,
+
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
 /// What is shown; all but the file's name is for models.
@@ -89,6 +94,11 @@ enum Kind {
 }
 
 pub(super) fn run(args: &PreviewArgs) -> anyhow::Result<()> {
+    let watch = args.limits.watch();
+    watched(&watch, || show(args, &watch))
+}
+
+fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     let started = Instant::now();
     let kind = args.source.kind()?;
     let (path, name) = args.names();
@@ -100,7 +110,7 @@ pub(super) fn run(args: &PreviewArgs) -> anyhow::Result<()> {
     let mut output = Output::create(&path, &inputs)?;
     let file_name = args.source.file_name();
     let toolpath = match kind {
-        Kind::Model => read(args.slice()?, &file_name)?,
+        Kind::Model => read(args.slice(watch)?, &file_name)?,
         Kind::Stdin => read(io::stdin().lock(), "standard input")?,
         Kind::Gcode(path) => {
             let cannot = || format!("cannot read {}", path.display());
@@ -159,16 +169,17 @@ impl PreviewArgs {
     }
 
     /// Slices the model into a file that nobody sees.
-    fn slice(&self) -> anyhow::Result<File> {
+    fn slice(&self, watch: &Watch) -> anyhow::Result<File> {
         let sliced = &self.source;
         let settings = sliced.settings.gather()?.settings;
         let model = sliced.model.load(&settings)?;
-        let bar = terminal::layer_progress(terminal::is_quiet());
+        let bar = terminal::layer_progress(terminal::is_quiet(), watch);
         let options = Options {
             threads: sliced.threads.map(usize::from),
             layers: sliced.layers.unwrap_or(LayerRange::ALL),
             svg_dir: None,
             report: false,
+            backend: None,
             on_layer: &|done, total| {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);

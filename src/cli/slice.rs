@@ -1,12 +1,14 @@
 //! `isoslice slice`: from a model to a G-code file, and a summary.
 
 use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource, is_stream};
+use super::limits::{LimitArgs, watched};
 use super::output::{Output, same_file};
 use super::summary::{Sums, describe};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::layers::LayerRange;
+use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
 use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
@@ -78,9 +80,17 @@ pub(super) struct SliceArgs {
     /// Print the summary as JSON
     #[arg(long, help_heading = "Output")]
     json: bool,
+
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
 pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
+    let watch = args.limits.watch();
+    watched(&watch, || run_watched(args, &watch))
+}
+
+fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let started = Instant::now();
     let gathered = args.settings.gather()?;
     let settings = &gathered.settings;
@@ -95,12 +105,13 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
         })?;
     }
 
-    let bar = terminal::layer_progress(terminal::is_quiet());
+    let bar = terminal::layer_progress(terminal::is_quiet(), watch);
     let options = Options {
         threads: args.threads.map(usize::from),
         layers: args.layers.unwrap_or(LayerRange::ALL),
         svg_dir: args.svg.as_deref(),
         report: report.is_some(),
+        backend: None,
         on_layer: &|done, total| {
             bar.set_length(total as u64);
             bar.set_position(done as u64);

@@ -10,9 +10,14 @@
 
 use clap::builder::styling::{AnsiColor, Effects, Style};
 use clap::{ArgAction, Args};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{
+    ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressState,
+    ProgressStyle,
+};
+use isoslice::limits::Watch;
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::atomic::{AtomicI8, Ordering};
+use std::time::Duration;
 
 const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
@@ -113,8 +118,11 @@ fn colours() -> bool {
     stderr().is_terminal() && !refused
 }
 
-/// A bar that counts layers, drawn only on a terminal.
-pub(super) fn layer_progress(quiet: bool) -> ProgressBar {
+/// A bar that counts layers and says what is being done, drawn only on a
+/// terminal.
+pub(super) fn layer_progress(quiet: bool, watch: &Watch) -> ProgressBar {
+    /// Time between looks: often enough to see it move.
+    const EVERY: Duration = Duration::from_millis(200);
     if quiet || !stderr().is_terminal() {
         return ProgressBar::hidden();
     }
@@ -122,9 +130,16 @@ pub(super) fn layer_progress(quiet: bool) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(None, target);
     // A template that does not parse leaves the plain bar.
     if let Ok(style) = ProgressStyle::with_template(
-        "slicing {bar:30} layer {pos} of {len}, {eta} left",
+        "slicing {bar:30} layer {pos} of {len}, {eta} left, {doing}",
     ) {
-        bar.set_style(style);
+        let watch = watch.clone();
+        let doing = move |_: &ProgressState, to: &mut dyn std::fmt::Write| {
+            let _ = to.write_str(watch.activity().now.unwrap_or(""));
+        };
+        bar.set_style(style.with_key("doing", doing));
     }
+    // Also when the work is stopped half-way.
+    let bar = bar.with_finish(ProgressFinish::AndClear);
+    bar.enable_steady_tick(EVERY);
     bar
 }

@@ -181,6 +181,7 @@ impl Search<'_> {
             .collect();
         let mut size = self.lattice.spacing;
         while !parts.is_empty() {
+            crate::limits::check();
             let mut other = self.other_sign(&parts)?;
             other.sort_unstable();
             other.dedup();

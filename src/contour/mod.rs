@@ -118,6 +118,7 @@ fn close(
         let mut missing: Vec<Leaf> = Vec::new();
         let mut cells: Vec<(Leaf, [usize; 2])> = Vec::new();
         for (layer, chains) in layers.iter_mut().enumerate() {
+            crate::limits::check();
             let lack = chains.missing(layer, field.lattice());
             missing.extend(lack.leaves);
             for at in lack.cells {
@@ -152,6 +153,7 @@ fn close(
         .into_iter()
         .zip(nan)
         .map(|(chains, nan_samples)| {
+            crate::limits::check();
             let (mut rings, forced_rings) = chains.into_rings();
             let left_out = small::leave_out(&mut rings, detail);
             let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;

@@ -24,6 +24,7 @@ pub(super) fn thin(rings: &[Joined], tolerance: Mm) -> Vec<Ring> {
         .collect();
     loop {
         let mut worse = false;
+        crate::limits::check();
         for n in crossing(&out) {
             if steps[n] < STEPS {
                 steps[n] += 1;

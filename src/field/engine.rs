@@ -232,6 +232,7 @@ impl<F: Evaluable> Walk<'_, F> {
         at: [usize; 3],
         visit: &mut Visit<'_>,
     ) -> Result<(), FieldError> {
+        crate::limits::check();
         let [i, j, k] = at;
         let proof = self.ws.prove(parent, self.axes, Level::Block, at, true)?;
         let mut own = match proof {

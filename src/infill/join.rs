@@ -81,6 +81,7 @@ fn walk(
     let mut pieces: Vec<Option<Piece>> = pieces.into_iter().map(Some).collect();
     let mut joined = Vec::new();
     for start in 0..links.len() {
+        crate::limits::check();
         if links[start].is_some() {
             continue;
         }

@@ -91,6 +91,7 @@ pub(super) fn trace(
     let wrap = usize::from(lattice.periodic);
     let inside = |k: usize| values[k] < 0.0;
     for j in 0..(ny + wrap).saturating_sub(1) {
+        crate::limits::check();
         let (low, high) = (j * nx, (j + 1) % ny * nx);
         for i in 0..(nx + wrap).saturating_sub(1) {
             let right = (i + 1) % nx;

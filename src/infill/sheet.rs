@@ -241,6 +241,7 @@ impl<S: Surface> Sheet<S> {
             let strand = Strand::new(curve.winding);
             let mut copies: Vec<(i64, i64, DVec2)> = Vec::new();
             for j in low.y as i64..=high.y as i64 {
+                crate::limits::check();
                 for i in low.x as i64..=high.x as i64 {
                     let by = DVec2::new(i as f64, j as f64) * cell;
                     let by = frame.along(by);
@@ -258,6 +259,7 @@ impl<S: Surface> Sheet<S> {
             let mut last = None;
             let mut points: Vec<DVec2> = Vec::with_capacity(line.len());
             for (strand, number, by) in copies {
+                crate::limits::check();
                 let goes_on = last == Some((strand, number - 1))
                     && curve.winding != [0, 0];
                 let skip = usize::from(goes_on);
@@ -298,6 +300,7 @@ impl<S: Surface> Sheet<S> {
         let shift = DVec2::X * layer.phase * finest / most;
         let mut pieces = Vec::new();
         for island in layer.border.area().islands() {
+            crate::limits::check();
             let bounds = frame.bounds(island.bounds());
             let extent = bounds.max - bounds.min;
             let step = (FINE * layer.solid / most)

@@ -162,6 +162,13 @@ pub fn find_bounds(
     tree: &Tree,
     options: &SearchOptions,
 ) -> Result<FoundBounds, BoundsError> {
+    crate::limits::doing("bounds", || search(tree, options))
+}
+
+fn search(
+    tree: &Tree,
+    options: &SearchOptions,
+) -> Result<FoundBounds, BoundsError> {
     let (context, root) = expand(tree)?;
     let program =
         Program::new(&context, root).map_err(|_| ExpandError::FreeVariable)?;
@@ -389,6 +396,7 @@ impl<'a> Search<'a> {
         /// region per round, a centred one half.
         const GRID: usize = 4;
         loop {
+            crate::limits::check();
             let all = program.enclose(&self.region, &mut self.scratch);
             if all.range.is_empty() || all.range.lo >= 0.0 {
                 return Err(self.empty());
@@ -420,6 +428,7 @@ impl<'a> Search<'a> {
                 std::array::from_fn(|a| std::array::from_fn(|i| edge(a, i)));
             let mut hull: Option<Cell> = None;
             for i in 0..GRID * GRID * GRID {
+                crate::limits::check();
                 let at = [i % GRID, i / GRID % GRID, i / GRID / GRID];
                 let cell = Cell {
                     lo: std::array::from_fn(|a| edges[a][at[a]]),
@@ -481,6 +490,7 @@ impl<'a> Search<'a> {
             program: program.clone(),
         });
         while let Some(mut c) = queue.pop() {
+            crate::limits::check();
             if let Some(inside) = &self.inside {
                 let known = side.reach(inside);
                 if self.options.within.is_none()

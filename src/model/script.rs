@@ -14,21 +14,24 @@
 //!
 //! Guarantees, for any script: no file, network, environment or clock; no
 //! `import` and no `eval`; operations, time, call depth, nesting and the sizes
-//! of strings, arrays and maps are bounded; on Linux also memory. The script
-//! runs on a thread of its own with a stack that its bounded depth cannot
-//! exhaust.
+//! of strings, arrays and maps are bounded; where the system tells it, memory
+//! as well. The script runs on a thread of its own with a stack that its
+//! bounded depth cannot exhaust.
 //!
-//! Not guaranteed: the time limit is only looked at between operations, so a
-//! single long one (a sort) may overrun it by its own length.
+//! Not guaranteed: a script that is within a single long operation when its
+//! time is up (or not even parsed) is not waited for, but its thread goes on
+//! until that is done; so does what the operation takes of memory.
 
 use super::param::{ParamError, Parameter, Table, Value};
 use super::power::{power, power_of};
+use crate::limits::{check, doing, resident_bytes};
 use fidget::context::Tree;
 use rhai::{
     Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext,
     Position,
 };
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -40,8 +43,8 @@ pub struct ScriptLimits {
     pub operations: u64,
     /// Wall time. Default: 20 s, some ten times what the operations take.
     pub time: Duration,
-    /// Growth of the process's memory while the script runs (Linux only).
-    /// Other threads of the process count as well. Default: 192 MiB.
+    /// Growth of the process's memory while the script runs, where the
+    /// system tells it. Other threads of the process count as well. Default: 192 MiB.
     pub memory_bytes: u64,
 }
 
@@ -147,16 +150,78 @@ pub(super) fn run_script(
     let bug = |message: &str| ScriptError::Bug {
         message: message.to_owned(),
     };
-    std::thread::scope(|scope| {
-        std::thread::Builder::new()
-            .name("script".to_owned())
-            .stack_size(STACK_BYTES)
-            .spawn_scoped(scope, || run_here(text, defines, limits))
-            .map_err(|e| bug(&format!("no thread: {e}")))?
-            .join()
-            .unwrap_or_else(|_| Err(bug("it panicked")))
+    let stop = Arc::new(AtomicU8::new(GO_ON));
+    let (sender, receiver) = channel();
+    let work = {
+        let (text, defines) = (text.to_owned(), defines.to_vec());
+        let (limits, stop) = (*limits, stop.clone());
+        move || {
+            let result = run_here(&text, &defines, &limits, &stop);
+            // Nobody listens any more if it took too long.
+            let _ = sender.send(result);
+        }
+    };
+    // Before the thread, whose stack is part of what it takes.
+    let before = resident_bytes();
+    std::thread::Builder::new()
+        .name("script".to_owned())
+        .stack_size(STACK_BYTES)
+        .spawn(work)
+        .map_err(|e| bug(&format!("no thread: {e}")))?;
+    /// Stops the script also if this thread is stopped.
+    struct Leave<'a>(&'a AtomicU8);
+    impl Drop for Leave<'_> {
+        fn drop(&mut self) {
+            self.0.store(Stop::Time.number(), Ordering::Relaxed);
+        }
+    }
+    let _leave = Leave(&stop);
+    let start = Instant::now();
+    let mut stopped: Option<(Stop, Instant)> = None;
+    doing("script", || {
+        loop {
+            match receiver.recv_timeout(EVERY) {
+                Ok(result) => return result,
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(bug("it panicked"));
+                }
+                Err(RecvTimeoutError::Timeout) => check(),
+            }
+            if let Some((why, since)) = stopped {
+                if since.elapsed() > GRACE {
+                    return Err(ScriptError::Limit {
+                        line: None,
+                        what: why.describe(limits),
+                    });
+                }
+                continue;
+            }
+            let grown =
+                |before| resident_bytes().map(|now| now.saturating_sub(before));
+            let why = if start.elapsed() > limits.time {
+                Stop::Time
+            } else if before
+                .and_then(grown)
+                .is_some_and(|grown| grown > limits.memory_bytes)
+            {
+                Stop::Memory
+            } else {
+                continue;
+            };
+            stop.store(why.number(), Ordering::Relaxed);
+            stopped = Some((why, Instant::now()));
+        }
     })
 }
+
+/// Time between looks at the clock and the memory: some MB at the rate at
+/// which a script can fill them.
+const EVERY: Duration = Duration::from_millis(2);
+
+/// Time that a script has to notice that it was stopped. One that is within a
+/// single long operation then, or still being parsed, is left to itself: its
+/// thread ends when that is done.
+const GRACE: Duration = Duration::from_secs(1);
 
 /// What a script hands out while it runs.
 #[derive(Default)]
@@ -166,7 +231,7 @@ struct Shared {
     error: Option<ParamError>,
 }
 
-/// Why `on_progress` stopped a script.
+/// Why a script was stopped.
 #[derive(Clone, Copy)]
 enum Stop {
     Operations,
@@ -174,17 +239,60 @@ enum Stop {
     Memory,
 }
 
+/// What the flag holds while there is no reason to stop.
+const GO_ON: u8 = 0;
+
+impl Stop {
+    /// As the flag holds it.
+    fn number(self) -> u8 {
+        match self {
+            Stop::Operations => 1,
+            Stop::Time => 2,
+            Stop::Memory => 3,
+        }
+    }
+
+    fn from_number(number: u8) -> Option<Stop> {
+        let all = [Stop::Operations, Stop::Time, Stop::Memory];
+        all.into_iter().find(|stop| stop.number() == number)
+    }
+
+    /// What happened, and the remedy.
+    fn describe(self, limits: &ScriptLimits) -> String {
+        match self {
+            Stop::Time => format!(
+                "ran longer than {} s and was stopped; build fewer parts in \
+                 loops",
+                limits.time.as_secs_f64()
+            ),
+            Stop::Memory => format!(
+                "took more than {} MB of memory and was stopped; build fewer \
+                 parts in loops",
+                limits.memory_bytes >> 20
+            ),
+            Stop::Operations => format!(
+                "took more than {} steps and was stopped; is there a loop \
+                 that never ends? Repeat parts with `%` (modulo) of a \
+                 coordinate instead of loops",
+                limits.operations
+            ),
+        }
+    }
+}
+
 fn run_here(
     text: &str,
     defines: &[(String, String)],
     limits: &ScriptLimits,
+    stop: &Arc<AtomicU8>,
 ) -> Result<Script, ScriptError> {
     let shared = Arc::new(Mutex::new(Shared {
         parameters: Table::new(defines),
         ..Shared::default()
     }));
     let mut engine = fidget::rhai::engine();
-    add_limits(&mut engine, limits);
+    add_limits(&mut engine, limits.operations, stop.clone());
+    add_replace(&mut engine);
     add_powers(&mut engine);
     add_draw(&mut engine, &shared);
     add_param(&mut engine, &shared);
@@ -259,7 +367,7 @@ fn describe(value: &Dynamic) -> String {
     }
 }
 
-fn add_limits(engine: &mut Engine, limits: &ScriptLimits) {
+fn add_limits(engine: &mut Engine, most: u64, stop: Arc<AtomicU8>) {
     engine
         .set_max_array_size(MAX_ARRAY)
         .set_max_map_size(MAX_MAP)
@@ -275,36 +383,12 @@ fn add_limits(engine: &mut Engine, limits: &ScriptLimits) {
         .on_print(|_| {})
         .on_debug(|_, _, _| {});
 
-    let limits = *limits;
-    let start = Instant::now();
-    let before = resident_bytes();
-    let last_look_ms = AtomicU64::new(0);
     engine.on_progress(move |operations| {
-        /// Operations between looks at the clock. One operation can make a
-        /// union of `MAX_ARRAY` shapes, some 10 MB.
-        const EVERY: u64 = 4;
-        /// Time between looks at the memory, which cost some microseconds.
-        const MEMORY_EVERY_MS: u64 = 2;
-        if operations > limits.operations {
-            return Some(Dynamic::from(Stop::Operations));
-        }
-        if !operations.is_multiple_of(EVERY) {
-            return None;
-        }
-        let elapsed = start.elapsed();
-        if elapsed > limits.time {
-            return Some(Dynamic::from(Stop::Time));
-        }
-        let now_ms = elapsed.as_millis() as u64;
-        if now_ms >= last_look_ms.load(Ordering::Relaxed) + MEMORY_EVERY_MS {
-            last_look_ms.store(now_ms, Ordering::Relaxed);
-            if let (Some(now), Some(before)) = (resident_bytes(), before)
-                && now.saturating_sub(before) > limits.memory_bytes
-            {
-                return Some(Dynamic::from(Stop::Memory));
-            }
-        }
-        None
+        let why = match operations > most {
+            true => Some(Stop::Operations),
+            false => Stop::from_number(stop.load(Ordering::Relaxed)),
+        };
+        why.map(Dynamic::from)
     });
 
     // rhai calls these from its standard library; ours come first.
@@ -317,18 +401,40 @@ fn add_limits(engine: &mut Engine, limits: &ScriptLimits) {
         .register_fn("sleep", |_: f64| -> Outcome<()> { Err(NO_CLOCK.into()) });
 }
 
-/// Memory of this process that is in use, where the system tells.
-fn resident_bytes() -> Option<u64> {
-    #[cfg(target_os = "linux")]
-    {
-        /// Of every Linux machine that a slicer runs on, or smaller than it.
-        const PAGE_BYTES: u64 = 4096;
-        let text = std::fs::read_to_string("/proc/self/statm").ok()?;
-        let pages: u64 = text.split_whitespace().nth(1)?.parse().ok()?;
-        Some(pages * PAGE_BYTES)
+/// rhai's own looks at the length only afterwards, and a text of a million
+/// letters with each replaced by a million more does not fit any machine.
+fn add_replace(engine: &mut Engine) {
+    fn replaced(
+        text: &mut ImmutableString,
+        find: &str,
+        by: &str,
+    ) -> Outcome<()> {
+        let count = text.matches(find).count();
+        let most = text.len().saturating_add(count.saturating_mul(by.len()));
+        if most > 2 * MAX_STRING {
+            return Err(EvalAltResult::ErrorDataTooLarge(
+                "Length of string".to_owned(),
+                Position::NONE,
+            )
+            .into());
+        }
+        *text = text.replace(find, by).into();
+        Ok(())
     }
-    #[cfg(not(target_os = "linux"))]
-    None
+    type Text = ImmutableString;
+    engine
+        .register_fn("replace", |text: &mut Text, find: Text, by: Text| {
+            replaced(text, &find, &by)
+        })
+        .register_fn("replace", |text: &mut Text, find: Text, by: char| {
+            replaced(text, &find, &by.to_string())
+        })
+        .register_fn("replace", |text: &mut Text, find: char, by: Text| {
+            replaced(text, &find.to_string(), &by)
+        })
+        .register_fn("replace", |text: &mut Text, find: char, by: char| {
+            replaced(text, &find.to_string(), &by.to_string())
+        });
 }
 
 type Outcome<T> = Result<T, Box<EvalAltResult>>;
@@ -468,24 +574,8 @@ fn explain(
     let limit = |what: String| ScriptError::Limit { line, what };
     match innermost {
         EvalAltResult::ErrorTerminated(token, _) => {
-            limit(match token.clone().try_cast::<Stop>() {
-                Some(Stop::Time) => format!(
-                    "ran longer than {} s and was stopped; build fewer parts \
-                     in loops",
-                    limits.time.as_secs_f64()
-                ),
-                Some(Stop::Memory) => format!(
-                    "took more than {} MB of memory and was stopped; build \
-                     fewer parts in loops",
-                    limits.memory_bytes >> 20
-                ),
-                _ => format!(
-                    "took more than {} steps and was stopped; is there a \
-                     loop that never ends? Repeat parts with `%` (modulo) \
-                     of a coordinate instead of loops",
-                    limits.operations
-                ),
-            })
+            let why = token.clone().try_cast::<Stop>();
+            limit(why.unwrap_or(Stop::Operations).describe(limits))
         }
         EvalAltResult::ErrorDataTooLarge(what, _) => limit(format!(
             "made something too large ({what}); at most {MAX_ARRAY} array \
@@ -506,7 +596,7 @@ fn explain(
         EvalAltResult::ErrorRuntime(value, _) => ScriptError::Failed {
             line,
             column: position.position(),
-            message: value.to_string(),
+            message: shortened(value.to_string()),
         },
         other => {
             let mut plain = rhai_message(other);
@@ -521,10 +611,20 @@ fn explain(
             ScriptError::Failed {
                 line,
                 column: position.position(),
-                message: plain,
+                message: shortened(plain),
             }
         }
     }
+}
+
+/// No longer than people read: it may quote a text of a million letters.
+fn shortened(mut message: String) -> String {
+    const LONGEST: usize = 400;
+    if let Some((end, _)) = message.char_indices().nth(LONGEST) {
+        message.truncate(end);
+        message.push('…');
+    }
+    message
 }
 
 /// The error inside of function-call wrappers.

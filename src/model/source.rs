@@ -16,6 +16,10 @@ use std::path::{Path, PathBuf};
 /// Largest file that is read. A .vm file of 10⁶ lines has about 20 MB.
 const MAX_BYTES: u64 = 64 << 20;
 
+/// Largest script or formula: the parsed form of a script of 4 MB has several
+/// hundred.
+const MAX_SCRIPT_BYTES: u64 = 2 << 20;
+
 /// The ways to write a model down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceKind {
@@ -77,7 +81,8 @@ pub fn load_within(
                 .file_stem()
                 .map(|s| s.to_string_lossy().into_owned())
                 .unwrap_or_default();
-            (path.display().to_string(), name, kind, read(path)?)
+            let bytes = read(path, most_bytes(kind))?;
+            (path.display().to_string(), name, kind, bytes)
         }
         Source::Text { name, kind, text } => {
             (name.clone(), name.clone(), *kind, text.clone().into_bytes())
@@ -145,7 +150,15 @@ fn kind_of(path: &Path) -> Result<SourceKind, LoadError> {
     }
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
+/// Largest file of a kind.
+fn most_bytes(kind: SourceKind) -> u64 {
+    match kind {
+        SourceKind::Vm => MAX_BYTES,
+        SourceKind::Script | SourceKind::Formula => MAX_SCRIPT_BYTES,
+    }
+}
+
+fn read(path: &Path, most: u64) -> Result<Vec<u8>, LoadError> {
     let failed = |source| LoadError::Read {
         file: path.display().to_string(),
         source,
@@ -153,13 +166,13 @@ fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
     let file = std::fs::File::open(path).map_err(failed)?;
     let mut bytes = Vec::new();
     // Not by the size in the directory: pipes and devices have none.
-    file.take(MAX_BYTES + 1)
+    file.take(most + 1)
         .read_to_end(&mut bytes)
         .map_err(failed)?;
-    if bytes.len() as u64 > MAX_BYTES {
+    if bytes.len() as u64 > most {
         return Err(LoadError::TooLarge {
             file: path.display().to_string(),
-            limit_mb: MAX_BYTES >> 20,
+            limit_mb: most >> 20,
         });
     }
     Ok(bytes)

@@ -32,6 +32,7 @@ pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
         }
     }
     while let Some(end) = free.pop(*at) {
+        crate::limits::check();
         let Some(mut bead) = lines[end / 2].take() else {
             continue;
         };

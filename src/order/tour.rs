@@ -115,6 +115,7 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
         if of_stage.clone().count() <= FEW {
             let mut left: Vec<usize> = of_stage.map(|s| s.0).collect();
             while let Some((k, visit)) = nearest_of(stops, &left, at) {
+                crate::limits::check();
                 at = Some(match visit.turned {
                     true => stops[visit.stop].from,
                     false => stops[visit.stop].to,
@@ -129,6 +130,7 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
             std::iter::once((s.from, 2 * i)).chain(back)
         }));
         while let Some(end) = left.pop(at) {
+            crate::limits::check();
             let (stop, turned) = (end / 2, end % 2 == 1);
             if std::mem::replace(&mut done[stop], true) {
                 continue;
@@ -262,6 +264,7 @@ impl<'a> Search<'a> {
     fn run(&mut self) {
         let mut near = Vec::with_capacity(PARTNERS);
         while let Some(stop) = self.queue.pop() {
+            crate::limits::check();
             self.queued[stop] = false;
             // The way to it and the way from it, as long as one of them can
             // be shortened.

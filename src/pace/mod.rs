@@ -196,6 +196,7 @@ impl<'a> Pacer<'a> {
         self.fan = fan;
         let mut out = Vec::with_capacity(moves.len() + 8);
         for step in moves {
+            crate::limits::check();
             match step {
                 Move::Travel(travel) => {
                     self.travel(&span, travel, &mut out);

@@ -179,6 +179,7 @@ impl<'a> Rater<'a> {
         }
         let mut out = Vec::new();
         for piece in bead.pieces() {
+            crate::limits::check();
             let steps = steps(&piece);
             let places = self.places(&steps, span, solid)?;
             let mut values: [Vec<f64>; 4] = Default::default();

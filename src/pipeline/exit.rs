@@ -10,6 +10,7 @@ use super::{BLOCK, Options, SliceError};
 use crate::bead::{Bead, Role};
 use crate::gcode::{Totals, Writer};
 use crate::layers::LayerSpan;
+use crate::limits;
 use crate::order::{Head, LayerBeads, order};
 use crate::pace::Pacer;
 use crate::plane::Rect;
@@ -185,6 +186,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         self.next += 1;
         if written {
             let done = self.next - self.layers.start;
+            limits::layers_done(done, self.layers.len());
             (self.options.on_layer)(done, self.layers.len());
         }
         Ok(())

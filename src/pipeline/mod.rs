@@ -29,10 +29,11 @@ mod exit;
 mod stages;
 mod tally;
 
-use crate::field::{FieldError, SLAB};
+use crate::field::{Backend, FieldError, SLAB};
 use crate::gcode::{Header, Thumbnail, WriteError, Writer};
 use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
+use crate::limits;
 use crate::model::Model;
 use crate::pace::Pacer;
 use crate::pace::rates::Rater;
@@ -62,6 +63,9 @@ pub struct Options<'a> {
     pub svg_dir: Option<&'a Path>,
     /// Measure everything, for a report, and not only a few points.
     pub report: bool,
+    /// How the model is evaluated; the faster way is found by trial if not
+    /// given. The result is the same.
+    pub backend: Option<Backend>,
     /// Told about progress: layers written, layers in all.
     pub on_layer: &'a (dyn Fn(usize, usize) + Sync),
 }
@@ -159,12 +163,14 @@ pub fn slice(
     let spans =
         plan(high.z, settings.first_layer_height, settings.layer_height)?;
     let layers = options.layers.indices(spans.len())?;
+    let watch = limits::current();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads.unwrap_or(0))
+        .start_handler(move |_| limits::work_under(watch.as_ref()))
         .build()?;
     let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
     let around = Surroundings::new(model);
-    let stages = Stages::new(model, settings, &around, gauge)?;
+    let stages = Stages::new(model, settings, &around, gauge, options.backend)?;
     let rater = Rater::new(settings, model, &around)?;
     let header = Header {
         model_name: model.name.clone(),

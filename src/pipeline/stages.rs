@@ -8,7 +8,7 @@ use super::exit::Exit;
 use super::{BLOCK, SliceError};
 use crate::adhesion::{brim, skirt};
 use crate::contour::{Detail, Outline, outlines};
-use crate::field::{Field, FieldError};
+use crate::field::{Backend, Field, FieldError};
 use crate::fuzzy::Fuzzy;
 use crate::infill::{self, Infill};
 use crate::layers::LayerSpan;
@@ -130,6 +130,7 @@ impl<'a> Stages<'a> {
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
+        backend: Option<Backend>,
     ) -> Result<Self, SliceError> {
         let rect = Rect {
             min: model.bounds.min.truncate(),
@@ -146,7 +147,7 @@ impl<'a> Stages<'a> {
                 backend,
             )
         };
-        let field = make(0.0, None)?;
+        let field = make(0.0, backend)?;
         let wall_fields = match settings.wall_offset {
             WallOffset::Distance => Vec::new(),
             WallOffset::Field => {

@@ -237,6 +237,7 @@ impl<'b, 'a> Cutter<'b, 'a> {
         let mut hits = std::mem::take(&mut self.hits);
         self.border.hits(from, p, &mut hits);
         for hit in &hits {
+            crate::limits::check();
             if hit.enters == self.inside {
                 continue;
             }

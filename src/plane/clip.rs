@@ -178,12 +178,14 @@ pub(super) fn positive(area: &Area) -> Area {
 }
 
 fn sweep(area: &Area, rule: FillRule) -> Area {
+    crate::limits::check();
     let mut overlay = Overlay::new(edge_count(area));
     add(&mut overlay, area, ShapeType::Subject);
     from_shapes(overlay.overlay(OverlayRule::Subject, rule))
 }
 
 fn run(rule: OverlayRule, a: &Area, b: &Area) -> Area {
+    crate::limits::check();
     let mut overlay = Overlay::new(edge_count(a) + edge_count(b));
     add(&mut overlay, a, ShapeType::Subject);
     add(&mut overlay, b, ShapeType::Clip);

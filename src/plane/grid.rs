@@ -77,6 +77,7 @@ impl EdgeGrid {
         chains: Vec<(u32, u32)>,
         reach: Mm,
     ) -> EdgeGrid {
+        crate::limits::check();
         let count = points.len() - chains.len();
         let bounds = Rect::around(&points);
         let (origin, size) = match count {

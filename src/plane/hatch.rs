@@ -53,6 +53,7 @@ pub fn hatch_border(
     shortest: Mm,
 ) -> Vec<(i64, Piece)> {
     let hits = hits(border.area(), lines);
+    crate::limits::check();
     let pieces = pairs(&hits, shortest).map(|(from, to)| {
         let segment = lines.segment(from, to);
         let piece = Piece {

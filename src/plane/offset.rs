@@ -157,6 +157,7 @@ fn moved(
     tolerance: Mm,
     origins: &mut Vec<Option<u32>>,
 ) -> Ring {
+    crate::limits::check();
     let sides = Sides::new(ring, by);
     let n = sides.all.len();
     let mut out = Ring::with_capacity(n + n / 4);

@@ -29,6 +29,7 @@ struct Piece {
 /// The ring with as few points as the tolerance (mm) permits; empty if less
 /// than a triangle would be left.
 pub fn simplify(ring: &[DVec2], tolerance: Mm) -> Ring {
+    crate::limits::check();
     let mut points: Ring = ring.to_vec();
     points.dedup();
     while points.len() > 1 && points.first() == points.last() {

@@ -153,6 +153,7 @@ impl<'a> Border<'a> {
             (b - a).try_normalize()
         });
         for (number, (a, b)) in (first_edge..).zip(edges(ring)) {
+            crate::limits::check();
             let along = b - a;
             let length = along.length();
             if length == 0.0 {

@@ -128,6 +128,7 @@ pub(super) fn exposed(
     let rings: Vec<Vec<Vec<u32>>> =
         covers.iter().map(|c| near.rings(c.area, islands)).collect();
     for i in left {
+        crate::limits::check();
         let mut bounds = islands[i].bounds();
         bounds.min -= 1.0;
         bounds.max += 1.0;

@@ -146,6 +146,7 @@ pub(super) fn cut(
     };
     let mut lines = Vec::new();
     for ring in &rings.rings {
+        crate::limits::check();
         // Points, and whether the line goes on from there.
         let mut all: Vec<(DVec2, bool)> = Vec::with_capacity(ring.len());
         let mut changes = false;

@@ -74,6 +74,7 @@ impl Ridge {
     /// The line with as few points as the tolerance permits (Douglas and
     /// Peucker 1973), half the thickness counting as a third coordinate.
     pub(super) fn thinned(&self, tolerance: Mm) -> Ridge {
+        crate::limits::check();
         let at = |i: usize| self.points[i].extend(0.5 * self.thickness[i]);
         let Some(last) = self.points.len().checked_sub(1) else {
             return self.clone();

@@ -74,6 +74,7 @@ pub(super) fn bridges(
     let reach = settings.bridge_anchor.max(0.5 * width);
     let (mut found, mut grown) = (Vec::new(), Vec::new());
     for gap in gaps.islands() {
+        crate::limits::check();
         let Some(angle) = direction(&gap, &grid, width) else {
             continue;
         };

@@ -41,6 +41,7 @@ pub(super) struct Filler<'a> {
 impl Filler<'_> {
     /// The beads of an island; nothing if it is too small for any.
     pub fn patch(&self, island: &Area, sides: Sides<'_>) -> Option<Patch> {
+        crate::limits::check();
         let settings = self.settings;
         let width = settings.skin_width;
         let plan = Lay::inside(width, self.height, settings);

@@ -78,6 +78,7 @@ pub(super) fn strokes(
     let cap = ROUND * width;
     let mut strokes = Vec::new();
     for row in first..=last {
+        crate::limits::check();
         let at = |offset: i64| rows[index(row * FINE + offset)].as_slice();
         if at(0).is_empty() {
             continue;

@@ -100,6 +100,7 @@ pub fn connect(
     let mut before: Option<&Bead> = None;
     let wipe = |i: usize| wipes.get(i).copied().flatten();
     for (next, bead) in beads.iter().enumerate() {
+        crate::limits::check();
         let Some((start, end)) = ends(bead) else {
             travels.push(None);
             continue;

@@ -123,6 +123,7 @@ impl DepthMap {
                 // Inner and outer end of each crossed edge.
                 let mut ends: Vec<(DVec3, DVec3)> = Vec::new();
                 for i in k * plane..(k + 1) * plane {
+                    crate::limits::check();
                     let node = self.node(i);
                     for axis in 0..3 {
                         if node[axis] + 1 >= self.size[axis]
@@ -186,6 +187,7 @@ impl DepthMap {
                 (0..n).map(move |i| if back(axis) { n - 1 - i } else { i })
             };
             for z in order(2) {
+                crate::limits::check();
                 for y in order(1) {
                     for x in order(0) {
                         let node = [x, y, z];

@@ -64,6 +64,7 @@ impl<'a> Support<'a> {
     pub fn cut(&self, beads: Vec<Bead>) -> Vec<Bead> {
         let mut out = Vec::with_capacity(beads.len());
         for bead in beads {
+            crate::limits::check();
             match bead.role {
                 Role::OuterWall | Role::InnerWall => {
                     self.cut_one(bead, &mut out);

@@ -80,6 +80,7 @@ pub fn slice_layers(
         layers: layers.parse::<LayerRange>().unwrap(),
         svg_dir: None,
         report: false,
+        backend: None,
         on_layer: &|_, _| {},
     };
     let mut bytes = Vec::new();

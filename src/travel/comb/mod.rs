@@ -99,6 +99,7 @@ impl<'a> Comb<'a> {
     /// nothing if they are not in one island, or if the way along the rings is
     /// so much longer than `longest` that pulling it tight cannot help.
     pub fn way(&self, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
+        crate::limits::check();
         let ends = [a, b];
         // Off the walls first, which the ends may be on.
         let (a, b) = (self.off(a), self.off(b));

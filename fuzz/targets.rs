@@ -1,0 +1,189 @@
+//! What is fuzzed: one function per kind of input that may come from a
+//! stranger. None of them may panic, whatever the bytes; what else must hold
+//! is asserted.
+//!
+//! The fuzzer's programs include this file, and so does
+//! `tests/fuzz_replay.rs`, which runs each function over its seeds.
+
+use glam::DVec3;
+use isoslice::gcode::{Header, Writer};
+use isoslice::layers::LayerRange;
+use isoslice::model::{
+    Bounds, BuildVolume, Placement, ScriptLimits, SearchOptions, Source,
+    SourceKind, find_bounds, load_within, parse_vm, place,
+};
+use isoslice::pipeline::{self, Options};
+use isoslice::settings::{Builder, Settings};
+use std::time::Duration;
+
+/// A target with its name: that of its folder of seeds.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// Every target.
+pub const TARGETS: [Target; 6] = [
+    ("vm", vm),
+    ("rhai", rhai),
+    ("formula", formula),
+    ("settings", settings),
+    ("template", template),
+    ("slice", slice),
+];
+
+/// Loads a model as far as its bounds, with little effort.
+fn model(kind: SourceKind, text: &str) {
+    let source = Source::Text {
+        name: "fuzz".into(),
+        kind,
+        text: text.into(),
+    };
+    let limits = ScriptLimits {
+        operations: 20_000,
+        time: Duration::from_secs(2),
+        memory_bytes: 192 << 20,
+    };
+    match load_within(&source, &[], &limits) {
+        Ok(loaded) => {
+            let options = SearchOptions {
+                max_work: 200_000,
+                ..SearchOptions::default()
+            };
+            if let Ok(found) = find_bounds(&loaded.tree, &options) {
+                assert!(found.bounds.min.is_finite());
+                assert!(found.bounds.max.is_finite());
+                assert!(found.bounds.size().min_element() >= 0.0);
+            }
+        }
+        Err(error) => {
+            let text = error.to_string();
+            assert!(!text.contains("bug"), "{text}");
+        }
+    }
+}
+
+/// fidget's text format, valid UTF-8 or not.
+pub fn vm(data: &[u8]) {
+    let lines = data.iter().filter(|b| **b == b'\n').count() + 1;
+    if let Err(error) = parse_vm(data) {
+        assert!((1..=lines).contains(&error.line), "{error}");
+    }
+    if let Ok(text) = std::str::from_utf8(data) {
+        model(SourceKind::Vm, text);
+    }
+}
+
+/// Scripts, up to the shape they describe.
+pub fn rhai(data: &[u8]) {
+    if let Ok(text) = std::str::from_utf8(data) {
+        model(SourceKind::Script, text);
+    }
+}
+
+/// Formulas, of models and of settings.
+pub fn formula(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else {
+        return;
+    };
+    model(SourceKind::Formula, text);
+    let mut builder = Builder::new();
+    // Refused or not: it must come back.
+    let _ = builder.set(&format!("flow=expr: {text}"));
+}
+
+/// TOML settings: what is accepted can be written and read back.
+pub fn settings(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else {
+        return;
+    };
+    let mut builder = Builder::new();
+    if builder.toml("fuzz", text).is_err() {
+        return;
+    }
+    let Ok((settings, _)) = builder.finish() else {
+        return;
+    };
+    let written = settings.to_toml();
+    let mut again = Builder::new();
+    if let Err(error) = again.toml("again", &written) {
+        panic!("{error}: {written}");
+    }
+    assert_eq!(again.settings().to_toml(), written);
+}
+
+/// Placeholders of the start and end templates.
+pub fn template(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else {
+        return;
+    };
+    let header = Header {
+        model_name: "fuzz".into(),
+        layer_count: 3,
+        layers: 0..3,
+        nozzle_temperature: 210.0,
+        part_min: DVec3::ZERO,
+        part_max: DVec3::splat(5.0),
+    };
+    let mut settings = Settings::default();
+    settings.gcode.start = text.into();
+    // Refused or not: it must come back.
+    let _ = Writer::new(&mut Vec::new(), &settings, &header).map(drop);
+}
+
+/// A formula in a small box, sliced: whatever the field is, G-code or an
+/// error.
+pub fn slice(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else {
+        return;
+    };
+    let source = Source::Text {
+        name: "fuzz".into(),
+        kind: SourceKind::Formula,
+        text: text.into(),
+    };
+    let Ok(loaded) = load_within(&source, &[], &ScriptLimits::default()) else {
+        return;
+    };
+    if loaded.expression_size > 200 {
+        return;
+    }
+    let mut builder = Builder::new();
+    for assignment in [
+        "sample_spacing=0.4",
+        "layer_height=0.4",
+        "first_layer_height=0.4",
+        "outer_wall_width=0.5",
+        "printer.nozzle_diameter=0.5",
+    ] {
+        if let Err(error) = builder.set(assignment) {
+            panic!("{error}");
+        }
+    }
+    let settings = builder.settings();
+    let placement = Placement {
+        bounds: Some(Bounds {
+            min: DVec3::splat(-3.0),
+            max: DVec3::splat(3.0),
+        }),
+        ..Placement::default()
+    };
+    let volume = BuildVolume {
+        x: settings.printer.bed_x,
+        y: settings.printer.bed_y,
+        z: settings.printer.height,
+    };
+    let Ok(model) = place(&loaded, &placement, volume) else {
+        return;
+    };
+    let options = Options {
+        threads: Some(1),
+        layers: LayerRange::ALL,
+        svg_dir: None,
+        report: false,
+        backend: None,
+        on_layer: &|_, _| {},
+    };
+    let mut gcode = Vec::new();
+    if pipeline::slice(&model, settings, &options, &mut gcode).is_ok() {
+        let text = String::from_utf8_lossy(&gcode);
+        assert!(!text.contains("NaN") && !text.contains("inf "), "{text}");
+    }
+}

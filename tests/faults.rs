@@ -1,0 +1,474 @@
+//! What goes wrong around a run: full disks, folders that cannot be written
+//! to, interruption, death. At the final name there is nothing, what was
+//! there before, or the whole output; inputs are never touched; the exit code
+//! is not 0; temporary files are gone.
+//!
+//! The real program is run and the fault really made. What a machine cannot
+//! do (mount, for one) is skipped with a message.
+
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+use std::fs;
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// Sliced in a moment.
+const SMALL: &str = "sqrt(x*x + y*y + z*z) - 3.0";
+/// Takes a minute, more than any test waits.
+const LARGE: &str = "sqrt(x*x + y*y + z*z) - 90.0";
+/// What was at the final name before.
+const OLD: &str = "; an older print\n";
+/// How long to wait for what should take a moment.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn program() -> PathBuf {
+    assert_cmd::cargo::cargo_bin!("isoslice").to_owned()
+}
+
+fn isoslice(folder: &Path) -> Command {
+    let mut command = Command::new(program());
+    command
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command
+}
+
+/// Names in a folder, hidden ones included.
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> = fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[track_caller]
+fn assert_fails(output: &Output, words: &str) {
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains(words), "{words:?} is not in: {text}");
+    assert!(!text.contains("panicked"), "{text}");
+}
+
+/// A file system of its own, unmounted when dropped.
+struct Mount(TempDir);
+
+impl Mount {
+    /// None if this user, or this machine, may not.
+    fn new(options: &str) -> Option<Mount> {
+        let folder = folder();
+        let mounted = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", options, "tmpfs"])
+            .arg(folder.path())
+            .stderr(Stdio::null())
+            .status();
+        mounted
+            .is_ok_and(|status| status.success())
+            .then(|| Mount(folder))
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+impl Drop for Mount {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(self.path()).status();
+    }
+}
+
+#[test]
+fn a_full_disk_leaves_the_old_output() {
+    let Some(disk) = Mount::new("size=64k") else {
+        eprintln!("skipped: no right to mount a small disk");
+        return;
+    };
+    let models = folder();
+    fs::write(models.path().join("ball.rhai"), LARGE).unwrap();
+    fs::write(disk.path().join("part.gcode"), OLD).unwrap();
+    let output = isoslice(models.path())
+        .args(["slice", "ball.rhai", "--set", "layer_height=0.4", "-o"])
+        .arg(disk.path().join("part.gcode"))
+        .output()
+        .unwrap();
+    assert_fails(&output, "No space left");
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        text.contains("part.gcode") || text.contains("cannot"),
+        "{text}"
+    );
+    assert_eq!(names(disk.path()), ["part.gcode"]);
+    let old = fs::read_to_string(disk.path().join("part.gcode")).unwrap();
+    assert_eq!(old, OLD);
+}
+
+/// Where nothing can be mounted a limit on the size of files has to do.
+#[test]
+fn a_file_that_may_not_grow_is_not_there() {
+    let models = folder();
+    fs::write(models.path().join("ball.rhai"), LARGE).unwrap();
+    let line = format!(
+        "trap '' XFSZ; ulimit -f 16; exec '{}' slice ball.rhai \
+         --set layer_height=0.4",
+        program().display()
+    );
+    let output = Command::new("sh")
+        .args(["-c", &line])
+        .current_dir(models.path())
+        .output()
+        .unwrap();
+    assert_fails(&output, "File too large");
+    assert_eq!(names(models.path()), ["ball.rhai"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_device_that_is_full_is_an_error() {
+    let models = folder();
+    fs::write(models.path().join("ball.rhai"), SMALL).unwrap();
+    for arguments in [
+        &["slice", "ball.rhai", "-o", "/dev/full"][..],
+        &["slice", "ball.rhai", "--report", "/dev/full"],
+    ] {
+        let output = isoslice(models.path()).args(arguments).output().unwrap();
+        assert_fails(&output, "No space left");
+    }
+    // The report was not complete, so neither file was put in its place.
+    assert_eq!(names(models.path()), ["ball.rhai"]);
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = isoslice(models.path())
+        .args(["settings"])
+        .stdout(full)
+        .output()
+        .unwrap();
+    assert_fails(&output, "No space left");
+}
+
+#[test]
+fn a_read_only_folder_is_an_error() {
+    let models = folder();
+    fs::write(models.path().join("ball.rhai"), SMALL).unwrap();
+    let plain = folder();
+    let closed = fs::Permissions::from_mode(0o555);
+    fs::set_permissions(plain.path(), closed).unwrap();
+    // The superuser writes where others may not.
+    let powerful = fs::write(plain.path().join("probe"), "").is_ok();
+    let mount = match powerful {
+        true => Mount::new("ro"),
+        false => None,
+    };
+    let target = match (powerful, &mount) {
+        (false, _) => plain.path(),
+        (true, Some(mount)) => mount.path(),
+        (true, None) => {
+            eprintln!("skipped: a superuser that may not mount");
+            return;
+        }
+    };
+    for option in ["-o", "--report"] {
+        let output = isoslice(models.path())
+            .args(["slice", "ball.rhai", option])
+            .arg(target.join("part"))
+            .output()
+            .unwrap();
+        assert_fails(&output, "cannot write");
+        assert_eq!(names(target), [""; 0]);
+        assert_eq!(names(models.path()), ["ball.rhai"], "{option}");
+    }
+}
+
+#[test]
+fn paths_that_cannot_be_are_errors() {
+    let models = folder();
+    fs::write(models.path().join("ball.rhai"), SMALL).unwrap();
+    fs::write(models.path().join("file"), OLD).unwrap();
+    fs::create_dir(models.path().join("sub")).unwrap();
+    symlink("nowhere/x.gcode", models.path().join("dangling")).unwrap();
+    let long = "x".repeat(300);
+    for path in [
+        "nowhere/part.gcode",
+        "file/part.gcode",
+        "sub",
+        "sub/",
+        ".",
+        "..",
+        "/",
+        "",
+        "dangling",
+        &long,
+        "/proc/part.gcode",
+    ] {
+        let output = isoslice(models.path())
+            .args(["slice", "ball.rhai", "-o", path])
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success(), "{path:?} was written");
+        assert!(output.status.code().is_some(), "{path:?}: {text}");
+        assert!(!text.contains("panicked"), "{path:?}: {text}");
+        let left = names(models.path());
+        assert_eq!(left, ["ball.rhai", "dangling", "file", "sub"], "{path:?}");
+        assert_eq!(names(&models.path().join("sub")), [""; 0], "{path:?}");
+    }
+    assert_eq!(fs::read_to_string(models.path().join("file")).unwrap(), OLD);
+}
+
+#[test]
+fn an_output_that_is_an_input_is_refused_by_any_name() {
+    let models = folder();
+    let root = models.path();
+    fs::create_dir(root.join("sub")).unwrap();
+    fs::write(root.join("ball.rhai"), SMALL).unwrap();
+    fs::write(root.join("my.toml"), "walls = 1\n").unwrap();
+    symlink("ball.rhai", root.join("link")).unwrap();
+    symlink("../link", root.join("sub/link")).unwrap();
+    fs::hard_link(root.join("ball.rhai"), root.join("hard")).unwrap();
+    fs::hard_link(root.join("my.toml"), root.join("hard.toml")).unwrap();
+    let before = names(root);
+    let absolute = root.join("ball.rhai");
+    for target in [
+        "ball.rhai",
+        "./ball.rhai",
+        "sub/../ball.rhai",
+        absolute.to_str().unwrap(),
+        "link",
+        "sub/link",
+        "hard",
+        "my.toml",
+        "hard.toml",
+    ] {
+        for option in ["-o", "--report"] {
+            let output = isoslice(root)
+                .args(["slice", "ball.rhai", "--config", "my.toml"])
+                .args([option, target])
+                .output()
+                .unwrap();
+            assert_fails(&output, "is also an input");
+            assert_eq!(names(root), before, "{option} {target}");
+        }
+    }
+    // Read through a link as well.
+    let output = isoslice(root)
+        .args(["slice", "ball.rhai", "-o", "g", "--report", "g"])
+        .output()
+        .unwrap();
+    assert_fails(&output, "both be");
+    assert_eq!(fs::read_to_string(absolute).unwrap(), SMALL);
+    let settings = fs::read_to_string(root.join("my.toml")).unwrap();
+    assert_eq!(settings, "walls = 1\n");
+}
+
+#[test]
+fn a_link_stays_one_and_its_target_is_replaced() {
+    let models = folder();
+    let root = models.path();
+    fs::create_dir(root.join("prints")).unwrap();
+    fs::write(root.join("ball.rhai"), SMALL).unwrap();
+    fs::write(root.join("prints/old.gcode"), OLD).unwrap();
+    symlink("prints/old.gcode", root.join("part.gcode")).unwrap();
+    let output = isoslice(root)
+        .args(["slice", "ball.rhai", "-o", "part.gcode"])
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let link = fs::symlink_metadata(root.join("part.gcode")).unwrap();
+    assert!(link.is_symlink());
+    let text = fs::read_to_string(root.join("prints/old.gcode")).unwrap();
+    assert!(text.contains("; end of layers"));
+    assert_eq!(names(&root.join("prints")), ["old.gcode"]);
+}
+
+/// A run that is at work, with its temporary file there.
+fn at_work(folder: &Path, arguments: &[&str]) -> Child {
+    fs::write(folder.join("ball.rhai"), LARGE).unwrap();
+    let mut child = isoslice(folder)
+        .args(["slice", "ball.rhai"])
+        .args(["--set", "layer_height=0.05", "--set", "sample_spacing=0.05"])
+        .args(arguments)
+        .spawn()
+        .unwrap();
+    let started = Instant::now();
+    let temporary =
+        || names(folder).iter().any(|n| n.starts_with(".isoslice-"));
+    while !temporary() {
+        assert!(started.elapsed() < PATIENCE, "it does not start");
+        assert_eq!(child.try_wait().unwrap(), None, "it has ended");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    // Into the slicing.
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(child.try_wait().unwrap(), None, "it has ended");
+    child
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill")
+        .args([format!("-{name}"), child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+}
+
+#[track_caller]
+fn wait(child: &mut Child) -> std::process::ExitStatus {
+    let started = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            return status;
+        }
+        if started.elapsed() > PATIENCE {
+            child.kill().unwrap();
+            panic!("it does not end");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn an_interrupted_run_cleans_up() {
+    for name in ["INT", "TERM", "HUP"] {
+        let folder = folder();
+        let root = folder.path();
+        fs::write(root.join("ball.gcode"), OLD).unwrap();
+        let mut child = at_work(root, &["--report", "ball.json"]);
+        signal(&child, name);
+        let status = wait(&mut child);
+        assert_eq!(status.code(), Some(130), "{name}: {status}");
+        assert_eq!(names(root), ["ball.gcode", "ball.rhai"], "{name}");
+        let old = fs::read_to_string(root.join("ball.gcode")).unwrap();
+        assert_eq!(old, OLD, "{name}");
+    }
+}
+
+#[test]
+fn a_run_beyond_its_limits_cleans_up() {
+    for (limit, value) in [("--time-limit", "1s"), ("--memory-limit", "2MB")] {
+        let folder = folder();
+        let root = folder.path();
+        fs::write(root.join("ball.rhai"), LARGE).unwrap();
+        let output = isoslice(root)
+            .args(["slice", "ball.rhai", "--set", "layer_height=0.05"])
+            .args(["--set", "sample_spacing=0.05", limit, value])
+            .output()
+            .unwrap();
+        assert_fails(&output, limit);
+        assert_eq!(names(root), ["ball.rhai"], "{limit}");
+    }
+}
+
+/// Killed at any moment, the final name is as before or complete; what is left
+/// besides can be told by its name.
+#[test]
+fn a_killed_run_leaves_no_half_file() {
+    let folder = folder();
+    let root = folder.path();
+    fs::write(root.join("ball.rhai"), SMALL).unwrap();
+    let run = |root: &Path| {
+        isoslice(root)
+            .args(["slice", "ball.rhai", "-o", "part.gcode"])
+            .spawn()
+            .unwrap()
+    };
+    let started = Instant::now();
+    assert!(wait(&mut run(root)).success());
+    let whole_run = started.elapsed();
+    let whole = fs::read_to_string(root.join("part.gcode")).unwrap();
+    fs::remove_file(root.join("part.gcode")).unwrap();
+    let (mut absent, mut complete) = (0, 0);
+    // Spread evenly, by the golden ratio, over a little more than a run.
+    for k in 0..40 {
+        let share = (f64::from(k) * 0.618_034).fract() * 1.2;
+        let mut child = run(root);
+        std::thread::sleep(whole_run.mul_f64(share));
+        child.kill().unwrap();
+        let status = child.wait().unwrap();
+        assert!(status.signal() == Some(9) || status.success());
+        for name in names(root) {
+            match name.as_str() {
+                "ball.rhai" => {}
+                "part.gcode" => {
+                    let text = fs::read_to_string(root.join(&name)).unwrap();
+                    assert!(text == whole, "half a file after {share} of it");
+                    complete += 1;
+                }
+                _ => {
+                    assert!(name.starts_with(".isoslice-"), "{name}");
+                    assert!(name.ends_with(".tmp"), "{name}");
+                }
+            }
+        }
+        absent += u32::from(fs::remove_file(root.join("part.gcode")).is_err());
+        let model = fs::read_to_string(root.join("ball.rhai")).unwrap();
+        assert_eq!(model, SMALL);
+    }
+    eprintln!("killed: {absent} without output, {complete} with all of it");
+    // What earlier runs left does not disturb a later one.
+    assert!(wait(&mut run(root)).success());
+    let text = fs::read_to_string(root.join("part.gcode")).unwrap();
+    assert!(text == whole);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let folder = folder();
+    fs::write(folder.path().join("ball.rhai"), SMALL).unwrap();
+    for (arguments, left) in [
+        ("slice ball.rhai -o /dev/stdout", vec!["ball.rhai"]),
+        ("slice ball.rhai", vec!["ball.gcode", "ball.rhai"]),
+        ("settings", vec!["ball.gcode", "ball.rhai"]),
+        ("info ball.rhai", vec!["ball.gcode", "ball.rhai"]),
+    ] {
+        let line = format!(
+            "set -e; {{ '{}' {arguments}; echo $? >&3; }} 3>&2 | head -c 10",
+            program().display()
+        );
+        let output = Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(!text.contains("panicked"), "{arguments}: {text}");
+        assert!(!text.contains("error"), "{arguments}: {text}");
+        assert!(text.trim_end().ends_with('0'), "{arguments}: {text}");
+        assert_eq!(names(folder.path()), left, "{arguments}");
+    }
+}
+
+#[test]
+fn a_model_that_cannot_be_read_is_an_error() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("dir.rhai")).unwrap();
+    symlink("loop.rhai", folder.path().join("loop.rhai")).unwrap();
+    fs::write(folder.path().join("empty.rhai"), "").unwrap();
+    fs::write(folder.path().join("empty.vm"), "").unwrap();
+    fs::write(folder.path().join("binary.rhai"), [0xFF, 0xFE, 0]).unwrap();
+    let before = names(folder.path());
+    for name in [
+        "dir.rhai",
+        "loop.rhai",
+        "empty.rhai",
+        "empty.vm",
+        "binary.rhai",
+    ] {
+        let output = isoslice(folder.path())
+            .args(["slice", name])
+            .output()
+            .unwrap();
+        assert_fails(&output, "error");
+        assert_eq!(names(folder.path()), before, "{name}");
+    }
+}

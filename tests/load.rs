@@ -1,0 +1,103 @@
+//! Many slices in one process: no memory is kept, and none disturbs another.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+mod common;
+
+use isoslice::field::Backend;
+use isoslice::layers::LayerRange;
+use isoslice::limits::resident_bytes;
+use isoslice::model::Model;
+use isoslice::pipeline::{self, Options};
+use isoslice::settings::Settings;
+use std::sync::Mutex;
+
+/// One at a time: memory is the whole process's.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// A small part with walls, skin, infill, a hole and a bridge.
+const PART: &str = "max(max(max(abs(x) - 4, abs(y) - 4), abs(z) - 1.5), \
+                    0.8 - max(abs(x), abs(z)))";
+
+fn part() -> (Model, Settings) {
+    let settings = common::settings(&[
+        "sample_spacing=0.5",
+        "layer_height=0.3",
+        "first_layer_height=0.3",
+        "top_layers=2",
+        "bottom_layers=2",
+        "infill=gyroid",
+    ]);
+    let model = common::formula(PART, &settings);
+    (model, settings)
+}
+
+fn slice(model: &Model, settings: &Settings, backend: Backend) -> Vec<u8> {
+    let options = Options {
+        threads: Some(2),
+        layers: LayerRange::ALL,
+        svg_dir: None,
+        report: false,
+        backend: Some(backend),
+        on_layer: &|_, _| {},
+    };
+    let mut bytes = Vec::new();
+    pipeline::slice(model, settings, &options, &mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn two_hundred_slices_in_a_row_keep_no_memory() {
+    /// What an allocator may come to hold on to in 190 slices, whatever it
+    /// was asked for: a twentieth of what a slice of this part takes, each.
+    const SLACK: u64 = 8 << 20;
+    let _alone = ALONE.lock().unwrap();
+    let Some(_) = resident_bytes() else {
+        eprintln!("skipped: the system does not tell the memory in use");
+        return;
+    };
+    let mut first: Option<Vec<u8>> = None;
+    let mut after_ten = 0;
+    for round in 0..200 {
+        // All of it, from the text on.
+        let (model, settings) = part();
+        let backend = match round % 2 {
+            0 => Backend::Vm,
+            _ => Backend::Jit,
+        };
+        let gcode = slice(&model, &settings, backend);
+        assert!(gcode.len() > 10_000);
+        match &first {
+            Some(first) => assert!(*first == gcode, "slice {round} differs"),
+            None => first = Some(gcode),
+        }
+        if round == 9 {
+            after_ten = resident_bytes().unwrap();
+        }
+    }
+    let grown = resident_bytes().unwrap().saturating_sub(after_ten);
+    assert!(
+        grown < SLACK,
+        "{grown} bytes more than the {after_ten} after the tenth slice"
+    );
+}
+
+#[test]
+fn eight_at_once_are_the_same() {
+    let _alone = ALONE.lock().unwrap();
+    let (model, settings) = part();
+    let alone = slice(&model, &settings, Backend::Vm);
+    let all: Vec<Vec<u8>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..8)
+            .map(|k| {
+                let (model, settings) = (&model, &settings);
+                let backend = [Backend::Vm, Backend::Jit][k % 2];
+                scope.spawn(move || slice(model, settings, backend))
+            })
+            .collect();
+        threads.into_iter().map(|t| t.join().unwrap()).collect()
+    });
+    for (k, gcode) in all.iter().enumerate() {
+        assert!(*gcode == alone, "number {k} differs");
+    }
+}
