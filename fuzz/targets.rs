@@ -6,6 +6,7 @@
 //! `tests/fuzz_replay.rs`, which runs each function over its seeds.
 
 use glam::DVec3;
+use isoslice::check::{Rules, check};
 use isoslice::gcode::{Header, Writer};
 use isoslice::layers::LayerRange;
 use isoslice::model::{
@@ -13,6 +14,7 @@ use isoslice::model::{
     SourceKind, find_bounds, load_within, parse_vm, place,
 };
 use isoslice::pipeline::{self, Options};
+use isoslice::reader::{Event, Reader};
 use isoslice::settings::{Builder, Settings};
 use std::time::Duration;
 
@@ -20,13 +22,14 @@ use std::time::Duration;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const TARGETS: [Target; 6] = [
+pub const TARGETS: [Target; 7] = [
     ("vm", vm),
     ("rhai", rhai),
     ("formula", formula),
     ("settings", settings),
     ("template", template),
     ("slice", slice),
+    ("gcode", gcode),
 ];
 
 /// Loads a model as far as its bounds, with little effort.
@@ -121,6 +124,8 @@ pub fn template(data: &[u8]) {
         nozzle_temperature: 210.0,
         part_min: DVec3::ZERO,
         part_max: DVec3::splat(5.0),
+        outline: Vec::new(),
+        thumbnails: Vec::new(),
     };
     let mut settings = Settings::default();
     settings.gcode.start = text.into();
@@ -186,4 +191,15 @@ pub fn slice(data: &[u8]) {
         let text = String::from_utf8_lossy(&gcode);
         assert!(!text.contains("NaN") && !text.contains("inf "), "{text}");
     }
+}
+
+/// G-code of anybody's: read, and checked.
+pub fn gcode(bytes: &[u8]) {
+    for event in Reader::new(bytes).flatten() {
+        if let Event::Move(step) = event {
+            assert!(step.from.is_finite() && step.to.is_finite());
+            assert!(step.filament.is_finite() && step.speed.is_finite());
+        }
+    }
+    let _ = check(bytes, &Rules::new(&Settings::default())).map(drop);
 }
