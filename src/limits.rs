@@ -14,7 +14,7 @@
 //! `panic = "abort"` would end instead.
 //!
 //! Guarantees: results do not depend on the watch, only whether there are any.
-//! Between two looks there may be [`EVERY`] and what one step of a stage
+//! Between two looks there may be `EVERY` and what one step of a stage
 //! takes, so a limit is overrun by a fraction of a second. For the rest,
 //! [`Watch::last_resort`] names what is done if the work has not ended some
 //! seconds after it was stopped.
