@@ -474,11 +474,10 @@ fn the_firmware_retracts_if_asked() {
 #[test]
 fn the_end_knows_what_the_print_took() {
     let mut s = settings();
-    s.gcode.end =
-        "M117 {{ print_time }}, {{ filament_length | round(1) }} mm".into();
+    s.gcode.end = "M117 {{ print_time }}, {{ filament_length }} mm".into();
     let (text, totals) = written(&s, tiny());
     let time = isoslice::units::human_time(totals.time);
-    let length = (totals.filament_length * 10.0).round() / 10.0;
+    let length = (totals.filament_length * 1e3).round() / 1e3;
     assert!(
         text.contains(&format!("\nM117 {time}, {length} mm\n")),
         "{text}"
