@@ -59,6 +59,7 @@ fn help_reads_well() {
         ("help_slice", &["slice", "--help"]),
         ("help_preview", &["preview", "--help"]),
         ("help_info", &["info", "--help"]),
+        ("help_render", &["render", "--help"]),
         ("help_settings", &["settings", "--help"]),
         ("help_profiles", &["profiles", "--help"]),
         ("help_new", &["new", "--help"]),
@@ -1029,4 +1030,55 @@ mod unix {
         assert_eq!(String::from_utf8_lossy(&output.stderr), "");
         assert!(names(folder.path()).is_empty());
     }
+}
+
+#[test]
+fn render_draws_a_picture() {
+    let folder = folder();
+    write(&folder, "ball.rhai", "sqrt(x*x + y*y + z*z) - 10.0");
+    let size = |png: &[u8]| {
+        assert!(png.starts_with(b"\x89PNG"), "no picture");
+        let side =
+            |i: usize| u32::from_be_bytes(png[i..i + 4].try_into().unwrap());
+        [side(16), side(20)]
+    };
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    isoslice(&folder)
+        .args(["render", "ball.rhai", "--pixels", "60x40"])
+        .assert()
+        .success()
+        .stdout("");
+    let first = read("ball.png");
+    assert_eq!(size(&first), [60, 40]);
+    let output = isoslice(&folder)
+        .args(["render", "ball.rhai", "--pixels", "60x40", "-o", "-"])
+        .args(["--threads", "1"])
+        .assert()
+        .success();
+    assert!(output.get_output().stdout == first);
+    isoslice(&folder)
+        .args(["render", "-e", "x^2 + y^2 + z^2 - 9", "--view", "top"])
+        .args(["--elevation", "80", "--background", "#102030"])
+        .args(["-o", "other.png", "--pixels", "16x16"])
+        .assert()
+        .success();
+    assert_eq!(size(&read("other.png")), [16, 16]);
+    for (wrong, says) in [
+        (["--view", "above"], "there are iso, front"),
+        (["--pixels", "60"], "as in 800x600"),
+        (["--background", "mauve"], "there are white, black"),
+        (["--elevation", "up"], "from -360 to 360"),
+    ] {
+        isoslice(&folder)
+            .args(["render", "ball.rhai"])
+            .args(wrong)
+            .assert()
+            .code(2)
+            .stderr(predicate::str::contains(says));
+    }
+    // The model is not overwritten.
+    isoslice(&folder)
+        .args(["render", "ball.rhai", "-o", "ball.rhai"])
+        .assert()
+        .code(1);
 }
