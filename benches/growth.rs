@@ -62,6 +62,7 @@ fn measure(model: &Model) -> Outcome<(f64, usize, Option<f64>)> {
         layers: LayerRange::ALL,
         svg_dir: None,
         report: false,
+        check: true,
         backend: None,
         on_layer: &|_, _| {},
     };

@@ -84,6 +84,7 @@ fn whole(
         layers: LayerRange::ALL,
         svg_dir: None,
         report: false,
+        check: true,
         backend: None,
         on_layer: &|_, _| {},
     };

@@ -183,6 +183,7 @@ pub fn slice(data: &[u8]) {
         layers: LayerRange::ALL,
         svg_dir: None,
         report: false,
+        check: true,
         backend: None,
         on_layer: &|_, _| {},
     };

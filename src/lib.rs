@@ -71,6 +71,7 @@
 //!     layers: LayerRange::ALL,
 //!     svg_dir: None,
 //!     report: false,
+//!     check: true,
 //!     backend: None,
 //!     on_layer: &|_done, _total| {},
 //! };

@@ -54,11 +54,13 @@ pub enum Stage {
     Gcode,
     /// How far the layers are off, for the summary or the report.
     Report,
+    /// Whether the text is safe to run.
+    Check,
 }
 
 impl Stage {
     /// All stages, in the order of the pipeline.
-    pub const ALL: [Stage; 11] = [
+    pub const ALL: [Stage; 12] = [
         Stage::Picture,
         Stage::Field,
         Stage::Contour,
@@ -70,6 +72,7 @@ impl Stage {
         Stage::Pace,
         Stage::Gcode,
         Stage::Report,
+        Stage::Check,
     ];
 
     /// Name in reports.
@@ -86,6 +89,7 @@ impl Stage {
             Stage::Pace => "pace",
             Stage::Gcode => "gcode",
             Stage::Report => "report",
+            Stage::Check => "check",
         }
     }
 }

@@ -144,6 +144,7 @@ fn limits_hold_and_what_has_no_value_is_an_error() {
             layers: isoslice::layers::LayerRange::ALL,
             svg_dir: None,
             report: false,
+            check: true,
             backend: None,
             on_layer: &|_, _| {},
         };

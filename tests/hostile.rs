@@ -55,6 +55,7 @@ fn slice(
             layers: LayerRange::ALL,
             svg_dir: None,
             report: false,
+            check: true,
             backend: None,
             on_layer: &|_, _| {},
         };

@@ -38,6 +38,7 @@ fn slice(model: &Model, settings: &Settings, backend: Backend) -> Vec<u8> {
         layers: LayerRange::ALL,
         svg_dir: None,
         report: false,
+        check: true,
         backend: Some(backend),
         on_layer: &|_, _| {},
     };

@@ -200,6 +200,7 @@ fn an_example_slices_for_every_printer() {
             layers: "1..3".parse::<LayerRange>().unwrap(),
             svg_dir: None,
             report: false,
+            check: true,
             backend: None,
             on_layer: &|_, _| (),
         };

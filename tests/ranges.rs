@@ -117,6 +117,7 @@ fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
         layers: "51..".parse().unwrap(),
         svg_dir: None,
         report: false,
+        check: true,
         backend: None,
         on_layer: &|_, _| {},
     };

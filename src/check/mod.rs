@@ -25,9 +25,11 @@
 //! Not guaranteed: that macros of the printer's firmware do what their names
 //! say. Where one could have heated the nozzle, it is taken to have done so.
 
+mod alongside;
 mod ground;
 mod verdict;
 
+pub use alongside::Alongside;
 pub use verdict::{Finding, Kind, Severity, Verdict};
 
 use crate::reader::{Event, Heater, Move, Problem, ReadError, Reader, Role};
@@ -51,6 +53,9 @@ const SPEED_ROUNDING: f64 = 1e-3;
 /// slicers push forward a little less.
 const SLACK: Mm = 0.1;
 
+/// Tools that are told apart; those beyond count as one.
+const TOOLS: u32 = 64;
+
 /// What a printer can do, and what is asked of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rules {
@@ -68,6 +73,11 @@ pub struct Rules {
     pub feed: Option<Mm>,
     /// Greatest length pulled back at a time.
     pub retraction: Mm,
+    /// Filament that may be missing when a bead begins.
+    pub missing: Mm,
+    /// Height of what the print stands on: 0 is the bed; more, if the file
+    /// goes on with a part.
+    pub base: Mm,
     /// Greatest speed in the plane, if it is known.
     pub speed: Option<MmPerSec>,
     /// Greatest speed of the z axis.
@@ -94,6 +104,9 @@ impl Rules {
             },
             feed: klipper.then_some(50.0),
             retraction: (2.0 * settings.retract.length).max(20.0),
+            // Less than was pulled back may be wanted.
+            missing: SLACK + (-settings.retract.extra_prime).max(0.0),
+            base: 0.0,
             speed: None,
             speed_z: printer.max_speed_z,
         }
@@ -123,9 +136,12 @@ struct State<'a> {
     rules: &'a Rules,
     verdict: Verdict,
     ground: Ground,
-    /// True once the nozzle is hot, or a macro may have made it so.
-    hot: bool,
+    /// A bit for each tool whose nozzle is hot.
+    hot: u64,
+    /// A macro may have heated it.
     macros: bool,
+    /// The tool in use.
+    tool: u32,
     /// Filament pulled back.
     back: Mm,
     /// The same, by the firmware.
@@ -141,11 +157,12 @@ impl<'a> State<'a> {
             rules,
             verdict: Verdict::default(),
             ground: Ground::default(),
-            hot: false,
+            hot: 0,
             macros: false,
+            tool: 0,
             back: 0.0,
             firmware_back: false,
-            top: 0.0,
+            top: rules.base,
             layer: 0,
         }
     }
@@ -159,11 +176,19 @@ impl<'a> State<'a> {
                 self.verdict.layers = self.verdict.layers.max(number);
             }
             Event::Heat {
-                heater: Heater::Nozzle(_),
+                heater: Heater::Nozzle(tool),
                 to,
                 wait,
                 ..
-            } => self.hot = to > 0.0 && (wait || self.hot),
+            } => {
+                let bit = bit(tool.unwrap_or(self.tool));
+                if to <= 0.0 {
+                    self.hot &= !bit;
+                } else if wait {
+                    self.hot |= bit;
+                }
+            }
+            Event::Tool { tool, .. } => self.tool = tool,
             Event::FirmwareRetract { back, .. } => self.firmware_back = back,
             // It may heat, home and purge.
             Event::Macro { .. } => self.macros = true,
@@ -248,7 +273,7 @@ impl<'a> State<'a> {
     }
 
     fn heat(&mut self, step: &Move) {
-        if step.filament > 0.0 && !self.hot {
+        if step.filament > 0.0 && self.hot & bit(step.tool) == 0 {
             if self.macros {
                 self.verdict.add(Kind::Unknown, step.line, step.to, || {
                     "no command waits for the nozzle's heat before filament \
@@ -256,7 +281,7 @@ impl<'a> State<'a> {
                         .into()
                 });
                 // Said once.
-                self.hot = true;
+                self.hot = u64::MAX;
                 return;
             }
             self.verdict.add(Kind::Cold, step.line, step.to, || {
@@ -301,24 +326,30 @@ impl<'a> State<'a> {
                 });
             }
         } else if fed > 0.0 {
-            if step.prints()
-                && !template
-                && (self.back > SLACK || self.firmware_back)
-            {
-                let back = self.back;
-                let kind = Kind::Unprimed;
-                self.verdict.add(kind, step.line, step.from, || {
-                    match back > SLACK {
-                        true => format!(
-                            "a bead begins with {back:.2} mm of filament \
-                             still pulled back"
-                        ),
-                        false => "a bead begins after G10, before G11".into(),
-                    }
-                });
+            if step.prints() && !template {
+                self.begin(step);
             }
             self.back = (self.back - fed).max(0.0);
         }
+    }
+
+    /// Has the nozzle what a bead needs to begin?
+    fn begin(&mut self, step: &Move) {
+        let missing = self.back;
+        let short = missing > self.rules.missing;
+        if short || self.firmware_back {
+            let kind = Kind::Unprimed;
+            self.verdict
+                .add(kind, step.line, step.from, || match short {
+                    true => format!(
+                        "a bead begins with {missing:.2} mm of filament still \
+                     pulled back"
+                    ),
+                    false => "a bead begins after G10, before G11".into(),
+                });
+        }
+        // Whatever was missing is missing from this bead and no other.
+        self.back = 0.0;
     }
 
     fn bead(&mut self, step: &Move, template: bool) {
@@ -350,8 +381,17 @@ impl<'a> State<'a> {
             });
         }
         self.top = self.top.max(z);
-        // Skirts stand alone, and ironing lays nothing.
-        if !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
+        // Skirts stand alone, and ironing lays nothing. Beads beyond the bed
+        // have their fault, and no end to the memory they would take.
+        let on_bed = |p: DVec3| {
+            let p = p.truncate();
+            p.cmpge(DVec2::splat(-BESIDE)).all()
+                && p.cmple(rules.bed + BESIDE).all()
+        };
+        if !matches!(step.role, Role::SkirtBrim | Role::Ironing)
+            && on_bed(step.from)
+            && on_bed(step.to)
+        {
             self.ground
                 .bead(step.from.truncate(), step.to.truncate(), z);
         }
@@ -385,6 +425,11 @@ impl<'a> State<'a> {
     fn finish(&mut self) {
         self.next_layer();
     }
+}
+
+/// The bit of a tool.
+fn bit(tool: u32) -> u64 {
+    1 << tool.min(TOOLS - 1)
 }
 
 /// A place for people.

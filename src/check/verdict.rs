@@ -56,6 +56,7 @@ impl Kind {
         match self {
             Kind::LongLine
             | Kind::NoSpeed
+            | Kind::Jump
             | Kind::Low
             | Kind::InTheAir
             | Kind::Unknown => Severity::Warning,
@@ -132,18 +133,26 @@ impl Verdict {
 
     /// The findings of this severity as sentences; `name` is the file's.
     pub fn sentences(&self, name: &str, severity: Severity) -> Vec<String> {
-        let of_severity = |kind: Kind| kind.severity() == severity;
+        self.sentences_of(name, |kind| kind.severity() == severity)
+    }
+
+    /// The findings of these kinds as sentences; `name` is the file's.
+    pub fn sentences_of(
+        &self,
+        name: &str,
+        of: impl Fn(Kind) -> bool,
+    ) -> Vec<String> {
         let mut all: Vec<String> = self
             .findings
             .iter()
-            .filter(|f| of_severity(f.kind))
+            .filter(|f| of(f.kind))
             .map(|f| match f.line {
                 0 => format!("{name}: {}", f.message),
                 line => format!("{name}:{line}: {}", f.message),
             })
             .collect();
         for (kind, &count) in &self.counts {
-            if of_severity(*kind) && count > KEPT {
+            if of(*kind) && count > KEPT {
                 let more = count - KEPT;
                 all.push(format!("{name}: {more} more of {}", kind.name()));
             }

@@ -179,6 +179,8 @@ impl PreviewArgs {
             layers: sliced.layers.unwrap_or(LayerRange::ALL),
             svg_dir: None,
             report: false,
+            // What is looked at need not be fit to print.
+            check: false,
             backend: None,
             on_layer: &|done, total| {
                 bar.set_length(total as u64);

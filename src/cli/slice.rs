@@ -63,6 +63,11 @@ pub(super) struct SliceArgs {
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
 
+    /// Do not check the G-code. Otherwise what could hurt the printer or the
+    /// print (see `isoslice check`) is an error, and no file is written
+    #[arg(long, help_heading = "Output")]
+    no_check: bool,
+
     /// Number of threads [default: all processors]; the result is the same
     #[arg(
         long,
@@ -111,6 +116,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         layers: args.layers.unwrap_or(LayerRange::ALL),
         svg_dir: args.svg.as_deref(),
         report: report.is_some(),
+        check: !args.no_check,
         backend: None,
         on_layer: &|done, total| {
             bar.set_length(total as u64);

@@ -2,6 +2,8 @@
 
 use super::args::is_stream;
 use super::info::dimensions;
+use glam::DVec3;
+use isoslice::check::{Finding, Kind, Verdict};
 use isoslice::pipeline::Summary;
 use isoslice::report::Figures;
 use isoslice::settings::Settings;
@@ -54,6 +56,10 @@ impl Sums<'_> {
             left_out: summary.dropped_rings,
             gaps_mm2: summary.unfilled_area,
             area_mm2: summary.solid_area,
+            checked: summary.verdict.is_some(),
+            islands_in_air: summary.verdict.as_ref().map(|verdict| {
+                in_the_air(verdict).map_or(0, |(count, _)| count)
+            }),
             warnings,
             took_s: self.took.as_secs_f64(),
             timings_s: self
@@ -82,10 +88,20 @@ struct Json<'a> {
     left_out: usize,
     gaps_mm2: f64,
     area_mm2: f64,
+    checked: bool,
+    islands_in_air: Option<u64>,
     warnings: &'a [String],
     took_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     timings_s: Option<BTreeMap<&'static str, f64>>,
+}
+
+/// How many islands stand on nothing, and where the first of them begins.
+fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
+    let count = *verdict.counts.get(&Kind::InTheAir)?;
+    let is_one = |f: &&Finding| f.kind == Kind::InTheAir;
+    let first = verdict.findings.iter().find(is_one)?;
+    Some((count, first.at))
 }
 
 /// The summary for people.
@@ -147,6 +163,24 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
              all layers",
             summary.unfilled_area, summary.solid_area
         )?;
+    }
+    if let Some(verdict) = &summary.verdict {
+        let moves = verdict.moves;
+        writeln!(text, "  checked     {moves} moves, safe for this printer")?;
+        if let Some((count, first)) = in_the_air(verdict) {
+            writeln!(
+                text,
+                "  in the air  {count} {}, the first at x = {:.1}, y = {:.1}, \
+                 z = {:.2} mm",
+                match count {
+                    1 => "island begins on nothing",
+                    _ => "islands begin on nothing",
+                },
+                first.x,
+                first.y,
+                first.z
+            )?;
+        }
     }
     writeln!(text, "  took        {:.1} s", sums.took.as_secs_f64())?;
     if sums.timings {

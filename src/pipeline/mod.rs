@@ -29,6 +29,7 @@ mod exit;
 mod stages;
 mod tally;
 
+use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
 use crate::field::{Backend, FieldError, SLAB};
 use crate::gcode::{Header, Thumbnail, WriteError, Writer};
 use crate::infill::InfillError;
@@ -39,6 +40,7 @@ use crate::pace::Pacer;
 use crate::pace::rates::Rater;
 use crate::plane::Rect;
 use crate::preview::{PictureError, Pictures, outline_from_above, thumbnails};
+use crate::reader::ReadError;
 use crate::report::{Figures, Gauge, Report, ReportError};
 use crate::settings::{Flavour, Settings};
 use crate::timings::Stage;
@@ -63,6 +65,9 @@ pub struct Options<'a> {
     pub svg_dir: Option<&'a Path>,
     /// Measure everything, for a report, and not only a few points.
     pub report: bool,
+    /// Check the G-code while it is written; what could hurt the printer is
+    /// then an error.
+    pub check: bool,
     /// How the model is evaluated; the faster way is found by trial if not
     /// given. The result is the same.
     pub backend: Option<Backend>,
@@ -99,6 +104,8 @@ pub struct Summary {
     pub wall_error: Option<Figures>,
     /// The report, if it was asked for.
     pub report: Option<Report>,
+    /// What the check of the G-code found, if there was one: no faults.
+    pub verdict: Option<Verdict>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// Where the processor time went, added up over all threads.
@@ -141,6 +148,21 @@ pub enum SliceError {
     /// The threads cannot be started.
     #[error("cannot start the worker threads; try --threads 1")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// Nor the one that checks.
+    #[error("cannot start a thread to check the G-code; try --no-check")]
+    CheckThread(#[source] io::Error),
+    /// The G-code cannot be read back.
+    #[error("the G-code cannot be checked; --no-check leaves that out")]
+    Unread(#[from] ReadError),
+    /// The G-code could hurt the printer or the print.
+    #[error(
+        "the G-code should not be run on this printer:\n{}\nIf the lines \
+         come from a template (gcode.start, gcode.end, gcode.layer), mend \
+         that; if not, please report it with the model. --no-check leaves \
+         the check out",
+        .0.join("\n")
+    )]
+    Unsafe(Vec<String>),
 }
 
 /// Layers whose seams and travels hang together. At a block's beginning seams
@@ -151,164 +173,232 @@ const BLOCK: usize = 4 * SLAB;
 /// Slices a placed model and writes its G-code.
 ///
 /// # Errors
-/// If there is nothing to print, or it cannot be evaluated or written.
+/// If there is nothing to print, or it cannot be evaluated or written, or if
+/// what was written fails its check.
 pub fn slice(
     model: &Model,
     settings: &Settings,
     options: &Options<'_>,
     out: &mut dyn io::Write,
 ) -> Result<Summary, SliceError> {
-    let bounds = model.bounds;
-    let (low, high) = (bounds.min + model.offset, bounds.max + model.offset);
-    let spans =
-        plan(high.z, settings.first_layer_height, settings.layer_height)?;
+    let top = model.bounds.max.z + model.offset.z;
+    let spans = plan(top, settings.first_layer_height, settings.layer_height)?;
     let layers = options.layers.indices(spans.len())?;
-    let watch = limits::current();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads.unwrap_or(0))
-        .start_handler(move |_| limits::work_under(watch.as_ref()))
-        .build()?;
-    let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
-    let around = Surroundings::new(model);
-    let stages = Stages::new(model, settings, &around, gauge, options.backend)?;
-    let rater = Rater::new(settings, model, &around)?;
-    let header = Header {
-        model_name: model.name.clone(),
-        layer_count: spans.len(),
-        layers: layers.clone(),
-        nozzle_temperature: match spans.get(layers.start) {
-            Some(span) => rater.temperature(span)?,
-            None => settings.filament.first_layer_nozzle_temperature,
-        },
-        part_min: low,
-        part_max: high,
-        outline: match settings.gcode.flavour {
-            // The one firmware that is told.
-            Flavour::Klipper => pool.install(|| outline_from_above(model))?,
-            _ => Vec::new(),
-        },
-        thumbnails: pool.install(|| {
-            stages
-                .timings
-                .time(Stage::Picture, || pictures_of(model, settings))
-        })?,
-    };
-    let frame = Rect {
-        min: low.truncate(),
-        max: high.truncate(),
-    };
-    let pictures = options
-        .svg_dir
-        .map(|dir| {
-            Pictures::new(dir, frame, &layers, spans.len())
-                .map_err(|e| SliceError::Picture(dir.to_owned(), e))
-        })
-        .transpose()?;
-    let writer = Writer::new(out, settings, &header)?;
-    let of_templates = writer.warnings().to_vec();
-    let mut exit = Exit::new(
-        &stages.timings,
-        model.offset.truncate(),
-        layers.clone(),
+    let run = Run {
+        model,
+        settings,
         options,
-        pictures,
-        writer,
-        Pacer::new(settings, rater),
-    );
-
-    // As many slabs at a time as there are threads. A slab is the unit in
-    // which the field is walked, so the division must depend neither on them
-    // nor on the range.
-    let needed = stages.needed(&layers, spans.len());
-    let slab = stages.slab_layers();
-    let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
-    let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
-    let chunks: Vec<&[&[LayerSpan]]> =
-        slabs.chunks(pool.current_num_threads()).collect();
-    let make = |chunk: &[&[LayerSpan]]| -> Result<Vec<Shell>, FieldError> {
-        pool.install(|| {
-            let slabs: Result<Vec<Vec<Shell>>, FieldError> = chunk
-                .par_iter()
-                .map(|s| stages.shells(s, &needed))
-                .collect();
-            Ok(slabs?.into_iter().flatten().collect())
-        })
-    };
-    let mut window: VecDeque<Shell> = VecDeque::new();
-    let mut next = Some(match chunks.first() {
-        Some(chunk) => make(chunk),
-        None => Ok(Vec::new()),
-    });
-    for k in 0..chunks.len() {
-        let Some(shells) = next.take() else { break };
-        for mut shell in shells? {
-            // Also where one slab ends and the next begins.
-            if let Some(below) = window.back() {
-                shell.share(below);
-            }
-            window.push_back(shell);
-        }
-        let last = k + 1 == chunks.len();
-        let mut write =
-            || stages.write_ready(&pool, &mut window, last, &mut exit);
-        if last {
-            write()?;
-        } else if pool.current_num_threads() == 1 {
-            write()?;
-            next = Some(make(chunks[k + 1]));
-        } else {
-            let mut result = Ok(());
-            pool.in_place_scope(|scope| {
-                scope.spawn(|_| next = Some(make(chunks[k + 1])));
-                result = write();
-            });
-            result?;
-        }
-    }
-    let done = exit.finish()?;
-    let (tally, mut warnings) = (done.tally, of_templates);
-    warnings.extend(done.warnings);
-    let all = layers == (0..spans.len());
-    if done.beads == 0 && all {
-        return Err(SliceError::NothingToPrint);
-    }
-    if done.beads == 0 {
-        warnings.push("there is nothing to print in these layers".into());
-    }
-    tally.warn(&mut warnings);
-    let totals = done.totals;
-    let (outline_error, wall_error) = done.figures.accuracy();
-    let report = match (spans.get(layers.start), spans.get(layers.end - 1)) {
-        (Some(first), Some(last)) if options.report => {
-            let z = [first.bottom, last.top].map(|z| z - model.offset.z);
-            let volume =
-                pool.install(|| stages.gauge.volume(z, &stages.timings))?;
-            let extruded = totals.filament_volume;
-            Some(done.figures.report(
-                &stages.gauge,
-                spans.len(),
-                volume,
-                extruded,
-            ))
-        }
-        _ => None,
-    };
-    Ok(Summary {
-        size: bounds.size(),
+        spans: &spans,
         layers,
-        layer_count: spans.len(),
-        time: totals.time,
-        filament_length: totals.filament_length,
-        filament_mass_g: totals.filament_mass_g,
-        unfilled_area: tally.gap,
-        solid_area: tally.solid,
-        dropped_rings: tally.dropped_rings,
-        outline_error,
-        wall_error,
-        report,
-        warnings,
-        timings: stages.timings.report(),
-    })
+    };
+    if !options.check {
+        return run.write(out);
+    }
+    let rules = Rules {
+        // A range of layers goes on with what other files have printed.
+        base: spans.get(run.layers.start).map_or(0.0, |span| span.bottom),
+        ..Rules::new(settings)
+    };
+    let mut out =
+        Alongside::new(out, rules).map_err(SliceError::CheckThread)?;
+    let mut summary = run.write(&mut out)?;
+    let (verdict, time) = out.finish()?;
+    if !verdict.is_safe() {
+        let faults = verdict.sentences("line", Severity::Fault);
+        return Err(SliceError::Unsafe(faults));
+    }
+    let check = summary.timings.iter_mut().find(|(s, _)| *s == Stage::Check);
+    if let Some((_, seconds)) = check {
+        *seconds += time;
+    }
+    // Islands in the air are for the summary to tell, and printers that heat
+    // in their macros are as they should be.
+    let told = |kind: Kind| {
+        kind.severity() == Severity::Warning
+            && !matches!(kind, Kind::InTheAir | Kind::Unknown)
+    };
+    summary.warnings.extend(verdict.sentences_of("line", told));
+    summary.verdict = Some(verdict);
+    Ok(summary)
+}
+
+/// What is to be done.
+struct Run<'a> {
+    model: &'a Model,
+    settings: &'a Settings,
+    options: &'a Options<'a>,
+    /// All layers of the part.
+    spans: &'a [LayerSpan],
+    /// Which of them are asked for.
+    layers: Range<usize>,
+}
+
+impl Run<'_> {
+    /// Slices and writes.
+    fn write(&self, out: &mut dyn io::Write) -> Result<Summary, SliceError> {
+        let Run {
+            model,
+            settings,
+            options,
+            spans,
+            ref layers,
+        } = *self;
+        let layers = layers.clone();
+        let bounds = model.bounds;
+        let low = bounds.min + model.offset;
+        let high = bounds.max + model.offset;
+        let watch = limits::current();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(options.threads.unwrap_or(0))
+            .start_handler(move |_| limits::work_under(watch.as_ref()))
+            .build()?;
+        let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
+        let around = Surroundings::new(model);
+        let stages =
+            Stages::new(model, settings, &around, gauge, options.backend)?;
+        let rater = Rater::new(settings, model, &around)?;
+        let header = Header {
+            model_name: model.name.clone(),
+            layer_count: spans.len(),
+            layers: layers.clone(),
+            nozzle_temperature: match spans.get(layers.start) {
+                Some(span) => rater.temperature(span)?,
+                None => settings.filament.first_layer_nozzle_temperature,
+            },
+            part_min: low,
+            part_max: high,
+            outline: match settings.gcode.flavour {
+                // The one firmware that is told.
+                Flavour::Klipper => {
+                    pool.install(|| outline_from_above(model))?
+                }
+                _ => Vec::new(),
+            },
+            thumbnails: pool.install(|| {
+                stages
+                    .timings
+                    .time(Stage::Picture, || pictures_of(model, settings))
+            })?,
+        };
+        let frame = Rect {
+            min: low.truncate(),
+            max: high.truncate(),
+        };
+        let pictures = options
+            .svg_dir
+            .map(|dir| {
+                Pictures::new(dir, frame, &layers, spans.len())
+                    .map_err(|e| SliceError::Picture(dir.to_owned(), e))
+            })
+            .transpose()?;
+        let writer = Writer::new(out, settings, &header)?;
+        let of_templates = writer.warnings().to_vec();
+        let mut exit = Exit::new(
+            &stages.timings,
+            model.offset.truncate(),
+            layers.clone(),
+            options,
+            pictures,
+            writer,
+            Pacer::new(settings, rater),
+        );
+
+        // As many slabs at a time as there are threads. A slab is the unit in
+        // which the field is walked, so the division must depend neither on them
+        // nor on the range.
+        let needed = stages.needed(&layers, spans.len());
+        let slab = stages.slab_layers();
+        let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
+        let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
+        let chunks: Vec<&[&[LayerSpan]]> =
+            slabs.chunks(pool.current_num_threads()).collect();
+        let make = |chunk: &[&[LayerSpan]]| -> Result<Vec<Shell>, FieldError> {
+            pool.install(|| {
+                let slabs: Result<Vec<Vec<Shell>>, FieldError> = chunk
+                    .par_iter()
+                    .map(|s| stages.shells(s, &needed))
+                    .collect();
+                Ok(slabs?.into_iter().flatten().collect())
+            })
+        };
+        let mut window: VecDeque<Shell> = VecDeque::new();
+        let mut next = Some(match chunks.first() {
+            Some(chunk) => make(chunk),
+            None => Ok(Vec::new()),
+        });
+        for k in 0..chunks.len() {
+            let Some(shells) = next.take() else { break };
+            for mut shell in shells? {
+                // Also where one slab ends and the next begins.
+                if let Some(below) = window.back() {
+                    shell.share(below);
+                }
+                window.push_back(shell);
+            }
+            let last = k + 1 == chunks.len();
+            let mut write =
+                || stages.write_ready(&pool, &mut window, last, &mut exit);
+            if last {
+                write()?;
+            } else if pool.current_num_threads() == 1 {
+                write()?;
+                next = Some(make(chunks[k + 1]));
+            } else {
+                let mut result = Ok(());
+                pool.in_place_scope(|scope| {
+                    scope.spawn(|_| next = Some(make(chunks[k + 1])));
+                    result = write();
+                });
+                result?;
+            }
+        }
+        let done = exit.finish()?;
+        let (tally, mut warnings) = (done.tally, of_templates);
+        warnings.extend(done.warnings);
+        let all = layers == (0..spans.len());
+        if done.beads == 0 && all {
+            return Err(SliceError::NothingToPrint);
+        }
+        if done.beads == 0 {
+            warnings.push("there is nothing to print in these layers".into());
+        }
+        tally.warn(&mut warnings);
+        let totals = done.totals;
+        let (outline_error, wall_error) = done.figures.accuracy();
+        let report = match (spans.get(layers.start), spans.get(layers.end - 1))
+        {
+            (Some(first), Some(last)) if options.report => {
+                let z = [first.bottom, last.top].map(|z| z - model.offset.z);
+                let volume =
+                    pool.install(|| stages.gauge.volume(z, &stages.timings))?;
+                let extruded = totals.filament_volume;
+                Some(done.figures.report(
+                    &stages.gauge,
+                    spans.len(),
+                    volume,
+                    extruded,
+                ))
+            }
+            _ => None,
+        };
+        Ok(Summary {
+            size: bounds.size(),
+            layers,
+            layer_count: spans.len(),
+            time: totals.time,
+            filament_length: totals.filament_length,
+            filament_mass_g: totals.filament_mass_g,
+            unfilled_area: tally.gap,
+            solid_area: tally.solid,
+            dropped_rings: tally.dropped_rings,
+            outline_error,
+            wall_error,
+            report,
+            verdict: None,
+            warnings,
+            timings: stages.timings.report(),
+        })
+    }
 }
 
 /// The pictures for the file's head.

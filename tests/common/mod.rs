@@ -80,6 +80,7 @@ pub fn slice_layers(
         layers: layers.parse::<LayerRange>().unwrap(),
         svg_dir: None,
         report: false,
+        check: true,
         backend: None,
         on_layer: &|_, _| {},
     };

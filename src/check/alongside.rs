@@ -1,0 +1,176 @@
+//! Checks G-code while it is written.
+//!
+//! What is written goes on at once, and a copy to a thread that reads it as
+//! any other file is read. So what is proven is proven of the very bytes, the
+//! verdict does not depend on timing, and memory stays bounded: where the
+//! checker is slower, the writer waits.
+
+use super::{Rules, Verdict, check};
+use crate::reader::ReadError;
+use crate::timings::Stopwatch;
+use crate::units::Seconds;
+use std::io::{self, Read, Write};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{Builder, JoinHandle};
+
+/// Bytes that are handed over at a time.
+const CHUNK: usize = 1 << 16;
+
+/// Chunks that may wait for the checker.
+const WAITING: usize = 8;
+
+/// Passes on what is written, and has it checked.
+pub struct Alongside<'a> {
+    out: &'a mut dyn Write,
+    chunk: Vec<u8>,
+    chunks: SyncSender<Vec<u8>>,
+    checker: JoinHandle<(Result<Verdict, ReadError>, Seconds)>,
+}
+
+impl<'a> Alongside<'a> {
+    /// Writes to `out` and checks by `rules`.
+    ///
+    /// # Errors
+    /// If no thread can be started.
+    pub fn new(out: &'a mut dyn Write, rules: Rules) -> io::Result<Self> {
+        let (chunks, written) = sync_channel(WAITING);
+        let checker = Builder::new().name("check".into()).spawn(move || {
+            let clock = Stopwatch::start();
+            let verdict = check(Written::new(written), &rules);
+            (verdict, clock.elapsed().as_secs_f64())
+        })?;
+        Ok(Alongside {
+            out,
+            chunk: Vec::with_capacity(CHUNK),
+            chunks,
+            checker,
+        })
+    }
+
+    /// What is to be said of all that was written, and the processor time it
+    /// took to know.
+    ///
+    /// # Errors
+    /// If it is not G-code at all.
+    pub fn finish(mut self) -> Result<(Verdict, Seconds), ReadError> {
+        self.hand_over();
+        // The checker sees the end.
+        drop(self.chunks);
+        match self.checker.join() {
+            Ok((verdict, time)) => Ok((verdict?, time)),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    }
+
+    fn hand_over(&mut self) {
+        let next = Vec::with_capacity(CHUNK);
+        let chunk = std::mem::replace(&mut self.chunk, next);
+        // A checker that is gone has an error to tell at the end.
+        let _ = self.chunks.send(chunk);
+    }
+}
+
+impl Write for Alongside<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.chunk.extend_from_slice(&bytes[..written]);
+        if self.chunk.len() >= CHUNK {
+            self.hand_over();
+        }
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// The other end: what has been written, as a file.
+struct Written {
+    chunks: Receiver<Vec<u8>>,
+    chunk: Vec<u8>,
+    /// Bytes of the chunk that have been read.
+    read: usize,
+}
+
+impl Written {
+    fn new(chunks: Receiver<Vec<u8>>) -> Self {
+        Written {
+            chunks,
+            chunk: Vec::new(),
+            read: 0,
+        }
+    }
+}
+
+impl Read for Written {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        while self.read == self.chunk.len() {
+            let Ok(chunk) = self.chunks.recv() else {
+                return Ok(0);
+            };
+            (self.chunk, self.read) = (chunk, 0);
+        }
+        let left = &self.chunk[self.read..];
+        let count = left.len().min(out.len());
+        out[..count].copy_from_slice(&left[..count]);
+        self.read += count;
+        Ok(count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+
+    #[test]
+    fn what_is_written_is_checked_as_a_file_is() {
+        let rules = Rules::new(&Settings::default());
+        let mut text = String::from("G28\nM109 S200\nM83\n;LAYER_CHANGE\n");
+        // More than the channel holds, with something wrong at the end.
+        for k in 0..60_000 {
+            text += &format!("G1 X{} Y10 E0.1 F600\n", 50 + k % 2);
+        }
+        text += "G1 X900\n";
+        assert!(text.len() > (WAITING + 1) * CHUNK);
+        let mut copy = Vec::new();
+        let mut writer = Alongside::new(&mut copy, rules.clone()).unwrap();
+        // In pieces that fit nothing.
+        for piece in text.as_bytes().chunks(977) {
+            writer.write_all(piece).unwrap();
+        }
+        let (verdict, _) = writer.finish().unwrap();
+        assert_eq!(copy, text.as_bytes());
+        let expected = check(text.as_bytes(), &rules).unwrap();
+        assert_eq!(verdict, expected);
+        assert_eq!(verdict.lines, 60_005);
+        assert!(!verdict.is_safe());
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_not_checked() {
+        /// Takes a few bytes and fails.
+        struct Full(usize);
+        impl Write for Full {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                let taken = bytes.len().min(self.0);
+                self.0 -= taken;
+                match taken {
+                    0 => Err(io::ErrorKind::StorageFull.into()),
+                    _ => Ok(taken),
+                }
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let rules = Rules::new(&Settings::default());
+        let mut full = Full(8);
+        let mut writer = Alongside::new(&mut full, rules).unwrap();
+        let error = writer.write_all(b"G28\nG28\nG1 X-999\n").unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        let (verdict, _) = writer.finish().unwrap();
+        assert_eq!(verdict.lines, 2);
+    }
+}
