@@ -20,50 +20,63 @@ use rstar::primitives::GeomWithData;
 /// How far loops may be off, mm.
 const TOLERANCE: Mm = 0.01;
 
-/// Loops around everything that is printed, `skirt.distance` away from the
-/// hull of the outline (and of the brim, on the first layer), the outermost
-/// first: they show that the nozzle primes and the bed is level, and keep
-/// draughts off.
-pub fn skirt(
-    outline: &Area,
-    first_layer: bool,
-    height: Mm,
-    settings: &Settings,
-) -> Vec<Bead> {
-    let points: MultiPoint<f64> = outline
-        .rings
-        .iter()
-        .flatten()
-        .map(|p| Point::new(p.x, p.y))
-        .collect();
-    let hull: Vec<DVec2> = points
-        .convex_hull()
-        .exterior()
-        .coords()
-        .skip(1)
-        .map(|&Coord { x, y }| DVec2::new(x, y))
-        .collect();
-    if hull.len() < 3 {
-        return Vec::new();
-    }
-    let hull = Area { rings: vec![hull] };
-    let width = settings.outer_wall_width;
-    let step = spacing(width, width, height);
-    let brim = match settings.brim.place {
-        BrimPlace::Outer | BrimPlace::Both if first_layer => {
-            let loops = brim_depths(height, settings);
-            loops.last().map_or(0.0, |d| d + 0.5 * width)
+/// Loops around everything that is printed: they show that the nozzle primes
+/// and the bed is level, and keep draughts off.
+pub struct Skirt {
+    /// The outermost first.
+    loops: Vec<Ring>,
+    width: Mm,
+}
+
+impl Skirt {
+    /// The skirt of a print whose layers beside it have these outlines:
+    /// `skirt.distance` away from the hull of them all, and of the brim. It is
+    /// the same in all of these layers, lest it hang in the air.
+    pub fn new<'a>(
+        outlines: impl IntoIterator<Item = &'a Area>,
+        settings: &Settings,
+    ) -> Self {
+        let points: MultiPoint<f64> = outlines
+            .into_iter()
+            .flat_map(|outline| outline.rings.iter().flatten())
+            .map(|p| Point::new(p.x, p.y))
+            .collect();
+        let hull: Vec<DVec2> = points
+            .convex_hull()
+            .exterior()
+            .coords()
+            .skip(1)
+            .map(|&Coord { x, y }| DVec2::new(x, y))
+            .collect();
+        let width = settings.outer_wall_width;
+        let mut loops = Vec::new();
+        if hull.len() >= 3 {
+            let hull = Area { rings: vec![hull] };
+            let brim = match settings.brim.place {
+                BrimPlace::Outer | BrimPlace::Both => {
+                    let height = settings.first_layer_height;
+                    let depths = brim_depths(height, settings);
+                    depths.last().map_or(0.0, |d| d + 0.5 * width)
+                }
+                _ => 0.0,
+            };
+            let step = spacing(width, width, settings.layer_height);
+            let nearest = brim + settings.skirt.distance + 0.5 * width;
+            for i in (0..settings.skirt.loops).rev() {
+                let away = nearest + step * f64::from(i);
+                loops.extend(offset(&hull, away, TOLERANCE).rings);
+            }
         }
-        _ => 0.0,
-    };
-    (0..settings.skirt.loops)
-        .rev()
-        .flat_map(|i| {
-            let away = brim + settings.skirt.distance + 0.5 * width;
-            offset(&hull, away + step * f64::from(i), TOLERANCE).rings
-        })
-        .map(|points| around(Role::Skirt, points, width, height))
-        .collect()
+        Skirt { loops, width }
+    }
+
+    /// Its beads in a layer of this height.
+    pub fn beads(&self, height: Mm) -> Vec<Bead> {
+        let rings = self.loops.iter().cloned();
+        rings
+            .map(|points| around(Role::Skirt, points, self.width, height))
+            .collect()
+    }
 }
 
 /// Loops beside the part that hold it down, `brim.gap` away from its outline
@@ -167,21 +180,32 @@ mod tests {
         let outline = Area { rings: vec![ring] };
         let mut settings = Settings::default();
         settings.skirt.loops = 2;
-        let loops = skirt(&outline, true, 0.2, &settings);
-        assert_eq!(loops.len(), 2);
-        let inner = &loops[1];
+        let lengths = |outlines: &[Area], settings: &Settings| {
+            let skirt = Skirt::new(outlines, settings);
+            let beads = skirt.beads(0.2);
+            beads.iter().map(Bead::length).collect::<Vec<f64>>()
+        };
+        let alone = lengths(std::slice::from_ref(&outline), &settings);
+        assert_eq!(alone.len(), 2);
         let exact = 40.0 + std::f64::consts::TAU * 6.225;
-        assert!((inner.length() - exact).abs() < 0.1, "{}", inner.length());
-        assert!(skirt(&Area::EMPTY, true, 0.2, &settings).is_empty());
-        // Round the brim on the first layer only.
+        assert!((alone[1] - exact).abs() < 0.1, "{alone:?}");
+        assert!(lengths(&[Area::EMPTY], &settings).is_empty());
+        // Round the brim.
         settings.brim.place = BrimPlace::Outer;
-        let outside = skirt(&outline, true, 0.2, &settings);
-        let more = outside[1].length() - inner.length();
+        let outside = lengths(std::slice::from_ref(&outline), &settings);
+        let more = outside[1] - alone[1];
         let brim = 0.1 + 0.45 + 11.0 * spacing(0.45, 0.45, 0.2);
         let exact = std::f64::consts::TAU * brim;
         assert!((more - exact).abs() < 0.02, "{more} {exact}");
-        let above = skirt(&outline, false, 0.2, &settings);
-        assert!((above[1].length() - inner.length()).abs() < 1e-9);
+        settings.brim.place = BrimPlace::None;
+        // Round all layers beside it.
+        let wide = rect(-5.0, 2.0, 20.0, 8.0);
+        let both = lengths(&[outline, wide], &settings);
+        // The hull has two slanting sides on the left and two on the right.
+        let left = 2.0 * 5f64.hypot(2.0);
+        let right = 2.0 * 10f64.hypot(2.0);
+        let exact = 32.0 + left + right + std::f64::consts::TAU * 6.225;
+        assert!((both[1] - exact).abs() < 0.1, "{both:?} {exact}");
     }
 
     fn frame() -> Area {

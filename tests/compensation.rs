@@ -1,4 +1,4 @@
-//! Compensations and brims in the G-code, against the radii of a tube.
+//! Compensations, brims and skirts in the G-code, against the radii of a tube.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
@@ -82,4 +82,30 @@ fn a_brim_lies_beside_the_first_layer_only() {
     for layer in &printed[1..] {
         assert_eq!(layer.length("Skirt/Brim"), 0.0);
     }
+}
+
+#[test]
+fn nothing_hangs_over_the_elephants_foot() {
+    // The next layer sticks out by more than half a line.
+    let printed = layers(&["elephant_foot=0.3", "elephant_foot_layers=1"]);
+    for layer in &printed {
+        assert_eq!(layer.length("Overhang perimeter"), 0.0);
+    }
+}
+
+#[test]
+fn a_skirt_of_several_layers_stands_on_itself() {
+    // A cone that stands on its tip's end: each layer is wider.
+    let settings = settings(&["skirt.layers=4", "skirt.distance=3"]);
+    let cone = "max(sqrt(x^2+y^2) - 10 - 2*z, abs(z - 1) - 1)";
+    let printed = parse(&slice(&formula(cone, &settings), &settings, 2).0);
+    let skirt = |layer: &Layer| radii(layer, "Skirt/Brim");
+    // Round the widest of the layers beside it, that from 0.6 to 0.8 mm.
+    let exact = 10.0 + 2.0 * 0.7 + 3.0 + 0.225;
+    for layer in &printed[..4] {
+        let [_, _, least, most] = skirt(layer);
+        assert!((least - exact).abs() < 0.02, "{least} {exact}");
+        assert!((most - exact).abs() < 0.02, "{most} {exact}");
+    }
+    assert_eq!(printed[4].length("Skirt/Brim"), 0.0);
 }

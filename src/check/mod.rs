@@ -136,16 +136,18 @@ struct State<'a> {
     rules: &'a Rules,
     verdict: Verdict,
     ground: Ground,
-    /// A bit for each tool whose nozzle is hot.
+    /// A bit for each tool whose nozzle is being heated, and each whose
+    /// nozzle is hot.
+    heated: u64,
     hot: u64,
     /// A macro may have heated it.
     macros: bool,
     /// The tool in use.
     tool: u32,
-    /// Filament pulled back.
-    back: Mm,
-    /// The same, by the firmware.
-    firmware_back: bool,
+    /// Filament of each tool that is pulled back.
+    back: [Mm; TOOLS as usize],
+    /// A bit for each tool that the firmware has pulled it back of.
+    firmware_back: u64,
     /// Greatest height of a bead of the print so far.
     top: Mm,
     layer: u32,
@@ -157,11 +159,12 @@ impl<'a> State<'a> {
             rules,
             verdict: Verdict::default(),
             ground: Ground::default(),
+            heated: 0,
             hot: 0,
             macros: false,
             tool: 0,
-            back: 0.0,
-            firmware_back: false,
+            back: [0.0; TOOLS as usize],
+            firmware_back: 0,
             top: rules.base,
             layer: 0,
         }
@@ -183,13 +186,19 @@ impl<'a> State<'a> {
             } => {
                 let bit = bit(tool.unwrap_or(self.tool));
                 if to <= 0.0 {
+                    self.heated &= !bit;
                     self.hot &= !bit;
-                } else if wait {
-                    self.hot |= bit;
+                } else {
+                    self.heated |= bit;
+                    self.hot |= if wait { bit } else { 0 };
                 }
             }
+            Event::WaitForHeat { .. } => self.hot |= self.heated,
             Event::Tool { tool, .. } => self.tool = tool,
-            Event::FirmwareRetract { back, .. } => self.firmware_back = back,
+            Event::FirmwareRetract { back, .. } => match back {
+                true => self.firmware_back |= bit(self.tool),
+                false => self.firmware_back &= !bit(self.tool),
+            },
             // It may heat, home and purge.
             Event::Macro { .. } => self.macros = true,
             Event::Problem { line, problem } => {
@@ -308,7 +317,7 @@ impl<'a> State<'a> {
             });
         }
         if fed < 0.0 {
-            self.back -= fed;
+            *self.back(step) -= fed;
             if step.travels() && !step.wipe && !template {
                 self.verdict.add(Kind::Backwards, step.line, step.to, || {
                     format!(
@@ -318,8 +327,8 @@ impl<'a> State<'a> {
                     )
                 });
             }
-            if self.back > rules.retraction && !template {
-                let back = self.back;
+            let back = *self.back(step);
+            if back > rules.retraction && !template {
                 let kind = Kind::LongRetraction;
                 self.verdict.add(kind, step.line, step.to, || {
                     format!("{back:.1} mm of filament are pulled back in all")
@@ -329,15 +338,16 @@ impl<'a> State<'a> {
             if step.prints() && !template {
                 self.begin(step);
             }
-            self.back = (self.back - fed).max(0.0);
+            let back = self.back(step);
+            *back = (*back - fed).max(0.0);
         }
     }
 
     /// Has the nozzle what a bead needs to begin?
     fn begin(&mut self, step: &Move) {
-        let missing = self.back;
+        let missing = *self.back(step);
         let short = missing > self.rules.missing;
-        if short || self.firmware_back {
+        if short || self.firmware_back & bit(step.tool) != 0 {
             let kind = Kind::Unprimed;
             self.verdict
                 .add(kind, step.line, step.from, || match short {
@@ -349,7 +359,12 @@ impl<'a> State<'a> {
                 });
         }
         // Whatever was missing is missing from this bead and no other.
-        self.back = 0.0;
+        *self.back(step) = 0.0;
+    }
+
+    /// Filament pulled back of the tool that moves.
+    fn back(&mut self, step: &Move) -> &mut Mm {
+        &mut self.back[step.tool.min(TOOLS - 1) as usize]
     }
 
     fn bead(&mut self, step: &Move, template: bool) {

@@ -73,6 +73,51 @@ fn cold_nozzles_push_nothing() {
 }
 
 #[test]
+fn tools_have_a_heat_and_a_retraction_each() {
+    let bead = "M83\nG1 X1 E0.1 F600\n";
+    let safe = |head: &str| verdict(&format!("{head}{bead}")).is_safe();
+    assert!(safe("M109 S200 T0\nM104 T1 S0\nT0\n"));
+    assert!(!safe("M109 T1 S200\nT0\n"), "T0 is cold");
+    assert!(safe("M109 T1 S200\nT1\n"));
+    // RepRapFirmware's way, also of other slicers.
+    assert!(safe("G10 P0 S205 R180\nT0\nM116\n"));
+    assert!(safe("G10 S205\nM116\n"), "no retraction");
+    assert!(safe("M568 P0 S205\nM116\n"));
+    assert!(!safe("G10 P0 S205 R180\nT0\n"), "nobody waited");
+    // Each tool's filament is its own.
+    let both = "M109 T0 S200\nM109 T1 S200\nM83\nG1 X0 Y0 F900\n;LAYER:0\n";
+    let change = format!("{both}G1 E-9.6\nT1\nG92 E0\nG1 X5 E0.2\nT0\n");
+    assert!(verdict(&change).is_safe());
+    let forgotten = verdict(&format!("{change}G1 X10 E0.2\n"));
+    assert_eq!(forgotten.counts.get(&Kind::Unprimed), Some(&1));
+    // So many tools that no table holds them.
+    assert!(safe("M109 T4000000000 S200\nT4000000000\n"));
+}
+
+#[test]
+fn less_filament_may_be_wanted_than_was_pulled_back() {
+    let cycle = "G1 E-0.8 F2100\nG1 X50 F9000\nG1 E0.6 F2100\n\
+                 G1 X80 E1.2 F1800\n";
+    let text = format!("{START}{}", cycle.repeat(9));
+    // 0.2 mm are missing each time, and not more and more.
+    let all = verdict(&text);
+    assert_eq!(all.counts.get(&Kind::Unprimed), Some(&9));
+    assert!(all.sentences("x", Severity::Fault)[2].contains("0.20 mm"));
+    assert!(verdict_with(&text, &["retract.extra_prime=-0.2"]).is_safe());
+}
+
+#[test]
+fn beads_beyond_the_bed_take_no_memory() {
+    let mut text = String::from(START);
+    for k in 0..2000 {
+        text += &format!("G1 X{} Y5000 E1 F900\nG1 X{} Y0\n", k * 20, k * 20);
+    }
+    let all = verdict(&text);
+    assert!(!all.is_safe());
+    assert!(all.counts[&Kind::OutOfReach] > 2000);
+}
+
+#[test]
 fn filament_goes_back_in_retractions_only() {
     assert_eq!(found("G1 X60 E-0.5 F900\n"), [(Kind::Backwards, 1)]);
     let wipe = ";WIPE_START\nG1 X60 E-0.5 F900\n;WIPE_END\n";

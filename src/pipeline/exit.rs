@@ -14,6 +14,7 @@ use crate::limits;
 use crate::order::{Head, LayerBeads, order};
 use crate::pace::Pacer;
 use crate::plane::Rect;
+use crate::plane::grid::EdgeGrid;
 use crate::preview::Pictures;
 use crate::region::floating::floating;
 use crate::report;
@@ -201,8 +202,12 @@ impl<'a, 'w> Exit<'a, 'w> {
         below: Option<&Shell>,
     ) -> (Vec<Bead>, Vec<Option<DVec2>>) {
         let below = below.filter(|b| !Arc::ptr_eq(&b.outline, &shell.outline));
-        let support = below.and_then(|b| {
-            Support::new(&b.outline.area, &b.solid, self.settings)
+        let squeezed = below
+            .and_then(|b| b.squeezed(self.settings))
+            .map(|area| (EdgeGrid::new(&area, 1.0), area));
+        let support = below.and_then(|b| match &squeezed {
+            Some((grid, area)) => Support::new(area, grid, self.settings),
+            None => Support::new(&b.outline.area, &b.solid, self.settings),
         });
         let mut beads = Vec::with_capacity(ended.len());
         let mut wipes = Vec::with_capacity(ended.len());

@@ -254,8 +254,14 @@ impl Run<'_> {
             .build()?;
         let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
         let around = Surroundings::new(model);
-        let stages =
-            Stages::new(model, settings, &around, gauge, options.backend)?;
+        let stages = Stages::new(
+            model,
+            settings,
+            &around,
+            gauge,
+            options.backend,
+            spans,
+        )?;
         let rater = Rater::new(settings, model, &around)?;
         let header = Header {
             model_name: model.name.clone(),

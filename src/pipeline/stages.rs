@@ -6,7 +6,7 @@
 
 use super::exit::Exit;
 use super::{BLOCK, SliceError};
-use crate::adhesion::{brim, skirt};
+use crate::adhesion::{Skirt, brim};
 use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Backend, Field, FieldError};
 use crate::fuzzy::Fuzzy;
@@ -40,6 +40,10 @@ const PRINTABLE: f64 = 0.25;
 /// Layers are filled until their outlines have so many points, and then
 /// written: their beads take several times the memory of their outlines.
 const BATCH_POINTS: usize = 50_000;
+
+/// A high skirt stands round the outlines of so many layers, about: it keeps
+/// a distance that what is between them will not bridge.
+const SKIRT_SAMPLES: usize = 64;
 
 /// Heights closer than this differ by rounding only, mm.
 const SAME_HEIGHT: Mm = 1e-9;
@@ -79,6 +83,14 @@ impl Shell {
             grid: &self.solid,
         }
     }
+
+    /// What the layer above will stand on, if that is not the outline: the
+    /// plastic goes where the elephant's foot was taken from.
+    pub fn squeezed(&self, settings: &Settings) -> Option<Area> {
+        let truth = self.truth.as_ref()?;
+        Compensation::new(&self.span, settings)?.squeezed(&truth.area)
+    }
+
     /// Shares with the layer below what is the same.
     pub fn share(&mut self, below: &Shell) {
         if below.outline == self.outline && self.offsets.is_empty() {
@@ -115,6 +127,8 @@ pub(super) struct Stages<'a> {
     wall_fields: Vec<Field>,
     seams: Seams<'a>,
     fuzzy: Option<Fuzzy<'a>>,
+    /// The skirt, if it is not of the first layer alone.
+    skirt: Option<Skirt>,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
     top_layers: usize,
@@ -131,6 +145,7 @@ impl<'a> Stages<'a> {
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
         backend: Option<Backend>,
+        spans: &[LayerSpan],
     ) -> Result<Self, SliceError> {
         let rect = Rect {
             min: model.bounds.min.truncate(),
@@ -168,19 +183,40 @@ impl<'a> Stages<'a> {
             height: model.bounds.size().z,
             bed: bed - model.offset.truncate(),
         };
-        Ok(Stages {
+        let mut stages = Stages {
             settings,
             field,
             wall_fields,
             seams: Seams::new(settings, around)?,
             fuzzy: Fuzzy::new(settings, around)?,
+            skirt: None,
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
             infill: Infill::new(settings, around, site)?,
             timings: Timings::default(),
             gauge,
-        })
+        };
+        if settings.skirt.loops > 0 && settings.skirt.layers > 1 {
+            stages.skirt = Some(stages.skirt_round(spans)?);
+        }
+        Ok(stages)
+    }
+
+    /// The skirt round all layers that stand beside it, or, if it is high,
+    /// some of them.
+    fn skirt_round(&self, spans: &[LayerSpan]) -> Result<Skirt, FieldError> {
+        let beside =
+            &spans[..spans.len().min(self.settings.skirt.layers as usize)];
+        let step = beside.len().div_ceil(SKIRT_SAMPLES).max(1);
+        let mut areas = Vec::new();
+        for span in beside.iter().step_by(step).chain(beside.last()) {
+            let of_span =
+                self.shells(std::slice::from_ref(span), &(0..usize::MAX))?;
+            areas.extend(of_span.into_iter().map(|s| s.outline));
+        }
+        let areas = areas.iter().map(|outline| &outline.area);
+        Ok(Skirt::new(areas, self.settings))
     }
 
     /// Layers whose field is walked at a time.
@@ -513,12 +549,12 @@ impl<'a> Stages<'a> {
             })?;
         }
         let outline = &shell.outline.area;
-        let first = layer == 0;
-        let mut around = match layer < self.settings.skirt.layers as usize {
-            true => skirt(outline, first, height, self.settings),
-            false => Vec::new(),
+        let mut around = match &self.skirt {
+            _ if layer >= self.settings.skirt.layers as usize => Vec::new(),
+            Some(skirt) => skirt.beads(height),
+            None => Skirt::new([outline], self.settings).beads(height),
         };
-        if first {
+        if layer == 0 {
             around.extend(brim(outline, height, self.settings));
         }
         let beads = LayerBeads {

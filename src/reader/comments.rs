@@ -20,6 +20,8 @@ pub(super) enum Tag {
     Height(Mm),
     /// What moves from here on wipes the nozzle, or no longer does.
     Wipe(bool),
+    /// E is a volume: Cura says so of these flavours, in a comment alone.
+    Volumetric,
 }
 
 /// The tag that `comment` is.
@@ -28,7 +30,12 @@ pub(super) fn tag(comment: &[u8]) -> Option<Tag> {
     // All tags begin with one of these; most comments do not.
     match comment.first()? {
         b'T' => after(comment, "TYPE:").map(role),
-        b'F' => after(comment, "FEATURE:").map(role),
+        b'F' => match comment {
+            b"FLAVOR:UltiGCode" | b"FLAVOR:Marlin(Volumetric)" => {
+                Some(Tag::Volumetric)
+            }
+            _ => after(comment, "FEATURE:").map(role),
+        },
         b'L' => match comment {
             b"LAYER_CHANGE" => Some(Tag::Layer),
             _ => after(comment, "LAYER:")

@@ -1,11 +1,14 @@
 //! What a printer would know after each line: modes, places, temperatures.
 //!
 //! In: the words of commands. Out: where the head and the filament go. G91
-//! makes the filament relative, too; G90 does not undo M83: so Klipper and
-//! RepRapFirmware have it, and slicers write files that do not depend on it.
+//! makes the filament relative, too, and G90 does not undo M83, as Klipper has
+//! it. Other firmware differs, and slicers write files that do not depend on
+//! it.
 
 use super::words::Words;
-use crate::units::{Celsius, Mm, MmPerSec, MmPerSec2, Percent};
+use crate::units::{
+    Celsius, Mm, Mm2, MmPerSec, MmPerSec2, Percent, filament_area,
+};
 use glam::DVec3;
 
 /// No machine reaches farther, mm.
@@ -54,6 +57,8 @@ pub(super) struct Machine {
     e: Mm,
     /// M83.
     e_mode_relative: bool,
+    /// E is mm³, of filament with this cross-section (M200).
+    volumetric: Option<Mm2>,
 }
 
 /// What a move is to do.
@@ -85,6 +90,7 @@ impl Machine {
             offset: DVec3::ZERO,
             e: 0.0,
             e_mode_relative: false,
+            volumetric: None,
         }
     }
 
@@ -105,6 +111,20 @@ impl Machine {
     /// A length of the file in millimetres.
     pub fn length(&self, words: &Words, letter: u8) -> Option<Mm> {
         words.get(letter).map(|n| n * self.unit)
+    }
+
+    /// M200: E is volume, of filament of this diameter; of none, if it is not.
+    pub fn set_volumetric(&mut self, diameter: Mm) {
+        let area = filament_area(diameter);
+        self.volumetric = (area > 1e-3).then_some(area);
+    }
+
+    /// The E of a line as a length in millimetres.
+    fn filament(&self, words: &Words) -> Option<Mm> {
+        match self.volumetric {
+            Some(area) => words.get(b'E').map(|volume| volume / area),
+            None => self.length(words, b'E'),
+        }
     }
 
     /// Takes in a move's feed rate, and says where it leads. Nothing, if that
@@ -128,7 +148,7 @@ impl Machine {
         if to.abs().max_element() > REACH {
             return None;
         }
-        let filament = match self.length(words, b'E') {
+        let filament = match self.filament(words) {
             Some(by) if self.state.relative_e => by,
             Some(to) => to - self.e,
             None => 0.0,
@@ -143,7 +163,7 @@ impl Machine {
             self.e = 0.0;
             self.offset = self.state.position;
         }
-        if let Some(e) = self.length(words, b'E') {
+        if let Some(e) = self.filament(words) {
             self.e = e;
         }
         let at = self.state.position;
@@ -209,7 +229,7 @@ impl Machine {
     pub fn fan_speed(words: &Words) -> Percent {
         let speed = words.get(b'S').unwrap_or(255.0);
         let share = match speed {
-            s if s > 0.0 && s < 1.0 => s,
+            s if s > 0.0 && s <= 1.0 => s,
             s => s / 255.0,
         };
         100.0 * share.clamp(0.0, 1.0)

@@ -4,9 +4,9 @@
 //! number: moves with places, filament, speed, role, layer, width and height;
 //! temperatures, fans, tools; and what cannot be made sense of.
 //!
-//! Understood: G0 to G3 (arcs become straight moves), G4, G10, G11, G20, G21,
-//! G28, G90 to G92, M82, M83, M104, M106, M107, M109, M140, M190, M204, T,
-//! Klipper's SET_VELOCITY_LIMIT, and the comments of PrusaSlicer, OrcaSlicer,
+//! Understood: G0 to G3 (arcs in the plane become straight moves), G4, G10,
+//! G11, G17 to G21, G28, G90 to G92, M82, M83, M104, M106, M107, M109, M116,
+//! M140, M190, M200, M204, M568, T, Klipper's SET_VELOCITY_LIMIT, and the comments of PrusaSlicer, OrcaSlicer,
 //! BambuStudio and Cura. Every other command is an event, too.
 //!
 //! Guarantees:
@@ -39,6 +39,7 @@
 //!
 //! | file | what it does |
 //! |---|---|
+//! | `event` | what lines do |
 //! | `lines` | lines, in memory that does not grow |
 //! | `words` | letters and numbers |
 //! | `machine` | modes and places |
@@ -49,6 +50,7 @@
 
 mod arc;
 mod comments;
+mod event;
 mod info;
 mod layering;
 mod lines;
@@ -57,18 +59,17 @@ mod problem;
 mod role;
 mod words;
 
+pub use event::{Event, Heater, Move};
 pub use info::Info;
 pub use machine::State;
 pub use problem::{Problem, Problems};
 pub use role::Role;
 pub use words::Words;
 
-use crate::units::{
-    Celsius, Mm, Mm2, MmPerSec, Percent, Seconds, filament_area,
-};
+use crate::units::{Celsius, Mm};
 use arc::Arc;
 use comments::{Tag, tag};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use layering::Layering;
 use lines::{Line, Lines};
 use machine::{Machine, Target};
@@ -78,157 +79,6 @@ use words::{Command, parse};
 
 /// Diameter of the filament, unless the file or the caller says another.
 pub const USUAL_FILAMENT: Mm = 1.75;
-
-/// Shorter moves of the head are none, mm: a thousandth of what a line can
-/// tell apart.
-const STILL: Mm = 1e-6;
-
-/// What a line, or a part of one, does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event {
-    /// The head or the filament moves.
-    Move(Move),
-    /// A layer begins. Where a file marks its layers, the number starts again
-    /// from 1 at the first mark: what was printed before was no layer.
-    Layer {
-        /// Line, from 1.
-        line: u64,
-        /// Number of the layer, from 1.
-        number: u32,
-    },
-    /// The firmware pulls filament back or pushes it forward again.
-    FirmwareRetract {
-        /// Line, from 1.
-        line: u64,
-        /// True for back (G10), false for forward (G11).
-        back: bool,
-    },
-    /// A temperature is set.
-    Heat {
-        /// Line, from 1.
-        line: u64,
-        /// What is heated.
-        heater: Heater,
-        /// To what; 0 is off.
-        to: Celsius,
-        /// Whether the printer waits until it is reached.
-        wait: bool,
-    },
-    /// A fan's speed is set.
-    Fan {
-        /// Line, from 1.
-        line: u64,
-        /// Number of the fan; 0 is the one that cools the part.
-        fan: u32,
-        /// Its speed.
-        speed: Percent,
-    },
-    /// The printer waits.
-    Dwell {
-        /// Line, from 1.
-        line: u64,
-        /// How long.
-        time: Seconds,
-    },
-    /// The printer finds its zero.
-    Home {
-        /// Line, from 1.
-        line: u64,
-    },
-    /// Another tool is taken.
-    Tool {
-        /// Line, from 1.
-        line: u64,
-        /// Its number.
-        tool: u32,
-    },
-    /// A command that has no event of its own; [`Reader::words`] has its
-    /// words until the next event.
-    Other {
-        /// Line, from 1.
-        line: u64,
-        /// G, M or T.
-        letter: char,
-        /// The command's number in tenths: 382 for G38.2.
-        tenths: u32,
-    },
-    /// Something that is no letter with a number: a macro of the printer's.
-    Macro {
-        /// Line, from 1.
-        line: u64,
-    },
-    /// Something was passed over.
-    Problem {
-        /// Line, from 1.
-        line: u64,
-        /// Why.
-        problem: Problem,
-    },
-}
-
-/// What has a temperature.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Heater {
-    /// The nozzle of a tool; the one in use, if none is named.
-    Nozzle(Option<u32>),
-    /// The bed.
-    Bed,
-}
-
-/// A straight move, or one of filament alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Move {
-    /// Line, from 1; the chords of an arc share one.
-    pub line: u64,
-    /// Where the head was, mm, as the machine counts.
-    pub from: DVec3,
-    /// Where it goes.
-    pub to: DVec3,
-    /// Filament fed; negative is pulled back.
-    pub filament: Mm,
-    /// Speed of the head, or of the filament where nothing else moves. Zero
-    /// until the file says one.
-    pub speed: MmPerSec,
-    /// What it is for, if it prints.
-    pub role: Role,
-    /// Number of the layer, from 1; 0 before the first.
-    pub layer: u32,
-    /// Width of the bead, if it prints.
-    pub width: Mm,
-    /// Height of the bead, if it prints.
-    pub height: Mm,
-    /// The tool in use.
-    pub tool: u32,
-    /// Comments say that it wipes the nozzle.
-    pub wipe: bool,
-}
-
-impl Move {
-    /// Length of the head's way.
-    pub fn length(&self) -> Mm {
-        self.from.distance(self.to)
-    }
-
-    /// True if the head moves.
-    pub fn travels(&self) -> bool {
-        self.length() > STILL
-    }
-
-    /// True if it leaves a bead: the head moves and filament is fed.
-    pub fn prints(&self) -> bool {
-        self.filament > 0.0 && self.travels()
-    }
-
-    /// Cross-section of the bead, from filament of this diameter.
-    pub fn area(&self, filament_diameter: Mm) -> Mm2 {
-        match self.prints() {
-            true => {
-                self.filament * filament_area(filament_diameter) / self.length()
-            }
-            false => 0.0,
-        }
-    }
-}
 
 /// Why a file cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -271,6 +121,8 @@ struct Parser {
     problems: Problems,
     /// Events of the line read last.
     pending: VecDeque<Event>,
+    /// Arcs lie in the plane of x and y (G17).
+    flat_arcs: bool,
     /// An arc on its way, and the filament of each of its moves.
     arc: Option<(Arc, Mm)>,
 }
@@ -291,6 +143,7 @@ impl<R: Read> Reader<R> {
                 info: Info::default(),
                 problems: Problems::default(),
                 pending: VecDeque::new(),
+                flat_arcs: true,
                 arc: None,
             },
             failed: false,
@@ -408,6 +261,10 @@ impl Parser {
         match tag(comment) {
             Some(Tag::Role(role)) => self.role = role,
             Some(Tag::Wipe(wipe)) => self.wipe = wipe,
+            Some(Tag::Volumetric) => {
+                let diameter = self.diameter();
+                self.machine.set_volumetric(diameter);
+            }
             Some(tag) => {
                 if self.layering.tag(tag) {
                     self.begin_layer();
@@ -448,13 +305,20 @@ impl Parser {
                 Event::Dwell { line, time }
             }
             // RepRapFirmware sets a tool's temperatures and offsets with it.
-            (b'G', 100) if self.words.has(b'P') => match self.words.get(b'S') {
-                Some(to) => {
-                    let tool = self.words.get(b'P').map(|t| t as u32);
-                    self.heat(Heater::Nozzle(tool), to, false)
-                }
-                None => other(line, letter, tenths),
-            },
+            (b'G', 100) if self.sets_a_tool() => self.tool_heating(tenths),
+            (b'M', 5680) => self.tool_heating(tenths),
+            (b'M', 1160) => Event::WaitForHeat { line },
+            (b'G', 170..=190) if tenths.is_multiple_of(10) => {
+                self.flat_arcs = tenths == 170;
+                other(line, letter, tenths)
+            }
+            (b'M', 2000) => {
+                let diameter = self.words.get(b'D').unwrap_or(0.0);
+                let off = self.words.get(b'S') == Some(0.0);
+                let diameter = if off { 0.0 } else { diameter };
+                self.machine.set_volumetric(diameter);
+                other(line, letter, tenths)
+            }
             (b'G', 100 | 110) => {
                 let back = tenths == 100;
                 self.machine.state.firmware_retracted = back;
@@ -533,6 +397,25 @@ impl Parser {
         }
     }
 
+    /// Is a G10 about a tool, and not a retraction? With S, a retraction may
+    /// say 0 or 1: whether it is a long one.
+    fn sets_a_tool(&self) -> bool {
+        let words = &self.words;
+        words.has(b'P')
+            || words.has(b'R')
+            || words.get(b'S').is_some_and(|s| s > 1.0)
+    }
+
+    /// RepRapFirmware's G10 and M568: the temperature of a tool.
+    fn tool_heating(&mut self, tenths: u32) -> Event {
+        let tool = self.words.get(b'P').map(|t| t as u32);
+        match self.words.get(b'S') {
+            Some(to) => self.heat(Heater::Nozzle(tool), to, false),
+            None if tenths == 100 => other(self.line, b'G', tenths),
+            None => other(self.line, b'M', tenths),
+        }
+    }
+
     fn heat(&mut self, heater: Heater, to: Celsius, wait: bool) -> Event {
         let state = &mut self.machine.state;
         match heater {
@@ -551,6 +434,13 @@ impl Parser {
         }
     }
 
+    /// Diameter of the filament.
+    fn diameter(&self) -> Mm {
+        self.filament_diameter
+            .or(self.info.filament_diameter)
+            .unwrap_or(USUAL_FILAMENT)
+    }
+
     fn go(&mut self) {
         match self.machine.aim(&self.words) {
             Some(target) => self.step(target),
@@ -563,6 +453,10 @@ impl Parser {
         let Some(target) = self.machine.aim(&self.words) else {
             return self.problem(Problem::OutOfReach);
         };
+        if !self.flat_arcs {
+            self.problem(Problem::UprightArc);
+            return self.step(target);
+        }
         let length = |letter| self.machine.length(&self.words, letter);
         let arc = match length(b'R') {
             Some(radius) => {
@@ -609,10 +503,7 @@ impl Parser {
             if self.layering.print(from, to) {
                 self.begin_layer();
             }
-            let diameter = self
-                .filament_diameter
-                .or(self.info.filament_diameter)
-                .unwrap_or(USUAL_FILAMENT);
+            let diameter = self.diameter();
             step.layer = self.layering.number;
             step.width = self.layering.width(step.area(diameter));
             step.height = self.layering.height();

@@ -12,6 +12,9 @@ pub enum Problem {
     OutOfReach,
     /// An arc that has no centre; it is taken as a straight move.
     BadArc,
+    /// An arc that is not in the plane of x and y (after G18 or G19); it is
+    /// taken as a straight move.
+    UprightArc,
     /// Signs that are no words in a line that moves.
     Stray,
     /// A line too long to be a command; its end is passed over.
@@ -28,6 +31,9 @@ impl fmt::Display for Problem {
                 write!(f, "a position beyond any machine's reach")
             }
             Problem::BadArc => write!(f, "an arc without a centre"),
+            Problem::UprightArc => {
+                write!(f, "an arc that is not in the plane of x and y")
+            }
             Problem::Stray => write!(f, "signs that are no command"),
             Problem::LongLine => write!(f, "a line too long to be a command"),
         }

@@ -1,4 +1,6 @@
 use super::*;
+use crate::units::filament_area;
+use glam::DVec3;
 
 fn events(text: &str) -> Vec<Event> {
     Reader::new(text.as_bytes()).map(Result::unwrap).collect()
@@ -88,6 +90,34 @@ fn an_arc_without_a_centre_is_straight_and_said_so() {
     let text = "G1 X10\nG2 X20 Y5\nG2 X30 R1\n";
     assert_eq!(moves(text).len(), 3);
     assert_eq!(problems(text), [(Problem::BadArc, 2, 2)]);
+}
+
+#[test]
+fn an_upright_arc_is_straight_and_said_so() {
+    let text = "G18\nG2 X30 Z0.2 I5 K0 E1\nG17\nG2 X20 I-5\n";
+    let found = moves(text);
+    assert_eq!(found[0].to, DVec3::new(30.0, 0.0, 0.2));
+    assert!(found.len() > 4, "the second is an arc");
+    assert_eq!(problems(text), [(Problem::UprightArc, 2, 1)]);
+}
+
+#[test]
+fn filament_may_be_a_volume() {
+    // 50 mm of 0.45 × 0.2 mm.
+    let area = filament_area(1.75);
+    for (head, volumes) in [
+        ("M200 D1.75\n", [true, true]),
+        (";FLAVOR:UltiGCode\n", [true, true]),
+        ("M200 D1.75\nM200 S0\n", [false, false]),
+        ("M200 D1.75\nM200 D0\n", [false, false]),
+    ] {
+        let text = format!("{head}M82\nG1 X50 E4.5\nG92 E1\nG1 X0 E5.5\n");
+        let found = moves(&text);
+        for (step, volume) in found.iter().zip(volumes) {
+            let exact = if volume { 4.5 / area } else { 4.5 };
+            assert!((step.filament - exact).abs() < 1e-12, "{head} {step:?}");
+        }
+    }
 }
 
 #[test]

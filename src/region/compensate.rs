@@ -36,6 +36,12 @@ impl Compensation {
         (it.grow != 0.0 || it.draw_in > 0.0).then_some(it)
     }
 
+    /// The outline as the print will have it, if the plastic does what it is
+    /// drawn in for; `None` if it is not drawn in.
+    pub fn squeezed(&self, outline: &Area) -> Option<Area> {
+        (self.draw_in > 0.0).then(|| offset(outline, self.grow, self.tolerance))
+    }
+
     /// The outline, moved.
     pub fn apply(&self, outline: &Area) -> Area {
         let area = offset(outline, self.grow, self.tolerance);

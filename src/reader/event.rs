@@ -1,0 +1,164 @@
+//! What the lines of a file do.
+
+use super::problem::Problem;
+use super::role::Role;
+use crate::units::{
+    Celsius, Mm, Mm2, MmPerSec, Percent, Seconds, filament_area,
+};
+use glam::DVec3;
+
+/// Shorter moves of the head are none, mm: a thousandth of what a line can
+/// tell apart.
+const STILL: Mm = 1e-6;
+
+/// What a line, or a part of one, does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// The head or the filament moves.
+    Move(Move),
+    /// A layer begins. Where a file marks its layers, the number starts again
+    /// from 1 at the first mark: what was printed before was no layer.
+    Layer {
+        /// Line, from 1.
+        line: u64,
+        /// Number of the layer, from 1.
+        number: u32,
+    },
+    /// The firmware pulls filament back or pushes it forward again.
+    FirmwareRetract {
+        /// Line, from 1.
+        line: u64,
+        /// True for back (G10), false for forward (G11).
+        back: bool,
+    },
+    /// A temperature is set.
+    Heat {
+        /// Line, from 1.
+        line: u64,
+        /// What is heated.
+        heater: Heater,
+        /// To what; 0 is off.
+        to: Celsius,
+        /// Whether the printer waits until it is reached.
+        wait: bool,
+    },
+    /// A fan's speed is set.
+    Fan {
+        /// Line, from 1.
+        line: u64,
+        /// Number of the fan; 0 is the one that cools the part.
+        fan: u32,
+        /// Its speed.
+        speed: Percent,
+    },
+    /// The printer waits for all temperatures that have been set.
+    WaitForHeat {
+        /// Line, from 1.
+        line: u64,
+    },
+    /// The printer waits.
+    Dwell {
+        /// Line, from 1.
+        line: u64,
+        /// How long.
+        time: Seconds,
+    },
+    /// The printer finds its zero.
+    Home {
+        /// Line, from 1.
+        line: u64,
+    },
+    /// Another tool is taken.
+    Tool {
+        /// Line, from 1.
+        line: u64,
+        /// Its number.
+        tool: u32,
+    },
+    /// A command that has no event of its own; [`Reader::words`] has its
+    /// words until the next event.
+    Other {
+        /// Line, from 1.
+        line: u64,
+        /// G, M or T.
+        letter: char,
+        /// The command's number in tenths: 382 for G38.2.
+        tenths: u32,
+    },
+    /// Something that is no letter with a number: a macro of the printer's.
+    Macro {
+        /// Line, from 1.
+        line: u64,
+    },
+    /// Something was passed over.
+    Problem {
+        /// Line, from 1.
+        line: u64,
+        /// Why.
+        problem: Problem,
+    },
+}
+
+/// What has a temperature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heater {
+    /// The nozzle of a tool; the one in use, if none is named.
+    Nozzle(Option<u32>),
+    /// The bed.
+    Bed,
+}
+
+/// A straight move, or one of filament alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// Line, from 1; the chords of an arc share one.
+    pub line: u64,
+    /// Where the head was, mm, as the machine counts.
+    pub from: DVec3,
+    /// Where it goes.
+    pub to: DVec3,
+    /// Filament fed; negative is pulled back.
+    pub filament: Mm,
+    /// Speed of the head, or of the filament where nothing else moves. Zero
+    /// until the file says one.
+    pub speed: MmPerSec,
+    /// What it is for, if it prints.
+    pub role: Role,
+    /// Number of the layer, from 1; 0 before the first.
+    pub layer: u32,
+    /// Width of the bead, if it prints.
+    pub width: Mm,
+    /// Height of the bead, if it prints.
+    pub height: Mm,
+    /// The tool in use.
+    pub tool: u32,
+    /// Comments say that it wipes the nozzle.
+    pub wipe: bool,
+}
+
+impl Move {
+    /// Length of the head's way.
+    pub fn length(&self) -> Mm {
+        self.from.distance(self.to)
+    }
+
+    /// True if the head moves.
+    pub fn travels(&self) -> bool {
+        self.length() > STILL
+    }
+
+    /// True if it leaves a bead: the head moves and filament is fed.
+    pub fn prints(&self) -> bool {
+        self.filament > 0.0 && self.travels()
+    }
+
+    /// Cross-section of the bead, from filament of this diameter.
+    pub fn area(&self, filament_diameter: Mm) -> Mm2 {
+        match self.prints() {
+            true => {
+                self.filament * filament_area(filament_diameter) / self.length()
+            }
+            false => 0.0,
+        }
+    }
+}
