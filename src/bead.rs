@@ -20,7 +20,7 @@ use glam::DVec2;
 /// What a bead is for. The G-code dialect translates it to its reader's word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Role {
-    /// Loop around the part on the first layer, not touching it.
+    /// Loop around the part on the lowest layers, not touching it.
     Skirt,
     /// Loops on the bed beside the part's first layer that hold it down.
     Brim,

@@ -117,7 +117,7 @@
 //! | sample plane | height at which a layer's function is evaluated |
 //! | seam | where a closed bead begins and ends |
 //! | skin | solid area that faces up (top) or down (bottom), some layers deep |
-//! | skirt | loop round the part on the bed that starts the flow |
+//! | skirt | loop round the part that starts the flow |
 //! | slab | layers whose field is evaluated together |
 //! | spacing | distance of the centre lines of neighbouring beads |
 //! | travel | move without extruding |

@@ -1082,3 +1082,65 @@ fn render_draws_a_picture() {
         .assert()
         .code(1);
 }
+
+#[test]
+fn what_could_hurt_the_printer_is_not_written() {
+    let folder = folder();
+    write(&folder, "part.gcode", "; an older file");
+    let args = ["slice", "-e", BALL, "-o", "part.gcode", "--set"];
+    let beyond = "gcode.end=G1 X900 F6000";
+    isoslice(&folder)
+        .args(args)
+        .arg(beyond)
+        .assert()
+        .code(1)
+        .stderr(contains("should not be run on this printer"))
+        .stderr(contains("the head goes to x = 900.00"))
+        .stderr(contains("gcode.end"))
+        .stderr(contains("--no-check"));
+    let kept = fs::read_to_string(folder.path().join("part.gcode")).unwrap();
+    assert_eq!(kept, "; an older file");
+    assert_eq!(names(folder.path()), ["part.gcode"]);
+    // A stream has been written by then, but the end is an error all the same.
+    isoslice(&folder)
+        .args(["slice", "-e", BALL, "-o", "-", "--set", beyond])
+        .assert()
+        .code(1)
+        .stdout(contains("G1 X900"));
+    isoslice(&folder)
+        .args(args)
+        .args([beyond, "--no-check"])
+        .assert()
+        .success()
+        .stdout(contains("checked").not());
+    isoslice(&folder)
+        .args(["check", "part.gcode"])
+        .assert()
+        .code(1)
+        .stdout(contains("out").and(contains("1 faults")));
+}
+
+#[test]
+fn a_summary_tells_what_begins_in_the_air() {
+    let folder = folder();
+    // A pin hangs beside a post, from a bar that joins them.
+    let model = "min(max(max(abs(x) - 2, abs(y) - 2), abs(z - 3) - 3), \
+                 min(max(max(abs(x - 8) - 2, abs(y) - 2), abs(z - 4) - 2), \
+                 max(max(abs(x - 4) - 6, abs(y) - 2), abs(z - 5) - 1)))";
+    let slice = ["slice", "-e", model, "-o", "pin.gcode"];
+    isoslice(&folder).args(slice).assert().success().stdout(
+        contains("safe for this printer")
+            .and(contains("1 island begins on nothing"))
+            .and(contains("z = 2.20 mm")),
+    );
+    let text = stdout(isoslice(&folder).args(slice).arg("--json"));
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["checked"], true);
+    assert_eq!(json["islands_in_air"], 1);
+    // The upper half alone goes on with the lower one.
+    let upper = ["--layers", "20..", "--json"];
+    let text = stdout(isoslice(&folder).args(slice).args(upper));
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["islands_in_air"], 0);
+    assert_eq!(json["warnings"], serde_json::json!([]));
+}

@@ -36,6 +36,7 @@ fn slice(
         layers: LayerRange::ALL,
         svg_dir: None,
         report: false,
+        check: true,
         backend,
         on_layer: &|_, _| {},
     };
