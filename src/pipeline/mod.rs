@@ -52,6 +52,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
@@ -63,11 +64,29 @@ pub struct Options<'a> {
     pub svg_dir: Option<&'a Path>,
     /// Measure everything, for a report, and not only a few points.
     pub report: bool,
+    /// When the file is written, for its first line, which otherwise says
+    /// nothing of it.
+    pub timestamp: Option<SystemTime>,
     /// How the model is evaluated; the faster way is found by trial if not
     /// given. The result is the same.
     pub backend: Option<Backend>,
     /// Told about progress: layers written, layers in all.
     pub on_layer: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+impl Default for Options<'_> {
+    /// The whole part on all of the machine, and nothing besides.
+    fn default() -> Self {
+        Options {
+            threads: None,
+            layers: LayerRange::ALL,
+            svg_dir: None,
+            report: false,
+            timestamp: None,
+            backend: None,
+            on_layer: &|_, _| {},
+        }
+    }
 }
 
 /// What came of a run.
@@ -176,6 +195,7 @@ pub fn slice(
         model_name: model.name.clone(),
         layer_count: spans.len(),
         layers: layers.clone(),
+        timestamp: options.timestamp,
         nozzle_temperature: match spans.get(layers.start) {
             Some(span) => rater.temperature(span)?,
             None => settings.filament.first_layer_nozzle_temperature,
