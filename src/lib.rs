@@ -49,7 +49,6 @@
 //! # A ball
 //!
 //! ```
-//! use isoslice::layers::LayerRange;
 //! use isoslice::model::{
 //!     BuildVolume, Placement, Source, SourceKind, load, place,
 //! };
@@ -66,15 +65,7 @@
 //! let bed = BuildVolume { x: 220.0, y: 220.0, z: 250.0 };
 //! let ball = place(&load(&source, &[])?, &Placement::default(), bed)?;
 //!
-//! let options = Options {
-//!     threads: None,
-//!     layers: LayerRange::ALL,
-//!     svg_dir: None,
-//!     report: false,
-//!     check: true,
-//!     backend: None,
-//!     on_layer: &|_done, _total| {},
-//! };
+//! let options = Options { threads: Some(2), ..Options::default() };
 //! let mut gcode = Vec::new();
 //! let summary = slice(&ball, &settings, &options, &mut gcode)?;
 //!

@@ -134,6 +134,7 @@ fn header(layer_count: usize) -> Header {
         model_name: "tiny".to_owned(),
         layer_count,
         layers: 0..layer_count,
+        timestamp: None,
         nozzle_temperature: 215.0,
         part_min: DVec3::new(100.0, 100.0, 0.0),
         part_max: DVec3::new(112.0, 110.0, 0.2 * layer_count as f64),

@@ -115,11 +115,7 @@ fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
     let options = Options {
         threads: Some(1),
         layers: "51..".parse().unwrap(),
-        svg_dir: None,
-        report: false,
-        check: true,
-        backend: None,
-        on_layer: &|_, _| {},
+        ..Options::default()
     };
     let error = pipeline::slice(&model, &settings, &options, &mut Vec::new())
         .unwrap_err();

@@ -1,10 +1,12 @@
 //! `isoslice check`: is G-code safe to run on a printer?
 
 use super::args::SettingsSource;
+use super::limits::{LimitArgs, watched};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::check::{Rules, Severity, Verdict, check};
+use isoslice::limits;
 use serde_json::json;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -29,12 +31,19 @@ pub(super) struct CheckArgs {
     #[command(flatten)]
     settings: SettingsSource,
 
+    #[command(flatten)]
+    limits: LimitArgs,
+
     /// Print the verdict as JSON
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<()> {
+    watched(&args.limits.watch(), || look_through(args))
+}
+
+fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
     let settings = args.settings.gather()?.settings;
     let rules = Rules::new(&settings);
     let (name, verdict) = match args.file == Path::new("-") {
@@ -83,7 +92,8 @@ fn judge(
     name: &str,
     rules: &Rules,
 ) -> anyhow::Result<Verdict> {
-    check(input, rules).with_context(|| name.to_owned())
+    limits::doing("reading", || check(input, rules))
+        .with_context(|| name.to_owned())
 }
 
 fn described(name: &str, verdict: &Verdict) -> serde_json::Value {

@@ -67,6 +67,7 @@ use placeholders::Moment;
 use progress::Waiting;
 use std::io::Write;
 use std::ops::Range;
+use std::time::SystemTime;
 use template::Templates;
 
 /// Decimals of coordinates: a micrometre.
@@ -95,6 +96,8 @@ pub struct Header {
     pub layer_count: usize,
     /// Indices of those in this file.
     pub layers: Range<usize>,
+    /// When it is written, if it is to say so.
+    pub timestamp: Option<SystemTime>,
     /// Temperature of the nozzle on the first of them.
     pub nozzle_temperature: Celsius,
     /// Lower corner of the part, on the bed.

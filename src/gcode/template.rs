@@ -446,6 +446,7 @@ mod tests {
             model_name: "gyroid\nball".to_owned(),
             layer_count: 12,
             layers: 0..12,
+            timestamp: None,
             nozzle_temperature: 210.0,
             part_min: DVec3::new(95.0, 95.0, 0.0),
             part_max: DVec3::new(125.0, 125.0, 30.0),

@@ -270,6 +270,7 @@ impl Subject {
     }
 
     fn look(&self, frame: Frame) -> Result<Seen, PictureError> {
+        crate::limits::check();
         match self.native {
             true => self.look_with(&self.jit, frame),
             false => self.look_with(&self.vm, frame),

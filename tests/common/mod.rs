@@ -78,11 +78,7 @@ pub fn slice_layers(
     let options = Options {
         threads: Some(threads),
         layers: layers.parse::<LayerRange>().unwrap(),
-        svg_dir: None,
-        report: false,
-        check: true,
-        backend: None,
-        on_layer: &|_, _| {},
+        ..Options::default()
     };
     let mut bytes = Vec::new();
     let summary =
