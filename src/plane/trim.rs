@@ -293,22 +293,24 @@ impl Moved<'_> {
             if states.iter().all(|s| *s == State::Clear) {
                 continue;
             }
-            let length = |k: usize| ring[k].distance(ring[(k + 1) % n]);
+            let length = |k: usize| {
+                ring[k].distance(ring[if k + 1 == n { 0 } else { k + 1 }])
+            };
+            // What is left of the way beside the last edge, and an edge.
+            let mut pass = |left: Mm, k: usize| {
+                if states[k] == State::Clear && left <= 0.0 {
+                    return left;
+                }
+                marked[k] = true;
+                match states[k] {
+                    State::Clear => left - length(k),
+                    _ => beside,
+                }
+            };
             // Both ways round, twice each: what is beside the first edge may
             // be the last.
-            for back in [false, true] {
-                let mut left = 0.0;
-                for i in 0..2 * n {
-                    let k = if back { (2 * n - 1 - i) % n } else { i % n };
-                    if states[k] != State::Clear {
-                        left = beside;
-                        marked[k] = true;
-                    } else if left > 0.0 {
-                        left -= length(k);
-                        marked[k] = true;
-                    }
-                }
-            }
+            (0..n).chain(0..n).fold(0.0, &mut pass);
+            (0..n).rev().chain((0..n).rev()).fold(0.0, &mut pass);
         }
         marked
     }

@@ -75,6 +75,11 @@ impl Seen {
         self.last[edge] = entry;
     }
 
+    /// True if all places on an edge are in some stretch.
+    fn has_all(&self, mut all: impl Iterator<Item = Mm>, edge: usize) -> bool {
+        self.last[edge] != NONE && all.all(|at| self.has(edge, at))
+    }
+
     fn has(&self, edge: usize, at: Mm) -> bool {
         let mut entry = self.last[edge];
         while let Some(&(from, to, before)) = self.stretches.get(entry as usize)
@@ -143,6 +148,7 @@ impl<'a> Border<'a> {
         first_edge: usize,
     ) -> Vec<Option<Ball>> {
         let mut balls = Vec::with_capacity(ring.len());
+        let fan = FAN.cos();
         // The last ball, its edge, and how far along the edge it is.
         let mut before: Option<(usize, Mm, Option<Grown>)> = None;
         let mut last_radius = 0.0;
@@ -161,14 +167,20 @@ impl<'a> Border<'a> {
             }
             let along = along / length;
             let normal = along.perp();
-            let turn = match last_along {
-                Some(last) => DVec2::angle_to(last, along),
-                None => 0.0,
-            };
-            last_along = Some(along);
-            if turn < -FAN {
-                let first = self.fan(a, number, normal, -turn, &mut balls);
+            let last = last_along.replace(along).unwrap_or(along);
+            let (sine, cosine) = (last.perp_dot(along), last.dot(along));
+            if sine < 0.0 && cosine < fan {
+                let turn = (-sine).atan2(cosine);
+                let first = self.fan(a, number, normal, turn, &mut balls);
                 before = first.map(|g| (number, 0.0, Some(g)));
+            }
+            let count = (length / STEP).ceil().clamp(1.0, 1e6);
+            let place = |k: usize| (k as f64 + 0.5) / count * length;
+            let count = count as usize;
+            if self.seen.has_all((0..count).map(place), number) {
+                balls.push(None);
+                before = None;
+                continue;
             }
             // Nothing within reach of the whole edge's centres: no ball
             // shrinks. A little less than the radius, or every edge would
@@ -181,9 +193,7 @@ impl<'a> Border<'a> {
                 self.meets(number, 0.98 * self.radius, false);
                 continue;
             }
-            let count = (length / STEP).ceil().clamp(1.0, 1e6);
-            for k in 0..count as usize {
-                let at = (k as f64 + 0.5) / count * length;
+            for at in (0..count).map(place) {
                 if self.seen.has(number, at) {
                     balls.push(None);
                     before = None;
@@ -412,15 +422,15 @@ impl<'a> Border<'a> {
         let mut touch = None;
         for _ in 0..ROUNDS {
             let centre = p + normal * r;
-            let near = |edge: usize| {
-                let (a, b) = self.grid.edge(edge);
-                let q = nearest_on(centre, a, b);
-                (q.distance_squared(centre), edge, q)
-            };
-            let (d, edge, q) = beside
-                .map(near)
-                .into_iter()
-                .min_by(|a, b| a.0.total_cmp(&b.0))?;
+            let (mut d, mut edge, mut q) = (f64::INFINITY, hint.edge, p);
+            for e in beside {
+                let (a, b) = self.grid.edge(e);
+                let near = nearest_on(centre, a, b);
+                let off = near.distance_squared(centre);
+                if off < d {
+                    (d, edge, q) = (off, e, near);
+                }
+            }
             if d >= (r - TOUCHING).max(0.0).powi(2) {
                 break;
             }

@@ -145,10 +145,12 @@ struct Skeleton {
 
 impl Skeleton {
     fn new(area: &Area, grid: &EdgeGrid, limit: Mm, tolerance: Mm) -> Skeleton {
-        let (ridges, room) = match area.is_empty() || limit <= 0.0 {
+        let (mut ridges, room) = match area.is_empty() || limit <= 0.0 {
             true => (Vec::new(), Room::default()),
             false => ridges(area, grid, limit, tolerance),
         };
+        // A post's ridge is a point.
+        ridges.retain(|r| r.length() > 0.25 * r.thickest());
         Skeleton { ridges, room }
     }
 
@@ -176,12 +178,7 @@ impl Skeleton {
     ) -> (Vec<Ridge>, Vec<Ridge>) {
         let mut beads = Vec::new();
         let mut slivers = Vec::new();
-        // A post's ridge is a point.
-        let lines = self
-            .ridges
-            .iter()
-            .filter(|r| r.length() > 0.25 * r.thickest());
-        for ridge in lines {
+        for ridge in &self.ridges {
             for (part, fits) in thin::parts(ridge, 2.0 * depth, least, limit) {
                 match fits {
                     true => beads.push(part),

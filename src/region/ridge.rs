@@ -85,31 +85,37 @@ impl Ridge {
         while let Some((i, j)) = todo.pop() {
             let (a, b) = (at(i), at(j));
             let along = b - a;
-            let off = |k: usize| {
-                let t = (at(k) - a).dot(along) / along.length_squared();
+            let length = along.length_squared();
+            let mut worst = (tolerance * tolerance, None);
+            for k in i + 1..j {
+                let from_a = at(k) - a;
+                let t = from_a.dot(along) / length;
                 let t = if t.is_finite() {
                     t.clamp(0.0, 1.0)
                 } else {
                     0.0
                 };
-                at(k).distance(a + along * t)
-            };
-            let worst = (i + 1..j)
-                .map(|k| (off(k), k))
-                .max_by(|p, q| p.0.total_cmp(&q.0));
-            if let Some((d, k)) = worst
-                && d > tolerance
-            {
+                let off = (from_a - along * t).length_squared();
+                if off > worst.0 {
+                    worst = (off, Some(k));
+                }
+            }
+            if let Some(k) = worst.1 {
                 keep[k] = true;
                 todo.extend([(i, k), (k, j)]);
             }
         }
-        let kept = || (0..=last).filter(|&i| keep[i]);
-        Ridge {
-            points: kept().map(|i| self.points[i]).collect(),
-            thickness: kept().map(|i| self.thickness[i]).collect(),
+        let count = keep.iter().filter(|k| **k).count();
+        let mut thin = Ridge {
+            points: Vec::with_capacity(count),
+            thickness: Vec::with_capacity(count),
             closed: self.closed,
+        };
+        for i in (0..=last).filter(|&i| keep[i]) {
+            thin.points.push(self.points[i]);
+            thin.thickness.push(self.thickness[i]);
         }
+        thin
     }
 
     /// The ridge cut where its thickness passes `limit`: each part is above
@@ -123,11 +129,17 @@ impl Ridge {
         }
         let mut parts: Vec<Ridge> = Vec::new();
         let segments = if self.closed { n } else { n - 1 };
-        let mut part = Ridge {
-            points: vec![self.points[0]],
-            thickness: vec![first],
-            closed: false,
+        let begun = |p: DVec2, thickness: Mm| {
+            let mut part = Ridge {
+                points: Vec::with_capacity(16),
+                thickness: Vec::with_capacity(16),
+                closed: false,
+            };
+            part.points.push(p);
+            part.thickness.push(thickness);
+            part
         };
+        let mut part = begun(self.points[0], first);
         for k in 0..segments {
             let (i, j) = (k, (k + 1) % n);
             let (a, b) = (self.thickness[i], self.thickness[j]);
@@ -142,11 +154,7 @@ impl Ridge {
                 };
                 part.points.push(p);
                 part.thickness.push(end);
-                let next = Ridge {
-                    points: vec![p],
-                    thickness: vec![begin],
-                    closed: false,
-                };
+                let next = begun(p, begin);
                 parts.push(std::mem::replace(&mut part, next));
             }
             part.points.push(self.points[j]);
