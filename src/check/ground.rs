@@ -12,9 +12,6 @@ use std::collections::BTreeMap;
 /// neighbouring cells.
 const CELL: Mm = 0.5;
 
-/// Longer moves than any printer's are not followed between their ends.
-const LONGEST: Mm = 5e3;
-
 /// Cells along one side of a tile.
 const SIDE: i32 = 32;
 
@@ -93,15 +90,13 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// A bead runs from `a` to `b` in the layer being printed.
+    /// A bead runs from `a` to `b`, places on a bed, in the layer being
+    /// printed.
     pub fn bead(&mut self, a: DVec2, b: DVec2, z: Mm) {
         self.z = z;
         let way = b - a;
         let length = way.length();
-        let steps = match length <= LONGEST {
-            true => (length / CELL).ceil().max(1.0) as u32,
-            false => 1,
-        };
+        let steps = (length / CELL).ceil().max(1.0) as u32;
         for k in 0..=steps {
             let p = a + way * (f64::from(k) / f64::from(steps));
             self.here.mark((p / CELL).floor().as_ivec2());

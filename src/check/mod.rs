@@ -98,6 +98,14 @@ impl Rules {
             speed_z: printer.max_speed_z,
         }
     }
+
+    /// Whether the head can go there, or `margin` beside it in the plane.
+    fn reach(&self, p: DVec3, margin: Mm) -> bool {
+        let low = DVec3::new(-margin, -margin, -ROUNDING);
+        let high = self.bed.extend(self.height);
+        let high = high + DVec3::new(margin, margin, ROUNDING);
+        !(p.cmplt(low).any() || p.cmpgt(high).any())
+    }
 }
 
 /// Checks a file.
@@ -200,10 +208,7 @@ impl<'a> State<'a> {
             false => ROUNDING,
         };
         let rules = self.rules;
-        let low = DVec3::new(-margin, -margin, -ROUNDING);
-        let high = rules.bed.extend(rules.height);
-        let high = high + DVec3::new(margin, margin, ROUNDING);
-        if step.to.cmplt(low).any() || step.to.cmpgt(high).any() {
+        if !rules.reach(step.to, margin) {
             self.verdict.add(Kind::OutOfReach, step.line, step.to, || {
                 format!(
                     "the head goes to {}; the printer reaches from 0 to {} × \
@@ -350,8 +355,11 @@ impl<'a> State<'a> {
             });
         }
         self.top = self.top.max(z);
-        // Skirts stand alone, and ironing lays nothing.
-        if !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
+        // Skirts stand alone, and ironing lays nothing. What is out of reach
+        // has been said to be, and there is no end to it.
+        let within =
+            rules.reach(step.from, BESIDE) && rules.reach(step.to, BESIDE);
+        if within && !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
             self.ground
                 .bead(step.from.truncate(), step.to.truncate(), z);
         }
