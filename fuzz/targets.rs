@@ -14,6 +14,7 @@ use isoslice::model::{
     place,
 };
 use isoslice::pipeline::{self, Options};
+use isoslice::preview::{Toolpath, write_html};
 use isoslice::reader::{Event, Reader};
 use isoslice::settings::{Builder, Settings};
 use std::time::Duration;
@@ -158,6 +159,11 @@ pub fn slice(data: &[u8]) {
         "first_layer_height=0.4",
         "outer_wall_width=0.5",
         "printer.nozzle_diameter=0.5",
+        // The picture takes longer than all the rest.
+        match data.len() % 16 {
+            0 => "gcode.thumbnails=16x16",
+            _ => "gcode.thumbnails=",
+        },
     ] {
         if let Err(error) = builder.set(assignment) {
             panic!("{error}");
@@ -190,7 +196,7 @@ pub fn slice(data: &[u8]) {
     }
 }
 
-/// G-code of anybody's: read, and checked.
+/// G-code of anybody's: read, checked, and shown.
 pub fn gcode(bytes: &[u8]) {
     for event in Reader::new(bytes).flatten() {
         if let Event::Move(step) = event {
@@ -199,4 +205,10 @@ pub fn gcode(bytes: &[u8]) {
         }
     }
     let _ = check(bytes, &Rules::new(&Settings::default())).map(drop);
+    if let Ok(path) = Toolpath::read(Reader::new(bytes)) {
+        let mut page = Vec::new();
+        if let Err(error) = write_html(&mut page, &path, "fuzz") {
+            panic!("{error}");
+        }
+    }
 }

@@ -1161,7 +1161,7 @@ fn what_could_hurt_the_printer_is_not_written() {
         .args(["check", "part.gcode"])
         .assert()
         .code(1)
-        .stdout(contains("out").and(contains("1 faults")));
+        .stdout(contains("fault: part.gcode:").and(contains("1 fault,")));
 }
 
 #[test]

@@ -71,20 +71,30 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
             writeln!(out, "fault: {fault}")?;
         }
         terminal::warn(&verdict.sentences(&name, Severity::Warning));
-        writeln!(
-            out,
-            "{name}: {} moves in {} layers, {} faults, {} warnings",
-            verdict.moves,
-            verdict.layers,
-            verdict.count(Severity::Fault),
-            verdict.count(Severity::Warning)
-        )?;
+        if !terminal::is_quiet() {
+            writeln!(
+                out,
+                "{name}: {} moves in {} layers, {}, {}",
+                verdict.moves,
+                verdict.layers,
+                counted(verdict.count(Severity::Fault), "fault"),
+                counted(verdict.count(Severity::Warning), "warning")
+            )?;
+        }
     }
     out.flush()?;
     if !verdict.is_safe() {
         bail!("{name} should not be run on this printer as it is");
     }
     Ok(())
+}
+
+/// `1 fault`, `2 faults`.
+fn counted(count: u64, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    }
 }
 
 fn judge(
