@@ -22,6 +22,8 @@ pub struct EdgeGrid {
     chains: Vec<(u32, u32)>,
     origin: DVec2,
     cell: Mm,
+    /// Cells per millimetre.
+    per_cell: f64,
     columns: usize,
     rows: usize,
     /// Where each cell's edges begin in `members`; one more than cells.
@@ -114,6 +116,7 @@ impl EdgeGrid {
             chains,
             origin,
             cell,
+            per_cell: 1.0 / cell,
             columns,
             rows,
             starts: Vec::new(),
@@ -160,14 +163,23 @@ impl EdgeGrid {
         (self.points[number], self.points[number + 1])
     }
 
+    /// The same, if there is one with this number.
+    pub(super) fn get(&self, number: u32) -> Option<(DVec2, DVec2)> {
+        let first = number as usize;
+        let ends = self.points.get(first..)?;
+        Some((*ends.first()?, *ends.get(1)?))
+    }
+
     fn column(&self, x: f64) -> usize {
-        let c = (x - self.origin.x) / self.cell;
-        (c.max(0.0) as usize).min(self.columns - 1)
+        // What is no number, or less than 0, becomes 0. To 64 bits it would
+        // take several times as long.
+        let c = (x - self.origin.x) * self.per_cell;
+        (c as u32 as usize).min(self.columns - 1)
     }
 
     fn row(&self, y: f64) -> usize {
-        let r = (y - self.origin.y) / self.cell;
-        (r.max(0.0) as usize).min(self.rows - 1)
+        let r = (y - self.origin.y) * self.per_cell;
+        (r as u32 as usize).min(self.rows - 1)
     }
 
     /// The cells that the segment passes through, row by row.
@@ -379,12 +391,7 @@ impl EdgeGrid {
         if self.members.is_empty() {
             return None;
         }
-        let mut found = Nearest {
-            p,
-            limit: reach * reach,
-            edge: NONE,
-            at: p,
-        };
+        let mut found = Nearest::new(p, reach);
         // The row with the point first, then those on either side of it: what
         // is near may settle all others.
         let (low, high) = (self.row(p.y - reach), self.row(p.y + reach));
@@ -402,7 +409,19 @@ impl EdgeGrid {
                 break;
             }
         }
-        (found.edge != NONE).then_some((found.edge as usize, found.at))
+        found.found()
+    }
+
+    /// The same among some edges, all those that there may be within `reach`.
+    pub fn nearest_of(
+        &self,
+        edges: &[u32],
+        p: DVec2,
+        reach: Mm,
+    ) -> Option<(usize, DVec2)> {
+        let mut found = Nearest::new(p, reach);
+        edges.iter().for_each(|&edge| found.ask(self, edge));
+        found.found()
     }
 
     /// Calls `visit` with the ring's number of every edge that comes closer
@@ -422,9 +441,7 @@ impl EdgeGrid {
 
     /// True if the box around some edge meets the box.
     pub fn meets(&self, rect: Rect) -> bool {
-        let mut found = false;
-        self.visit_box(rect.min, rect.max, |_| found = true);
-        found
+        self.any_in_box(rect.min, rect.max, |_| true)
     }
 
     /// Calls `visit` with the number of every edge whose box meets that from
@@ -435,8 +452,22 @@ impl EdgeGrid {
         hi: DVec2,
         mut visit: impl FnMut(usize),
     ) {
+        self.any_in_box(lo, hi, |edge| {
+            visit(edge);
+            false
+        });
+    }
+
+    /// Looks for an edge whose box meets that from `lo` to `hi` and for which
+    /// `test` is true.
+    fn any_in_box(
+        &self,
+        lo: DVec2,
+        hi: DVec2,
+        mut test: impl FnMut(usize) -> bool,
+    ) -> bool {
         if self.members.is_empty() {
-            return;
+            return false;
         }
         let (c0, c1) = (self.column(lo.x), self.column(hi.x));
         for row in self.row(lo.y)..=self.row(hi.y) {
@@ -444,12 +475,16 @@ impl EdgeGrid {
             let to = self.starts[row * self.columns + c1 + 1] as usize;
             for &m in &self.members[from..to] {
                 let (c, d) = self.edge(m as usize);
-                let (elo, ehi) = (c.min(d), c.max(d));
-                if elo.cmple(hi).all() && ehi.cmpge(lo).all() {
-                    visit(m as usize);
+                let meets = (c.x <= hi.x || d.x <= hi.x)
+                    && (c.x >= lo.x || d.x >= lo.x)
+                    && (c.y <= hi.y || d.y <= hi.y)
+                    && (c.y >= lo.y || d.y >= lo.y);
+                if meets && test(m as usize) {
+                    return true;
                 }
             }
         }
+        false
     }
 
     /// True if no edge comes closer than `distance` to the segment.
@@ -477,6 +512,19 @@ struct Nearest {
 }
 
 impl Nearest {
+    fn new(p: DVec2, reach: Mm) -> Nearest {
+        Nearest {
+            p,
+            limit: reach * reach,
+            edge: NONE,
+            at: p,
+        }
+    }
+
+    fn found(&self) -> Option<(usize, DVec2)> {
+        (self.edge != NONE).then_some((self.edge as usize, self.at))
+    }
+
     /// Looks at a row of a grid that is `off` away; false if that is too far,
     /// as are then all beyond it.
     fn look(&mut self, grid: &EdgeGrid, row: usize, off: Mm) -> bool {
@@ -491,27 +539,35 @@ impl Nearest {
         let to = row * grid.columns + grid.column(p.x + wide) + 1;
         let (from, to) = (grid.starts[from], grid.starts[to]);
         for &m in &grid.members[from as usize..to as usize] {
-            let (a, b) = grid.edge(m as usize);
-            let along = b - a;
-            let side = along.perp_dot(p - a);
-            let length = along.length_squared();
-            // Farther from its line already; a hair less, for rounding.
-            if side * side > self.limit * length * (1.0 + 1e-9) {
-                continue;
-            }
-            let q = nearest_on(p, a, b);
-            let d = p.distance_squared(q);
-            // Of equally near edges the first one, however cells and edges
-            // are laid out.
-            if d < self.limit || (d == self.limit && m < self.edge) {
-                (self.limit, self.edge, self.at) = (d, m, q);
-            }
+            self.ask(grid, m);
         }
         true
+    }
+
+    /// Looks at an edge.
+    #[inline]
+    fn ask(&mut self, grid: &EdgeGrid, edge: u32) {
+        let p = self.p;
+        let (a, b) = grid.edge(edge as usize);
+        let along = b - a;
+        let side = along.perp_dot(p - a);
+        let length = along.length_squared();
+        // Farther from its line already; a hair less, for rounding.
+        if side * side > self.limit * length * (1.0 + 1e-9) {
+            return;
+        }
+        let q = nearest_on(p, a, b);
+        let d = p.distance_squared(q);
+        // Of equally near edges the first one, however cells and edges are
+        // laid out.
+        if d < self.limit || (d == self.limit && edge < self.edge) {
+            (self.limit, self.edge, self.at) = (d, edge, q);
+        }
     }
 }
 
 /// True if two segments come closer to each other than the root of `limit`.
+#[inline]
 fn closer(a: DVec2, b: DVec2, c: DVec2, d: DVec2, limit: f64) -> bool {
     let (u, v) = (b - a, d - c);
     let (ac, ad, cb) = (c - a, d - a, b - c);

@@ -52,6 +52,8 @@ pub struct Room {
     pub least: Vec<Mm>,
     /// The most.
     pub most: Vec<Mm>,
+    /// The number of an edge that each of them may meet, if it is one.
+    pub opposite: Vec<u32>,
 }
 
 impl Room {
@@ -117,7 +119,17 @@ pub fn offset_within(
                 }
                 _ => None,
             };
-            let ask = || trim::state(a, b, grid, clearance);
+            let ask = || {
+                let meets = room.zip(origin).and_then(|(room, edge)| {
+                    room.opposite.get(begin + edge as usize).copied()
+                });
+                match meets {
+                    Some(edge) if trim::covers(a, b, grid, edge, clearance) => {
+                        State::Covered
+                    }
+                    _ => trim::state(a, b, grid, clearance),
+                }
+            };
             states.push(known.unwrap_or_else(ask));
         }
         turned.push((signed_area(ring) > 0.0) != (signed_area(&m) > 0.0));
@@ -249,25 +261,23 @@ struct Sides {
 
 impl Sides {
     fn new(ring: &[DVec2], by: f64) -> Sides {
-        let mut all: Vec<Side> = (0..)
-            .zip(super::edges(ring))
-            .filter(|(_, (a, b))| a != b)
-            .map(|(edge, (a, b))| {
-                let length = a.distance(b);
-                Side {
-                    edge,
-                    from: a,
-                    along: (b - a) / length,
-                    length,
-                    before: 0,
-                    after: 0,
-                    gone: false,
-                    corner: None,
-                    start: 0.0,
-                    end: length,
-                }
-            })
-            .collect();
+        let mut all: Vec<Side> = Vec::with_capacity(ring.len());
+        let edges = (0..).zip(super::edges(ring));
+        for (edge, (a, b)) in edges.filter(|(_, (a, b))| a != b) {
+            let length = a.distance(b);
+            all.push(Side {
+                edge,
+                from: a,
+                along: (b - a) / length,
+                length,
+                before: 0,
+                after: 0,
+                gone: false,
+                corner: None,
+                start: 0.0,
+                end: length,
+            });
+        }
         let n = all.len();
         for (i, side) in all.iter_mut().enumerate() {
             side.before = if i == 0 { n - 1 } else { i - 1 } as u32;
@@ -348,7 +358,8 @@ impl Sides {
             crowded = false;
             for i in 0..n {
                 let before = self.all[i].before as usize;
-                if self.all[i].gone || (before + 1) % n == i {
+                let beside = before + 1 == if i == 0 { n } else { i };
+                if self.all[i].gone || beside {
                     continue;
                 }
                 if self.has_room(before) && self.has_room(i) {

@@ -17,6 +17,7 @@ use glam::DVec2;
 
 /// A piece of the input, from the point `start` to the point `end`, and the
 /// line that stands for it.
+#[derive(Clone, Copy)]
 struct Piece {
     start: usize,
     end: usize,
@@ -216,23 +217,18 @@ fn halve_misfits(
         };
         (b - a).try_normalize().is_none_or(off)
     };
-    let bad: Vec<bool> = (0..pieces.len()).map(misfit).collect();
-    if !bad.contains(&true) {
-        return None;
-    }
+    let first = (0..pieces.len()).find(|&i| misfit(i))?;
     let mut finer = Vec::with_capacity(2 * pieces.len());
-    for (p, bad) in pieces.iter().zip(bad) {
+    for (i, p) in pieces.iter().enumerate() {
+        let bad = i >= first && misfit(i);
+        if !bad {
+            finer.push(*p);
+            continue;
+        }
         let middle = p.start + (p.end - p.start) / 2;
-        let ends = match bad {
-            true => vec![(p.start, middle), (middle, p.end)],
-            false => vec![(p.start, p.end)],
-        };
-        for (start, end) in ends {
+        for (start, end) in [(p.start, middle), (middle, p.end)] {
             let corner = p.corner && start == p.start;
-            let shift = match bad {
-                true => fit(points, start, end, tolerance, corner),
-                false => Some(p.shift),
-            };
+            let shift = fit(points, start, end, tolerance, corner);
             finer.push(Piece {
                 start,
                 end,

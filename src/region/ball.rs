@@ -105,6 +105,8 @@ pub(super) struct Border<'a> {
     seen: Seen,
     /// The least and the largest radius of the balls that touch each edge.
     radii: Vec<(Mm, Mm)>,
+    /// An edge on the opposite side of each edge, or `NONE`.
+    opposite: Vec<u32>,
 }
 
 /// A ball and where it touches the other side.
@@ -126,6 +128,7 @@ impl<'a> Border<'a> {
             next: Vec::with_capacity(numbers),
             last: Vec::with_capacity(numbers),
             radii: vec![UNKNOWN; numbers],
+            opposite: vec![NONE; numbers],
         };
         for ring in area.rings.iter().filter(|r| !r.is_empty()) {
             let first = border.next.len() as u32;
@@ -202,6 +205,10 @@ impl<'a> Border<'a> {
                 let hint = before.and_then(|b| b.2);
                 let here = self.grow(a + along * at, normal, hint);
                 self.meets(number, here.0, here.1.is_some());
+                if let Some(g) = here.1 {
+                    self.opposite[number] = g.edge as u32;
+                    self.opposite[g.edge] = number as u32;
+                }
                 let (radius, here) = here;
                 let exact = |radius: Mm| match radius < self.radius {
                     true => END,
@@ -351,7 +358,7 @@ impl<'a> Border<'a> {
     }
 
     /// How far the edges can move inwards until they meet others.
-    pub fn room(&self) -> Room {
+    pub fn room(self) -> Room {
         let all = |edge: usize| {
             let (last, next) = (self.last[edge], self.next[edge]);
             let near = [last as usize, edge, next as usize];
@@ -365,7 +372,11 @@ impl<'a> Border<'a> {
                 .fold(UNKNOWN, |a, b| (a.0.min(b.0), a.1.max(b.1)))
         };
         let (least, most) = (0..self.next.len()).map(all).unzip();
-        Room { least, most }
+        Room {
+            least,
+            most,
+            opposite: self.opposite,
+        }
     }
 
     /// The radius of the largest ball that touches the border at `p`, 0 if

@@ -7,8 +7,8 @@
 //! in, each taking half.
 
 use super::ridge::Ridge;
-use crate::plane::grid::{EdgeGrid, nearest_on};
-use crate::plane::{Area, edges, path_length};
+use crate::plane::grid::EdgeGrid;
+use crate::plane::{Area, Rect, edges, path_length};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -34,6 +34,11 @@ const WIDEN_STEP: Mm = 0.1;
 /// Places on an edge that are looked at together: what is near to one of them
 /// is near to the others as well.
 const STRETCH: usize = 16;
+/// Edges of a line that are looked at together at first: most of them are near
+/// to nothing.
+const GROUP: usize = 8;
+/// Least size of the cells in which ridges are looked up, mm.
+const CELL: Mm = 0.8;
 /// Slack in distances that are equal but for rounding and thinning, mm.
 const SLACK: Mm = 0.05;
 
@@ -89,9 +94,20 @@ impl<'a> RidgeIndex<'a> {
         let lines = ridges.iter().map(|r| points(r).copied());
         RidgeIndex {
             ridges,
-            grid: EdgeGrid::of_lines(lines, reach),
+            grid: EdgeGrid::of_lines(lines, reach.max(CELL)),
             segments,
         }
+    }
+
+    /// True if no ridge comes near to any edge of a group: those from the
+    /// `k`th point on. A line that is closed returns to its first point.
+    fn group_clear(&self, points: &[DVec2], k: usize, reach: Mm) -> bool {
+        let all = points.iter().skip(k).take(GROUP + 1);
+        let closing = (k + GROUP >= points.len()).then(|| points.first());
+        let mut bounds = Rect::around(all.chain(closing.flatten()));
+        bounds.min -= reach;
+        bounds.max += reach;
+        !self.grid.meets(bounds)
     }
 
     /// True if no ridge comes closer than `reach` to the segment from `a` to
@@ -103,7 +119,7 @@ impl<'a> RidgeIndex<'a> {
         b: DVec2,
         reach: Mm,
         count: usize,
-        found: &mut Vec<usize>,
+        found: &mut Vec<u32>,
     ) -> bool {
         if count > STRETCH {
             return self.clear(a, b, reach);
@@ -113,9 +129,10 @@ impl<'a> RidgeIndex<'a> {
     }
 
     /// The segments that come closer than `reach` to that from `a` to `b`.
-    fn around(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<usize>) {
+    fn around(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
         found.clear();
         self.grid.visit_edges_near(a, b, reach, |edge| {
+            let edge = edge as u32;
             if !found.contains(&edge) {
                 found.push(edge);
             }
@@ -125,25 +142,12 @@ impl<'a> RidgeIndex<'a> {
     /// Like [`RidgeIndex::nearest`], among some segments.
     fn nearest_of(
         &self,
-        segments: &[usize],
+        segments: &[u32],
         p: DVec2,
         reach: Mm,
     ) -> Option<(DVec2, Mm)> {
-        let mut best: Option<(f64, usize, DVec2)> = None;
-        for &edge in segments {
-            let (a, b) = self.grid.edge(edge);
-            let q = nearest_on(p, a, b);
-            let d = p.distance_squared(q);
-            // Of equally near ones the first.
-            let better = match best {
-                Some((e, n, _)) => d < e || (d == e && edge < n),
-                None => d <= reach * reach,
-            };
-            if better {
-                best = Some((d, edge, q));
-            }
-        }
-        best.map(|(_, edge, q)| (q, self.thickness(edge, q)))
+        let (edge, q) = self.grid.nearest_of(segments, p, reach)?;
+        Some((q, self.thickness(edge, q)))
     }
 
     /// The thickness at a place on a segment.
@@ -151,11 +155,11 @@ impl<'a> RidgeIndex<'a> {
         let (i, k) = self.segments[edge];
         let (r, k) = (&self.ridges[i as usize], k as usize);
         let (a, b) = self.grid.edge(edge);
-        let t = match a.distance(b) > 0.0 {
-            true => a.distance(q) / a.distance(b),
-            false => 0.0,
-        };
-        let (ta, tb) = (r.thickness[k], r.thickness[(k + 1) % r.points.len()]);
+        let along = b - a;
+        let t = (q - a).dot(along) / along.length_squared();
+        let t = if t.is_finite() { t } else { 0.0 };
+        let next = if k + 1 == r.points.len() { 0 } else { k + 1 };
+        let (ta, tb) = (r.thickness[k], r.thickness[next]);
         ta + t * (tb - ta)
     }
 
@@ -195,7 +199,7 @@ pub(super) fn cut(
     }
     let index = RidgeIndex::new(ridges, reach);
     // Whether a place is free, as the segments near to it tell.
-    let free = |p: DVec2, near: &[usize]| {
+    let free = |p: DVec2, near: &[u32]| {
         match index.nearest_of(near, p, reach) {
             // A side of the thin place is half its thickness from the ridge,
             // so the ring's side is that less its depth.
@@ -211,7 +215,16 @@ pub(super) fn cut(
         let mut all: Vec<(DVec2, bool)> = Vec::with_capacity(ring.len());
         let mut changes = false;
         let mut at_b = None;
-        for (a, b) in edges(ring) {
+        let mut clear = false;
+        for (i, (a, b)) in edges(ring).enumerate() {
+            if i.is_multiple_of(GROUP) {
+                clear = index.group_clear(ring, i, reach);
+            }
+            if clear {
+                at_b = Some(true);
+                all.push((a, true));
+                continue;
+            }
             let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
             let place = |k: usize| match k as f64 / count {
                 t if t < 1.0 => a.lerp(b, t),
@@ -317,7 +330,7 @@ fn widen(
     let mut widths = Vec::with_capacity(n);
     let mut changed = false;
     // A point, the direction of the line there, and the slivers near to it.
-    let mut push = |p: DVec2, along: DVec2, near: &[usize]| {
+    let mut push = |p: DVec2, along: DVec2, near: &[u32]| {
         let sliver = index
             .nearest_of(near, p, reach)
             .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
@@ -337,18 +350,27 @@ fn widen(
         }
     };
     let mut near = Vec::new();
+    let mut clear = false;
     let segments = if line.closed { n } else { n.saturating_sub(1) };
     for k in 0..segments {
+        if k.is_multiple_of(GROUP) {
+            clear = index.group_clear(&line.points, k, reach);
+        }
         let (a, b) = (line.points[k], line.points[(k + 1) % n]);
         let back = match (line.closed, k) {
             (false, 0) => a,
             _ => line.points[(k + n - 1) % n],
         };
         let along = (b - a).normalize_or_zero();
+        let at_a = along + (a - back).normalize_or_zero();
+        if clear {
+            near.clear();
+            push(a, at_a, &[]);
+            continue;
+        }
         let count = (a.distance(b) / WIDEN_STEP).ceil().clamp(1.0, 1e6);
         let place = |i: usize| a.lerp(b, i as f64 / count);
         let count = count as usize;
-        let at_a = along + (a - back).normalize_or_zero();
         if index.clear_of(a, b, reach, count, &mut near) {
             push(a, at_a, &[]);
             continue;
