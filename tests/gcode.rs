@@ -30,6 +30,7 @@ fn bead(role: Role, width: f64, closed: bool, at: &[(f64, f64)]) -> Bead {
         width,
         widths: Vec::new(),
         height: 0.2,
+        small: false,
     }
 }
 
@@ -122,6 +123,7 @@ fn rough(layers: usize) -> Vec<LayerPath> {
                     width: 0.35 + 0.2 * random(),
                     widths: Vec::new(),
                     height: 0.2,
+                    small: false,
                 }));
             }
             layer(index, moves)

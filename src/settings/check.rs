@@ -5,7 +5,7 @@
 //! prints asked for it: a profile may well limit what a default asks for.
 
 use super::read::Places;
-use super::{Infill, InfillMode, Settings, Varying};
+use super::{Flavour, Infill, InfillMode, Settings, Varying};
 use crate::units::{Mm, cross_section};
 
 /// Settings that cannot be printed with.
@@ -297,6 +297,19 @@ fn retraction(
             ),
         ));
     }
+    let klipper = s.gcode.flavour == Flavour::Klipper;
+    if klipper && retract.firmware && retract.extra_prime < 0.0 {
+        return Err(conflict(
+            ["retract.extra_prime", "retract.firmware", "gcode.flavour"],
+            format!(
+                "retract.extra_prime = {} mm is negative, and Klipper's \
+                 firmware retraction refuses to push less than it has pulled \
+                 back (UNRETRACT_EXTRA_LENGTH); set retract.firmware = false, \
+                 or retract.extra_prime to 0 or more",
+                retract.extra_prime,
+            ),
+        ));
+    }
     if retract.min_travel > retract.max_unretracted {
         warnings.push(format!(
             "retract.min_travel = {} mm is more than retract.max_unretracted \
@@ -451,6 +464,14 @@ fn without_effect(
             ),
         );
     }
+    warn(
+        "gcode.set_limits",
+        !s.gcode.set_limits && s.acceleration.by_role(),
+        "gcode.set_limits = false keeps the accelerations by role from the \
+         printer: they only count for the estimate; set it to true, or the \
+         accelerations to 0"
+            .to_owned(),
+    );
     warn(
         "ironing",
         s.ironing && s.top_layers() == 0,
