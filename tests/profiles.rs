@@ -273,7 +273,7 @@ fn later_layers_win() {
     assert!(density.ends_with("mine.toml:1"), "{density}");
     assert_eq!(
         origin("retract.length").as_deref(),
-        Some("shipped printers/ender-3.toml:25")
+        Some("shipped printers/ender-3.toml:26")
     );
     assert_eq!(origin("seam"), None);
 }
