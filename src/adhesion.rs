@@ -222,6 +222,7 @@ fn around(role: Role, points: Ring, width: Mm, height: Mm) -> Bead {
         width,
         widths: Vec::new(),
         height,
+        small: false,
     }
 }
 

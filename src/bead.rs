@@ -98,6 +98,9 @@ pub struct Bead {
     pub widths: Vec<Mm>,
     /// Height, which is the layer's.
     pub height: Mm,
+    /// True for a wall that goes round something small, a thin pin or a hole,
+    /// and stays true for what it is cut into.
+    pub small: bool,
 }
 
 impl Bead {
@@ -224,6 +227,7 @@ mod tests {
             width: 0.4,
             widths: Vec::new(),
             height: 0.2,
+            small: false,
         };
         assert_eq!(b.length(), 12.0);
         assert_eq!(b.path().count(), 4);

@@ -85,7 +85,7 @@ fn every_file_is_part_of_the_program() {
 fn every_profile_says_what_it_is_and_sets_only_what_is_its_business() {
     // A preset that set a temperature would undo the filament's.
     let business: [&[&str]; 3] = [
-        &["printer", "gcode", "retract", "speed"],
+        &["printer", "gcode", "retract", "speed", "acceleration"],
         &["filament", "cooling"],
         &["", "speed"],
     ];
@@ -130,6 +130,7 @@ fn a_printer_says_all_that_depends_on_the_machine() {
             "printer.travel_acceleration",
             "printer.square_corner_velocity",
             "printer.max_speed_z",
+            "printer.max_acceleration_z",
             "retract.length",
             "retract.speed",
             "gcode.flavour",
@@ -269,7 +270,7 @@ fn later_layers_win() {
     assert!(density.ends_with("mine.toml:1"), "{density}");
     assert_eq!(
         origin("retract.length").as_deref(),
-        Some("shipped printers/ender-3.toml:25")
+        Some("shipped printers/ender-3.toml:26")
     );
     assert_eq!(origin("seam"), None);
 }

@@ -79,8 +79,8 @@ pub struct Rules {
     /// Height of what the print stands on: 0 is the bed; more, if the file
     /// goes on with a part.
     pub base: Mm,
-    /// Greatest speed in the plane, if it is known.
-    pub speed: Option<MmPerSec>,
+    /// Greatest speed in the plane.
+    pub speed: MmPerSec,
     /// Greatest speed of the z axis.
     pub speed_z: MmPerSec,
 }
@@ -108,7 +108,7 @@ impl Rules {
             // Less than was pulled back may be wanted.
             missing: SLACK + (-settings.retract.extra_prime).max(0.0),
             base: 0.0,
-            speed: None,
+            speed: printer.max_speed,
             speed_z: printer.max_speed_z,
         }
     }
@@ -281,9 +281,9 @@ impl<'a> State<'a> {
                     way.z, rules.speed_z
                 )
             });
-        } else if let Some(most) = rules.speed.filter(|&m| over(plane, m)) {
+        } else if over(plane, rules.speed) {
             self.verdict.add(Kind::TooFast, step.line, step.to, || {
-                format!("{plane:.1} mm/s; the printer can {most}")
+                format!("{plane:.1} mm/s; the printer can {}", rules.speed)
             });
         }
     }

@@ -166,6 +166,7 @@ impl ModelArgs {
             at: self.at,
             keep_position: self.keep_position,
             bounds: self.bounds,
+            margin: settings.reach(),
         };
         let volume = BuildVolume {
             x: settings.printer.bed_x,

@@ -44,7 +44,7 @@ impl<W: Write> Writer<'_, W> {
         }
         self.warnings
             .extend(limits::warnings("gcode.start", start, settings));
-        let end = self.templates.end(self.totals)?;
+        let end = self.templates.try_end()?;
         self.warnings
             .extend(limits::warnings("gcode.end", &end, settings));
         Ok(())
@@ -151,6 +151,18 @@ impl<W: Write> Writer<'_, W> {
         key("nozzle_diameter", &text(s.printer.nozzle_diameter, 3));
         key("filament_diameter", &text(s.filament.diameter, 3));
         key("filament_density", &text(s.filament.density, 3));
+        key("filament_type", &plain(&s.filament.material));
+        key(
+            "filament cost",
+            &text(t.filament_mass_g * 1e-3 * s.filament.cost, 2),
+        );
+        if !s.printer.model.trim().is_empty() {
+            key("printer_model", &plain(&s.printer.model));
+        }
+        if let Some(above) = s.filament.nozzle_temperature.constant() {
+            key("temperature", &text(above, COARSE));
+        }
+        key("bed_temperature", &text(s.filament.bed_temperature, COARSE));
         key(
             "first_layer_temperature",
             &text(s.filament.first_layer_nozzle_temperature, COARSE),
@@ -174,6 +186,11 @@ fn day_and_time(at: SystemTime) -> Option<(String, String)> {
     write!(text, "{}", humantime::format_rfc3339_seconds(at)).ok()?;
     let (day, time) = text.trim_end_matches('Z').split_once('T')?;
     Some((day.to_owned(), time.to_owned()))
+}
+
+/// A name that stays in its line.
+fn plain(name: &str) -> String {
+    name.trim().chars().filter(|c| !c.is_control()).collect()
 }
 
 /// False if the bed stays cold: a printer without a heated bed may not know

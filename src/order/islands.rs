@@ -139,6 +139,7 @@ mod tests {
             width: 0.4,
             widths: Vec::new(),
             height: 0.2,
+            small: false,
         });
         let beads = LayerBeads {
             walls: walls.to_vec(),

@@ -31,23 +31,24 @@ mod tally;
 
 use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
 use crate::field::{Backend, FieldError, SLAB};
-use crate::gcode::{Header, Thumbnail, WriteError, Writer};
+use crate::gcode::{Header, Thumbnail, WriteError, Writer, needs_outline};
 use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
 use crate::limits;
 use crate::model::Model;
 use crate::pace::Pacer;
 use crate::pace::rates::Rater;
-use crate::plane::Rect;
+use crate::plane::offset::offset;
+use crate::plane::{Area, Rect};
 use crate::preview::{PictureError, Pictures, outline_from_above, thumbnails};
 use crate::reader::ReadError;
 use crate::report::{Figures, Gauge, Report, ReportError};
-use crate::settings::{Flavour, Settings};
+use crate::settings::Settings;
 use crate::timings::Stage;
 use crate::units::{Mm, Mm2, Seconds};
 use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use stages::{Shell, Stages};
 use std::collections::VecDeque;
@@ -267,7 +268,9 @@ fn write(
     } = *run;
     let layers = layers.clone();
     let bounds = model.bounds;
-    let (low, high) = (bounds.min + model.offset, bounds.max + model.offset);
+    let reach = DVec3::new(settings.reach(), settings.reach(), 0.0);
+    let low = bounds.min + model.offset - reach;
+    let high = bounds.max + model.offset + reach;
     let watch = limits::current();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads.unwrap_or(0))
@@ -289,10 +292,13 @@ fn write(
         },
         part_min: low,
         part_max: high,
-        outline: match settings.gcode.flavour {
-            // The one firmware that is told.
-            Flavour::Klipper => pool.install(|| outline_from_above(model))?,
-            _ => Vec::new(),
+        outline: match needs_outline(settings) {
+            true => pool.install(|| {
+                stages.timings.time(Stage::Picture, || {
+                    outline_of(model, settings.reach())
+                })
+            })?,
+            false => Vec::new(),
         },
         thumbnails: pool.install(|| {
             stages
@@ -417,6 +423,19 @@ fn write(
         warnings,
         timings: stages.timings.report(),
     })
+}
+
+/// A convex ring around what is printed, which reaches that far beyond the
+/// part.
+fn outline_of(model: &Model, reach: Mm) -> Result<Vec<DVec2>, PictureError> {
+    /// How far its round corners may be off, mm.
+    const TOLERANCE: Mm = 0.02;
+    let ring = outline_from_above(model)?;
+    if reach <= 0.0 {
+        return Ok(ring);
+    }
+    let grown = offset(&Area { rings: vec![ring] }, reach, TOLERANCE);
+    Ok(grown.rings.into_iter().next().unwrap_or_default())
 }
 
 /// The pictures for the file's head.

@@ -283,6 +283,7 @@ impl Filler<'_> {
             width: line.width,
             widths: line.widths,
             height: self.height,
+            small: false,
         }
     }
 }

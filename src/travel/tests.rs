@@ -21,6 +21,7 @@ fn bead(role: Role, at: &[(f64, f64)]) -> Bead {
         width: 0.45,
         widths: Vec::new(),
         height: 0.2,
+        small: false,
     }
 }
 

@@ -266,6 +266,7 @@ mod tests {
             width: 0.4,
             widths: Vec::new(),
             height: 0.2,
+            small: false,
         }
     }
 

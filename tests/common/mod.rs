@@ -50,7 +50,11 @@ pub fn model(
         y: settings.printer.bed_y,
         z: settings.printer.height,
     };
-    place(&load(&source, defines).unwrap(), placement, volume).unwrap()
+    let placement = Placement {
+        margin: settings.reach(),
+        ..*placement
+    };
+    place(&load(&source, defines).unwrap(), &placement, volume).unwrap()
 }
 
 /// A formula's model as it is, on the bed.
