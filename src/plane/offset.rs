@@ -163,7 +163,7 @@ const SMALL_TURN: f64 = 0.35;
 /// overlaps: where an edge is too short for the corners at its ends, the ring
 /// runs back to the corner itself, so that what overlaps winds negatively.
 /// `origins` gets the edge of which each of the new edges comes, if it is one.
-fn moved(
+pub(super) fn moved(
     ring: &[DVec2],
     by: f64,
     tolerance: Mm,

@@ -14,11 +14,13 @@
 //! are compared with each other: a sweep of all edges costs many times as
 //! much.
 //!
+//! Where three fronts meet at one place, but for the tolerance, ends and
+//! beginnings of what is left are as near to each other, and are joined.
+//!
 //! Fronts that graze each other may cross where no edge is too near by more
 //! than the tolerance. What is left does not close then; all edges around the
-//! loose ends are compared in a second round. Where that does not help, as
-//! where three fronts meet at one place within the tolerance, nothing is
-//! returned at all, and the caller has to sweep.
+//! loose ends are compared in a second round. Where that does not help either,
+//! nothing is returned at all, and the caller has to sweep.
 
 use super::grid::{EdgeGrid, nearest_on};
 use super::{Rect, Ring};
@@ -80,9 +82,17 @@ const BEND: Mm = 2.0;
 /// How far around a loose end what it should go on in is looked for, mm.
 const AROUND: Mm = 0.5;
 
-/// Clear edges shorter than this may lie within the slack beside what is
-/// dropped, mm.
+/// Edges shorter than this tell nothing: they may lie within the slack beside
+/// what is dropped, mm.
 const SHORT: Mm = 0.02;
+
+/// By how many times the slack the end of a piece may be off the beginning of
+/// the one that follows.
+const GAP: f64 = 3.0;
+
+/// Share of the slack by which nothing is nearer to what is left than it
+/// should be: an edge is all of the slack away from its own origin.
+const FAR: f64 = 0.6;
 
 /// Points nearer to each other than this are one, mm.
 const SAME: Mm = 1e-6;
@@ -176,6 +186,8 @@ impl Moved<'_> {
         let mut next: Vec<Option<usize>> = vec![None; events.len()];
         let mut entered = vec![false; events.len()];
         let mut loose = Vec::new();
+        // Pieces whose end is loose, and what would follow.
+        let mut ends = Vec::new();
         for piece in (0..events.len()).filter(|&i| !gone[i]) {
             let end = events[piece].next;
             let number = events[end].crossing;
@@ -186,17 +198,36 @@ impl Moved<'_> {
             };
             let stray = live[number] && c.ends != end;
             if stray || gone[follows] || entered[follows] {
-                loose.push(c.at);
-                // What it should have crossed may be where the pieces that
-                // begin here become too near.
-                loose.extend(near[follows]);
-                loose.extend(near[c.begins]);
+                ends.push((piece, follows));
+                continue;
             }
             entered[follows] = true;
             next[piece] = Some(follows);
         }
-        for i in (0..events.len()).filter(|&i| !gone[i] && !entered[i]) {
-            loose.push(crossings[events[i].crossing].at);
+        let at = |event: usize| crossings[events[event].crossing].at;
+        let mut begins: Vec<usize> = (0..events.len())
+            .filter(|&i| !gone[i] && !entered[i])
+            .collect();
+        // Each of them is compared with each.
+        let few = ends.len() <= 64;
+        for (piece, follows) in ends {
+            let end = events[piece].next;
+            let off = |i: usize| at(i).distance(at(end));
+            let nearest = (0..begins.len())
+                .min_by(|&i, &j| off(begins[i]).total_cmp(&off(begins[j])))
+                .filter(|&i| few && off(begins[i]) < GAP * self.slack);
+            if let Some(i) = nearest {
+                next[piece] = Some(begins.swap_remove(i));
+                continue;
+            }
+            loose.push(at(end));
+            // What it should have crossed may be where the pieces that begin
+            // here become too near.
+            loose.extend(near[follows]);
+            loose.extend(near[crossings[events[end].crossing].begins]);
+        }
+        for i in begins {
+            loose.push(at(i));
             loose.extend(near[events[i].last]);
         }
         // What is dropped is too near all along, or a crossing was missed.
@@ -362,9 +393,18 @@ impl Moved<'_> {
         let count = edges_between(begin, &events[begin.next], n);
         (1..count).map(|j| (begin.edge + j) % n).find_map(|k| {
             let (a, b) = (ring[k], ring[(k + 1) % n]);
-            let clear = self.states[begin.first + k] == State::Clear;
-            (clear && a.distance(b) > SHORT).then(|| a.midpoint(b))
+            let state = self.states[begin.first + k];
+            self.surely_far(state, a, b).then(|| a.midpoint(b))
         })
+    }
+
+    /// True if a moved edge is certainly part of what is left.
+    fn surely_far(&self, state: State, a: DVec2, b: DVec2) -> bool {
+        let p = a.midpoint(b);
+        let distance = self.clearance + FAR * self.slack;
+        state == State::Clear
+            && a.distance(b) > SHORT
+            && self.grid.clear(p, p, distance)
     }
 
     /// The points between an event and the next.
@@ -409,10 +449,7 @@ impl Moved<'_> {
                 out.push(ring.clone());
                 continue;
             }
-            let clear = |(state, (a, b)): &(&State, (DVec2, DVec2))| {
-                **state == State::Clear && a.distance(*b) > SHORT
-            };
-            if edges().any(|e| clear(&e)) {
+            if edges().any(|(&state, (a, b))| self.surely_far(state, a, b)) {
                 let near = edges().filter(|&e| !far(e));
                 return Err(near.map(|(_, (a, b))| a.midpoint(b)).collect());
             }
@@ -466,4 +503,247 @@ fn crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<(f64, f64)> {
     let s = (c - a).perp_dot(u) / det;
     (t.is_finite() && s.is_finite())
         .then(|| (t.clamp(0.0, 1.0), s.clamp(0.0, 1.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::offset::moved;
+    use super::super::{Area, edges, rect};
+    use super::*;
+    use std::f64::consts::PI;
+
+    const TOLERANCE: Mm = 1e-3;
+    const SLACK: Mm = 1.02 * TOLERANCE + 1e-6;
+
+    /// The area's rings moved inwards, with their edges' exact states.
+    struct Shrunk {
+        rings: Vec<Ring>,
+        grid: EdgeGrid,
+        clearance: Mm,
+        states: Vec<State>,
+    }
+
+    fn shrunk(area: &Area, by: Mm) -> Shrunk {
+        let grid = EdgeGrid::new(area, by);
+        let mut origins = Vec::new();
+        let rings: Vec<Ring> = area
+            .rings
+            .iter()
+            .map(|r| moved(r, by, TOLERANCE, &mut origins))
+            .collect();
+        let clearance = by - SLACK;
+        let all = rings.iter().flat_map(|r| edges(r));
+        let states = all.map(|(a, b)| state(a, b, &grid, clearance)).collect();
+        Shrunk {
+            rings,
+            grid,
+            clearance,
+            states,
+        }
+    }
+
+    impl Shrunk {
+        fn trim(&self) -> Option<Area> {
+            let turned = vec![false; self.rings.len()];
+            let moved = Moved {
+                rings: &self.rings,
+                states: self.states.clone(),
+                grid: &self.grid,
+                clearance: self.clearance,
+                slack: SLACK,
+                left: true,
+                turned: &turned,
+            };
+            moved.trim().map(|rings| Area { rings })
+        }
+    }
+
+    fn hole(x: f64, y: f64, r: f64) -> Ring {
+        let n = 360;
+        (0..n)
+            .map(|i| DVec2::from_angle(-2.0 * PI * f64::from(i) / 360.0))
+            .map(|p| DVec2::new(x, y) + p * r)
+            .collect()
+    }
+
+    /// Content that two discs of radius `r` have in common whose middles are
+    /// `apart`.
+    fn lens(r: f64, apart: f64) -> f64 {
+        let half = (apart / (2.0 * r)).acos();
+        2.0 * r * r * half - 0.5 * apart * (4.0 * r * r - apart * apart).sqrt()
+    }
+
+    #[test]
+    fn an_edge_is_clear_mixed_or_covered() {
+        let wall = rect(0.0, 0.0, 10.0, 1.0);
+        let grid = EdgeGrid::new(&wall, 1.0);
+        let of = |x0: f64, y0: f64, x1: f64, y1: f64| {
+            state(DVec2::new(x0, y0), DVec2::new(x1, y1), &grid, 0.5)
+        };
+        assert_eq!(of(2.0, 1.51, 8.0, 1.51), State::Clear);
+        assert_eq!(of(2.0, 1.49, 8.0, 1.49), State::Covered);
+        assert_eq!(of(2.0, 1.6, 8.0, 1.4), State::Mixed);
+        // Beyond the wall's end only a part of it is near.
+        assert_eq!(of(8.0, 1.4, 12.0, 1.4), State::Mixed);
+        // Round its corner, 0.5 off in the diagonal.
+        let off = |d: f64| 1.0 + d * 0.5_f64.sqrt();
+        let corner = |d: f64| of(9.0 + off(d), off(d), 9.0 + off(d), off(d));
+        assert_eq!(corner(0.501), State::Clear);
+        assert_eq!(corner(0.499), State::Covered);
+        let near = |edge| {
+            let (a, b) = (DVec2::new(2.0, 1.4), DVec2::new(8.0, 1.4));
+            covers(a, b, &grid, edge, 0.5)
+        };
+        // The upper side, another one, and one that there is not.
+        assert_eq!([2, 0, 77].map(near), [true, false, false]);
+    }
+
+    #[test]
+    fn a_neck_is_cut_back_to_where_its_sides_cross() {
+        // Two squares of 4 mm and a neck of 2 mm, 0.4 mm wide.
+        let bell = [
+            (0.0, 0.0),
+            (4.0, 0.0),
+            (4.0, 1.8),
+            (6.0, 1.8),
+            (6.0, 0.0),
+            (10.0, 0.0),
+            (10.0, 4.0),
+            (6.0, 4.0),
+            (6.0, 2.2),
+            (4.0, 2.2),
+            (4.0, 4.0),
+            (0.0, 4.0),
+        ];
+        let ring = bell.map(|(x, y)| DVec2::new(x, y)).to_vec();
+        let area = Area { rings: vec![ring] };
+        let by = 0.5;
+        let left = shrunk(&area, by).trim().unwrap();
+        assert_eq!(left.rings.len(), 2);
+        // Each square keeps 3 by 3 mm and, between the arcs around the neck's
+        // corners, what is beyond its side.
+        let up = (by * by - 0.04_f64).sqrt();
+        let sector = by * by * (0.2 / by).asin();
+        let bulge = 0.4 * by - (0.2 * up + sector);
+        let exact = 2.0 * (9.0 + bulge);
+        let perimeter = left.perimeter();
+        assert!((left.content() - exact).abs() < TOLERANCE * perimeter);
+        // The tip of the bulge is where the arcs cross.
+        let tip = left.rings.iter().flatten().map(|p| p.x);
+        let tip = tip.filter(|x| *x < 5.0).fold(0.0, f64::max);
+        assert!((tip - (4.0 - up)).abs() < 2.0 * TOLERANCE, "{tip}");
+    }
+
+    #[test]
+    fn holes_that_grow_into_each_other_become_one() {
+        let mut area = rect(-10.0, -10.0, 10.0, 10.0);
+        area.rings
+            .extend([hole(-2.0, 0.0, 1.5), hole(2.0, 0.0, 1.5)]);
+        for by in [0.49, 0.505, 0.6, 1.3] {
+            let all = shrunk(&area, by);
+            let left = all.trim().unwrap();
+            let (r, side) = (1.5 + by, 20.0 - 2.0 * by);
+            let common = if r > 2.0 { lens(r, 4.0) } else { 0.0 };
+            let exact = side * side - 2.0 * PI * r * r + common;
+            let off = left.content() - exact;
+            assert!(off.abs() < TOLERANCE * left.perimeter(), "{by}: {off}");
+            let rings = if r > 2.0 { 2 } else { 3 };
+            assert_eq!(left.rings.len(), rings, "{by}");
+        }
+    }
+
+    /// Three fronts that meet at one place, nearly: what is between them
+    /// vanishes within the tolerance.
+    #[test]
+    fn three_fronts_meet_at_one_place() {
+        let side: f64 = 4.0;
+        let r = 1.5;
+        let mut area = rect(-10.0, -10.0, 10.0, 10.0);
+        let middle = side / 3.0_f64.sqrt();
+        for i in 0..3 {
+            let turn = DVec2::from_angle(2.0 * PI * f64::from(i) / 3.0 + 0.1);
+            let p = turn * middle;
+            area.rings.push(hole(p.x, p.y, r));
+        }
+        let mut trimmed = 0;
+        for off in -20..=20 {
+            let by = middle - r + 2e-4 * f64::from(off);
+            let Some(left) = shrunk(&area, by).trim() else {
+                continue;
+            };
+            trimmed += 1;
+            let (big, inner) = (r + by, 20.0 - 2.0 * by);
+            // What is left in the middle, or counted thrice, is nothing.
+            let discs = 3.0 * (PI * big * big - lens(big, side));
+            let exact = inner * inner - discs;
+            let error = left.content() - exact;
+            let limit = TOLERANCE * left.perimeter();
+            assert!(error.abs() < limit, "{off}: {error}");
+        }
+        assert!(trimmed > 30, "{trimmed}");
+    }
+
+    #[test]
+    fn what_is_too_near_all_along_vanishes() {
+        let mut ring = hole(0.0, 0.0, 5.0);
+        ring.reverse();
+        let thin = Area {
+            rings: vec![ring, hole(0.0, 0.0, 4.3)],
+        };
+        assert!(shrunk(&thin, 0.4).trim().unwrap().is_empty());
+        let left = shrunk(&thin, 0.3).trim().unwrap();
+        let exact = PI * (4.7_f64.powi(2) - 4.6_f64.powi(2));
+        assert!((left.content() - exact).abs() < TOLERANCE * 2.0 * PI * 9.3);
+    }
+
+    /// What is wrongly taken to be too near must not cost a wall: it closes all
+    /// the same, or there is nothing.
+    #[test]
+    fn wrong_states_never_lose_a_wall() {
+        let mut area = rect(-10.0, -10.0, 10.0, 10.0);
+        area.rings
+            .extend([hole(-2.0, 0.0, 1.5), hole(2.0, 0.0, 1.5)]);
+        let mut all = shrunk(&area, 0.6);
+        let exact = all.trim().unwrap().content();
+        let states = all.states.clone();
+        let n = states.len();
+        for from in (0..n).step_by(7) {
+            for count in [1, 3, n / 5] {
+                all.states.clone_from(&states);
+                for k in from..from + count {
+                    all.states[k % n] = State::Covered;
+                }
+                if let Some(left) = all.trim() {
+                    let off = left.content() - exact;
+                    assert!(off.abs() < 0.01, "{from} {count}: {off}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn segments_cross_once_however_they_touch() {
+        let p = DVec2::new;
+        let at = crossing(p(0.0, 0.0), p(4.0, 0.0), p(1.0, -1.0), p(1.0, 3.0));
+        assert_eq!(at, Some((0.25, 0.25)));
+        let beside =
+            crossing(p(0.0, 0.0), p(4.0, 0.0), p(5.0, -1.0), p(5.0, 3.0));
+        assert_eq!(beside, None);
+        // A line through a vertex crosses one of the edges there.
+        let count = [(p(1.0, 1.0), p(2.0, 0.0)), (p(2.0, 0.0), p(3.0, -1.0))]
+            .into_iter()
+            .filter(|&(c, d)| {
+                crossing(p(0.0, 0.0), p(4.0, 0.0), c, d).is_some()
+            })
+            .count();
+        assert_eq!(count, 1);
+        // A corner that only touches it crosses it twice or not at all.
+        let count = [(p(1.0, 1.0), p(2.0, 0.0)), (p(2.0, 0.0), p(3.0, 1.0))]
+            .into_iter()
+            .filter(|&(c, d)| {
+                crossing(p(0.0, 0.0), p(4.0, 0.0), c, d).is_some()
+            })
+            .count();
+        assert_eq!(count % 2, 0);
+    }
 }

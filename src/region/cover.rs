@@ -46,19 +46,79 @@ pub enum Covered {
     Not,
 }
 
-/// How much of each island a cover covers.
-pub fn covered(islands: &[Area], cover: &Cover<'_>) -> Vec<Covered> {
-    let touching = touching(islands, std::slice::from_ref(cover));
-    let of = |(island, &touched): (&Area, &bool)| {
-        let p = island.rings.first().and_then(|r| r.first());
-        match p {
-            Some(_) if touched => Covered::Partly,
-            Some(&p) if cover.grid.contains(p) => Covered::Wholly,
-            _ => Covered::Not,
+/// Connected areas, to be asked what covers touch or cover of them.
+pub struct Islands<'a> {
+    all: &'a [Area],
+    /// Their edges.
+    grid: EdgeGrid,
+    /// The box around all of them.
+    bounds: Rect,
+    /// Their outer rings.
+    nest: Nest,
+}
+
+/// Size of the cells in which islands are looked up, mm.
+const CELL: Mm = 1.0;
+
+impl<'a> Islands<'a> {
+    /// Islands, each an outer ring followed by its holes.
+    pub fn new(all: &'a [Area]) -> Islands<'a> {
+        let edges = all.iter().enumerate().flat_map(|(i, island)| {
+            let all = island.rings.iter().flat_map(|r| edges(r));
+            all.map(move |e| (i, e))
+        });
+        Islands {
+            all,
+            grid: EdgeGrid::of(edges, CELL),
+            bounds: all.iter().fold(Rect::EMPTY, |r, i| r.union(i.bounds())),
+            nest: Nest::new(all.iter().filter_map(|i| i.rings.first())),
         }
-    };
-    let touched = touching.iter().flatten();
-    islands.iter().zip(touched).map(of).collect()
+    }
+
+    /// How much of each island a cover covers.
+    pub fn covered(&self, cover: &Cover<'_>) -> Vec<Covered> {
+        let of = |(island, touched): (&Area, bool)| {
+            let p = island.rings.first().and_then(|r| r.first());
+            match p {
+                Some(_) if touched => Covered::Partly,
+                Some(&p) if cover.grid.contains(p) => Covered::Wholly,
+                _ => Covered::Not,
+            }
+        };
+        self.all.iter().zip(self.touching(cover)).map(of).collect()
+    }
+
+    /// By island, whether an edge of the cover runs in it.
+    fn touching(&self, cover: &Cover<'_>) -> Vec<bool> {
+        let mut touched = vec![false; self.all.len()];
+        for ring in &cover.area.rings {
+            let mut meets = false;
+            let around = Rect::around(ring);
+            if !around.meets(self.bounds) {
+                continue;
+            }
+            for (a, b) in edges(ring) {
+                let (lo, hi) = (a.min(b), a.max(b));
+                if !self.bounds.meets(Rect { min: lo, max: hi }) {
+                    continue;
+                }
+                self.grid.visit_near(a, b, TOUCH, |i| {
+                    touched[i] = true;
+                    meets = true;
+                });
+            }
+            // A ring that meets no border is inside one island or in none.
+            if !meets
+                && let Some(&p) = ring.first()
+                && self.bounds.contains(p)
+                && self.grid.contains(p)
+                && let Some(i) = self.nest.around(p)
+            {
+                touched[i] = true;
+            }
+        }
+        touched
+    }
 }
 
 /// What a cover leaves open of an area.
@@ -84,11 +144,13 @@ const CROP_SHARE: usize = 30;
 /// whether it matters that a connected area is covered; if it does not matter
 /// for an area, it must not for its parts.
 pub(super) fn exposed(
-    islands: &[Area],
+    islands: &Islands<'_>,
     covers: &[Cover<'_>],
     matters: impl Fn(&Area) -> bool,
 ) -> Vec<Exposed> {
-    let touching = touching(islands, covers);
+    let touching: Vec<Vec<bool>> =
+        covers.iter().map(|c| islands.touching(c)).collect();
+    let islands = islands.all;
     let mut result: Vec<Exposed> = islands
         .iter()
         .enumerate()
@@ -207,47 +269,6 @@ fn part(open: Area) -> Exposed {
     }
 }
 
-/// By cover and island: whether an edge of the cover runs in the island.
-fn touching(islands: &[Area], covers: &[Cover<'_>]) -> Vec<Vec<bool>> {
-    let grid = EdgeGrid::of(
-        islands.iter().enumerate().flat_map(|(i, island)| {
-            let all = island.rings.iter().flat_map(|r| edges(r));
-            all.map(move |e| (i, e))
-        }),
-        0.5,
-    );
-    let bounds = islands.iter().fold(Rect::EMPTY, |r, i| r.union(i.bounds()));
-    let outers = islands.iter().filter_map(|i| i.rings.first());
-    let nest = Nest::new(outers);
-    let touched = |cover: &Cover<'_>| {
-        let mut touched = vec![false; islands.len()];
-        for ring in &cover.area.rings {
-            let mut meets = false;
-            for (a, b) in edges(ring) {
-                let (lo, hi) = (a.min(b), a.max(b));
-                if hi.cmplt(bounds.min).any() || lo.cmpgt(bounds.max).any() {
-                    continue;
-                }
-                grid.visit_near(a, b, TOUCH, |i| {
-                    touched[i] = true;
-                    meets = true;
-                });
-            }
-            // A ring that meets no border is inside one island or in none.
-            if !meets
-                && let Some(&p) = ring.first()
-                && bounds.contains(p)
-                && grid.contains(p)
-                && let Some(i) = nest.around(p)
-            {
-                touched[i] = true;
-            }
-        }
-        touched
-    };
-    covers.iter().map(touched).collect()
-}
-
 /// Islands by their boxes.
 struct Near {
     boxes: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
@@ -314,7 +335,8 @@ mod tests {
             Exposed::Part(part) => island.content() - part.content(),
             Exposed::Everywhere => 0.0,
         };
-        let all = exposed(islands, &covers, |a| a.content() > 1.0);
+        let asked = Islands::new(islands);
+        let all = exposed(&asked, &covers, |a| a.content() > 1.0);
         all.iter().zip(islands).map(of).collect()
     }
 
@@ -352,7 +374,8 @@ mod tests {
             grid: &grid,
         };
         use Covered::{Not, Partly, Wholly};
-        assert_eq!(covered(&islands, &cover), [Wholly, Partly, Not]);
+        let covered = Islands::new(&islands).covered(&cover);
+        assert_eq!(covered, [Wholly, Partly, Not]);
         assert!((open(&islands[1], &area).content() - 60.0).abs() < 1e-6);
         assert!((open(&islands[2], &area).content() - 100.0).abs() < 1e-6);
     }
@@ -370,7 +393,7 @@ mod tests {
             area: &cover,
             grid: &grid,
         };
-        let all = exposed(&[frame], &[cover], |_| true);
+        let all = exposed(&Islands::new(&[frame]), &[cover], |_| true);
         assert_eq!(all, [Exposed::Nowhere]);
     }
 

@@ -20,7 +20,7 @@
 //! for sparse infill becomes skin as well. Skin and sparse area together are
 //! the fill.
 
-use super::cover::{Cover, Covered, Exposed, covered, exposed, open};
+use super::cover::{Cover, Covered, Exposed, Islands, exposed, open};
 use crate::plane::clip::{
     crop, difference, intersection, not_covered_by_all, union,
 };
@@ -125,9 +125,10 @@ fn sparse(
         part.content() >= settings.skin_min_area
             && !offset(part, -half, TOLERANCE).is_empty()
     };
-    let mut exposed = exposed(&islands, covers, matters);
+    let asked = Islands::new(&islands);
+    let mut exposed = exposed(&asked, covers, matters);
     for slope in slopes {
-        slope.expose(&islands, &mut exposed, outline);
+        slope.expose(&islands, &asked, &mut exposed, outline);
     }
     let hanging = hanging(&exposed, support, settings);
     let mut sparse = Vec::new();
@@ -151,12 +152,13 @@ impl Slope<'_> {
     fn expose(
         &self,
         islands: &[Area],
+        asked: &Islands<'_>,
         exposed: &mut [Exposed],
         outline: &Area,
     ) {
         let mut open_to = vec![false; islands.len()];
         for cover in &self.beyond {
-            let covers = cover.map(|c| covered(islands, &c));
+            let covers = cover.map(|c| asked.covered(&c));
             for (i, open) in open_to.iter_mut().enumerate() {
                 let whole = |c: &Vec<Covered>| c[i] == Covered::Wholly;
                 *open |= !covers.as_ref().is_some_and(whole);
@@ -240,7 +242,7 @@ fn hanging(
             parts.extend(islands);
         }
     }
-    let covered = covered(&parts, &support);
+    let covered = Islands::new(&parts).covered(&support);
     let mut all = Area::EMPTY;
     for (part, covered) in parts.iter().zip(&covered) {
         if *covered != Covered::Wholly {

@@ -6,7 +6,7 @@
 //!
 //! Not looked for: whether the cavity is closed above and below.
 
-use super::cover::{Cover, Covered, covered};
+use super::cover::{Cover, Covered, Islands};
 use crate::plane::Area;
 use crate::plane::nest::Nest;
 use glam::DVec2;
@@ -24,7 +24,7 @@ pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<DVec2> {
         return Vec::new();
     }
     let around = Nest::new(below.area.rings.iter());
-    let covered = covered(&free, below);
+    let covered = Islands::new(&free).covered(below);
     free.iter()
         .zip(covered)
         .filter(|(_, covered)| *covered == Covered::Not)

@@ -20,7 +20,7 @@ mod sweep;
 
 use crate::bead::Bead;
 use crate::plane::Area;
-use crate::region::cover::{Cover, Covered, covered};
+use crate::region::cover::{Cover, Covered, Islands};
 use crate::settings::Settings;
 use crate::units::Mm;
 use fill::Filler;
@@ -65,8 +65,9 @@ pub fn patches(
     settings: &Settings,
 ) -> Vec<Patch> {
     let islands = skin.islands();
+    let asked = Islands::new(&islands);
     let side = |face: Option<Cover<'_>>| match face {
-        Some(cover) => covered(&islands, &cover),
+        Some(cover) => asked.covered(&cover),
         None => vec![Covered::Not; islands.len()],
     };
     let (above, below) = (side(faces.above), side(faces.below));
