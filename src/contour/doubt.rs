@@ -18,7 +18,7 @@
 
 use super::march::{Scratch, bits};
 use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
-use glam::DVec2;
+use glam::{DVec2, Vec4};
 
 /// Parts of the cell that the field's fall from both sides, each going on to
 /// zero, may leave between them. Below 1 they cross zero on the row itself,
@@ -30,55 +30,47 @@ const FAR: f32 = 1.6;
 /// fine as what can be printed: where more are in doubt the field is noise.
 const MOST: usize = 16;
 
-/// True if the field may pass zero between two neighbouring nodes with values
+/// Where the field may pass zero between two neighbouring nodes with values
 /// `a` and `b` of the same sign; `before` and `after` are those beside them.
-/// Without a branch: it is asked for many at a time.
-#[inline(always)]
-fn doubtful([before, a, b, after]: [f32; 4], reach: f32) -> bool {
-    let side = if a < 0.0 { -1.0 } else { 1.0 };
+/// A bit for each of four.
+fn doubtful([before, a, b, after]: [Vec4; 4], reach: f32) -> u32 {
+    let side = Vec4::select(a.cmplt(Vec4::ZERO), Vec4::NEG_ONE, Vec4::ONE);
     let (a, b) = (side * a, side * b);
     let (fall, rise) = (side * before - a, side * after - b);
-    (b >= 0.0)
-        & (fall > 0.0)
-        & (rise > 0.0)
-        & (a * rise + b * fall < reach * fall * rise)
+    b.cmpge(Vec4::ZERO).bitmask()
+        & fall.cmpgt(Vec4::ZERO).bitmask()
+        & rise.cmpgt(Vec4::ZERO).bitmask()
+        & (a * rise + b * fall).cmplt(reach * fall * rise).bitmask()
 }
 
-/// The values along a line of a leaf's nodes, in whole vectors; what is over
-/// is of no doubt.
-type Line = [f32; 12];
+/// The values along a line of a leaf's nodes; what is over is of no doubt.
+type Line = [Vec4; NODES.div_ceil(4)];
 
 /// A leaf's lines, across the edges that are looked at: its columns, or its
 /// rows.
 fn lines(values: &[f32], rows: bool) -> [Line; NODES] {
-    let mut out = [[1.0; 12]; NODES];
+    let mut out = [[1.0; 4 * NODES.div_ceil(4)]; NODES];
     let all: &[[f32; NODES]] = values.as_chunks().0;
-    if rows {
-        for (line, row) in out.iter_mut().zip(all) {
-            line[..NODES].copy_from_slice(row);
-        }
-    } else {
-        for (j, row) in all.iter().enumerate().take(NODES) {
+    for (j, row) in all.iter().enumerate().take(NODES) {
+        if rows {
+            out[j][..NODES].copy_from_slice(row);
+        } else {
             for (line, &v) in out.iter_mut().zip(row) {
                 line[j] = v;
             }
         }
     }
-    out
+    let four = |line: &[f32], k: usize| Vec4::from_slice(&line[4 * k..]);
+    out.map(|line| std::array::from_fn(|k| four(&line, k)))
 }
 
 /// Where `test` is true of the numbers of four lines: a bit for each place.
-#[inline(always)]
-fn places([a, b, c, d]: [&Line; 4], test: impl Fn([f32; 4]) -> bool) -> u16 {
-    let mut yes = [0_u32; 12];
-    for k in 0..yes.len() {
-        yes[k] = u32::from(test([a[k], b[k], c[k], d[k]]));
+fn places([a, b, c, d]: [&Line; 4], test: impl Fn([Vec4; 4]) -> u32) -> u16 {
+    let mut mask = 0;
+    for k in 0..a.len() {
+        mask |= test([a[k], b[k], c[k], d[k]]) << (4 * k);
     }
-    // Almost always none.
-    if yes.iter().fold(0, |any, y| any | y) == 0 {
-        return 0;
-    }
-    (0..NODES).fold(0, |mask, k| mask | (yes[k] as u16) << k)
+    mask as u16
 }
 
 /// An edge at a leaf's border, in doubt until the node beyond is known.
@@ -132,13 +124,15 @@ pub(super) fn doubts(
                 let [a, b, c] = nodes.map(|k| &lines[k]);
                 // However steep it is on the other side; four times as steep
                 // as here is the most that is thought of.
-                let may = |[a, b, c, _]: [f32; 4]| {
+                let may = |[a, b, c, _]: [Vec4; 4]| {
                     let step = (c - b).abs();
                     let steep = a + (4.0 * step).copysign(a);
-                    (b.abs() < reach * step) & doubtful([steep, a, b, c], reach)
+                    b.abs().cmplt(reach * step).bitmask()
+                        & doubtful([steep, a, b, c], reach)
                 };
                 for across in bits(places([a, b, c, c], may)) {
-                    let inner = [a, b, c].map(|line| line[across]);
+                    let inner =
+                        [a, b, c].map(|line| line[across / 4][across % 4]);
                     let (dx, dy) = match flip {
                         false => (beyond, across as i64),
                         true => (across as i64, beyond),
@@ -167,7 +161,8 @@ pub(super) fn doubts(
         sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
         for (b, &beyond) in borders.iter().zip(&s.values) {
             let [first, second, third] = b.inner;
-            if doubtful([beyond, first, second, third], reach) {
+            let four = [beyond, first, second, third].map(Vec4::splat);
+            if doubtful(four, reach) != 0 {
                 let cells = b.cells.into_iter().flatten();
                 found.extend(cells.map(|c| (b.leaf, c)));
             }

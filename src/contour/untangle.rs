@@ -140,7 +140,14 @@ impl Buckets {
         let pad = 1e-9 * size;
         let span = |a: DVec2, b: DVec2| {
             let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
-            (row(a.y)..=row(b.y)).flat_map(move |j| {
+            let (bottom, top) = (row(a.y), row(b.y));
+            let (left, right) = (column(a.x.min(b.x)), column(a.x.max(b.x)));
+            // Most are in one row or column, or two of each.
+            let short = (top - bottom) * (right - left) <= 1;
+            (bottom..=top).flat_map(move |j| {
+                if short {
+                    return j * nx + left..j * nx + right + 1;
+                }
                 // Where it enters the row and leaves it, and a little more.
                 let x = |y: f64| {
                     let share = (y - a.y) / (b.y - a.y);
@@ -152,7 +159,7 @@ impl Buckets {
                     false => [a.x, b.x],
                 };
                 let (from, to) = (p.min(q) - pad, p.max(q) + pad);
-                (column(from)..=column(to)).map(move |i| j * nx + i)
+                j * nx + column(from)..j * nx + column(to) + 1
             })
         };
         let mut starts = vec![0_u32; nx * ny + 1];
