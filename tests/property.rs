@@ -32,8 +32,9 @@ const DETAIL: Detail = Detail {
 /// Width below which what is cut off a tip, or not cut out of a notch, is not
 /// judged: a quarter of the smallest feature.
 const SLIVER: f64 = 0.027;
-/// Half the side of the square around the solids.
-const HALF: f64 = 4.0;
+/// Half the side of the square around the solids, which hold no more than a
+/// box of 4 mm whose middle is 1.5 mm away along each axis.
+const HALF: f64 = 5.0;
 
 fn config(cases: u32) -> Config {
     Config {

@@ -18,7 +18,7 @@
 
 use super::march::{Scratch, bits};
 use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
-use glam::DVec2;
+use glam::{DVec2, Vec4};
 
 /// Parts of the cell that the field's fall from both sides, each going on to
 /// zero, may leave between them. Below 1 they cross zero on the row itself,
@@ -30,16 +30,47 @@ const FAR: f32 = 1.6;
 /// fine as what can be printed: where more are in doubt the field is noise.
 const MOST: usize = 16;
 
-/// True if the field may pass zero between two neighbouring nodes with values
+/// Where the field may pass zero between two neighbouring nodes with values
 /// `a` and `b` of the same sign; `before` and `after` are those beside them.
-fn doubtful([before, a, b, after]: [f32; 4], reach: f32) -> bool {
-    let side = if a < 0.0 { -1.0 } else { 1.0 };
+/// A bit for each of four.
+fn doubtful([before, a, b, after]: [Vec4; 4], reach: f32) -> u32 {
+    let side = Vec4::select(a.cmplt(Vec4::ZERO), Vec4::NEG_ONE, Vec4::ONE);
     let (a, b) = (side * a, side * b);
     let (fall, rise) = (side * before - a, side * after - b);
-    b >= 0.0
-        && fall > 0.0
-        && rise > 0.0
-        && a * rise + b * fall < reach * fall * rise
+    b.cmpge(Vec4::ZERO).bitmask()
+        & fall.cmpgt(Vec4::ZERO).bitmask()
+        & rise.cmpgt(Vec4::ZERO).bitmask()
+        & (a * rise + b * fall).cmplt(reach * fall * rise).bitmask()
+}
+
+/// The values along a line of a leaf's nodes; what is over is of no doubt.
+type Line = [Vec4; NODES.div_ceil(4)];
+
+/// A leaf's lines, across the edges that are looked at: its columns, or its
+/// rows.
+fn lines(values: &[f32], rows: bool) -> [Line; NODES] {
+    let mut out = [[1.0; 4 * NODES.div_ceil(4)]; NODES];
+    let all: &[[f32; NODES]] = values.as_chunks().0;
+    for (j, row) in all.iter().enumerate().take(NODES) {
+        if rows {
+            out[j][..NODES].copy_from_slice(row);
+        } else {
+            for (line, &v) in out.iter_mut().zip(row) {
+                line[j] = v;
+            }
+        }
+    }
+    let four = |line: &[f32], k: usize| Vec4::from_slice(&line[4 * k..]);
+    out.map(|line| std::array::from_fn(|k| four(&line, k)))
+}
+
+/// Where `test` is true of the numbers of four lines: a bit for each place.
+fn places([a, b, c, d]: [&Line; 4], test: impl Fn([Vec4; 4]) -> u32) -> u16 {
+    let mut mask = 0;
+    for k in 0..a.len() {
+        mask |= test([a[k], b[k], c[k], d[k]]) << (4 * k);
+    }
+    mask as u16
 }
 
 /// An edge at a leaf's border, in doubt until the node beyond is known.
@@ -68,13 +99,9 @@ pub(super) fn doubts(
     scratch.clear();
     for (n, leaf) in leaves.iter().enumerate() {
         let values = &values[n * NODES * NODES..(n + 1) * NODES * NODES];
-        let at = |i: usize, j: usize| values[j * NODES + i];
         // Along x, then along y: `k` runs along the edges, `across` them.
         for flip in [false, true] {
-            let value = |k: usize, across: usize| match flip {
-                false => at(k, across),
-                true => at(across, k),
-            };
+            let lines = lines(values, flip);
             let cells = |k: usize, across: usize| {
                 let cell = |across: usize| match flip {
                     false => [k, across],
@@ -83,35 +110,29 @@ pub(super) fn doubts(
                 let below = across.checked_sub(1).map(cell);
                 [below, (across < LEAF).then(|| cell(across))]
             };
-            let rising = rising(values, flip);
             for k in 1..LEAF - 1 {
-                // Where it falls before the edge and rises after it, or the
-                // other way round.
-                for across in bits(rising[k - 1] ^ rising[k + 1]) {
-                    let line = [k - 1, k, k + 1, k + 2];
-                    if doubtful(line.map(|k| value(k, across)), reach) {
-                        let cells = cells(k, across).into_iter().flatten();
-                        found.extend(cells.map(|c| (n, c)));
-                    }
+                let four = [k - 1, k, k + 1, k + 2].map(|k| &lines[k]);
+                for across in bits(places(four, |f| doubtful(f, reach))) {
+                    let cells = cells(k, across).into_iter().flatten();
+                    found.extend(cells.map(|c| (n, c)));
                 }
             }
             for (k, nodes, beyond) in [
                 (0, [0, 1, 2], -1),
                 (LEAF - 1, [LEAF, LEAF - 1, LEAF - 2], 9),
             ] {
-                for across in 0..NODES {
-                    let inner = nodes.map(|k| value(k, across));
-                    let [a, b, c] = inner;
-                    // However steep it is on the other side.
-                    if b.abs() >= reach * (c - b).abs() {
-                        continue;
-                    }
-                    // Four times as steep as here is the most that is
-                    // thought of.
-                    let steep = a + 4.0 * (c - b).abs().copysign(a);
-                    if !doubtful([steep, a, b, c], reach) {
-                        continue;
-                    }
+                let [a, b, c] = nodes.map(|k| &lines[k]);
+                // However steep it is on the other side; four times as steep
+                // as here is the most that is thought of.
+                let may = |[a, b, c, _]: [Vec4; 4]| {
+                    let step = (c - b).abs();
+                    let steep = a + (4.0 * step).copysign(a);
+                    b.abs().cmplt(reach * step).bitmask()
+                        & doubtful([steep, a, b, c], reach)
+                };
+                for across in bits(places([a, b, c, c], may)) {
+                    let inner =
+                        [a, b, c].map(|line| line[across / 4][across % 4]);
                     let (dx, dy) = match flip {
                         false => (beyond, across as i64),
                         true => (across as i64, beyond),
@@ -140,7 +161,8 @@ pub(super) fn doubts(
         sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
         for (b, &beyond) in borders.iter().zip(&s.values) {
             let [first, second, third] = b.inner;
-            if doubtful([beyond, first, second, third], reach) {
+            let four = [beyond, first, second, third].map(Vec4::splat);
+            if doubtful(four, reach) != 0 {
                 let cells = b.cells.into_iter().flatten();
                 found.extend(cells.map(|c| (b.leaf, c)));
             }
@@ -158,25 +180,4 @@ pub(super) fn doubts(
         found.retain(|f| !noisy[f.0]);
     }
     Ok(found)
-}
-
-/// By place along the lines, the lines on which the field is greater at the
-/// next node.
-fn rising(values: &[f32], flip: bool) -> [u16; LEAF] {
-    let mut out = [0_u16; LEAF];
-    let rows: &[[f32; NODES]] = values.as_chunks().0;
-    if flip {
-        for (mask, pair) in out.iter_mut().zip(rows.windows(2)) {
-            for (i, (low, high)) in pair[0].iter().zip(&pair[1]).enumerate() {
-                *mask |= u16::from(high > low) << i;
-            }
-        }
-    } else {
-        for (j, row) in rows.iter().enumerate() {
-            for (k, mask) in out.iter_mut().enumerate() {
-                *mask |= u16::from(row[k + 1] > row[k]) << j;
-            }
-        }
-    }
-    out
 }

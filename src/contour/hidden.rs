@@ -33,6 +33,10 @@ const PITCH: f64 = 0.7;
 /// sampled all over: sooner done than ruling some of them out.
 const CHEAP: f64 = 8.0;
 
+/// Parts of cells that are looked into at once, about: their bounds need
+/// some hundred bytes for every input of the expression.
+const AT_ONCE: f64 = 16384.0;
+
 /// What the search needs.
 struct Search<'a> {
     leaves: &'a [Leaf],
@@ -85,7 +89,11 @@ pub(super) fn hidden(
             let inside = corners.iter().filter(|f| **f < 0.0).count();
             matches!(inside, 0 | 4)
         });
-    found.extend(search.explore(open, PITCH * smallest)?);
+    let pitch = PITCH * smallest;
+    let parts = (lattice.spacing / pitch).max(1.0).powi(2);
+    for open in open.chunks((AT_ONCE / parts).max(1.0) as usize) {
+        found.extend(search.explore(open, pitch)?);
+    }
     found.sort_unstable();
     found.dedup();
     Ok(found)
@@ -167,13 +175,13 @@ impl Search<'_> {
     /// Returns the cells in which a quarter's centre has the other sign.
     fn explore(
         &mut self,
-        cells: Vec<Place>,
+        cells: &[Place],
         pitch: Mm,
     ) -> Result<Vec<Place>, FieldError> {
         let mut found: Vec<Place> = Vec::new();
         let mut parts: Vec<Part> = cells
-            .into_iter()
-            .map(|owner| Part {
+            .iter()
+            .map(|&owner| Part {
                 owner,
                 inside: self.corners(owner)[0] < 0.0,
                 area: self.area(owner, 1),

@@ -35,10 +35,22 @@ impl Crossing {
         let part = Self::WHOLE;
         Crossing { edge, part }
     }
+
+    /// One number for it, in the crossings' order.
+    fn key(self) -> u64 {
+        u64::from(self.edge) << 32 | u64::from(self.part)
+    }
+
+    fn of_key(key: u64) -> Crossing {
+        Crossing {
+            edge: (key >> 32) as u32,
+            part: key as u32,
+        }
+    }
 }
 
-/// A crossing and the vertex there at which a chain breaks off.
-type Loose = (Crossing, u32);
+/// A crossing's key and the vertex there at which a chain breaks off.
+type Loose = (u64, u32);
 
 /// What is missing from a layer whose chains do not close.
 #[derive(Default)]
@@ -110,9 +122,9 @@ impl Chains {
         self.links.len() as u32 - 1
     }
 
-    /// Lets `to` follow `from`.
+    /// Lets `to` follow `from`, at least one of which has been added since the
+    /// loose ends were last looked for.
     pub(super) fn connect(&mut self, from: u32, to: u32) {
-        self.loose = None;
         self.links[from as usize].next = to;
         self.links[to as usize].has_previous = true;
     }
@@ -140,12 +152,10 @@ impl Chains {
             return known;
         }
         let (mut ends, mut starts) = (Vec::new(), Vec::new());
-        for i in 0..self.links.len() {
-            match (self.links[i].has_previous, self.links[i].next != NONE) {
-                (true, false) => ends.push((self.links[i].crossing, i as u32)),
-                (false, true) => {
-                    starts.push((self.links[i].crossing, i as u32))
-                }
+        for (link, i) in self.links.iter().zip(0..) {
+            match (link.has_previous, link.next != NONE) {
+                (true, false) => ends.push((link.crossing.key(), i)),
+                (false, true) => starts.push((link.crossing.key(), i)),
                 _ => {}
             }
         }
@@ -161,15 +171,8 @@ impl Chains {
         lattice: &Lattice,
     ) -> Missing {
         let [ends, starts] = self.loose();
-        let paired = |a: &[Loose], c: Crossing| {
-            a.binary_search_by_key(&c, |x| x.0).is_ok()
-        };
-        let lone = |a: &[Loose], b: &[Loose]| -> Vec<Crossing> {
-            let a = a.iter().map(|x| x.0);
-            a.filter(|&c| !paired(b, c)).collect()
-        };
-        let mut lonely = lone(&ends, &starts);
-        lonely.extend(lone(&starts, &ends));
+        let mut lonely = without(&ends, &starts);
+        lonely.extend(without(&starts, &ends));
         self.loose = Some([ends, starts]);
         if lonely.is_empty() {
             return Missing::default();
@@ -208,24 +211,29 @@ impl Chains {
         }
     }
 
-    /// Takes out the outline's pieces across a cell that is to be divided.
-    pub(super) fn clear(&mut self, cell: [usize; 2], lattice: &Lattice) {
-        let [i, j] = cell;
+    /// Takes out the outline's pieces across cells that are to be divided.
+    pub(super) fn clear(&mut self, cells: &[[usize; 2]], lattice: &Lattice) {
         let width = lattice.width() + 1;
         let node = |i: usize, j: usize| 2 * (j * width + i) as u32;
-        let edges = [
-            node(i, j),
-            node(i, j + 1),
-            node(i, j) + 1,
-            node(i + 1, j) + 1,
-        ];
+        // By edge, the cells that it belongs to.
+        let mut owners: Vec<(u32, usize)> = Vec::with_capacity(4 * cells.len());
+        for (n, &[i, j]) in cells.iter().enumerate() {
+            let [south, north] = [node(i, j), node(i, j + 1)];
+            let edges = [south, north, south + 1, node(i + 1, j) + 1];
+            owners.extend(edges.map(|edge| (edge, n)));
+        }
+        owners.sort_unstable();
         // A cell that was not divided knows whole edges only; parts of them
         // are the next cell's, which may turn back on the same edge.
-        let own =
-            |c: Crossing| c.part == Crossing::WHOLE && edges.contains(&c.edge);
+        let owners_of = |c: Crossing| {
+            let from = owners.partition_point(|o| o.0 < c.edge);
+            let own = owners[from..].iter().take_while(move |o| o.0 == c.edge);
+            own.filter(move |_| c.part == Crossing::WHOLE).map(|o| o.1)
+        };
         self.loose = None;
         for first in 0..self.links.len() {
-            if !own(self.links[first].crossing) {
+            let crossing = self.links[first].crossing;
+            if owners_of(crossing).next().is_none() {
                 continue;
             }
             // To where the outline leaves the cell it enters here.
@@ -238,7 +246,11 @@ impl Chains {
                 }
                 at = self.links[at as usize].next;
             }
-            if at == NONE || !own(self.links[at as usize].crossing) {
+            if at == NONE {
+                continue;
+            }
+            let end = self.links[at as usize].crossing;
+            if !owners_of(crossing).any(|n| owners_of(end).any(|m| m == n)) {
                 continue;
             }
             for pair in path.windows(2) {
@@ -272,11 +284,12 @@ impl Chains {
             let mut i = first;
             loop {
                 seen[i] = true;
-                if ring.points.last() != Some(&self.links[i].point) {
-                    ring.points.push(self.links[i].point);
-                    ring.fixed.push(self.links[i].fixed);
+                let link = &self.links[i];
+                if ring.points.last() != Some(&link.point) {
+                    ring.points.push(link.point);
+                    ring.fixed.push(link.fixed);
                 }
-                match self.links[i].next {
+                match link.next {
                     NONE => {
                         forced += 1;
                         break;
@@ -289,6 +302,20 @@ impl Chains {
         }
         (rings, forced)
     }
+}
+
+/// The crossings of the first list that are not in the second; both are in
+/// order.
+fn without(first: &[Loose], second: &[Loose]) -> Vec<Crossing> {
+    let mut rest = second.iter().map(|x| x.0).peekable();
+    let mut out = Vec::new();
+    for &(key, _) in first {
+        while rest.next_if(|other| *other < key).is_some() {}
+        if rest.peek() != Some(&key) {
+            out.push(Crossing::of_key(key));
+        }
+    }
+    out
 }
 
 /// Column and row of the cells on both sides of a lattice edge.

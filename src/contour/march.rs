@@ -116,6 +116,10 @@ impl Precision {
     }
 }
 
+/// Samples for which cells are divided at a time, about: what becomes of them
+/// needs several times their memory.
+const AT_ONCE: usize = 1 << 16;
+
 /// A cell of a batch: its leaf, and column and row in it.
 pub(super) type Place = (usize, [usize; 2]);
 
@@ -365,30 +369,35 @@ impl<'a> Marcher<'a> {
             if wanted.is_empty() {
                 return Ok(rounds);
             }
-            let cells: Vec<Cell> =
-                wanted.iter().map(|&c| self.cell(batch.leaves, c)).collect();
-            let divided = divide(
-                &cells,
-                self.lattice,
-                &self.z,
-                fineness,
-                &mut *batch.sampler,
-                &mut self.scratch,
-            )?;
             let mut next = Vec::new();
-            if spread {
-                for (cell, wrong) in cells.iter().zip(&divided.wrong) {
-                    let [i, j] = cell.at.map(|k| k as i64);
-                    let beside =
-                        [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j]];
-                    for (at, _) in beside.iter().zip(wrong).filter(|x| *x.1) {
-                        next.extend(find(batch.leaves, cell.layer, *at));
+            let at_once = AT_ONCE / (fineness.parts * fineness.parts);
+            for wanted in wanted.chunks(at_once.max(1)) {
+                crate::limits::check();
+                let cells = wanted.iter().map(|&c| self.cell(batch.leaves, c));
+                let cells: Vec<Cell> = cells.collect();
+                let divided = divide(
+                    &cells,
+                    self.lattice,
+                    &self.z,
+                    fineness,
+                    &mut *batch.sampler,
+                    &mut self.scratch,
+                )?;
+                if spread {
+                    for (cell, wrong) in cells.iter().zip(&divided.wrong) {
+                        let [i, j] = cell.at.map(|k| k as i64);
+                        let beside =
+                            [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j]];
+                        let wrong = beside.iter().zip(wrong).filter(|x| *x.1);
+                        next.extend(wrong.filter_map(|(at, _)| {
+                            find(batch.leaves, cell.layer, *at)
+                        }));
                     }
                 }
+                rounds.push((cells, divided));
             }
             done.append(&mut wanted);
             done.sort_unstable();
-            rounds.push((cells, divided));
             wanted = next;
         }
     }
@@ -418,6 +427,9 @@ impl<'a> Marcher<'a> {
         let width = self.lattice.width() + 1;
         for (n, leaf) in batch.leaves.iter().enumerate() {
             let values = &batch.values[n * COUNT..(n + 1) * COUNT];
+            let x = &self.lattice.x[leaf.i..leaf.i + NODES];
+            let y = &self.lattice.y[leaf.j..leaf.j + NODES];
+            let corner = leaf.j * width + leaf.i;
             let mut rows = [0u16; NODES];
             for (row, v) in rows.iter_mut().zip(values.chunks_exact(NODES)) {
                 for (i, &f) in v.iter().enumerate() {
@@ -429,18 +441,16 @@ impl<'a> Marcher<'a> {
                 let number = self.brackets.len() as u32;
                 let (a, b) = (j * NODES + i, (j + dir) * NODES + i + 1 - dir);
                 let at = |i: usize, j: usize| {
-                    DVec2::new(
-                        f64::from(self.lattice.x[leaf.i + i]),
-                        f64::from(self.lattice.y[leaf.j + j]),
-                    )
+                    DVec2::new(f64::from(x[i]), f64::from(y[j]))
                 };
                 let (pa, pb) = (at(i, j), at(i + 1 - dir, j + dir));
-                self.brackets.push(if values[a] < 0.0 {
-                    Bracket::new(pa, pb, values[a], values[b])
-                } else {
-                    Bracket::new(pb, pa, values[b], values[a])
-                });
-                let node = (leaf.j + j) * width + leaf.i + i;
+                let (fa, fb) = (values[a], values[b]);
+                let ((inside, outside), (f, g)) = match fa < 0.0 {
+                    true => ((pa, pb), (fa, fb)),
+                    false => ((pb, pa), (fb, fa)),
+                };
+                self.brackets.push(Bracket::new(inside, outside, f, g));
+                let node = corner + j * width + i;
                 self.edges.push((2 * node + dir) as u32);
                 self.layers.push(leaf.layer);
                 number
@@ -573,14 +583,28 @@ impl<'a> Marcher<'a> {
         let mut traced = chords.iter().zip(traced).peekable();
         let mut bends = self.bends.iter().peekable();
         for (n, s) in self.segments.iter().enumerate() {
-            let points = traced.next_if(|t| *t.0 == n).map(|t| t.1.points);
-            let bend = bends.next_if(|b| b.0 == n).map(|b| b.1);
-            if skip.binary_search(&(s.layer, s.cell)).is_ok() {
+            let points = match traced.peek() {
+                Some(t) if *t.0 == n => traced.next().map(|t| t.1.points),
+                _ => None,
+            };
+            let bend = match bends.peek() {
+                Some(b) if b.0 == n => bends.next().map(|b| b.1),
+                _ => None,
+            };
+            if !skip.is_empty()
+                && skip.binary_search(&(s.layer, s.cell)).is_ok()
+            {
                 continue;
             }
-            let points = points.iter().flatten().map(|p| p.1).chain(bend);
             let (from, to) = (own[s.from as usize], own[s.to as usize]);
-            layers[s.layer].connect_through(from, points, to);
+            let chains = &mut layers[s.layer];
+            match (points, bend) {
+                (None, None) => chains.connect(from, to),
+                (points, bend) => {
+                    let points = points.iter().flatten().map(|p| p.1);
+                    chains.connect_through(from, points.chain(bend), to);
+                }
+            }
         }
         for (_, d) in divided {
             let mut own = vec![NONE; d.vertices.len()];

@@ -70,6 +70,10 @@ pub struct Detail {
 /// on the outline; thinning gets the rest.
 const CHORD_SHARE: f64 = 0.15;
 
+/// Leaves that are asked for at once, after the first look: what is made of
+/// each on the way needs memory.
+const AT_ONCE: usize = 1024;
+
 /// Outlines of the layers at heights `z`, at most a slab of them; the time
 /// it takes goes to `timings`.
 ///
@@ -121,8 +125,10 @@ fn close(
             crate::limits::check();
             let lack = chains.missing(layer, field.lattice());
             missing.extend(lack.leaves);
+            if !lack.cells.is_empty() {
+                chains.clear(&lack.cells, field.lattice());
+            }
             for at in lack.cells {
-                chains.clear(at, field.lattice());
                 let [i, j] = at.map(|k| k / LEAF * LEAF);
                 let leaf = Leaf { layer, i, j };
                 cells.push((leaf, [at[0] - i, at[1] - j]));
@@ -131,22 +137,29 @@ fn close(
         if missing.is_empty() && cells.is_empty() {
             break;
         }
-        field.leaves(z, &missing, &mut |batch: Batch<'_>| {
-            marcher.march(batch, &mut layers)
-        })?;
+        for missing in missing.chunks(AT_ONCE) {
+            field.leaves(z, missing, &mut |batch: Batch<'_>| {
+                marcher.march(batch, &mut layers)
+            })?;
+        }
         let mut leaves: Vec<Leaf> = cells.iter().map(|c| c.0).collect();
-        leaves.sort_unstable_by_key(|l| (l.layer, l.j, l.i));
+        let place = |l: &Leaf| (l.layer, l.j, l.i);
+        leaves.sort_unstable_by_key(place);
         leaves.dedup();
-        field.leaves(z, &leaves, &mut |batch: Batch<'_>| {
-            let own: Vec<(usize, [usize; 2])> = cells
-                .iter()
-                .filter_map(|(leaf, at)| {
-                    let n = batch.leaves.iter().position(|l| l == leaf)?;
-                    Some((n, *at))
-                })
-                .collect();
-            marcher.redivide(batch, &own, &mut layers)
-        })?;
+        for leaves in leaves.chunks(AT_ONCE) {
+            field.leaves(z, leaves, &mut |batch: Batch<'_>| {
+                let own: Vec<(usize, [usize; 2])> = cells
+                    .iter()
+                    .filter_map(|(leaf, at)| {
+                        let all = batch.leaves;
+                        let key = place(leaf);
+                        let n = all.binary_search_by_key(&key, place).ok()?;
+                        Some((n, *at))
+                    })
+                    .collect();
+                marcher.redivide(batch, &own, &mut layers)
+            })?;
+        }
     }
     let nan = marcher.nan_samples();
     Ok(layers

@@ -161,9 +161,30 @@ pub(super) fn look(p: End, q: End, tolerance: Mm, trusted: Mm) -> Look {
     Look::Ask((1.25 * bound).max(least), 0.0)
 }
 
+/// Chords that are followed together: one may become thousands of pieces,
+/// each of which needs a hundred times the memory of a point.
+const AT_ONCE: usize = 256;
+
 /// Follows chords to within `tolerance`; gradients are believed along chords
 /// of up to `trusted` mm.
 pub(super) fn trace(
+    chords: &[Chord],
+    tolerance: Mm,
+    trusted: Mm,
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+) -> Result<Vec<Traced>, FieldError> {
+    let mut traced = Vec::with_capacity(chords.len());
+    for chords in chords.chunks(AT_ONCE) {
+        crate::limits::check();
+        let some = follow(chords, tolerance, trusted, sampler, scratch)?;
+        traced.extend(some);
+    }
+    Ok(traced)
+}
+
+/// The same, for so many chords that it may be done for all at once.
+fn follow(
     chords: &[Chord],
     tolerance: Mm,
     trusted: Mm,

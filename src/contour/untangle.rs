@@ -133,14 +133,34 @@ impl Buckets {
         let size = even.max(length / count.max(1) as f64).max(1e-6);
         let cells = |x: f64| (x / size) as usize + 1;
         let (nx, ny) = (cells(extent.x), cells(extent.y));
+        let column = |x: f64| (((x - lo.x) / size) as usize).min(nx - 1);
+        let row = |y: f64| (((y - lo.y) / size) as usize).min(ny - 1);
+        // Row by row the squares that it passes through: those of its whole
+        // box would be far too many for a long slanting one.
+        let pad = 1e-9 * size;
         let span = |a: DVec2, b: DVec2| {
-            let at = |p: DVec2| {
-                let k = (p - lo) / size;
-                ((k.x as usize).min(nx - 1), (k.y as usize).min(ny - 1))
-            };
-            let (from, to) = (at(a.min(b)), at(a.max(b)));
-            (from.1..=to.1)
-                .flat_map(move |j| (from.0..=to.0).map(move |i| j * nx + i))
+            let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
+            let (bottom, top) = (row(a.y), row(b.y));
+            let (left, right) = (column(a.x.min(b.x)), column(a.x.max(b.x)));
+            // Most are in one row or column, or two of each.
+            let short = (top - bottom) * (right - left) <= 1;
+            (bottom..=top).flat_map(move |j| {
+                if short {
+                    return j * nx + left..j * nx + right + 1;
+                }
+                // Where it enters the row and leaves it, and a little more.
+                let x = |y: f64| {
+                    let share = (y - a.y) / (b.y - a.y);
+                    a.x + (b.x - a.x) * share.clamp(0.0, 1.0)
+                };
+                let bottom = lo.y + j as f64 * size;
+                let [p, q] = match a.y < b.y {
+                    true => [x(bottom - pad), x(bottom + size + pad)],
+                    false => [a.x, b.x],
+                };
+                let (from, to) = (p.min(q) - pad, p.max(q) + pad);
+                j * nx + column(from)..j * nx + column(to) + 1
+            })
         };
         let mut starts = vec![0_u32; nx * ny + 1];
         for (a, b) in edges.clone() {
@@ -188,6 +208,43 @@ mod tests {
         let all = [inner, square, bow, other, fold];
         assert_eq!(crossing(&all), vec![1, 2, 3, 4]);
         assert!(crossing(&[]).is_empty());
+    }
+
+    /// Long slanting lines are in few squares, and meet what crosses them.
+    #[test]
+    fn long_edges_are_where_they_pass() {
+        let teeth = |from: DVec2, along: DVec2| -> Ring {
+            let out = (0..400).map(|k| {
+                let side = if k % 2 == 0 { 0.0 } else { 0.2 };
+                from + along * f64::from(k) * 0.1 + along.perp() * side
+            });
+            let back = from - along.perp();
+            out.chain([back + along * 39.9, back]).collect()
+        };
+        let fin = |from: DVec2, along: DVec2| -> Ring {
+            let wide = along.perp() * 0.01;
+            vec![from, from + along, from + along + wide, from + wide]
+        };
+        for angle in [0.0_f64, 0.3, 0.8, 1.57, 2.2, 3.1, 4.0, 5.9] {
+            let way = DVec2::from_angle(angle);
+            let mut rings = vec![teeth(DVec2::ZERO, way)];
+            // Beside it.
+            for k in 2..40 {
+                let aside = way.perp() * f64::from(k);
+                rings.push(fin(aside, way * 40.0));
+            }
+            let list: Vec<(DVec2, DVec2)> =
+                rings.iter().flat_map(|r| edges(r)).collect();
+            let grid = Buckets::new(list.iter().copied());
+            let held = grid.items.len();
+            assert!(held < 20 * list.len(), "{angle}: {held}");
+            assert!(crossing(&rings).is_empty(), "{angle}");
+            // Across all of the others, but not across the teeth.
+            let start = way.perp() * 1.5 + way * 20.0;
+            rings.push(fin(start, way.perp() * 100.0 + way * 0.3));
+            let all: Vec<usize> = (1..rings.len()).collect();
+            assert_eq!(crossing(&rings), all, "{angle}");
+        }
     }
 
     /// Two long arcs three micrometres apart: thinned to ten, they would

@@ -59,14 +59,12 @@ pub(super) struct Axis {
 /// Points along an axis, found among its nodes.
 #[derive(Default)]
 pub(super) struct Located {
-    /// The node each point is on, or `OFF`.
+    /// The node each point is on; any, for those on none.
     on: Vec<u32>,
-    /// The points that are on none.
+    /// Which points are on none, and where they are.
+    off: Vec<u32>,
     missing: Vec<f32>,
 }
-
-/// No node.
-const OFF: u32 = u32::MAX;
 
 /// Evaluators of one thread, for the points that are not on the lattice.
 #[derive(Default)]
@@ -141,38 +139,34 @@ impl Axis {
         &self.columns[part].values
     }
 
-    /// Which node a point is on, if any: of two points on a lattice edge
-    /// one coordinate always is. `hint` is a guess.
-    fn node_at(&self, point: f32, hint: usize) -> Option<usize> {
-        if self.nodes.get(hint) == Some(&point) {
-            return Some(hint);
-        }
-        if self.density == 0.0 {
-            return self.nodes.binary_search_by(|v| v.total_cmp(&point)).ok();
-        }
-        let from = f64::from(*self.nodes.first()?);
-        let guess = (f64::from(point) - from) * self.density + 0.5;
-        let guess = guess as usize;
-        (self.nodes.get(guess) == Some(&point)).then_some(guess)
-    }
-
-    /// Finds the points among the nodes.
+    /// Finds the points among the nodes: of two points on a lattice edge one
+    /// coordinate always is there.
     pub(super) fn locate(&self, points: &[f32], located: &mut Located) {
-        let mut hint = 0;
-        located.on.clear();
-        located.missing.clear();
-        for &p in points {
-            match self.node_at(p, hint) {
-                Some(node) => {
-                    hint = node;
-                    located.on.push(node as u32);
-                }
-                None => {
-                    located.on.push(OFF);
-                    located.missing.push(p);
+        let Located { on, off, missing } = located;
+        off.clear();
+        missing.clear();
+        on.clear();
+        let nodes = &self.nodes[..];
+        let from = nodes.first().map_or(0.0, |&v| f64::from(v));
+        let mut node = 0;
+        on.extend(points.iter().enumerate().map(|(k, p)| {
+            // Often the same as the one before.
+            if nodes.get(node) != Some(p) {
+                let guess = if self.density == 0.0 {
+                    let found = nodes.binary_search_by(|v| v.total_cmp(p));
+                    found.unwrap_or(usize::MAX)
+                } else {
+                    ((f64::from(*p) - from) * self.density + 0.5) as usize
+                };
+                if nodes.get(guess) == Some(p) {
+                    node = guess;
+                } else {
+                    off.push(k as u32);
+                    missing.push(*p);
                 }
             }
-        }
+            node as u32
+        }));
     }
 
     /// A part's values at located points.
@@ -186,17 +180,15 @@ impl Axis {
     ) {
         let known = &self.columns[part].values;
         out.clear();
+        out.extend(at.on.iter().map(|&n| known[n as usize]));
         if at.missing.is_empty() {
-            out.extend(at.on.iter().map(|&n| known[n as usize]));
             return;
         }
         let mut fresh = std::mem::take(&mut scratch.fresh);
         scratch.values(f, &at.missing, &mut fresh);
-        let mut next = fresh.iter().copied();
-        out.extend(at.on.iter().map(|&n| match n {
-            OFF => next.next().unwrap_or(f32::NAN),
-            n => known[n as usize],
-        }));
+        for (&k, &v) in at.off.iter().zip(&fresh) {
+            out[k as usize] = v;
+        }
         scratch.fresh = fresh;
     }
 
@@ -212,20 +204,18 @@ impl Axis {
         slopes: &mut Vec<f32>,
     ) {
         let known = &self.columns[part];
-        let mut fresh = std::mem::take(&mut scratch.slopes);
-        scratch.slopes(f, &at.missing, &mut fresh);
-        let mut next = fresh.iter();
         values.clear();
         slopes.clear();
-        for &n in &at.on {
-            let (v, d) = match n {
-                OFF => {
-                    next.next().map_or((f32::NAN, f32::NAN), |s| (s[0], s[1]))
-                }
-                n => (known.values[n as usize], known.slopes[n as usize]),
-            };
-            values.push(v);
-            slopes.push(d);
+        values.extend(at.on.iter().map(|&n| known.values[n as usize]));
+        slopes.extend(at.on.iter().map(|&n| known.slopes[n as usize]));
+        if at.missing.is_empty() {
+            return;
+        }
+        let mut fresh = std::mem::take(&mut scratch.slopes);
+        scratch.slopes(f, &at.missing, &mut fresh);
+        for (&k, &[v, d, _]) in at.off.iter().zip(&fresh) {
+            values[k as usize] = v;
+            slopes[k as usize] = d;
         }
         scratch.slopes = fresh;
     }

@@ -17,9 +17,12 @@ use super::wide::{WIDTH, Wide};
 use crate::model::Interval;
 use fidget::compiler::RegTape;
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// Points per pass: 60 registers of them fit 16 kB.
 const LANES: usize = 64;
+/// Points up to which the last pass is a short one.
+const FEW: usize = 16;
 /// Points per pass with slopes.
 const DUAL_LANES: usize = 32;
 
@@ -29,6 +32,7 @@ const BOX_LANES: usize = 32;
 const BOUND_LANES: usize = 16;
 
 type Register = [Wide; LANES / WIDTH];
+type ShortRegister = [Wide; FEW / WIDTH];
 type DualRegister = [Dual<Wide>; DUAL_LANES / WIDTH];
 type SpanRegister = [Span; BOX_LANES / BOXES];
 type BoundRegister = [Dual<Span>; BOUND_LANES / BOXES];
@@ -46,6 +50,7 @@ pub(super) struct Seed<'a> {
 #[derive(Default)]
 pub(super) struct Lanes {
     numbers: Vec<Register>,
+    few: Vec<ShortRegister>,
     duals: Vec<DualRegister>,
     spans: Vec<SpanRegister>,
     bounds: Vec<BoundRegister>,
@@ -63,18 +68,35 @@ impl Lanes {
         out: &mut Vec<f32>,
     ) {
         let tape = f.operations();
-        if self.numbers.len() < tape.slot_count() {
-            let zero = [Wide::ZERO; LANES / WIDTH];
-            self.numbers.resize(tape.slot_count(), zero);
+        // All in long passes, or the last of them in a short one.
+        let left = count % LANES;
+        let long = if left > FEW { count } else { count - left };
+        if long > 0 {
+            if self.numbers.len() < tape.slot_count() {
+                let zero = [Wide::ZERO; LANES / WIDTH];
+                self.numbers.resize(tape.slot_count(), zero);
+            }
+            Arch::new().dispatch(Values {
+                tape,
+                registers: &mut self.numbers[..],
+                inputs,
+                points: 0..long,
+                out,
+            });
         }
-        let registers = &mut self.numbers[..];
-        Arch::new().dispatch(Values {
-            tape,
-            registers,
-            inputs,
-            count,
-            out,
-        });
+        if long < count {
+            if self.few.len() < tape.slot_count() {
+                let zero = [Wide::ZERO; FEW / WIDTH];
+                self.few.resize(tape.slot_count(), zero);
+            }
+            Arch::new().dispatch(Values {
+                tape,
+                registers: &mut self.few[..],
+                inputs,
+                points: long..count,
+                out,
+            });
+        }
     }
 
     /// Appends value and derivatives along x and y of the function's (first)
@@ -166,20 +188,20 @@ fn load(list: &[f32], from: usize) -> Wide {
     Wide(std::array::from_fn(at))
 }
 
-struct Values<'a> {
+struct Values<'a, const N: usize> {
     tape: &'a RegTape,
-    registers: &'a mut [Register],
+    registers: &'a mut [[Wide; N]],
     inputs: &'a [&'a [f32]],
-    count: usize,
+    points: Range<usize>,
     out: &'a mut Vec<f32>,
 }
 
-impl WithSimd for Values<'_> {
+impl<const N: usize> WithSimd for Values<'_, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for from in (0..self.count).step_by(LANES) {
+        for from in self.points.clone().step_by(N * WIDTH) {
             run(
                 self.tape,
                 self.registers,
@@ -190,7 +212,7 @@ impl WithSimd for Values<'_> {
                     }
                 },
                 |result| {
-                    let mut left = self.count - from;
+                    let mut left = self.points.end - from;
                     for wide in result {
                         let n = left.min(WIDTH);
                         self.out.extend_from_slice(&wide.0[..n]);

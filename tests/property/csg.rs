@@ -121,7 +121,7 @@ fn axis() -> impl Strategy<Value = DVec3> {
     ]
 }
 
-/// Solids of a few parts within about 4 mm of the origin.
+/// Solids of a few parts within 5 mm of the z axis along x and y.
 pub fn solid() -> impl Strategy<Value = Solid> {
     let leaf = prop_oneof![
         (0.2..2.0, 0.2..2.0, 0.3..2.0)
