@@ -12,7 +12,6 @@
 //! there are; next to no time for emptiness; no memory for height.
 
 use cpu_time::ProcessTime;
-use isoslice::layers::LayerRange;
 use isoslice::model::{
     self, BuildVolume, Model, Placement, Source, SourceKind,
 };
@@ -59,12 +58,7 @@ fn forget_peak() {
 fn measure(model: &Model) -> Outcome<(f64, usize, Option<f64>)> {
     let options = Options {
         threads: Some(1),
-        layers: LayerRange::ALL,
-        svg_dir: None,
-        report: false,
-        check: true,
-        backend: None,
-        on_layer: &|_, _| {},
+        ..Options::default()
     };
     let mut settings = Settings::default();
     // Their cost is the same for every part.

@@ -13,7 +13,6 @@ use cpu_time::ProcessTime;
 use fidget::context::Context;
 use fidget::eval::{BulkEvaluator, Function, MathFunction};
 use fidget::vm::VmFunction;
-use isoslice::layers::LayerRange;
 use isoslice::model::{self, BuildVolume, Placement, Source};
 use isoslice::pipeline::{Options, Summary, slice};
 use isoslice::settings::Settings;
@@ -81,12 +80,7 @@ fn whole(
 ) -> Result<(f64, Summary), Box<dyn Error>> {
     let options = Options {
         threads: Some(threads),
-        layers: LayerRange::ALL,
-        svg_dir: None,
-        report: false,
-        check: true,
-        backend: None,
-        on_layer: &|_, _| {},
+        ..Options::default()
     };
     let settings = Settings::default();
     let start = ProcessTime::now();

@@ -104,18 +104,17 @@ pub fn brim(outline: &Area, height: Mm, settings: &Settings) -> Vec<Bead> {
         },
         _ => outline.clone(),
     };
-    let (mut outside, mut inside) = (Vec::new(), Vec::new());
+    let mut inside = Vec::new();
+    let mut levels: Vec<Vec<Ring>> = Vec::new();
     for depth in brim_depths(height, settings).into_iter().rev() {
-        for ring in offset(&grown, depth, TOLERANCE).rings {
-            match in_a_hole(&ring) {
-                true => inside.push(ring),
-                false => outside.push(ring),
-            }
-        }
+        let mut level = offset(&grown, depth, TOLERANCE).rings;
+        inside.extend(level.extract_if(.., |ring| in_a_hole(ring)));
+        levels.push(level);
     }
-    if place == BrimPlace::Inner {
-        outside.clear();
-    }
+    let outside = match place {
+        BrimPlace::Inner => Vec::new(),
+        _ => inwards(levels),
+    };
     let width = settings.outer_wall_width;
     let near = outside.last().and_then(|ring| ring.first()).copied();
     outside
@@ -123,6 +122,54 @@ pub fn brim(outline: &Area, height: Mm, settings: &Settings) -> Vec<Bead> {
         .chain(chained(inside, near))
         .map(|points| around(Role::Brim, points, width, height))
         .collect()
+}
+
+/// Loops by their distance from the part, the farthest first, so that each is
+/// followed by those within it: where one goes round several islands, the
+/// loops of each of these come together.
+fn inwards(levels: Vec<Vec<Ring>>) -> Vec<Ring> {
+    // Rings numbered level by level, and for each those directly within it.
+    let count = levels.iter().map(Vec::len).sum();
+    let mut within: Vec<Vec<usize>> = vec![Vec::new(); count];
+    let mut roots: Vec<usize> = Vec::new();
+    let mut first = 0;
+    let mut around: Option<(Nest, Vec<usize>)> = None;
+    for level in &levels {
+        let (outer, voids): (Vec<usize>, Vec<usize>) =
+            (0..level.len()).partition(|&i| signed_area(&level[i]) > 0.0);
+        for &i in &outer {
+            let parent = around.as_ref().and_then(|(nest, numbers)| {
+                let at = level[i].first()?;
+                nest.around(*at).map(|k| numbers[k])
+            });
+            match parent {
+                Some(parent) => within[parent].push(first + i),
+                None => roots.push(first + i),
+            }
+        }
+        let nest = Nest::new(outer.iter().map(|&i| &level[i]));
+        for &i in &voids {
+            let parent = level[i].first().and_then(|&p| nest.around(p));
+            match parent {
+                Some(k) => within[first + outer[k]].push(first + i),
+                None => roots.push(first + i),
+            }
+        }
+        around = Some((nest, outer.iter().map(|i| first + i).collect()));
+        first += level.len();
+    }
+    let mut rings: Vec<Ring> = levels.into_iter().flatten().collect();
+    let mut out = Vec::with_capacity(rings.len());
+    let mut at = None;
+    let mut left: Vec<usize> = in_chain(roots, &rings, at);
+    left.reverse();
+    while let Some(next) = left.pop() {
+        at = rings[next].first().copied();
+        let inner = in_chain(std::mem::take(&mut within[next]), &rings, at);
+        left.extend(inner.into_iter().rev());
+        out.push(std::mem::take(&mut rings[next]));
+    }
+    out
 }
 
 /// Distances of the brim's loops from the outline, the nearest first.
@@ -136,21 +183,33 @@ fn brim_depths(height: Mm, settings: &Settings) -> Vec<Mm> {
 }
 
 /// Rings so that each is followed by the one with the nearest first point.
-fn chained(rings: Vec<Ring>, from: Option<DVec2>) -> Vec<Ring> {
-    let Some(mut at) = from.or_else(|| rings.first().map(|r| r[0])) else {
-        return rings;
+fn chained(mut rings: Vec<Ring>, from: Option<DVec2>) -> Vec<Ring> {
+    let order = in_chain((0..rings.len()).collect(), &rings, from);
+    let next = |i: usize| std::mem::take(&mut rings[i]);
+    order.into_iter().map(next).collect()
+}
+
+/// Numbers of rings in such an order.
+fn in_chain(
+    numbers: Vec<usize>,
+    rings: &[Ring],
+    from: Option<DVec2>,
+) -> Vec<usize> {
+    let start = |i: usize| rings[i].first().copied();
+    let Some(mut at) = from.or_else(|| start(*numbers.first()?)) else {
+        return numbers;
     };
-    let places = rings.iter().enumerate();
-    let mut left = RTree::bulk_load(
-        places
-            .map(|(i, r)| GeomWithData::new([r[0].x, r[0].y], i))
-            .collect(),
-    );
-    let mut rings: Vec<Option<Ring>> = rings.into_iter().map(Some).collect();
-    let mut chain = Vec::with_capacity(rings.len());
-    while let Some(next) = left.pop_nearest_neighbor(&[at.x, at.y]) {
+    if numbers.len() < 2 {
+        return numbers;
+    }
+    let places = numbers
+        .iter()
+        .filter_map(|&i| Some(GeomWithData::new(start(i)?.to_array(), i)));
+    let mut left = RTree::bulk_load(places.collect());
+    let mut chain = Vec::with_capacity(numbers.len());
+    while let Some(next) = left.pop_nearest_neighbor(&at.to_array()) {
         at = DVec2::from(*next.geom());
-        chain.extend(rings[next.data].take());
+        chain.push(next.data);
     }
     chain
 }
@@ -163,6 +222,7 @@ fn around(role: Role, points: Ring, width: Mm, height: Mm) -> Bead {
         width,
         widths: Vec::new(),
         height,
+        small: false,
     }
 }
 
@@ -250,6 +310,35 @@ mod tests {
         settings.brim.width = 20.0;
         let loops = count(BrimPlace::Inner, &mut settings).1;
         assert!((18..=30).contains(&loops), "{loops}");
+    }
+
+    #[test]
+    fn the_brim_is_finished_round_one_island_before_the_next() {
+        let mut settings = Settings::default();
+        settings.brim.place = BrimPlace::Outer;
+        // Four pins so far apart that their brims do not meet, then so near
+        // that the outer loops go round two of them.
+        for (apart, pairs) in [(30.0, false), (12.0, true)] {
+            let mut pins = rect(0.0, 0.0, 5.0, 5.0);
+            for (x, y) in [(apart, 0.0), (0.0, 90.0), (apart, 90.0)] {
+                pins.rings.extend(rect(x, y, x + 5.0, y + 5.0).rings);
+            }
+            let loops = brim(&pins, 0.2, &settings);
+            let pin = |bead: &Bead| {
+                let inside = |ring: &Ring| {
+                    let area = Area {
+                        rings: vec![bead.points.clone()],
+                    };
+                    area.contains(ring[0])
+                };
+                pins.rings.iter().map(inside).collect::<Vec<bool>>()
+            };
+            let mut around: Vec<Vec<bool>> = loops.iter().map(pin).collect();
+            around.dedup();
+            // Each pin by itself, after what goes round two at once.
+            assert_eq!(around.len(), if pairs { 6 } else { 4 }, "{around:?}");
+            assert!(loops.len() > 30);
+        }
     }
 
     #[test]

@@ -20,7 +20,7 @@ use glam::DVec2;
 /// What a bead is for. The G-code dialect translates it to its reader's word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Role {
-    /// Loop around the part on the first layer, not touching it.
+    /// Loop around the part on the lowest layers, not touching it.
     Skirt,
     /// Loops on the bed beside the part's first layer that hold it down.
     Brim,
@@ -98,6 +98,9 @@ pub struct Bead {
     pub widths: Vec<Mm>,
     /// Height, which is the layer's.
     pub height: Mm,
+    /// True for a wall that goes round something small, a thin pin or a hole,
+    /// and stays true for what it is cut into.
+    pub small: bool,
 }
 
 impl Bead {
@@ -224,6 +227,7 @@ mod tests {
             width: 0.4,
             widths: Vec::new(),
             height: 0.2,
+            small: false,
         };
         assert_eq!(b.length(), 12.0);
         assert_eq!(b.path().count(), 4);

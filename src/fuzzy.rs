@@ -200,6 +200,7 @@ mod tests {
             width: 0.45,
             widths: vec![0.4, 0.5, 0.5, 0.4],
             height: 0.2,
+            small: false,
         };
         let dense = resampled(&square, 0.5);
         assert_eq!(dense.len(), 32);

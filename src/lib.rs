@@ -49,7 +49,6 @@
 //! # A ball
 //!
 //! ```
-//! use isoslice::layers::LayerRange;
 //! use isoslice::model::{
 //!     BuildVolume, Placement, Source, SourceKind, load, place,
 //! };
@@ -66,15 +65,7 @@
 //! let bed = BuildVolume { x: 220.0, y: 220.0, z: 250.0 };
 //! let ball = place(&load(&source, &[])?, &Placement::default(), bed)?;
 //!
-//! let options = Options {
-//!     threads: None,
-//!     layers: LayerRange::ALL,
-//!     svg_dir: None,
-//!     report: false,
-//!     check: true,
-//!     backend: None,
-//!     on_layer: &|_done, _total| {},
-//! };
+//! let options = Options { threads: Some(2), ..Options::default() };
 //! let mut gcode = Vec::new();
 //! let summary = slice(&ball, &settings, &options, &mut gcode)?;
 //!
@@ -117,7 +108,7 @@
 //! | sample plane | height at which a layer's function is evaluated |
 //! | seam | where a closed bead begins and ends |
 //! | skin | solid area that faces up (top) or down (bottom), some layers deep |
-//! | skirt | loop round the part on the bed that starts the flow |
+//! | skirt | loop round the part that starts the flow |
 //! | slab | layers whose field is evaluated together |
 //! | spacing | distance of the centre lines of neighbouring beads |
 //! | travel | move without extruding |

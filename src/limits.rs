@@ -104,11 +104,8 @@ impl fmt::Display for Stopped {
             )?,
             _ => write!(f, "stopped")?,
         }
-        match self.activity.layers {
-            Some((done, all)) => {
-                write!(f, ", with {done} of {all} layers done")?;
-            }
-            None => write!(f, ", before the first layer")?,
+        if let Some((done, all)) = self.activity.layers {
+            write!(f, ", with {done} of {all} layers done")?;
         }
         let mut slow: Option<&'static str> = None;
         for (name, share) in self.activity.shares.iter().take(2) {
@@ -132,6 +129,11 @@ fn remedy(stage: Option<&str>) -> &'static str {
     match stage {
         Some("script") => "Build fewer parts in loops",
         Some("bounds") => "Give the model's box with --bounds",
+        Some("picture") => {
+            "Draw fewer pixels (--pixels, or gcode.thumbnails), or make the \
+             expression simpler"
+        }
+        Some("reading") => "Give it a shorter file",
         Some("field" | "contour") => {
             "Slice some layers at a time (--layers), raise sample_spacing, \
              or make the expression simpler"

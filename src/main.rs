@@ -1,7 +1,8 @@
 //! The command `isoslice`: parse, run, report.
 //!
 //! Exit codes: 0 done, 1 something about the input is wrong, 2 the command
-//! line is wrong, 130 interrupted. A reader that closes our output early is no error.
+//! line is wrong, 130 interrupted, 141 whoever read our output has closed it
+//! early: it has not got all, but need not be told.
 
 // As in the library.
 #![cfg_attr(
@@ -23,10 +24,13 @@ use clap::Parser;
 use std::io::ErrorKind::BrokenPipe;
 use std::process::ExitCode;
 
+/// As shells write it for the signal of a pipe that nobody reads.
+const BROKEN_PIPE: u8 = 141;
+
 fn main() -> ExitCode {
     match cli::run(cli::Cli::parse()) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => ExitCode::from(BROKEN_PIPE),
         Err(error) => {
             cli::terminal::report_error(&error);
             ExitCode::FAILURE

@@ -37,7 +37,7 @@ const ORDER: &[&[&str]] = &[
     // for filling, follows from the cross-section of a bead.
     &["bead"],
     &["region"],
-    &["walls", "fuzzy", "skin", "infill", "adhesion", "support"],
+    &["walls", "fuzzy", "skin", "infill", "adhesion"],
     // Where loops begin follows from the walls as they are before fuzzy skin.
     &["seam"],
     &["order"],
@@ -95,6 +95,16 @@ fn imports_follow_the_order_of_the_modules() {
         faults.extend(check(path, &text));
     }
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+#[test]
+fn every_name_in_the_order_is_a_module() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    for module in ORDER.iter().flat_map(|step| step.iter()) {
+        let file = src.join(format!("{module}.rs"));
+        let folder = src.join(module).join("mod.rs");
+        assert!(file.is_file() || folder.is_file(), "no module {module}");
+    }
 }
 
 fn collect(dir: &Path, files: &mut Vec<PathBuf>) {

@@ -6,6 +6,9 @@ mod common;
 
 use common::{Kind, Layer, formula, parse, settings, slice};
 use glam::DVec2;
+use isoslice::model::{
+    BuildVolume, PlaceError, Placement, Source, SourceKind, load, place,
+};
 
 /// A tube of 20 and 10 mm radius, 2 mm high.
 const TUBE: &str = "max(max(sqrt(x^2+y^2) - 20, 10 - sqrt(x^2+y^2)), \
@@ -108,4 +111,73 @@ fn a_skirt_of_several_layers_stands_on_itself() {
         assert!((most - exact).abs() < 0.02, "{most} {exact}");
     }
     assert_eq!(printed[4].length("Skirt/Brim"), 0.0);
+}
+
+/// What outlines grow by needs room on the bed, and is part of what hosts and
+/// templates are told.
+#[test]
+fn what_is_added_to_the_part_has_to_fit_the_bed() {
+    const PLATE: &str = "max(max(abs(x) - 109.8, abs(y) - 5), abs(z) - 0.4)";
+    let grown = |assignment: &str| {
+        let s = settings(&[
+            assignment,
+            "skirt.loops=0",
+            "sample_spacing=0.5",
+            "infill_density=0",
+            "gcode.flavour=klipper",
+            "gcode.start=; {{ part_min_x }} {{ part_max_x }}",
+        ]);
+        let source = Source::Text {
+            name: "plate".into(),
+            kind: SourceKind::Formula,
+            text: PLATE.into(),
+        };
+        let placement = Placement {
+            margin: s.reach(),
+            ..Placement::default()
+        };
+        let bed = BuildVolume {
+            x: s.printer.bed_x,
+            y: s.printer.bed_y,
+            z: s.printer.height,
+        };
+        let model = place(&load(&source, &[]).unwrap(), &placement, bed);
+        (model, s)
+    };
+    for too_much in ["xy_compensation=0.25", "fuzzy.thickness=0.25"] {
+        let (model, _) = grown(too_much);
+        let error = model.err().unwrap();
+        assert!(matches!(error, PlaceError::TooLarge { .. }), "{error}");
+        assert!(error.to_string().contains("0.10 mm too wide"), "{error}");
+    }
+    for (fits, reach) in [
+        ("xy_compensation=0.15", 0.15),
+        ("xy_compensation=-0.15", 0.0),
+        ("fuzzy.thickness=0.15", 0.15),
+    ] {
+        let (model, s) = grown(fits);
+        let (gcode, _) = slice(&model.unwrap(), &s, 2);
+        let written = |x: f64| (x * 100.0).round() / 100.0;
+        let ends = [0.2 - reach, 219.8 + reach].map(written);
+        let ends = format!("; {} {}", ends[0], ends[1]);
+        assert!(gcode.contains(&ends), "{fits}: no {ends}");
+        let polygon = gcode.split("POLYGON=").nth(1).unwrap();
+        let ring: Vec<[f64; 2]> =
+            serde_json::from_str(polygon.lines().next().unwrap()).unwrap();
+        let x = ring.iter().map(|p| p[0]);
+        let (least, greatest) =
+            (x.clone().fold(300.0, f64::min), x.fold(0.0, f64::max));
+        assert!((least - 0.2 + reach).abs() < 0.03, "{fits}: {least}");
+        assert!(
+            (greatest - 219.8 - reach).abs() < 0.03,
+            "{fits}: {greatest}"
+        );
+        for m in parse(&gcode).iter().flat_map(|l| l.prints()) {
+            for end in [m.from, m.to] {
+                let half = 0.5 * m.width;
+                assert!(end.x >= half - 1e-3, "{fits}: {end}");
+                assert!(end.x <= 220.0 - half + 1e-3, "{fits}: {end}");
+            }
+        }
+    }
 }

@@ -9,7 +9,6 @@
 mod common;
 
 use isoslice::field::Backend;
-use isoslice::layers::LayerRange;
 use isoslice::model::Model;
 use isoslice::pipeline::{self, Options};
 use isoslice::settings::Settings;
@@ -33,11 +32,8 @@ fn slice(
 ) -> String {
     let options = Options {
         threads: Some(threads),
-        layers: LayerRange::ALL,
-        svg_dir: None,
-        report: false,
         backend,
-        on_layer: &|_, _| {},
+        ..Options::default()
     };
     let mut bytes = Vec::new();
     pipeline::slice(model, settings, &options, &mut bytes).unwrap();

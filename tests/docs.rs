@@ -1,5 +1,6 @@
 //! The guide's commands, run as a reader would: each page in a folder of its
-//! own, with the files that the page shows.
+//! own, with the files that the page shows. Bash, in which a pipe fails if any
+//! part of it does, and no other profiles than the page's.
 //!
 //! ````text
 //! ```toml name.toml    is written to a file of that name
@@ -70,12 +71,14 @@ fn run(page: &Path) -> usize {
             _ => continue,
         }
         for (i, line) in block.text.lines().enumerate() {
-            let output = Command::new("sh")
-                .args(["-c", line])
+            let output = Command::new("bash")
+                // Each part of a pipe must succeed.
+                .args(["-o", "pipefail", "-c", line])
                 .current_dir(folder.path())
                 .env("PATH", &path)
                 // No profiles but those of the binary.
                 .env("XDG_CONFIG_HOME", folder.path())
+                .env_remove("ISOSLICE_PROFILES")
                 .output()
                 .unwrap();
             assert!(

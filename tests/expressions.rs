@@ -141,12 +141,7 @@ fn limits_hold_and_what_has_no_value_is_an_error() {
         let model = formula(BALL, &settings);
         let options = isoslice::pipeline::Options {
             threads: Some(1),
-            layers: isoslice::layers::LayerRange::ALL,
-            svg_dir: None,
-            report: false,
-            check: true,
-            backend: None,
-            on_layer: &|_, _| {},
+            ..isoslice::pipeline::Options::default()
         };
         let done = isoslice::pipeline::slice(
             &model,

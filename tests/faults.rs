@@ -134,6 +134,34 @@ fn a_file_that_may_not_grow_is_not_there() {
     assert_eq!(names(models.path()), ["ball.rhai"]);
 }
 
+/// However full the disk is, there are both files of a new part or none.
+#[test]
+fn a_new_part_is_there_or_not() {
+    let mut seen = [false; 2];
+    // Blocks of 512 bytes.
+    for blocks in 0..20 {
+        let folder = folder();
+        let line = format!(
+            "trap '' XFSZ; ulimit -f {blocks}; exec '{}' new part",
+            program().display()
+        );
+        let output = Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let whole = output.status.success();
+        if whole {
+            assert_eq!(names(folder.path()), ["part.rhai", "part.toml"]);
+        } else {
+            assert_fails(&output, "cannot write part.");
+            assert_eq!(names(folder.path()), [""; 0], "{blocks}");
+        }
+        seen[usize::from(whole)] = true;
+    }
+    assert_eq!(seen, [true; 2]);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_device_that_is_full_is_an_error() {
@@ -300,6 +328,11 @@ fn at_work(folder: &Path, arguments: &[&str]) -> Child {
         .args(arguments)
         .spawn()
         .unwrap();
+    wait_for_work(folder, &mut child);
+    child
+}
+
+fn wait_for_work(folder: &Path, child: &mut Child) {
     let started = Instant::now();
     let temporary =
         || names(folder).iter().any(|n| n.starts_with(".isoslice-"));
@@ -311,7 +344,6 @@ fn at_work(folder: &Path, arguments: &[&str]) -> Child {
     // Into the slicing.
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(child.try_wait().unwrap(), None, "it has ended");
-    child
 }
 
 fn signal(child: &Child, name: &str) {
@@ -421,30 +453,81 @@ fn a_killed_run_leaves_no_half_file() {
     assert!(text == whole);
 }
 
+/// Nothing is said, and nobody can take what was written for all of it.
 #[test]
-fn a_reader_that_goes_away_is_no_error() {
+fn a_reader_that_goes_away_ends_the_run_quietly() {
     let folder = folder();
-    fs::write(folder.path().join("ball.rhai"), SMALL).unwrap();
+    let root = folder.path();
+    fs::write(root.join("ball.rhai"), SMALL).unwrap();
     for (arguments, left) in [
         ("slice ball.rhai -o /dev/stdout", vec!["ball.rhai"]),
+        ("slice ball.rhai -o -", vec!["ball.rhai"]),
+        ("render ball.rhai -o -", vec!["ball.rhai"]),
+        // The file is whole; only the summary has no reader.
         ("slice ball.rhai", vec!["ball.gcode", "ball.rhai"]),
+        ("check ball.gcode", vec!["ball.gcode", "ball.rhai"]),
         ("settings", vec!["ball.gcode", "ball.rhai"]),
         ("info ball.rhai", vec!["ball.gcode", "ball.rhai"]),
     ] {
-        let line = format!(
-            "set -e; {{ '{}' {arguments}; echo $? >&3; }} 3>&2 | head -c 10",
-            program().display()
-        );
-        let output = Command::new("sh")
-            .args(["-c", &line])
-            .current_dir(folder.path())
+        let mut child =
+            isoslice(root).args(arguments.split(' ')).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(text, "", "{arguments}");
+        assert_eq!(output.status.code(), Some(141), "{arguments}");
+        assert_eq!(names(root), left, "{arguments}");
+    }
+}
+
+/// What `nohup` asks for holds.
+#[test]
+fn a_signal_that_is_ignored_stays_so() {
+    let folder = folder();
+    let root = folder.path();
+    fs::write(root.join("ball.rhai"), LARGE).unwrap();
+    let line = format!(
+        "trap '' HUP; exec '{}' slice ball.rhai --set layer_height=0.05 \
+         --set sample_spacing=0.05",
+        program().display()
+    );
+    let mut child = Command::new("sh")
+        .args(["-c", &line])
+        .current_dir(root)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    wait_for_work(root, &mut child);
+    signal(&child, "HUP");
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(child.try_wait().unwrap(), None, "it has ended");
+    signal(&child, "TERM");
+    assert_eq!(wait(&mut child).signal(), Some(15));
+}
+
+#[test]
+fn reading_and_drawing_have_their_limits() {
+    let folder = folder();
+    let root = folder.path();
+    // Proven neither full nor empty until the smallest tile.
+    fs::write(
+        root.join("dust.rhai"),
+        "sin(x*900) + sin(y*900) + sin(z*900)",
+    )
+    .unwrap();
+    let render = "render dust.rhai --bounds=-50,-50,0:50,50,100 \
+                  --pixels 4096x4096 --time-limit 0.3";
+    let check = "check /dev/zero --time-limit 0.3";
+    for arguments in [render, check] {
+        let started = Instant::now();
+        let output = isoslice(root)
+            .args(arguments.split_whitespace())
             .output()
             .unwrap();
-        let text = String::from_utf8_lossy(&output.stderr);
-        assert!(!text.contains("panicked"), "{arguments}: {text}");
-        assert!(!text.contains("error"), "{arguments}: {text}");
-        assert!(text.trim_end().ends_with('0'), "{arguments}: {text}");
-        assert_eq!(names(folder.path()), left, "{arguments}");
+        assert_fails(&output, "the time limit (--time-limit)");
+        assert!(started.elapsed() < PATIENCE, "{arguments}");
+        assert_eq!(names(root), ["dust.rhai"], "{arguments}");
     }
 }
 

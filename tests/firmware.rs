@@ -7,11 +7,12 @@ mod common;
 
 use common::{examples, slice, slice_layers};
 use glam::DVec2;
-use isoslice::settings::Settings;
+use isoslice::settings::{Flavour, Settings};
 use isoslice::units::filament_area;
+use std::collections::BTreeSet;
 
 /// Coarse enough to be quick, with all that a firmware can be told.
-const ALL: [&str; 9] = [
+const ALL: [&str; 11] = [
     "sample_spacing=0.6",
     "accuracy=0.1",
     "layer_height=0.3",
@@ -21,6 +22,8 @@ const ALL: [&str; 9] = [
     "gcode.progress=on",
     "gcode.labels=on",
     "gcode.thumbnails=16x16",
+    "acceleration.outer_wall=600",
+    "acceleration.first_layer=400",
 ];
 
 /// Marlin 2: <https://marlinfw.org/meta/gcode/>.
@@ -122,6 +125,7 @@ fn each_example(
         assert!(count("G10") > 0, "{name}");
         let left = count("G10").abs_diff(count("G11"));
         assert!(left <= 1, "{name}: {left} retractions without a partner");
+        accelerations(&gcode, &settings);
         look(name, &gcode, &settings);
     }
     // A whole part, which tells how far it has come.
@@ -130,6 +134,45 @@ fn each_example(
     assert_known(&gcode, known);
     assert!(commands(&gcode).filter(|c| word(c) == "M73").count() > 10);
     look("test", &gcode, &settings);
+}
+
+/// Each bead has the acceleration of its role, told only where it changes.
+#[track_caller]
+fn accelerations(gcode: &str, s: &Settings) {
+    let klipper = s.gcode.flavour == Flavour::Klipper;
+    let word = if klipper { "M204 S" } else { "M204 P" };
+    let mut layer = 0;
+    let mut role = "";
+    let mut now = None;
+    let mut seen = BTreeSet::new();
+    for line in gcode.lines() {
+        if line == ";LAYER_CHANGE" {
+            layer += 1;
+        } else if let Some(name) = line.strip_prefix(";TYPE:") {
+            role = name;
+        } else if let Some(a) = line.strip_prefix(word)
+            && layer > 0
+        {
+            let a: f64 = a.parse().unwrap();
+            assert_ne!(now, Some(a), "told twice");
+            now = Some(a);
+        } else if layer > 0 && role != "Custom" && line.starts_with("G1 X") {
+            let prints = line.contains(" E");
+            let own = match (layer, role) {
+                (1, _) => 400.0,
+                (_, "External perimeter") => 600.0,
+                _ => s.printer.acceleration,
+            };
+            let at = match prints {
+                true => own,
+                false if klipper => s.printer.travel_acceleration,
+                false => continue,
+            };
+            assert_eq!(now, Some(at), "layer {layer}, {role}: {line}");
+            seen.insert(at as u32);
+        }
+    }
+    assert!(seen.contains(&400) && seen.contains(&600), "{seen:?}");
 }
 
 fn assert_known(gcode: &str, known: &[&str]) {
@@ -380,9 +423,14 @@ fn progress_goes_from_nothing_to_all() {
     assert!(all.windows(2).all(|p| p[1].0 - p[0].0 <= 5), "{all:?}");
     let (again, _) = slice(&model, &settings, 1);
     assert_eq!(gcode, again);
-    // By default nobody else is told.
-    let (model, settings) = ball(&[]);
-    assert!(progress(&slice(&model, &settings, 2).0).is_empty());
+    // By default Marlin is told as well, and nobody else.
+    for (flavour, told) in
+        [("marlin", true), ("klipper", false), ("rrf", false)]
+    {
+        let (model, settings) = ball(&[&format!("gcode.flavour={flavour}")]);
+        let gcode = slice(&model, &settings, 2).0;
+        assert_eq!(gcode.contains("\nM73 P100"), told, "{flavour}");
+    }
 }
 
 /// Files of ranges do not know the whole print's time: they have no such

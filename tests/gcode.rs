@@ -30,6 +30,7 @@ fn bead(role: Role, width: f64, closed: bool, at: &[(f64, f64)]) -> Bead {
         width,
         widths: Vec::new(),
         height: 0.2,
+        small: false,
     }
 }
 
@@ -122,6 +123,7 @@ fn rough(layers: usize) -> Vec<LayerPath> {
                     width: 0.35 + 0.2 * random(),
                     widths: Vec::new(),
                     height: 0.2,
+                    small: false,
                 }));
             }
             layer(index, moves)
@@ -134,6 +136,7 @@ fn header(layer_count: usize) -> Header {
         model_name: "tiny".to_owned(),
         layer_count,
         layers: 0..layer_count,
+        timestamp: None,
         nozzle_temperature: 215.0,
         part_min: DVec3::new(100.0, 100.0, 0.0),
         part_max: DVec3::new(112.0, 110.0, 0.2 * layer_count as f64),
@@ -580,6 +583,27 @@ fn template_errors_name_place_and_remedy() {
     let error = Writer::new(Vec::new(), &s, &header(2)).map(|_| ());
     let text = error.expect_err("unknown placeholder").to_string();
     insta::assert_snapshot!(text);
+}
+
+#[test]
+fn templates_are_tried_with_what_a_print_may_have() {
+    let mut s = settings();
+    s.gcode.layer = "; {{ (100 / layer) | round(1) }} %".to_owned();
+    s.gcode.end =
+        "; {{ (filament_length / print_seconds) | round(3) }} mm/s".to_owned();
+    let (text, _) = written(&s, tiny());
+    assert!(text.contains("; 100.0 %\n") && text.contains("; 50.0 %\n"));
+    assert!(text.contains(" mm/s\n"));
+}
+
+#[test]
+fn a_layers_own_temperature_has_the_last_word() {
+    let mut s = settings();
+    s.gcode.layer = "{% if layer == 2 %}M104 S240{% endif %}".to_owned();
+    let (text, _) = written(&s, tiny());
+    let set: Vec<&str> =
+        text.lines().filter(|l| l.starts_with("M104")).collect();
+    assert_eq!(set[1..], ["M104 S210", "M104 S240"], "{set:?}");
 }
 
 #[test]

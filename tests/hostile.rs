@@ -7,7 +7,6 @@ mod common;
 
 use common::Kind;
 use glam::DVec3;
-use isoslice::layers::LayerRange;
 use isoslice::limits::{Limits, Watch};
 use isoslice::model::{
     Bounds, BuildVolume, Placement, Source, SourceKind, load, place,
@@ -52,12 +51,7 @@ fn slice(
             place(&loaded, &placement, volume).map_err(|e| e.to_string())?;
         let options = Options {
             threads: Some(2),
-            layers: LayerRange::ALL,
-            svg_dir: None,
-            report: false,
-            check: true,
-            backend: None,
-            on_layer: &|_, _| {},
+            ..Options::default()
         };
         let mut bytes = Vec::new();
         pipeline::slice(&model, settings, &options, &mut bytes)

@@ -5,7 +5,6 @@
 mod common;
 
 use isoslice::field::Backend;
-use isoslice::layers::LayerRange;
 use isoslice::limits::resident_bytes;
 use isoslice::model::Model;
 use isoslice::pipeline::{self, Options};
@@ -35,12 +34,8 @@ fn part() -> (Model, Settings) {
 fn slice(model: &Model, settings: &Settings, backend: Backend) -> Vec<u8> {
     let options = Options {
         threads: Some(2),
-        layers: LayerRange::ALL,
-        svg_dir: None,
-        report: false,
-        check: true,
         backend: Some(backend),
-        on_layer: &|_, _| {},
+        ..Options::default()
     };
     let mut bytes = Vec::new();
     pipeline::slice(model, settings, &options, &mut bytes).unwrap();

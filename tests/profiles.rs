@@ -85,7 +85,7 @@ fn every_file_is_part_of_the_program() {
 fn every_profile_says_what_it_is_and_sets_only_what_is_its_business() {
     // A preset that set a temperature would undo the filament's.
     let business: [&[&str]; 3] = [
-        &["printer", "gcode", "retract", "speed"],
+        &["printer", "gcode", "retract", "speed", "acceleration"],
         &["filament", "cooling"],
         &["", "speed"],
     ];
@@ -130,6 +130,7 @@ fn a_printer_says_all_that_depends_on_the_machine() {
             "printer.travel_acceleration",
             "printer.square_corner_velocity",
             "printer.max_speed_z",
+            "printer.max_acceleration_z",
             "retract.length",
             "retract.speed",
             "gcode.flavour",
@@ -198,11 +199,7 @@ fn an_example_slices_for_every_printer() {
         let options = Options {
             threads: Some(1),
             layers: "1..3".parse::<LayerRange>().unwrap(),
-            svg_dir: None,
-            report: false,
-            check: true,
-            backend: None,
-            on_layer: &|_, _| (),
+            ..Options::default()
         };
         pipeline::slice(&placed, &settings, &options, &mut gcode)
             .unwrap_or_else(|e| panic!("{}: {e}", printer.name));
@@ -273,7 +270,7 @@ fn later_layers_win() {
     assert!(density.ends_with("mine.toml:1"), "{density}");
     assert_eq!(
         origin("retract.length").as_deref(),
-        Some("shipped printers/ender-3.toml:25")
+        Some("shipped printers/ender-3.toml:26")
     );
     assert_eq!(origin("seam"), None);
 }
@@ -317,6 +314,23 @@ fn a_profile_may_be_a_file_anywhere() {
     let filament = with(&profiles, &path.display().to_string());
     let filament = filament.unwrap().settings().filament.clone();
     assert_eq!((filament.cost, filament.density), (1.0, 1.21));
+}
+
+/// As a path in a file does everywhere: from wherever it is read.
+#[test]
+fn a_path_in_a_profile_starts_from_its_folder() {
+    let (folder, profiles) = folder(&[
+        ("filaments/a.toml", "inherits = '../more/b.toml'"),
+        ("more/b.toml", "inherits = './c.toml'\nfilament.cost = 2"),
+        ("more/c.toml", "inherits = 'tpu'\nfilament.cost = 1"),
+        // The same file by ever longer names.
+        ("more/round.toml", "inherits = '../more/round.toml'"),
+    ]);
+    let filament = with(&profiles, "a").unwrap().settings().filament.clone();
+    assert_eq!((filament.cost, filament.density), (2.0, 1.21));
+    let round = folder.path().join("more/round.toml");
+    let refused = with(&profiles, &round.display().to_string()).unwrap_err();
+    assert!(refused.contains("which inherits"), "{refused}");
 }
 
 #[test]

@@ -47,8 +47,13 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
 }
 
 /// Coarse enough to be quick, with several slabs of layers.
-const COARSE: [&str; 3] =
-    ["sample_spacing=0.6", "accuracy=0.1", "retract.z_hop=0.3"];
+/// Only a whole part's file can tell how far it has come.
+const COARSE: [&str; 4] = [
+    "sample_spacing=0.6",
+    "accuracy=0.1",
+    "retract.z_hop=0.3",
+    "gcode.progress=off",
+];
 
 fn check_example(name: &str, layer_height: &str, cuts: &[usize]) {
     let examples = common::examples();
@@ -100,6 +105,26 @@ fn islands_in_the_air() {
     }
 }
 
+/// What the layers below have told the machine, a range's head tells it.
+#[test]
+fn a_range_alone_has_its_fan_and_acceleration() {
+    let mut all = COARSE.to_vec();
+    all.extend(["gcode.flavour=klipper", "acceleration.outer_wall=700"]);
+    let settings = common::settings(&all);
+    let model = common::formula("max(sqrt(x^2+y^2)-8, abs(z)-6)", &settings);
+    let head = |layers: &str| {
+        let (gcode, _) = slice_layers(&model, &settings, layers, 1);
+        gcode[..gcode.find(";LAYER_CHANGE\n").unwrap()].to_owned()
+    };
+    assert!(!head("..").contains("M106"));
+    let above = head("30..33");
+    assert!(above.contains("\nM106 S255\n"), "{above}");
+    assert!(
+        above.lines().last().unwrap().starts_with("M204 S"),
+        "{above}"
+    );
+}
+
 #[test]
 fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
     let settings = common::settings(&COARSE);
@@ -115,11 +140,7 @@ fn a_range_above_the_part_is_an_error_and_an_empty_one_is_not() {
     let options = Options {
         threads: Some(1),
         layers: "51..".parse().unwrap(),
-        svg_dir: None,
-        report: false,
-        check: true,
-        backend: None,
-        on_layer: &|_, _| {},
+        ..Options::default()
     };
     let error = pipeline::slice(&model, &settings, &options, &mut Vec::new())
         .unwrap_err();

@@ -234,6 +234,11 @@ fn the_foot_has_the_keys_hosts_read() {
         lines.find_map(|l| l.strip_prefix(start.as_str())).unwrap()
     };
     let number = |key: &str| value(key).parse::<f64>().unwrap();
+    assert_eq!(value("filament_type"), "PLA");
+    assert_eq!(number("temperature"), 210.0);
+    assert_eq!(number("bed_temperature"), 60.0);
+    let cost = summary.filament_mass_g * 1e-3 * 25.0;
+    assert!((number("filament cost") - cost).abs() < 0.006);
     assert_eq!(number("layer_height"), 0.2);
     assert_eq!(number("first_layer_height"), 0.2);
     assert_eq!(number("nozzle_diameter"), 0.4);

@@ -30,6 +30,32 @@ fn layers(text: &str, assignments: &[&str]) -> Vec<Layer> {
     parse(&gcode)
 }
 
+/// Walls round thin pins keep their speed when a seam opens them, or an
+/// overhang cuts them.
+#[test]
+fn walls_round_pins_are_slow_however_they_are_cut() {
+    // 12.6 mm round; its upper half leans.
+    let pin = "max(sqrt((x - max(0, 0.7*(z - 1)))^2 + y^2) - 2, abs(z-1) - 1)";
+    for own in ["seam_gap=0.4", "seam_gap=1.5", "seam_scarf=4"] {
+        let more = [
+            own,
+            "overhang_share=20",
+            "cooling.min_layer_time=0",
+            "speed.first_layer=25",
+            "speed.overhang=60",
+        ];
+        let mut roles = std::collections::BTreeSet::new();
+        for layer in &layers(pin, &more)[1..] {
+            for m in layer.moves.iter().filter(|m| m.kind == Kind::Print) {
+                assert_eq!(m.feed, 25.0 * 60.0, "{own} {}", m.role);
+                roles.insert(m.role);
+            }
+        }
+        assert!(roles.contains("Overhang perimeter"), "{own} {roles:?}");
+        assert!(roles.contains(OUTER_WALL), "{own} {roles:?}");
+    }
+}
+
 /// Where a layer's outer walls begin, from the middle of the bed.
 fn begins(layer: &Layer) -> Vec<DVec2> {
     let wall = |i: usize| {
@@ -252,6 +278,8 @@ fn seams_depend_neither_on_threads_nor_on_the_range() {
         let seam = format!("seam={seam}");
         let mut all = BARE.to_vec();
         all.extend([seam.as_str(), "seam_scarf=3", "fuzzy.thickness=0.1"]);
+        // What a file of some layers cannot tell.
+        all.push("gcode.progress=off");
         let settings = settings(&all);
         let model = formula(twisted, &settings);
         let (one, _) = slice(&model, &settings, 1);

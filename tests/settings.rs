@@ -323,6 +323,11 @@ fn settings_that_do_not_work_together_are_refused() {
                 &["accuracy=0.1"],
                 &["retract.extra_prime=-1"],
                 &[
+                    "retract.extra_prime=-0.1",
+                    "retract.firmware=true",
+                    "gcode.flavour=klipper",
+                ],
+                &[
                     "printer.height=1",
                     "printer.nozzle_diameter=2",
                     "outer_wall_width=2",

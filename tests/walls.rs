@@ -31,7 +31,7 @@ struct Print {
 fn print(part: &Area) -> Print {
     let settings = Settings::default();
     let laid = walls(part, HEIGHT, &settings);
-    let pieces: Vec<Bead> = beads(&laid, HEIGHT)
+    let pieces: Vec<Bead> = beads(&laid, HEIGHT, 0.0)
         .into_iter()
         .flat_map(Bead::pieces)
         .collect();

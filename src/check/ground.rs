@@ -12,11 +12,14 @@ use std::collections::BTreeMap;
 /// neighbouring cells.
 const CELL: Mm = 0.5;
 
+/// No bead is so many cells below zero.
+const BELOW: i32 = 1 << 12;
+
 /// Cells along one side of a tile.
 const SIDE: i32 = 32;
 
 /// Cells that something is in.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Cells {
     /// Where the tiles are in `bits`.
     tiles: BTreeMap<(i32, i32), usize>,
@@ -50,6 +53,59 @@ impl Cells {
         let new = *word & bit == 0;
         *word |= bit;
         new
+    }
+
+    /// The rows of a tile, and the one below and the one above it, from
+    /// another tile each.
+    fn rows(&self, (x, y): (i32, i32)) -> [u32; SIDE as usize + 2] {
+        const END: usize = SIDE as usize;
+        let mut rows = [0; END + 2];
+        let tile = |y| self.tiles.get(&(x, y)).map(|&i| &self.bits[i]);
+        if let Some(below) = tile(y - 1) {
+            rows[0] = below[END - 1];
+        }
+        if let Some(here) = tile(y) {
+            rows[1..=END].copy_from_slice(here);
+        }
+        if let Some(above) = tile(y + 1) {
+            rows[END + 1] = above[0];
+        }
+        rows
+    }
+
+    /// The cells of a tile that are marked, or have a marked neighbour.
+    fn near(&self, (x, y): (i32, i32)) -> [u32; SIDE as usize] {
+        let columns = [x - 1, x, x + 1].map(|x| self.rows((x, y)));
+        std::array::from_fn(|row| {
+            let [left, here, right] =
+                columns.map(|rows| rows[row] | rows[row + 1] | rows[row + 2]);
+            let sides = here << 1 | here >> 1;
+            let beside = left >> (SIDE - 1) | right << (SIDE - 1);
+            here | sides | beside
+        })
+    }
+
+    /// Takes out the cells that are marked in `below`, or have a neighbour
+    /// there, and gives these back.
+    fn take_near(&mut self, below: &Cells) -> Cells {
+        let mut taken = Cells::default();
+        self.last = None;
+        self.tiles.retain(|&tile, &mut index| {
+            let near = below.near(tile);
+            let here = &mut self.bits[index];
+            let mut both = [0; SIDE as usize];
+            let mut left = 0;
+            for ((here, near), both) in here.iter_mut().zip(near).zip(&mut both)
+            {
+                *both = *here & near;
+                *here &= !near;
+                left |= *here;
+            }
+            taken.tiles.insert(tile, taken.bits.len());
+            taken.bits.push(both);
+            left != 0
+        });
+        taken
     }
 
     fn has(&self, cell: IVec2) -> bool {
@@ -99,7 +155,9 @@ impl Ground {
         let steps = (length / CELL).ceil().max(1.0) as u32;
         for k in 0..=steps {
             let p = a + way * (f64::from(k) / f64::from(steps));
-            self.here.mark((p / CELL).floor().as_ivec2());
+            // As floor() would, which is slow: beads are not far below zero.
+            let cell = (p / CELL + f64::from(BELOW)).as_ivec2();
+            self.here.mark(cell - BELOW);
         }
     }
 
@@ -110,9 +168,12 @@ impl Ground {
         }
         let here = std::mem::take(&mut self.here);
         if let Some(below) = &self.below {
+            // Most cells are right above others; what is left is small.
+            let mut hanging = here.clone();
+            let standing = hanging.take_near(below);
             let mut seen = Cells::default();
             let mut left = Vec::new();
-            for first in here.all() {
+            for first in hanging.all() {
                 if !seen.mark(first) {
                     continue;
                 }
@@ -120,8 +181,8 @@ impl Ground {
                 left.push(first);
                 while let Some(cell) = left.pop() {
                     for near in around(cell) {
-                        stands |= below.has(near);
-                        if here.has(near) && seen.mark(near) {
+                        stands |= standing.has(near);
+                        if hanging.has(near) && seen.mark(near) {
                             left.push(near);
                         }
                     }
@@ -133,5 +194,38 @@ impl Ground {
             }
         }
         self.below = Some(here);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn cells(places: &[(i32, i32)]) -> Cells {
+        let mut cells = Cells::default();
+        for &(x, y) in places {
+            cells.mark(IVec2::new(x, y));
+        }
+        cells
+    }
+
+    proptest! {
+        /// Tile by tile it is the same as cell by cell.
+        #[test]
+        fn neighbours_are_found_across_tiles(
+            here in prop::collection::vec((-40..40, -40..40), 0..300),
+            below in prop::collection::vec((-40..40, -40..40), 0..60),
+        ) {
+            let below = cells(&below);
+            let mut hanging = cells(&here);
+            let standing = hanging.take_near(&below);
+            for (x, y) in here {
+                let cell = IVec2::new(x, y);
+                let stands = around(cell).any(|near| below.has(near));
+                prop_assert_eq!(standing.has(cell), stands);
+                prop_assert_eq!(hanging.has(cell), !stands);
+            }
+        }
     }
 }

@@ -32,6 +32,7 @@ mod verdict;
 pub use alongside::Alongside;
 pub use verdict::{Finding, Kind, Severity, Verdict};
 
+use crate::limits;
 use crate::reader::{Event, Heater, Move, Problem, ReadError, Reader, Role};
 use crate::settings::{Flavour, Settings};
 use crate::units::{Mm, Mm2, MmPerSec};
@@ -78,8 +79,8 @@ pub struct Rules {
     /// Height of what the print stands on: 0 is the bed; more, if the file
     /// goes on with a part.
     pub base: Mm,
-    /// Greatest speed in the plane, if it is known.
-    pub speed: Option<MmPerSec>,
+    /// Greatest speed in the plane.
+    pub speed: MmPerSec,
     /// Greatest speed of the z axis.
     pub speed_z: MmPerSec,
 }
@@ -107,9 +108,17 @@ impl Rules {
             // Less than was pulled back may be wanted.
             missing: SLACK + (-settings.retract.extra_prime).max(0.0),
             base: 0.0,
-            speed: None,
+            speed: printer.max_speed,
             speed_z: printer.max_speed_z,
         }
+    }
+
+    /// Whether the head can go there, or `margin` beside it in the plane.
+    fn reach(&self, p: DVec3, margin: Mm) -> bool {
+        let low = DVec3::new(-margin, -margin, -ROUNDING);
+        let high = self.bed.extend(self.height);
+        let high = high + DVec3::new(margin, margin, ROUNDING);
+        !(p.cmplt(low).any() || p.cmpgt(high).any())
     }
 }
 
@@ -122,6 +131,7 @@ pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
         Reader::new(input).filament_diameter(rules.filament_diameter);
     let mut state = State::new(rules);
     for event in &mut reader {
+        limits::check();
         state.take(event?);
     }
     state.finish();
@@ -234,10 +244,7 @@ impl<'a> State<'a> {
             false => ROUNDING,
         };
         let rules = self.rules;
-        let low = DVec3::new(-margin, -margin, -ROUNDING);
-        let high = rules.bed.extend(rules.height);
-        let high = high + DVec3::new(margin, margin, ROUNDING);
-        if step.to.cmplt(low).any() || step.to.cmpgt(high).any() {
+        if !rules.reach(step.to, margin) {
             self.verdict.add(Kind::OutOfReach, step.line, step.to, || {
                 format!(
                     "the head goes to {}; the printer reaches from 0 to {} × \
@@ -274,9 +281,9 @@ impl<'a> State<'a> {
                     way.z, rules.speed_z
                 )
             });
-        } else if let Some(most) = rules.speed.filter(|&m| over(plane, m)) {
+        } else if over(plane, rules.speed) {
             self.verdict.add(Kind::TooFast, step.line, step.to, || {
-                format!("{plane:.1} mm/s; the printer can {most}")
+                format!("{plane:.1} mm/s; the printer can {}", rules.speed)
             });
         }
     }
@@ -396,17 +403,11 @@ impl<'a> State<'a> {
             });
         }
         self.top = self.top.max(z);
-        // Skirts stand alone, and ironing lays nothing. Beads beyond the bed
-        // have their fault, and no end to the memory they would take.
-        let on_bed = |p: DVec3| {
-            let p = p.truncate();
-            p.cmpge(DVec2::splat(-BESIDE)).all()
-                && p.cmple(rules.bed + BESIDE).all()
-        };
-        if !matches!(step.role, Role::SkirtBrim | Role::Ironing)
-            && on_bed(step.from)
-            && on_bed(step.to)
-        {
+        // Skirts stand alone, and ironing lays nothing. What is out of reach
+        // has been said to be, and there is no end to it.
+        let within =
+            rules.reach(step.from, BESIDE) && rules.reach(step.to, BESIDE);
+        if within && !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
             self.ground
                 .bead(step.from.truncate(), step.to.truncate(), z);
         }

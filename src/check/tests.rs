@@ -152,7 +152,7 @@ fn speeds_are_the_printers() {
     let none = verdict("G1 X10\n");
     assert_eq!(none.counts.get(&Kind::NoSpeed), Some(&1));
     let rules = Rules {
-        speed: Some(100.0),
+        speed: 100.0,
         ..Rules::new(&Settings::default())
     };
     let fast = format!("{START}G1 X100 F6001\nG1 X50 F6100\n");

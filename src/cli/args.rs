@@ -8,7 +8,9 @@ use glam::DVec3;
 use isoslice::model::{
     self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
 };
-use isoslice::settings::{Builder, ProfileKind, Profiles, Settings};
+use isoslice::settings::{
+    Builder, Infill, Origin, ProfileKind, Profiles, Settings,
+};
 use std::io::{Read, stdin};
 use std::path::{Path, PathBuf};
 
@@ -164,6 +166,7 @@ impl ModelArgs {
             at: self.at,
             keep_position: self.keep_position,
             bounds: self.bounds,
+            margin: settings.reach(),
         };
         let volume = BuildVolume {
             x: settings.printer.bed_x,
@@ -171,6 +174,19 @@ impl ModelArgs {
             z: settings.printer.height,
         };
         Ok(model::place(&loaded, &placement, volume)?)
+    }
+
+    /// The files that a command with these settings reads, none of which may
+    /// be an output.
+    pub(super) fn inputs<'a>(
+        &'a self,
+        settings: &'a Gathered,
+    ) -> Vec<&'a Path> {
+        self.model
+            .iter()
+            .chain(&settings.files)
+            .map(PathBuf::as_path)
+            .collect()
     }
 
     /// True if the model is read from standard input.
@@ -205,7 +221,8 @@ pub(super) fn is_stream(path: &Path) -> bool {
 }
 
 fn standard_input() -> anyhow::Result<String> {
-    /// As much as of a file.
+    /// As much as of the largest kind of file; what is too large for its kind
+    /// is refused when it is loaded.
     const MAX_BYTES: u64 = 64 << 20;
     let mut text = String::new();
     stdin()
@@ -213,9 +230,6 @@ fn standard_input() -> anyhow::Result<String> {
         .take(MAX_BYTES + 1)
         .read_to_string(&mut text)
         .context("cannot read the model from standard input")?;
-    if text.len() as u64 > MAX_BYTES {
-        bail!("the model from standard input has more than 64 MB");
-    }
     Ok(text)
 }
 
@@ -253,6 +267,8 @@ pub(super) struct SettingsSource {
 pub(super) struct Gathered {
     pub(super) settings: Settings,
     pub(super) warnings: Vec<String>,
+    /// Files that they were read from.
+    pub(super) files: Vec<PathBuf>,
     /// Knows where each setting is from.
     pub(super) builder: Builder,
 }
@@ -262,13 +278,18 @@ impl SettingsSource {
     pub(super) fn gather(&self) -> anyhow::Result<Gathered> {
         let profiles = self.profiles.find()?;
         let mut builder = Builder::new();
+        let mut files = self.config.clone();
         for (kind, name) in [
             (ProfileKind::Printer, &self.printer),
             (ProfileKind::Filament, &self.filament),
             (ProfileKind::Preset, &self.preset),
         ] {
             if let Some(name) = name {
-                builder.profile(&profiles, kind, name)?;
+                let read = builder.profile(&profiles, kind, name)?;
+                files.extend(read.into_iter().filter_map(|p| match p.origin {
+                    Origin::File(path) => Some(path),
+                    Origin::Shipped => None,
+                }));
             }
         }
         for path in &self.config {
@@ -278,21 +299,17 @@ impl SettingsSource {
             builder.set(assignment)?;
         }
         let (settings, warnings) = builder.clone().finish()?;
+        if let Infill::Script(path) = &settings.infill {
+            files.push(path.into());
+        }
         terminal::warn(&warnings);
         terminal::note(&settings.notes());
         Ok(Gathered {
             settings,
             warnings,
+            files,
             builder,
         })
-    }
-
-    /// Files that settings are read from.
-    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        let named = [&self.printer, &self.filament, &self.preset];
-        // A name that is no path is no file here either.
-        let named = named.into_iter().flatten().map(Path::new);
-        self.config.iter().map(PathBuf::as_path).chain(named)
     }
 }
 

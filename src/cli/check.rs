@@ -1,10 +1,12 @@
 //! `isoslice check`: is G-code safe to run on a printer?
 
 use super::args::SettingsSource;
+use super::limits::{LimitArgs, watched};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::check::{Rules, Severity, Verdict, check};
+use isoslice::limits;
 use serde_json::json;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -29,12 +31,19 @@ pub(super) struct CheckArgs {
     #[command(flatten)]
     settings: SettingsSource,
 
+    #[command(flatten)]
+    limits: LimitArgs,
+
     /// Print the verdict as JSON
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<()> {
+    watched(&args.limits.watch(), || look_through(args))
+}
+
+fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
     let settings = args.settings.gather()?.settings;
     let rules = Rules::new(&settings);
     let (name, verdict) = match args.file == Path::new("-") {
@@ -62,14 +71,16 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<()> {
             writeln!(out, "fault: {fault}")?;
         }
         terminal::warn(&verdict.sentences(&name, Severity::Warning));
-        writeln!(
-            out,
-            "{name}: {} moves in {} layers, {} faults, {} warnings",
-            verdict.moves,
-            verdict.layers,
-            verdict.count(Severity::Fault),
-            verdict.count(Severity::Warning)
-        )?;
+        if !terminal::is_quiet() {
+            writeln!(
+                out,
+                "{name}: {} moves in {} layers, {}, {}",
+                verdict.moves,
+                verdict.layers,
+                counted(verdict.count(Severity::Fault), "fault"),
+                counted(verdict.count(Severity::Warning), "warning")
+            )?;
+        }
     }
     out.flush()?;
     if !verdict.is_safe() {
@@ -78,12 +89,21 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// `1 fault`, `2 faults`.
+fn counted(count: u64, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    }
+}
+
 fn judge(
     input: impl Read,
     name: &str,
     rules: &Rules,
 ) -> anyhow::Result<Verdict> {
-    check(input, rules).with_context(|| name.to_owned())
+    limits::doing("reading", || check(input, rules))
+        .with_context(|| name.to_owned())
 }
 
 fn described(name: &str, verdict: &Verdict) -> serde_json::Value {

@@ -74,16 +74,21 @@ pub(super) fn watched<T>(
     )?
 }
 
-/// From now on a request to end removes what is half-written first.
+/// From now on a request to end removes what is half-written first. Where one
+/// of the signals is ignored, as under nohup, all stay as they are: one that
+/// is not ignored then leaves the hidden file.
 ///
 /// # Errors
 /// If the system does not let us.
 pub(crate) fn end_cleanly_when_asked() -> anyhow::Result<()> {
-    ctrlc::set_handler(|| {
+    let set = ctrlc::try_set_handler(|| {
         let _pending = output::discard_all();
         exit(INTERRUPTED);
-    })?;
-    Ok(())
+    });
+    match set {
+        Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// A number and its unit; `none` is no limit.

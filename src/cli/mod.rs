@@ -35,10 +35,11 @@ Examples:
   isoslice settings > my.toml                     to edit, for --config my.toml
 
 Exit codes:
-  0    done; also if whoever reads our output has read enough
+  0    done
   1    something is wrong with the model, the settings or a file
   2    something is wrong with the command line
   130  interrupted
+  141  whoever read our output has closed it before the end
 
 Environment:
   ISOSLICE_PROFILES  folder of your own profiles

@@ -1,14 +1,15 @@
 //! `isoslice new`: a model and settings to start from.
 //!
 //! Guaranteed: nothing that exists is overwritten, and either both files are
-//! written or none.
+//! written, completely, or none.
 
+use super::output::Output;
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::settings::suggestions;
-use std::fs::{self, File};
-use std::io::{ErrorKind, Write, stdout};
+use std::fs;
+use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -69,11 +70,29 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
     let beside =
         |extension: &str| base.with_file_name(format!("{stem}.{extension}"));
     let (script, settings) = (beside("rhai"), beside("toml"));
-    write_new(&script, &SCRIPT.replace("NAME", stem))?;
-    if let Err(error) = write_new(&settings, &config(stem)) {
-        // It is ours, of a moment ago.
-        let _ = fs::remove_file(&script);
-        return Err(error);
+    let texts = [
+        (&script, SCRIPT.replace("NAME", stem)),
+        (&settings, config(stem)),
+    ];
+    let cannot = |path: &Path| format!("cannot write {}", path.display());
+    let mut outputs = Vec::new();
+    for (path, text) in &texts {
+        let mut output = Output::create_new(path)?;
+        output
+            .write_all(text.as_bytes())
+            .and_then(|()| output.flush())
+            .with_context(|| cannot(path))?;
+        outputs.push(output);
+    }
+    // Both are complete before either is put in its place.
+    for (k, output) in outputs.into_iter().enumerate() {
+        if let Err(error) = output.finish() {
+            for (ours, _) in &texts[..k] {
+                // It is of a moment ago.
+                let _ = fs::remove_file(ours);
+            }
+            return Err(error).with_context(|| cannot(texts[k].0));
+        }
     }
     if !terminal::is_quiet() {
         let (script, settings) = (script.display(), settings.display());
@@ -101,17 +120,4 @@ fn config(name: &str) -> String {
          # here wins over them.\n\n{}",
         suggestions(USEFUL)
     )
-}
-
-fn write_new(path: &Path, text: &str) -> anyhow::Result<()> {
-    let cannot = || format!("cannot write {}", path.display());
-    let mut file = match File::create_new(path) {
-        Ok(file) => file,
-        Err(e) if e.kind() == ErrorKind::AlreadyExists => bail!(
-            "{} is already there, and is left as it is; choose another name",
-            path.display()
-        ),
-        Err(e) => return Err(e).with_context(cannot),
-    };
-    file.write_all(text.as_bytes()).with_context(cannot)
 }

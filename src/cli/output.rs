@@ -39,6 +39,8 @@ pub(super) enum Output {
     Pending {
         writer: BufWriter<NamedTempFile>,
         destination: PathBuf,
+        /// Whether it takes the place of what is there then.
+        replaces: bool,
     },
     /// Straight into something that cannot be replaced.
     Stream(BufWriter<Box<dyn Write>>),
@@ -91,10 +93,7 @@ impl Output {
             let file: Box<dyn Write> = Box::new(file);
             return Ok(Output::Stream(BufWriter::new(file)));
         }
-        let folder = match destination.parent() {
-            Some(folder) if folder != Path::new("") => folder,
-            _ => Path::new("."),
-        };
+        let folder = folder_of(&destination);
         if !folder.is_dir() {
             bail!(
                 "cannot write {}: there is no folder {}; make it, or choose \
@@ -119,6 +118,26 @@ impl Output {
         Ok(Output::Pending {
             writer: BufWriter::new(file),
             destination,
+            replaces: true,
+        })
+    }
+
+    /// Starts writing to `path`, where there must be nothing, neither now nor
+    /// at the end.
+    pub(super) fn create_new(path: &Path) -> anyhow::Result<Self> {
+        if fs::symlink_metadata(path).is_ok() {
+            bail!(
+                "{} is already there, and is left as it is; choose another \
+                 name",
+                path.display()
+            );
+        }
+        let file = temporary_in(folder_of(path))
+            .with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Output::Pending {
+            writer: BufWriter::new(file),
+            destination: path.to_owned(),
+            replaces: false,
         })
     }
 
@@ -135,6 +154,7 @@ impl Output {
             Output::Pending {
                 writer,
                 destination,
+                replaces,
             } => {
                 let file = writer.into_inner().map_err(|e| e.into_error())?;
                 // Some systems tell only now that the disk is full. And the
@@ -142,9 +162,12 @@ impl Output {
                 file.as_file().sync_all()?;
                 let mut pending = pending();
                 let path = file.path().to_owned();
-                let done = file.persist(destination).map_err(|e| e.error);
+                let done = match replaces {
+                    true => file.persist(destination),
+                    false => file.persist_noclobber(destination),
+                };
                 pending.retain(|p| *p != path);
-                done.map(drop)
+                done.map(drop).map_err(|e| e.error)
             }
         }
     }
@@ -175,17 +198,21 @@ pub(super) fn same_file(a: &Path, b: &Path) -> bool {
     }
     let resolved = |path: &Path| {
         fs::canonicalize(path).or_else(|_| {
-            let folder = match path.parent() {
-                Some(folder) if folder != Path::new("") => folder,
-                _ => Path::new("."),
-            };
             let name = path.file_name().unwrap_or_default();
-            fs::canonicalize(folder).map(|folder| folder.join(name))
+            fs::canonicalize(folder_of(path)).map(|folder| folder.join(name))
         })
     };
     match (resolved(a), resolved(b)) {
         (Ok(a), Ok(b)) => a == b,
         _ => a == b,
+    }
+}
+
+/// The folder that a file of this name is in.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
     }
 }
 

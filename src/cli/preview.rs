@@ -1,16 +1,17 @@
 //! `isoslice preview`: from G-code, or a model, to a page that shows it.
 
-use super::args::{FORMULA, ModelArgs, SettingsSource};
+use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
 use super::limits::{LimitArgs, watched};
 use super::output::Output;
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::{Args, FromArgMatches};
 use isoslice::layers::LayerRange;
-use isoslice::limits::Watch;
+use isoslice::limits::{self, Watch};
 use isoslice::pipeline::{self, Options};
 use isoslice::preview::{Toolpath, write_html};
 use isoslice::reader::{ReadError, Reader};
+use isoslice::settings::Settings;
 use isoslice::units::human_time;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
@@ -88,7 +89,7 @@ struct Sliced {
 
 /// What the file named is.
 enum Kind {
-    Model,
+    Model(Box<Gathered>),
     Gcode(PathBuf),
     Stdin,
 }
@@ -102,15 +103,21 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     let started = Instant::now();
     let kind = args.source.kind()?;
     let (path, name) = args.names();
-    let inputs: Vec<&Path> = match kind {
+    let inputs: Vec<&Path> = match &kind {
         Kind::Stdin => Vec::new(),
-        _ => args.source.inputs(),
+        Kind::Gcode(path) => vec![path],
+        Kind::Model(gathered) => args.source.model.inputs(gathered),
     };
     // Before the work, so that a mistaken name costs none.
     let mut output = Output::create(&path, &inputs)?;
+    if args.open && output.is_stream() {
+        bail!("--open shows a file, and {} is none", path.display());
+    }
     let file_name = args.source.file_name();
     let toolpath = match kind {
-        Kind::Model => read(args.slice(watch)?, &file_name)?,
+        Kind::Model(gathered) => {
+            read(args.slice(&gathered.settings, watch)?, &file_name)?
+        }
         Kind::Stdin => read(io::stdin().lock(), "standard input")?,
         Kind::Gcode(path) => {
             let cannot = || format!("cannot read {}", path.display());
@@ -140,7 +147,7 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
             io::stdout().write_all(text.as_bytes())?;
         }
     }
-    if args.open && !streamed {
+    if args.open {
         let page = path.canonicalize().unwrap_or_else(|_| path.clone());
         open::that_detached(page).with_context(|| {
             format!(
@@ -169,10 +176,13 @@ impl PreviewArgs {
     }
 
     /// Slices the model into a file that nobody sees.
-    fn slice(&self, watch: &Watch) -> anyhow::Result<File> {
+    fn slice(
+        &self,
+        settings: &Settings,
+        watch: &Watch,
+    ) -> anyhow::Result<File> {
         let sliced = &self.source;
-        let settings = sliced.settings.gather()?.settings;
-        let model = sliced.model.load(&settings)?;
+        let model = sliced.model.load(settings)?;
         let bar = terminal::layer_progress(terminal::is_quiet(), watch);
         let options = Options {
             threads: sliced.threads.map(usize::from),
@@ -181,6 +191,7 @@ impl PreviewArgs {
             report: false,
             // What is looked at need not be fit to print.
             check: false,
+            timestamp: None,
             backend: None,
             on_layer: &|done, total| {
                 bar.set_length(total as u64);
@@ -190,7 +201,7 @@ impl PreviewArgs {
         let file = tempfile::tempfile()
             .context("cannot make a temporary file for the G-code")?;
         let mut gcode = BufWriter::new(file);
-        let summary = pipeline::slice(&model, &settings, &options, &mut gcode);
+        let summary = pipeline::slice(&model, settings, &options, &mut gcode);
         bar.finish_and_clear();
         let summary =
             summary.with_context(|| format!("cannot slice {}", model.name))?;
@@ -209,12 +220,12 @@ impl Sliced {
     /// errors.
     fn kind(&self) -> anyhow::Result<Kind> {
         let Some(file) = &self.model.model else {
-            return Ok(Kind::Model);
+            return self.model();
         };
         let extension = file.extension().and_then(OsStr::to_str);
         let extension = extension.map(str::to_ascii_lowercase);
         if matches!(extension.as_deref(), Some("rhai" | "vm")) {
-            return Ok(Kind::Model);
+            return self.model();
         }
         if let Some(kind @ ("stl" | "3mf" | "obj" | "step" | "stp")) =
             extension.as_deref()
@@ -244,17 +255,16 @@ impl Sliced {
         })
     }
 
+    fn model(&self) -> anyhow::Result<Kind> {
+        Ok(Kind::Model(Box::new(self.settings.gather()?)))
+    }
+
     /// The name for messages.
     fn file_name(&self) -> String {
         match &self.model.model {
             Some(file) => file.display().to_string(),
             None => FORMULA.to_owned(),
         }
-    }
-
-    fn inputs(&self) -> Vec<&Path> {
-        let model = self.model.model.iter().map(PathBuf::as_path);
-        model.chain(self.settings.files()).collect()
     }
 }
 
@@ -263,7 +273,8 @@ fn read(input: impl Read, name: &str) -> anyhow::Result<Toolpath> {
 }
 
 fn read_as<R: Read>(reader: Reader<R>, name: &str) -> anyhow::Result<Toolpath> {
-    let toolpath = Toolpath::read(reader).map_err(|error| match error {
+    let read = limits::doing("reading", || Toolpath::read(reader));
+    let toolpath = read.map_err(|error| match error {
         ReadError::Io { .. } => {
             anyhow::Error::new(error).context(format!("cannot read {name}"))
         }

@@ -1,10 +1,12 @@
 //! `isoslice render`: a picture of a model, straight from its function.
 
 use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
+use super::limits::{LimitArgs, watched};
 use super::output::Output;
 use super::terminal;
 use anyhow::Context;
 use clap::Args;
+use isoslice::limits;
 use isoslice::preview::{Picture, View, draw};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -97,6 +99,9 @@ pub(super) struct RenderArgs {
         help_heading = "Picture"
     )]
     threads: Option<u16>,
+
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
 /// What is behind the part.
@@ -107,22 +112,30 @@ enum Background {
 }
 
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<()> {
-    let settings = args.settings.gather()?.settings;
+    watched(&args.limits.watch(), || render(args))
+}
+
+fn render(args: &RenderArgs) -> anyhow::Result<()> {
+    let gathered = args.settings.gather()?;
     let path = args.output_path();
     // Before the work, so that a mistaken name costs none.
-    let mut output = Output::create(&path, &args.inputs())?;
-    let model = args.model.load(&settings)?;
+    let mut output = Output::create(&path, &args.model.inputs(&gathered))?;
+    let model = args.model.load(&gathered.settings)?;
     terminal::warn(&model.warnings);
     let view = View {
         azimuth: args.azimuth.unwrap_or(args.view.azimuth),
         elevation: args.elevation.unwrap_or(args.view.elevation),
     };
+    let watch = limits::current();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or(0, usize::from))
+        .start_handler(move |_| limits::work_under(watch.as_ref()))
         .build()
         .context("cannot start the worker threads; try --threads 1")?;
     let picture = pool
-        .install(|| draw(&model, view, args.pixels))
+        .install(|| {
+            limits::doing("picture", || draw(&model, view, args.pixels))
+        })
         .with_context(|| format!("cannot draw {}", model.name))?;
     let png = args.background.behind(picture).png()?;
     let no_picture = || format!("cannot write {}", path.display());
@@ -140,11 +153,6 @@ impl RenderArgs {
             (None, Some(model)) => model.with_extension("png"),
             (None, None) => Path::new(FORMULA).with_extension("png"),
         }
-    }
-
-    fn inputs(&self) -> Vec<&Path> {
-        let model = self.model.model.iter().map(PathBuf::as_path);
-        model.chain(self.settings.files()).collect()
     }
 }
 

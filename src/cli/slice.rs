@@ -12,7 +12,7 @@ use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
 use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant, SystemTime};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -67,6 +67,11 @@ pub(super) struct SliceArgs {
     /// print (see `isoslice check`) is an error, and no file is written
     #[arg(long, help_heading = "Output")]
     no_check: bool,
+    /// Say in the file's first line when it was written, in UTC; the same
+    /// input then no longer gives the same bytes, unless SOURCE_DATE_EPOCH
+    /// says what the time is, in seconds since 1970
+    #[arg(long, help_heading = "Output")]
+    timestamp: bool,
 
     /// Number of threads [default: all processors]; the result is the same
     #[arg(
@@ -101,8 +106,9 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let settings = &gathered.settings;
     let path = args.output_path();
     // Before the work, so that a mistaken name costs none.
-    let mut output = Output::create(&path, &args.inputs())?;
-    let report = args.report_output(&path)?;
+    let inputs = args.model.inputs(&gathered);
+    let mut output = Output::create(&path, &inputs)?;
+    let report = args.report_output(&path, &inputs)?;
     let model = args.model.load(settings)?;
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| {
@@ -117,6 +123,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         svg_dir: args.svg.as_deref(),
         report: report.is_some(),
         check: !args.no_check,
+        timestamp: args.timestamp.then(now).transpose()?,
         backend: None,
         on_layer: &|done, total| {
             bar.set_length(total as u64);
@@ -192,6 +199,7 @@ impl SliceArgs {
     fn report_output(
         &self,
         gcode: &Path,
+        inputs: &[&Path],
     ) -> anyhow::Result<Option<(Output, &Path)>> {
         let Some(path) = &self.report else {
             return Ok(None);
@@ -204,11 +212,22 @@ impl SliceArgs {
                 path.display()
             );
         }
-        Ok(Some((Output::create(path, &self.inputs())?, path)))
+        Ok(Some((Output::create(path, inputs)?, path)))
     }
+}
 
-    fn inputs(&self) -> Vec<&Path> {
-        let model = self.model.model.iter().map(PathBuf::as_path);
-        model.chain(self.settings.files()).collect()
-    }
+/// The time, or what is to be taken for it.
+fn now() -> anyhow::Result<SystemTime> {
+    /// The end of the year 9999, seconds since 1970.
+    const LAST: u64 = 253_402_300_799;
+    let Some(given) = std::env::var_os("SOURCE_DATE_EPOCH") else {
+        return Ok(SystemTime::now());
+    };
+    let seconds = given.to_str().and_then(|text| text.parse::<u64>().ok());
+    let time = seconds.filter(|seconds| *seconds <= LAST).and_then(|s| {
+        SystemTime::UNIX_EPOCH.checked_add(Duration::from_secs(s))
+    });
+    time.with_context(|| {
+        format!("SOURCE_DATE_EPOCH is {given:?}, and not a time in seconds")
+    })
 }

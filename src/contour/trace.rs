@@ -252,6 +252,14 @@ pub(super) fn cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
 }
 
 fn crosses_itself(line: &[DVec2]) -> bool {
+    // Not if it never turns back, as almost none does: looking at all pairs
+    // of segments takes long on a line of thousands.
+    if let (Some(first), Some(last)) = (line.first(), line.last()) {
+        let way = last - first;
+        if line.windows(2).all(|s| (s[1] - s[0]).dot(way) > 0.0) {
+            return false;
+        }
+    }
     (0..line.len().saturating_sub(1)).any(|i| {
         (i + 2..line.len() - 1)
             .any(|j| cross(line[i], line[i + 1], line[j], line[j + 1]))

@@ -1,24 +1,42 @@
 //! Values of the field together with its in-plane slopes.
 //!
-//! The chain rule, operation by operation, eight points at a time. Where an
-//! operation has no derivative (a step, |0|, the tip of `min`), the slopes
-//! are those of one side, or zero.
+//! The chain rule, operation by operation, for eight points at a time or for
+//! eight boxes. At a point where an operation has no derivative (a step, |0|,
+//! the tip of `min`), the slopes are those of one side, or zero; over a box
+//! they are all that occur, and not known if there is a step.
 
 use super::tape::Number;
-use super::wide::Wide;
+
+/// Numbers that a value and its slopes can be made of.
+pub(super) trait Part: Number {
+    /// `x` where `a` is less than `b`, else `y`; all that it may be, where
+    /// that is not certain.
+    fn choose(a: Self, b: Self, x: Self, y: Self) -> Self;
+    /// `x` where `a` is zero, else `y`.
+    fn choose_zero(a: Self, x: Self, y: Self) -> Self;
+    /// `x`, but for what is said of numbers that are none.
+    fn unless_nan(self, a: Self, b: Self, instead: f32) -> Self;
+    /// The slope of a value that goes in steps.
+    fn step(self) -> Self;
+    /// The slope that the angle of a point (x = `x`, y = `self`) has besides:
+    /// none, or not known where it jumps by a turn.
+    fn leap(self, x: Self) -> Self;
+    /// By how many whole multiples of another it exceeds its remainder.
+    fn times(self, o: Self) -> Self;
+}
 
 /// A value and its derivatives along x and y.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dual {
-    pub v: Wide,
-    pub dx: Wide,
-    pub dy: Wide,
+pub(super) struct Dual<T> {
+    pub v: T,
+    pub dx: T,
+    pub dy: T,
 }
 
-impl Dual {
+impl<T: Part> Dual<T> {
     /// With another value, and `by` times the slopes.
     #[inline(always)]
-    fn chain(self, v: Wide, by: Wide) -> Dual {
+    fn chain(self, v: T, by: T) -> Self {
         Dual {
             v,
             dx: self.dx.mul(by),
@@ -27,41 +45,38 @@ impl Dual {
     }
 
     #[inline(always)]
-    fn flat(v: Wide) -> Dual {
+    fn flat(v: T) -> Self {
         Dual {
             v,
-            dx: Wide::ZERO,
-            dy: Wide::ZERO,
+            dx: T::splat(0.0),
+            dy: T::splat(0.0),
         }
     }
 
-    /// Where `mask` is true of the values of `a` and `b`, `a`; else `b`.
+    /// Of something with steps.
     #[inline(always)]
-    fn choose(a: Dual, b: Dual, mask: impl Fn(f32, f32) -> bool) -> Dual {
-        let of = |p: Wide, q: Wide| a.v.choose_by(b.v, &mask, p, q);
+    fn steps(v: T) -> Self {
         Dual {
-            v: of(a.v, b.v),
-            dx: of(a.dx, b.dx),
-            dy: of(a.dy, b.dy),
+            v,
+            dx: v.step(),
+            dy: v.step(),
         }
     }
 
-    /// Not a number, and flat, where either value is none.
     #[inline(always)]
-    fn unless_nan(self, a: Wide, b: Wide) -> Dual {
-        let nan = |a: f32, b: f32| a.is_nan() || b.is_nan();
+    fn unless_nan(self, a: T, b: T) -> Self {
         Dual {
-            v: a.choose_by(b, nan, Wide::NAN, self.v),
-            dx: a.choose_by(b, nan, Wide::ZERO, self.dx),
-            dy: a.choose_by(b, nan, Wide::ZERO, self.dy),
+            v: self.v.unless_nan(a, b, f32::NAN),
+            dx: self.dx.unless_nan(a, b, 0.0),
+            dy: self.dy.unless_nan(a, b, 0.0),
         }
     }
 }
 
-impl Number for Dual {
+impl<T: Part> Number for Dual<T> {
     #[inline(always)]
     fn splat(v: f32) -> Self {
-        Dual::flat(Wide::splat(v))
+        Dual::flat(T::splat(v))
     }
     #[inline(always)]
     fn neg(self) -> Self {
@@ -73,7 +88,15 @@ impl Number for Dual {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        Dual::choose(self.neg(), self, |minus, _| minus > 0.0)
+        // Where it is less than zero, its negative.
+        let minus = self.neg();
+        let zero = T::splat(0.0);
+        let of = |a, b| T::choose(self.v, zero, a, b);
+        Dual {
+            v: self.v.abs(),
+            dx: of(minus.dx, self.dx),
+            dy: of(minus.dy, self.dy),
+        }
     }
     #[inline(always)]
     fn recip(self) -> Self {
@@ -83,7 +106,7 @@ impl Number for Dual {
     #[inline(always)]
     fn sqrt(self) -> Self {
         let v = self.v.sqrt();
-        self.chain(v, v.map(|v| 0.5 / v))
+        self.chain(v, v.recip().scale(0.5))
     }
     #[inline(always)]
     fn square(self) -> Self {
@@ -91,15 +114,15 @@ impl Number for Dual {
     }
     #[inline(always)]
     fn floor(self) -> Self {
-        Dual::flat(self.v.floor())
+        Dual::steps(self.v.floor())
     }
     #[inline(always)]
     fn ceil(self) -> Self {
-        Dual::flat(self.v.ceil())
+        Dual::steps(self.v.ceil())
     }
     #[inline(always)]
     fn round(self) -> Self {
-        Dual::flat(self.v.round())
+        Dual::steps(self.v.round())
     }
     #[inline(always)]
     fn sin(self) -> Self {
@@ -112,21 +135,21 @@ impl Number for Dual {
     #[inline(always)]
     fn tan(self) -> Self {
         let v = self.v.tan();
-        self.chain(v, v.map(|v| 1.0 + v * v))
+        self.chain(v, v.square().add(T::splat(1.0)))
     }
     #[inline(always)]
     fn asin(self) -> Self {
-        let by = self.v.map(|v| 1.0 / (1.0 - v * v).sqrt());
+        let by = T::splat(1.0).sub(self.v.square()).sqrt().recip();
         self.chain(self.v.asin(), by)
     }
     #[inline(always)]
     fn acos(self) -> Self {
-        let by = self.v.map(|v| -1.0 / (1.0 - v * v).sqrt());
+        let by = T::splat(1.0).sub(self.v.square()).sqrt().recip().neg();
         self.chain(self.v.acos(), by)
     }
     #[inline(always)]
     fn atan(self) -> Self {
-        let by = self.v.map(|v| 1.0 / (1.0 + v * v));
+        let by = self.v.square().add(T::splat(1.0)).recip();
         self.chain(self.v.atan(), by)
     }
     #[inline(always)]
@@ -140,11 +163,11 @@ impl Number for Dual {
     }
     #[inline(always)]
     fn not(self) -> Self {
-        Dual::flat(self.v.not())
+        Dual::steps(self.v.not())
     }
     #[inline(always)]
     fn rand(self) -> Self {
-        Dual::flat(self.v.rand())
+        Dual::steps(self.v.rand())
     }
     #[inline(always)]
     fn add(self, o: Self) -> Self {
@@ -164,7 +187,7 @@ impl Number for Dual {
     }
     #[inline(always)]
     fn mul(self, o: Self) -> Self {
-        let d = |a: Wide, b: Wide| self.v.mul(b).add(o.v.mul(a));
+        let d = |a: T, b: T| self.v.mul(b).add(o.v.mul(a));
         Dual {
             v: self.v.mul(o.v),
             dx: d(self.dx, o.dx),
@@ -184,7 +207,7 @@ impl Number for Dual {
         // (a / b)' = (a' − (a / b)·b') / b
         let v = self.v.div(o.v);
         let by = o.v.recip();
-        let d = |a: Wide, b: Wide| a.sub(v.mul(b)).mul(by);
+        let d = |a: T, b: T| a.sub(v.mul(b)).mul(by);
         Dual {
             v,
             dx: d(self.dx, o.dx),
@@ -194,7 +217,8 @@ impl Number for Dual {
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         let by = self.v.square().add(x.v.square()).recip();
-        let d = |a: Wide, b: Wide| x.v.mul(a).sub(self.v.mul(b)).mul(by);
+        let leap = self.v.leap(x.v);
+        let d = |a: T, b: T| x.v.mul(a).sub(self.v.mul(b)).mul(by).add(leap);
         Dual {
             v: self.v.atan2(x.v),
             dx: d(self.dx, x.dx),
@@ -203,8 +227,8 @@ impl Number for Dual {
     }
     #[inline(always)]
     fn modulo(self, o: Self) -> Self {
-        let times = self.v.zip(o.v, f32::div_euclid);
-        let d = |a: Wide, b: Wide| a.sub(b.mul(times));
+        let times = self.v.times(o.v);
+        let d = |a: T, b: T| a.sub(b.mul(times));
         Dual {
             v: self.v.modulo(o.v),
             dx: d(self.dx, o.dx),
@@ -213,26 +237,48 @@ impl Number for Dual {
     }
     #[inline(always)]
     fn compare(self, o: Self) -> Self {
-        Dual::flat(self.v.compare(o.v))
+        Dual::steps(self.v.compare(o.v))
     }
     #[inline(always)]
     fn mix(self, o: Self) -> Self {
-        Dual::flat(self.v.mix(o.v))
+        Dual::steps(self.v.mix(o.v))
     }
     #[inline(always)]
     fn min(self, o: Self) -> Self {
-        Dual::choose(self, o, |a, b| a < b).unless_nan(self.v, o.v)
+        let of = |a, b| T::choose(self.v, o.v, a, b);
+        Dual {
+            v: self.v.min(o.v),
+            dx: of(self.dx, o.dx),
+            dy: of(self.dy, o.dy),
+        }
+        .unless_nan(self.v, o.v)
     }
     #[inline(always)]
     fn max(self, o: Self) -> Self {
-        Dual::choose(self, o, |a, b| a > b).unless_nan(self.v, o.v)
+        let of = |a, b| T::choose(o.v, self.v, a, b);
+        Dual {
+            v: self.v.max(o.v),
+            dx: of(self.dx, o.dx),
+            dy: of(self.dy, o.dy),
+        }
+        .unless_nan(self.v, o.v)
     }
     #[inline(always)]
     fn and(self, o: Self) -> Self {
-        Dual::choose(self, o, |a, _| a == 0.0)
+        let of = |a, b| T::choose_zero(self.v, a, b);
+        Dual {
+            v: self.v.and(o.v),
+            dx: of(self.dx, o.dx),
+            dy: of(self.dy, o.dy),
+        }
     }
     #[inline(always)]
     fn or(self, o: Self) -> Self {
-        Dual::choose(self, o, |a, _| a != 0.0)
+        let of = |a, b| T::choose_zero(self.v, b, a);
+        Dual {
+            v: self.v.or(o.v),
+            dx: of(self.dx, o.dx),
+            dy: of(self.dy, o.dy),
+        }
     }
 }

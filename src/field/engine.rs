@@ -168,12 +168,14 @@ impl<F: Evaluable> Sampler for TapeSampler<'_, '_, F> {
     }
 
     fn bounds(&mut self, boxes: &[(Rect, f32)], out: &mut Vec<Bound>) {
-        out.clear();
-        out.extend(boxes.iter().map(|(r, z)| {
-            let plane = [0, 1].map(|k| Interval::new(r.min[k], r.max[k]));
-            let z = Interval::point(f64::from(*z));
-            self.ws.bound(self.tapes, [plane[0], plane[1], z])
-        }));
+        let boxes: Vec<[Interval; 3]> = boxes
+            .iter()
+            .map(|(r, z)| {
+                let [x, y] = [0, 1].map(|k| Interval::new(r.min[k], r.max[k]));
+                [x, y, Interval::point(f64::from(*z))]
+            })
+            .collect();
+        self.ws.bounds(self.tapes, &boxes, out);
     }
 }
 

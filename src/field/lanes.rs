@@ -10,6 +10,7 @@
 
 use super::dual::Dual;
 use super::ranges::Readable;
+use super::slopes::Slope;
 use super::span::{BOXES, Span};
 use super::tape::{Number, run};
 use super::wide::{WIDTH, Wide};
@@ -24,10 +25,13 @@ const DUAL_LANES: usize = 32;
 
 /// Boxes per pass.
 const BOX_LANES: usize = 32;
+/// Boxes per pass with slopes.
+const BOUND_LANES: usize = 16;
 
 type Register = [Wide; LANES / WIDTH];
-type DualRegister = [Dual; DUAL_LANES / WIDTH];
+type DualRegister = [Dual<Wide>; DUAL_LANES / WIDTH];
 type SpanRegister = [Span; BOX_LANES / BOXES];
+type BoundRegister = [Dual<Span>; BOUND_LANES / BOXES];
 
 /// What a tape reads, at each point, along with its slope.
 #[derive(Clone, Copy)]
@@ -44,6 +48,7 @@ pub(super) struct Lanes {
     numbers: Vec<Register>,
     duals: Vec<DualRegister>,
     spans: Vec<SpanRegister>,
+    bounds: Vec<BoundRegister>,
 }
 
 impl Lanes {
@@ -83,7 +88,7 @@ impl Lanes {
     ) {
         let tape = f.operations();
         if self.duals.len() < tape.slot_count() {
-            let zero = [Dual::splat(0.0); DUAL_LANES / WIDTH];
+            let zero = [Dual::<Wide>::splat(0.0); DUAL_LANES / WIDTH];
             self.duals.resize(tape.slot_count(), zero);
         }
         let registers = &mut self.duals[..];
@@ -98,15 +103,15 @@ impl Lanes {
 }
 
 impl Lanes {
-    /// Appends to `out` for each of `count` boxes whether the function's
-    /// (first) output is known to be of one sign there; nothing where it has
-    /// to be asked about alone. `input` is the range of an input over a box.
-    pub(super) fn signs(
+    /// Appends to `out` the ranges of the function's (first) output over
+    /// `count` boxes; nothing where it has to be asked about alone. `input`
+    /// is the range of an input over a box.
+    pub(super) fn ranges(
         &mut self,
         f: &impl Readable,
         count: usize,
         input: impl Fn(usize, usize) -> Interval,
-        out: &mut Vec<Option<bool>>,
+        out: &mut Vec<Option<Interval>>,
     ) {
         let tape = f.operations();
         if self.spans.len() < tape.slot_count() {
@@ -114,7 +119,30 @@ impl Lanes {
             self.spans.resize(tape.slot_count(), unknown);
         }
         let registers = &mut self.spans[..];
-        Arch::new().dispatch(Signs {
+        Arch::new().dispatch(Ranges {
+            tape,
+            registers,
+            input,
+            count,
+            out,
+        });
+    }
+
+    /// The same with the ranges of the slopes.
+    pub(super) fn bounds(
+        &mut self,
+        f: &impl Readable,
+        count: usize,
+        input: impl Fn(usize, usize) -> Slope,
+        out: &mut Vec<Option<Slope>>,
+    ) {
+        let tape = f.operations();
+        if self.bounds.len() < tape.slot_count() {
+            let zero = [Dual::<Span>::splat(0.0); BOUND_LANES / BOXES];
+            self.bounds.resize(tape.slot_count(), zero);
+        }
+        let registers = &mut self.bounds[..];
+        Arch::new().dispatch(Bounds {
             tape,
             registers,
             input,
@@ -222,15 +250,15 @@ impl WithSimd for Slopes<'_> {
     }
 }
 
-struct Signs<'a, I> {
+struct Ranges<'a, I> {
     tape: &'a RegTape,
     registers: &'a mut [SpanRegister],
     input: I,
     count: usize,
-    out: &'a mut Vec<Option<bool>>,
+    out: &'a mut Vec<Option<Interval>>,
 }
 
-impl<I: Fn(usize, usize) -> Interval> WithSimd for Signs<'_, I> {
+impl<I: Fn(usize, usize) -> Interval> WithSimd for Ranges<'_, I> {
     type Output = ();
 
     #[inline(always)]
@@ -247,12 +275,54 @@ impl<I: Fn(usize, usize) -> Interval> WithSimd for Signs<'_, I> {
                     }
                 },
                 |result| {
-                    let all =
-                        (from..self.count.min(from + BOX_LANES)).map(|k| {
-                            let k = k - from;
-                            result[k / BOXES].is_uniform(k % BOXES)
-                        });
-                    self.out.extend(all);
+                    let left = (self.count - from).min(BOX_LANES);
+                    let of = |k: usize| result[k / BOXES].get(k % BOXES);
+                    self.out.extend((0..left).map(of));
+                },
+            );
+        }
+    }
+}
+
+struct Bounds<'a, I> {
+    tape: &'a RegTape,
+    registers: &'a mut [BoundRegister],
+    input: I,
+    count: usize,
+    out: &'a mut Vec<Option<Slope>>,
+}
+
+impl<I: Fn(usize, usize) -> Slope> WithSimd for Bounds<'_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let last = self.count.saturating_sub(1);
+        for from in (0..self.count).step_by(BOUND_LANES) {
+            run(
+                self.tape,
+                self.registers,
+                |i, register| {
+                    for k in 0..BOUND_LANES {
+                        let slope = (self.input)(i, (from + k).min(last));
+                        let dual = &mut register[k / BOXES];
+                        dual.v.set(k % BOXES, slope.value);
+                        dual.dx.set(k % BOXES, slope.along[0]);
+                        dual.dy.set(k % BOXES, slope.along[1]);
+                    }
+                },
+                |result| {
+                    let left = (self.count - from).min(BOUND_LANES);
+                    let of = |k: usize| {
+                        let dual = &result[k / BOXES];
+                        let [value, dx, dy] = [dual.v, dual.dx, dual.dy]
+                            .map(|s| s.get(k % BOXES));
+                        Some(Slope {
+                            value: value?,
+                            along: [dx?, dy?],
+                        })
+                    };
+                    self.out.extend((0..left).map(of));
                 },
             );
         }

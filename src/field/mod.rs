@@ -22,7 +22,7 @@
 //! expression (`hoist`) and evaluated once per column, row or layer (`axis`);
 //! `ranges` proves, `lanes` interprets (`tape`), for many points (`wide`,
 //! `dual`) or boxes (`span`) at a time, `tapes` brings them together for the
-//! walk in `engine`.
+//! walk in `engine`. `sight` looks at the whole part from somewhere.
 //!
 //! This is the one place where `f64` millimetres become fidget's `f32`.
 
@@ -33,6 +33,7 @@ mod hoist;
 mod lanes;
 mod lattice;
 mod ranges;
+mod sight;
 mod slopes;
 mod span;
 mod tape;
@@ -40,6 +41,7 @@ mod tapes;
 mod wide;
 
 pub use lattice::Lattice;
+pub use sight::{Grid, Hit, Sight};
 pub use slopes::Bound;
 
 use crate::plane::Rect;

@@ -5,6 +5,7 @@
 //! cases, a box drops out: its ends become NaN, and it has to be asked about
 //! on its own. That is so seldom that the others pay for it.
 
+use super::dual::Part;
 use super::tape::Number;
 use super::wide::{self, Turn};
 use crate::model::Interval;
@@ -69,10 +70,10 @@ impl Span {
         self.hi[k] = if known { range.hi } else { f64::NAN };
     }
 
-    /// Whether the field has one sign in a box; nothing if it is not known.
-    pub(super) fn is_uniform(&self, k: usize) -> Option<bool> {
+    /// The range of one box, if it is known.
+    pub(super) fn get(&self, k: usize) -> Option<Interval> {
         let (lo, hi) = (self.lo[k], self.hi[k]);
-        (lo <= hi).then_some(lo >= 0.0 || hi < 0.0)
+        (lo <= hi).then_some(Interval::new(lo, hi))
     }
 
     /// With both ends NaN where one is.
@@ -334,10 +335,83 @@ impl Number for Span {
     }
 }
 
+impl Part for Span {
+    #[inline(always)]
+    fn choose(a: Self, b: Self, x: Self, y: Self) -> Self {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            let (first, second) = (a.hi[k] < b.lo[k], b.hi[k] <= a.lo[k]);
+            let lo = least(x.lo[k], y.lo[k]) + 0.0 * (x.lo[k] + y.lo[k]);
+            let hi = most(x.hi[k], y.hi[k]) + 0.0 * (x.hi[k] + y.hi[k]);
+            let lo = if second { y.lo[k] } else { lo };
+            let hi = if second { y.hi[k] } else { hi };
+            out.lo[k] = if first { x.lo[k] } else { lo };
+            out.hi[k] = if first { x.hi[k] } else { hi };
+        }
+        out
+    }
+    #[inline(always)]
+    fn choose_zero(a: Self, x: Self, y: Self) -> Self {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            // Where it may or may not be zero, there is a step.
+            if a.lo[k] > 0.0 || a.hi[k] < 0.0 {
+                (out.lo[k], out.hi[k]) = (y.lo[k], y.hi[k]);
+            } else if a.lo[k] == 0.0 && a.hi[k] == 0.0 {
+                (out.lo[k], out.hi[k]) = (x.lo[k], x.hi[k]);
+            }
+        }
+        out
+    }
+    #[inline(always)]
+    fn unless_nan(self, _: Self, _: Self, _: f32) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn step(self) -> Self {
+        // Flat where the value does not change.
+        let flat = zip(
+            self.lo,
+            self.hi,
+            |lo, hi| {
+                if lo == hi { 0.0 } else { f64::NAN }
+            },
+        );
+        Span { lo: flat, hi: flat }
+    }
+    #[inline(always)]
+    fn leap(self, x: Self) -> Self {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            // Across the negative x axis.
+            let apart = (self.lo[k] > 0.0) | (self.hi[k] < 0.0);
+            if apart | (x.lo[k] > 0.0) {
+                (out.lo[k], out.hi[k]) = (0.0, 0.0);
+            }
+        }
+        out
+    }
+    #[inline(always)]
+    fn times(self, o: Self) -> Self {
+        // As long as it stays in one period of a constant.
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            let a = Interval::new(self.lo[k], self.hi[k]);
+            let b = Interval::new(o.lo[k], o.hi[k]);
+            if a.same_period(b) {
+                let times = self.lo[k].div_euclid(o.lo[k]);
+                (out.lo[k], out.hi[k]) = (times, times);
+            }
+        }
+        out
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::lanes::Lanes;
     use super::super::ranges::{Ranges, everything};
+    use super::super::slopes::{Slopes, coordinate};
     use super::*;
     use fidget::context::Context;
     use fidget::eval::MathFunction;
@@ -351,7 +425,7 @@ mod tests {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
             (seed >> 40) as f64 / (1u64 << 24) as f64
         };
-        let (mut known, mut uniform) = (0, 0);
+        let (mut known, mut sloped) = (0, 0);
         for tree in everything() {
             let mut ctx = Context::new();
             let root = ctx.import(&tree);
@@ -366,25 +440,42 @@ mod tests {
                 })
                 .collect();
             let mut found = Vec::new();
-            Lanes::default().signs(
-                &f,
-                boxes.len(),
-                |slot, k| boxes[k][slot],
-                &mut found,
-            );
-            assert_eq!(found.len(), boxes.len());
-            for (b, found) in boxes.iter().zip(found) {
-                let (range, _) = Ranges::default().eval(&f, |slot| b[slot]);
-                let alone = range.lo >= 0.0 || range.hi < 0.0;
-                let Some(found) = found else { continue };
-                known += 1;
-                uniform += usize::from(found);
-                assert!(!range.nan, "{range:?}");
-                // But for rounding.
-                let near = range.lo.abs().min(range.hi.abs()) < 1e-6;
-                assert!(found == alone || near, "{found}: {range:?}");
+            let mut bounds = Vec::new();
+            let mut lanes = Lanes::default();
+            let over = |slot: usize, k: usize| boxes[k][slot];
+            lanes.ranges(&f, boxes.len(), over, &mut found);
+            let slope = |slot, k| coordinate(over(slot, k), slot);
+            lanes.bounds(&f, boxes.len(), slope, &mut bounds);
+            assert_eq!([found.len(), bounds.len()], [boxes.len(); 2]);
+            // But for rounding.
+            let same = |a: Interval, b: Interval| {
+                let near = |a: f64, b: f64| {
+                    a == b || (a - b).abs() < 1e-7 * (1.0 + a.abs())
+                };
+                !a.nan && !b.nan && near(a.lo, b.lo) && near(a.hi, b.hi)
+            };
+            for (k, b) in boxes.iter().enumerate() {
+                let (alone, _) = Ranges::default().eval(&f, |slot| b[slot]);
+                if let Some(found) = found[k] {
+                    known += 1;
+                    assert!(same(found, alone), "{found:?}, {alone:?}");
+                }
+                let slope = Slopes::default()
+                    .eval(&f, |slot| coordinate(b[slot], slot));
+                if let Some(found) = bounds[k] {
+                    sloped += 1;
+                    assert!(same(found.value, slope.value));
+                    for (a, b) in found.along.iter().zip(slope.along) {
+                        // Factors in another order may be a little wider.
+                        let wide = 1e-6 + 1e-6 * b.magnitude();
+                        assert!(
+                            a.lo <= b.lo + wide && b.hi - wide <= a.hi,
+                            "{a:?} does not hold {b:?}"
+                        );
+                    }
+                }
             }
         }
-        assert!(known > 300 && uniform > 50, "{uniform} of {known}");
+        assert!(known > 300 && sloped > 200, "{known}, {sloped}");
     }
 }

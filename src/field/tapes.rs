@@ -191,10 +191,10 @@ pub(super) struct Workspace<'a, F: Function> {
     sources: Vec<Source>,
     ranges: Ranges,
     /// By box, what is known of it.
-    signs: Vec<Option<bool>>,
+    found: Vec<Option<Interval>>,
     bounder: Slopes,
-    /// By input, its bounds.
-    bounds: Vec<Slope>,
+    /// By input, its bounds over each box.
+    bounds: Vec<Vec<Slope>>,
     runner: Runner<F>,
     simplify: F::Workspace,
     axis: axis::Scratch,
@@ -225,9 +225,9 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             parts: &split.parts,
             sources,
             ranges: Ranges::default(),
-            signs: Vec::new(),
+            found: Vec::new(),
             bounder: Slopes::default(),
-            bounds: vec![Slope::constant(Interval::ANYTHING); slots],
+            bounds: vec![Vec::new(); slots],
             runner: Runner {
                 float: F::new_float_slice_eval(),
                 lanes: Lanes::default(),
@@ -251,20 +251,20 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         level: Level,
         boxes: &mut Vec<[usize; 3]>,
     ) -> Result<(), FieldError> {
-        let mut signs = std::mem::take(&mut self.signs);
-        signs.clear();
+        let mut found = std::mem::take(&mut self.found);
+        found.clear();
         let sources = &self.sources;
-        self.runner.lanes.signs(
+        self.runner.lanes.ranges(
             &tapes.f,
             boxes.len(),
             |slot, k| axes.over(sources.get(slot), level, boxes[k]),
-            &mut signs,
+            &mut found,
         );
         let mut kept = 0;
-        for (k, sign) in signs.iter().enumerate() {
+        for (k, range) in found.iter().enumerate() {
             let at = boxes[k];
-            let uniform = match sign {
-                Some(uniform) => *uniform,
+            let uniform = match range {
+                Some(range) => range.lo >= 0.0 || range.hi < 0.0,
                 None => {
                     let proof = self.prove(tapes, axes, level, at, false)?;
                     matches!(proof, Proof::Uniform)
@@ -276,7 +276,7 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             }
         }
         boxes.truncate(kept);
-        self.signs = signs;
+        self.found = found;
         Ok(())
     }
 
@@ -312,21 +312,47 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         Ok(Proof::Ambiguous(simpler))
     }
 
-    /// The field's bounds over any box, given by its extent along each axis.
-    pub(super) fn bound(
+    /// The field's bounds over any boxes, given by their extent along each
+    /// axis, written over `out`.
+    pub(super) fn bounds(
         &mut self,
         tapes: &mut Tapes<F>,
-        over: [Interval; 3],
-    ) -> Bound {
+        boxes: &[[Interval; 3]],
+        out: &mut Vec<Bound>,
+    ) {
         let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
+        let lanes = &mut self.runner.lanes;
+        let mut found = Vec::new();
         for &slot in &*used {
-            self.bounds[slot] = match self.sources[slot] {
-                Source::Coordinate(a) => coordinate(over[a], a),
-                Source::Part(a, p) => slope_of(&self.parts[a][p], over[a], a),
-            };
+            let bounds = &mut self.bounds[slot];
+            bounds.clear();
+            match self.sources[slot] {
+                Source::Coordinate(a) => {
+                    bounds.extend(boxes.iter().map(|b| coordinate(b[a], a)));
+                }
+                Source::Part(a, p) => {
+                    let f = &self.parts[a][p];
+                    let over = |_: usize, k: usize| coordinate(boxes[k][a], a);
+                    found.clear();
+                    lanes.bounds(f, boxes.len(), over, &mut found);
+                    bounds.extend(boxes.iter().zip(&found).map(
+                        |(b, found)| {
+                            found.unwrap_or_else(|| slope_of(f, b[a], a))
+                        },
+                    ));
+                }
+            }
         }
         let bounds = &self.bounds;
-        Bound::new(self.bounder.eval(&tapes.f, |slot| bounds[slot]))
+        let over = |slot: usize, k: usize| bounds[slot][k];
+        found.clear();
+        lanes.bounds(&tapes.f, boxes.len(), over, &mut found);
+        out.clear();
+        for (k, found) in found.into_iter().enumerate() {
+            let bounder = &mut self.bounder;
+            let alone = || bounder.eval(&tapes.f, |slot| over(slot, k));
+            out.push(Bound::new(found.unwrap_or_else(alone)));
+        }
     }
 
     /// The field at the nodes of leaves, written over `out`.

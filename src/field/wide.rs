@@ -10,6 +10,7 @@
 //! Sine and cosine: the kernels of FreeBSD's msun (Sun Microsystems 1993,
 //! Bruce D. Evans), after reduction by multiples of π/2 in two parts.
 
+use super::dual::Part;
 use super::tape::Number;
 use fidget::types::FloatExt;
 
@@ -23,7 +24,6 @@ pub(super) struct Wide(pub [f32; WIDTH]);
 
 impl Wide {
     pub(super) const ZERO: Wide = Wide([0.0; WIDTH]);
-    pub(super) const NAN: Wide = Wide([f32::NAN; WIDTH]);
 
     #[inline(always)]
     pub(super) fn map(self, f: impl Fn(f32) -> f32) -> Wide {
@@ -192,6 +192,34 @@ fn min(a: f32, b: f32) -> f32 {
 fn max(a: f32, b: f32) -> f32 {
     let greater = if a > b { a } else { b };
     if a.is_nan() { f32::NAN } else { greater }
+}
+
+impl Part for Wide {
+    #[inline(always)]
+    fn choose(a: Self, b: Self, x: Self, y: Self) -> Self {
+        a.choose_by(b, |a, b| a < b, x, y)
+    }
+    #[inline(always)]
+    fn choose_zero(a: Self, x: Self, y: Self) -> Self {
+        a.choose_by(a, |a, _| a == 0.0, x, y)
+    }
+    #[inline(always)]
+    fn unless_nan(self, a: Self, b: Self, instead: f32) -> Self {
+        let nan = |a: f32, b: f32| a.is_nan() || b.is_nan();
+        a.choose_by(b, nan, Wide::splat(instead), self)
+    }
+    #[inline(always)]
+    fn step(self) -> Self {
+        Wide::ZERO
+    }
+    #[inline(always)]
+    fn leap(self, _: Self) -> Self {
+        Wide::ZERO
+    }
+    #[inline(always)]
+    fn times(self, o: Self) -> Self {
+        self.zip(o, f32::div_euclid)
+    }
 }
 
 impl Number for Wide {

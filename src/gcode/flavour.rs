@@ -7,6 +7,7 @@
 //! | | Marlin 2 | Prusa | RepRapFirmware 3 | Klipper |
 //! |---|---|---|---|---|
 //! | acceleration | M204 P T | M204 P T | M204 P T | SET_VELOCITY_LIMIT, M204 S |
+//! | the same, of a bead | M204 P | M204 P | M204 P | M204 S |
 //! | corners | M205 X Y J | M205 X Y | M566 X Y | SET_VELOCITY_LIMIT |
 //! | pressure advance | M900 K | M900 K, M572 S | M572 D0 S | SET_PRESSURE_ADVANCE |
 //! | fan off | M107 | M107 | M106 S0 | M107 |
@@ -67,6 +68,21 @@ pub fn default_end(flavour: Flavour) -> &'static str {
 /// which then has to be set before each change from one to the other.
 pub(super) fn one_acceleration(flavour: Flavour) -> bool {
     flavour == Flavour::Klipper
+}
+
+/// Sets the acceleration of printing moves to the number that follows.
+pub(super) fn print_acceleration(flavour: Flavour) -> &'static [u8] {
+    match flavour {
+        Flavour::Klipper => b"M204 S",
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => b"M204 P",
+    }
+}
+
+/// True if beads have to set an acceleration, and not the file's start alone.
+pub(super) fn sets_acceleration(settings: &Settings) -> bool {
+    let gcode = &settings.gcode;
+    gcode.set_limits
+        && (one_acceleration(gcode.flavour) || settings.acceleration.by_role())
 }
 
 /// True if the firmware keeps statistics of the print that hosts read the
@@ -141,7 +157,8 @@ pub(super) fn limits(settings: &Settings) -> Vec<String> {
     // What Marlin takes.
     const DEVIATION: (f64, f64) = (0.01, 0.3);
     let printer = &settings.printer;
-    let (print, travel) = (printer.acceleration, printer.travel_acceleration);
+    let print = printer.acceleration;
+    let travel = settings.travel_acceleration();
     let corner = printer.square_corner_velocity;
     let flavour = settings.gcode.flavour;
     let two = || {

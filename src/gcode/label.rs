@@ -28,11 +28,7 @@ impl Label {
     /// The label of the file's part, if it is to have one.
     pub(super) fn new(settings: &Settings, header: &Header) -> Option<Label> {
         let flavour = settings.gcode.flavour;
-        let wanted = match settings.gcode.labels {
-            Emit::On => true,
-            Emit::Off => false,
-            Emit::Auto => known(flavour, settings),
-        };
+        let wanted = wanted(settings);
         let name = name(&header.model_name);
         let numbered = |define: &[&str]| Label {
             define: define.iter().map(|l| (*l).to_owned()).collect(),
@@ -65,8 +61,22 @@ impl Label {
     }
 }
 
-/// True if any firmware of the flavour understands labels. Marlin does if it
-/// was built to, and Prusa's if it is the newer one.
+/// True if the part's label needs its outline: Klipper's alone does.
+pub fn needs_outline(settings: &Settings) -> bool {
+    settings.gcode.flavour == Flavour::Klipper && wanted(settings)
+}
+
+fn wanted(settings: &Settings) -> bool {
+    match settings.gcode.labels {
+        Emit::On => true,
+        Emit::Off => false,
+        Emit::Auto => known(settings.gcode.flavour, settings),
+    }
+}
+
+/// True if any firmware of the flavour understands labels. Marlin does only if
+/// it was built to, which it is not by default, and Prusa's if it is the newer
+/// one.
 fn known(flavour: Flavour, settings: &Settings) -> bool {
     match flavour {
         Flavour::Klipper | Flavour::Rrf => true,

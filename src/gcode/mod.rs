@@ -29,17 +29,22 @@
 //! | `flavour` | what differs between firmwares |
 //! | `comments` | the words that viewers and hosts read |
 //! | `ends` | the file's head and foot |
+//! | `layer` | what a layer's text consists of |
+//! | `moves` | moves, as lines that say only what changes; `filament`, how far it has been fed; `lines`, `number`, how they are written |
 //! | `thumbnail` | the pictures in the head |
 //! | `label` | the part's name and outline, for hosts |
 //! | `progress` | lines that need the whole print's time |
 //! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
-//! | `number` | how a number is written |
 
 mod comments;
 mod ends;
+mod filament;
 mod flavour;
 mod label;
+mod layer;
 mod limits;
+mod lines;
+mod moves;
 mod number;
 mod placeholders;
 mod progress;
@@ -49,24 +54,23 @@ mod thumbnail;
 
 pub use comments::role_name;
 pub use flavour::{default_end, default_start};
+pub use label::needs_outline;
 pub use placeholders::{PLACEHOLDERS, Placeholder, Scope};
 pub use template::TemplateError;
 pub use thumbnail::Thumbnail;
 
-use crate::bead::{Bead, Role};
-use crate::pace::{PacedLayer, PacedMove};
-use crate::settings::{Comments, Emit, Flavour, Settings};
-use crate::units::{
-    Celsius, Mm, Mm3, MmPerSec, MmPerSec2, Percent, Seconds, feed_rate,
-    filament_area,
-};
+use crate::bead::Role;
+use crate::pace::PacedLayer;
+use crate::settings::{Comments, Settings};
+use crate::units::{Celsius, Mm, Mm3, Seconds, filament_area};
+use filament::Filament;
 use glam::{DVec2, DVec3};
 use label::Label;
-use number::{push_integer, push_scaled, scaled, text};
-use placeholders::Moment;
-use progress::Waiting;
+use number::text;
+use progress::{Waiting, tells_progress};
 use std::io::Write;
 use std::ops::Range;
+use std::time::SystemTime;
 use template::Templates;
 
 /// Decimals of coordinates: a micrometre.
@@ -83,8 +87,6 @@ const MICRON: f64 = 1e-3;
 /// Text after which the buffer is emptied, bytes: a large layer's is many
 /// times that.
 const FULL: usize = 1 << 16;
-/// Units of the last decimal of filament in a millimetre.
-const E_UNITS: f64 = 1e5;
 
 /// What the file's start says about the print.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,6 +97,8 @@ pub struct Header {
     pub layer_count: usize,
     /// Indices of those in this file.
     pub layers: Range<usize>,
+    /// When it is written, if it is to say so.
+    pub timestamp: Option<SystemTime>,
     /// Temperature of the nozzle on the first of them.
     pub nozzle_temperature: Celsius,
     /// Lower corner of the part, on the bed.
@@ -102,7 +106,7 @@ pub struct Header {
     /// Upper corner of the part.
     pub part_max: DVec3,
     /// The part seen from above, on the bed: a convex ring around it. Where
-    /// it is empty its box is taken.
+    /// it is empty its box is taken. Needed if [`needs_outline`] says so.
     pub outline: Vec<DVec2>,
     /// Pictures of it.
     pub thumbnails: Vec<Thumbnail>,
@@ -163,6 +167,8 @@ pub struct Writer<'a, W: Write> {
     /// Filament that the firmware has fed by itself, mm.
     extra: Mm,
     layer: usize,
+    /// True if beads differ in their acceleration from what was told before.
+    sets_acceleration: bool,
 
     // What the machine has been told so far, in units of last decimals;
     // nothing where a template may have changed it.
@@ -177,37 +183,6 @@ pub struct Writer<'a, W: Write> {
     height: Option<i64>,
     retracted: bool,
     filament: Filament,
-}
-
-/// The filament's position.
-#[derive(Clone, Copy, Debug, Default)]
-struct Filament {
-    relative: bool,
-    /// Fed into the print, exactly, mm.
-    exact: f64,
-    /// Pulled back at present, units of the last decimal.
-    back: i64,
-    /// Where the machine has been told to go since the start, units.
-    told: i64,
-    /// Where its last reset was, units; nothing if the next layer has to
-    /// begin with one.
-    zero: Option<i64>,
-}
-
-impl Filament {
-    /// Brings the machine to where the filament should be: the number for an
-    /// E word, or nothing if it is there.
-    fn word(&mut self) -> Option<i64> {
-        let goal = (self.exact * E_UNITS).round() as i64 - self.back;
-        let step = goal - self.told;
-        self.told = goal;
-        let number = if self.relative {
-            step
-        } else {
-            goal - self.zero.unwrap_or(0)
-        };
-        (step != 0).then_some(number)
-    }
 }
 
 impl<'a, W: Write> Writer<'a, W> {
@@ -238,6 +213,7 @@ impl<'a, W: Write> Writer<'a, W> {
             totals: Totals::default(),
             extra: 0.0,
             layer: 0,
+            sets_acceleration: flavour::sets_acceleration(settings),
             xy: None,
             z: None,
             feed: None,
@@ -270,6 +246,9 @@ impl<'a, W: Write> Writer<'a, W> {
     /// If the output cannot be written, or a number is none.
     pub fn layer(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
         let before = self.filament.exact + self.extra;
+        if self.totals.layers == 0 {
+            self.catch_up();
+        }
         self.compose(layer, Self::flush)?;
         let fed = self.filament.exact + self.extra - before;
         self.totals.filament_length += fed;
@@ -310,119 +289,6 @@ impl<'a, W: Write> Writer<'a, W> {
         };
     }
 
-    /// The text of a layer; `pass_on` empties the buffer whenever it is full.
-    fn compose(
-        &mut self,
-        layer: &PacedLayer,
-        pass_on: impl Fn(&mut Self) -> Result<(), WriteError>,
-    ) -> Result<(), WriteError> {
-        self.layer = layer.span.index;
-        self.layer_comments(layer)?;
-        // Readers that take a layer on its own want both in it.
-        self.role = None;
-        self.width = None;
-        self.layer_template(layer)?;
-        self.reset_filament();
-        if flavour::print_stats(self.settings.gcode.flavour) {
-            let current = self.layer + 1;
-            self.line(&format!("SET_PRINT_STATS_INFO CURRENT_LAYER={current}"));
-        }
-        if self.layer == 1 {
-            self.second_layer_temperature();
-        }
-        if self.layer > 0 && self.nozzle != Some(layer.nozzle_temperature) {
-            self.nozzle = Some(layer.nozzle_temperature);
-            self.temperature("M104", layer.nozzle_temperature);
-        }
-        self.set_fan(layer.fan);
-        let labelled = labelled(&layer.moves);
-        let label = match labelled.is_empty() {
-            true => None,
-            false => self.label.clone(),
-        };
-        let mut clock = Clock::new(layer);
-        self.mark(clock.time());
-        for (i, step) in layer.moves.iter().enumerate() {
-            if i == labelled.start
-                && let Some(label) = &label
-            {
-                self.line(&label.start);
-            }
-            self.step(step)?;
-            if self.waiting.is_some() {
-                clock.step(step);
-                self.mark_if_due(clock.time());
-            }
-            if self.buffer.len() >= FULL {
-                pass_on(self)?;
-            }
-        }
-        if let Some(label) = &label {
-            self.line(&label.end);
-        }
-        self.count("time", layer.time, XYZ)?;
-        Ok(())
-    }
-
-    /// Tells readers that a layer begins.
-    fn layer_comments(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
-        let z = self.count("z", layer.span.top, XYZ)?;
-        let height = self.count("layer height", layer.span.height(), WIDTH)?;
-        self.height = Some(height);
-        match self.settings.gcode.comments {
-            Comments::Prusa | Comments::Orca => {
-                self.line(";LAYER_CHANGE");
-                self.comment_number(";Z:", z, XYZ);
-                self.comment_number(";HEIGHT:", height, WIDTH);
-            }
-            Comments::Cura => self.line(&format!(";LAYER:{}", self.layer)),
-            Comments::None => {}
-        }
-        Ok(())
-    }
-
-    /// The user's own lines for a layer. The machine may be anywhere, and in
-    /// any mode, after them.
-    fn layer_template(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
-        let moment = Moment {
-            number: self.layer + 1,
-            z: layer.span.top,
-            height: layer.span.height(),
-        };
-        let Some(lines) = self.templates.layer(moment)? else {
-            return Ok(());
-        };
-        self.buffer.extend_from_slice(lines.as_bytes());
-        if scan::may_change_modes(&lines) {
-            self.modes();
-        }
-        self.xy = None;
-        self.z = None;
-        self.feed = None;
-        self.fan = None;
-        self.acceleration = None;
-        self.filament.zero = None;
-        Ok(())
-    }
-
-    /// Marks a place that tells how far the print has come; `time` is that
-    /// since the layer's beginning.
-    fn mark(&mut self, time: Seconds) {
-        let time = self.totals.time + time;
-        if let Some(waiting) = &mut self.waiting {
-            waiting.mark(self.buffer.len(), time);
-        }
-    }
-
-    /// The same, if the last one was long ago.
-    fn mark_if_due(&mut self, time: Seconds) {
-        let last = self.waiting.as_ref().and_then(Waiting::last);
-        let since = self.totals.time + time - last.unwrap_or(0.0);
-        if since >= progress::BETWEEN {
-            self.mark(time);
-        }
-    }
-
     /// Ends the file: last retraction, fan off, end template, what the print
     /// takes.
     ///
@@ -460,389 +326,5 @@ impl<'a, W: Write> Writer<'a, W> {
         }
         self.out.flush()?;
         Ok(self.totals)
-    }
-
-    fn step(&mut self, step: &PacedMove) -> Result<(), WriteError> {
-        match step {
-            PacedMove::Retract { length, speed } => {
-                self.retract(*length, *speed)
-            }
-            PacedMove::Wipe {
-                points,
-                length,
-                speed,
-            } => self.wipe(points, *length, *speed),
-            PacedMove::Prime {
-                length: _,
-                extra,
-                speed,
-            } => self.prime(*extra, *speed),
-            PacedMove::Lift { z, speed } => self.lift(*z, *speed),
-            PacedMove::Travel { points, speed } => {
-                self.accelerate(self.settings.printer.travel_acceleration);
-                for &p in points {
-                    self.go(p, *speed, None)?;
-                }
-                Ok(())
-            }
-            PacedMove::Print { bead, speed, flow } => {
-                self.bead(bead, *speed, *flow)
-            }
-            PacedMove::Fan(speed) => {
-                self.set_fan(*speed);
-                Ok(())
-            }
-        }
-    }
-
-    fn bead(
-        &mut self,
-        bead: &Bead,
-        speed: MmPerSec,
-        flow: f64,
-    ) -> Result<(), WriteError> {
-        if self.role != Some(bead.role) {
-            let dialect = self.settings.gcode.comments;
-            let name = |role| role_name(dialect, role);
-            // Several roles may have one name.
-            if self.role.and_then(name) != name(bead.role) {
-                self.type_comment(name(bead.role));
-            }
-            self.role = Some(bead.role);
-        }
-        let width = self.count("bead width", bead.width, WIDTH)?;
-        let height = self.count("bead height", bead.height, WIDTH)?;
-        if comments::has_sizes(self.settings.gcode.comments) {
-            if self.width != Some(width) {
-                self.width = Some(width);
-                self.comment_number(";WIDTH:", width, WIDTH);
-            }
-            if self.height != Some(height) {
-                self.height = Some(height);
-                self.comment_number(";HEIGHT:", height, WIDTH);
-            }
-        }
-        self.accelerate(self.settings.printer.acceleration);
-        let area =
-            bead.area() * flow / filament_area(self.settings.filament.diameter);
-        let mut path = bead.path();
-        // The head is there already, or the line is left out.
-        if let Some(start) = path.next() {
-            self.go(start, speed, None)?;
-        }
-        for p in path {
-            self.go(p, speed, Some(area))?;
-        }
-        Ok(())
-    }
-
-    /// Moves to `p`, feeding `filament` mm for each mm.
-    fn go(
-        &mut self,
-        p: DVec2,
-        speed: MmPerSec,
-        filament: Option<f64>,
-    ) -> Result<(), WriteError> {
-        let x = self.count("x", p.x, XYZ)?;
-        let y = self.count("y", p.y, XYZ)?;
-        if self.xy == Some((x, y)) {
-            return Ok(());
-        }
-        if let (Some(per_mm), Some((x0, y0))) = (filament, self.xy) {
-            let length = ((x - x0) as f64).hypot((y - y0) as f64) * MICRON;
-            self.feed_filament(per_mm * length)?;
-        }
-        self.xy = Some((x, y));
-        self.buffer.extend_from_slice(b"G1");
-        self.word(b" X", x, XYZ);
-        self.word(b" Y", y, XYZ);
-        if filament.is_some()
-            && let Some(e) = self.filament.word()
-        {
-            self.word(b" E", e, E);
-        }
-        self.end_move(speed)
-    }
-
-    fn lift(&mut self, z: Mm, speed: MmPerSec) -> Result<(), WriteError> {
-        let z = self.count("z", z, XYZ)?;
-        if self.z == Some(z) {
-            return Ok(());
-        }
-        self.accelerate(self.settings.printer.travel_acceleration);
-        self.z = Some(z);
-        self.buffer.extend_from_slice(b"G1");
-        self.word(b" Z", z, XYZ);
-        self.end_move(speed)
-    }
-
-    fn retract(
-        &mut self,
-        length: Mm,
-        speed: MmPerSec,
-    ) -> Result<(), WriteError> {
-        self.retracted = true;
-        if self.settings.retract.firmware {
-            self.line("G10");
-            return Ok(());
-        }
-        self.filament.back = self.count("retraction", length, E)?;
-        self.filament_move(speed)
-    }
-
-    /// Pulls filament back on the way through `points`.
-    fn wipe(
-        &mut self,
-        points: &[DVec2],
-        length: Mm,
-        speed: MmPerSec,
-    ) -> Result<(), WriteError> {
-        self.accelerate(self.settings.printer.travel_acceleration);
-        let marked = comments::has_sizes(self.settings.gcode.comments);
-        if marked {
-            self.line(comments::WIPE_START);
-        }
-        let from = match self.xy {
-            Some((x, y)) => DVec2::new(x as f64, y as f64) * MICRON,
-            None => points.first().copied().unwrap_or_default(),
-        };
-        let before = self.filament.back;
-        let back = self.count("retraction", length, E)?;
-        let ends = || [from].into_iter().chain(points.iter().copied());
-        let steps = || ends().zip(ends().skip(1)).map(|(p, q)| p.distance(q));
-        let whole: f64 = steps().sum();
-        let mut done = 0.0;
-        for (&p, step) in points.iter().zip(steps()) {
-            done += step;
-            let share = (back as f64 * (done / whole).min(1.0)).round();
-            self.filament.back = before + share as i64;
-            self.go(p, speed, Some(0.0))?;
-        }
-        // What rounding has left, if the last points are one place.
-        self.filament.back = before + back;
-        self.retracted = true;
-        self.filament_move(self.settings.retract.speed)?;
-        if marked {
-            self.line(comments::WIPE_END);
-        }
-        Ok(())
-    }
-
-    fn prime(&mut self, extra: Mm, speed: MmPerSec) -> Result<(), WriteError> {
-        if self.settings.retract.firmware {
-            // What is always fed in addition, the firmware knows.
-            let mut own = 0.0;
-            if std::mem::take(&mut self.retracted) {
-                self.line("G11");
-                own = self.settings.retract.extra_prime;
-            }
-            self.extra += own;
-            self.feed_filament(extra - own)?;
-            return self.filament_move(speed);
-        }
-        self.filament.back = 0;
-        self.retracted = false;
-        self.feed_filament(extra)?;
-        self.filament_move(speed)
-    }
-
-    /// Adds to what is fed into the print.
-    fn feed_filament(&mut self, length: Mm) -> Result<(), WriteError> {
-        self.filament.exact += length;
-        self.count("filament length", self.filament.exact, E)
-            .map(|_| ())
-    }
-
-    /// A move of the filament alone.
-    fn filament_move(&mut self, speed: MmPerSec) -> Result<(), WriteError> {
-        let Some(e) = self.filament.word() else {
-            return Ok(());
-        };
-        self.buffer.extend_from_slice(b"G1");
-        self.word(b" E", e, E);
-        self.end_move(speed)
-    }
-
-    /// The feed rate if it changes, and the line's end.
-    fn end_move(&mut self, speed: MmPerSec) -> Result<(), WriteError> {
-        let feed = self.count("speed", feed_rate(speed), 0)?;
-        // Zero would stop the print for good; the slowest is 1 mm/min.
-        let feed = feed.max(1);
-        if self.feed != Some(feed) {
-            self.feed = Some(feed);
-            self.word(b" F", feed, 0);
-        }
-        self.buffer.push(b'\n');
-        Ok(())
-    }
-
-    /// Absolute positions of the filament start again from zero now and then:
-    /// firmware keeps them in single precision.
-    fn reset_filament(&mut self) {
-        let filament = &mut self.filament;
-        let zero = Some(filament.told);
-        if !filament.relative && filament.zero != zero {
-            filament.zero = zero;
-            self.line("G92 E0");
-        }
-    }
-
-    /// Units and modes this writer relies on.
-    fn modes(&mut self) {
-        self.line("G21");
-        self.line("G90");
-        self.line(match self.filament.relative {
-            true => "M83",
-            false => "M82",
-        });
-    }
-
-    fn second_layer_temperature(&mut self) {
-        let f = &self.settings.filament;
-        if f.bed_temperature != f.first_layer_bed_temperature {
-            self.temperature("M140", f.bed_temperature);
-        }
-    }
-
-    fn temperature(&mut self, command: &str, to: Celsius) {
-        self.line(&format!("{command} S{}", text(to, COARSE)));
-    }
-
-    fn set_fan(&mut self, speed: Percent) {
-        let pwm = flavour::pwm(speed);
-        if self.fan != Some(pwm) {
-            self.fan = Some(pwm);
-            self.line(&flavour::fan(self.settings.gcode.flavour, pwm));
-        }
-    }
-
-    /// Sets the acceleration where the firmware has one for all moves.
-    fn accelerate(&mut self, to: MmPerSec2) {
-        let gcode = &self.settings.gcode;
-        if !gcode.set_limits || !flavour::one_acceleration(gcode.flavour) {
-            return;
-        }
-        let count = scaled(to, COARSE);
-        if count.is_some() && self.acceleration != count {
-            self.acceleration = count;
-            self.buffer.extend_from_slice(b"M204");
-            self.word(b" S", count.unwrap_or(0), COARSE);
-            self.buffer.push(b'\n');
-        }
-    }
-
-    fn type_comment(&mut self, name: Option<&str>) {
-        if let Some(name) = name {
-            self.buffer.extend_from_slice(b";TYPE:");
-            self.line(name);
-        }
-    }
-
-    /// What a template prints is not the part.
-    fn custom_comment(&mut self) {
-        self.type_comment(comments::custom(self.settings.gcode.comments));
-    }
-
-    fn comment_number(&mut self, tag: &str, count: i64, decimals: u32) {
-        self.buffer.extend_from_slice(tag.as_bytes());
-        push_scaled(&mut self.buffer, count, decimals);
-        self.buffer.push(b'\n');
-    }
-
-    fn word(&mut self, letter: &[u8], count: i64, decimals: u32) {
-        self.buffer.extend_from_slice(letter);
-        match u64::try_from(count) {
-            Ok(whole) if decimals == 0 => {
-                push_integer(&mut self.buffer, whole);
-            }
-            _ => push_scaled(&mut self.buffer, count, decimals),
-        }
-    }
-
-    fn line(&mut self, text: &str) {
-        self.buffer.extend_from_slice(text.as_bytes());
-        self.buffer.push(b'\n');
-    }
-
-    /// A number as a count of last decimals, or the error that it is none.
-    fn count(
-        &self,
-        what: &'static str,
-        value: f64,
-        decimals: u32,
-    ) -> Result<i64, WriteError> {
-        scaled(value, decimals).ok_or(WriteError::BadNumber {
-            what,
-            value,
-            layer: self.layer + 1,
-        })
-    }
-
-    fn flush(&mut self) -> Result<(), WriteError> {
-        match &mut self.waiting {
-            Some(waiting) => waiting.write(&self.buffer)?,
-            None => self.out.write_all(&self.buffer)?,
-        }
-        self.buffer.clear();
-        Ok(())
-    }
-}
-
-/// True if layers are to tell how far the print has come.
-fn tells_progress(settings: &Settings) -> bool {
-    match settings.gcode.progress {
-        Emit::On => true,
-        Emit::Off => false,
-        Emit::Auto => settings.gcode.flavour == Flavour::Prusa,
-    }
-}
-
-/// Which of a layer's moves print the part, and not a skirt before it, with
-/// the way there; none if nothing of the part is printed.
-fn labelled(moves: &[PacedMove]) -> Range<usize> {
-    let is = |m: &PacedMove, skirt: bool| {
-        matches!(m, PacedMove::Print { bead, .. }
-            if (bead.role == Role::Skirt) == skirt)
-    };
-    if !moves.iter().any(|m| is(m, false)) {
-        return 0..0;
-    }
-    let skirt = moves.iter().rposition(|m| is(m, true));
-    skirt.map_or(0, |i| i + 1)..moves.len()
-}
-
-/// How far a layer has come in time: its share of the printing moves at their
-/// speeds.
-struct Clock {
-    time: Seconds,
-    printing: Seconds,
-    passed: Seconds,
-}
-
-impl Clock {
-    fn new(layer: &PacedLayer) -> Self {
-        Self {
-            time: layer.time,
-            printing: layer.moves.iter().map(printing).sum(),
-            passed: 0.0,
-        }
-    }
-
-    fn step(&mut self, step: &PacedMove) {
-        self.passed += printing(step);
-    }
-
-    fn time(&self) -> Seconds {
-        match self.printing > 0.0 {
-            true => self.time * self.passed / self.printing,
-            false => 0.0,
-        }
-    }
-}
-
-fn printing(step: &PacedMove) -> Seconds {
-    match step {
-        PacedMove::Print { bead, speed, .. } => bead.length() / speed,
-        _ => 0.0,
     }
 }

@@ -44,6 +44,17 @@ pub(super) struct Moment {
     pub height: Mm,
 }
 
+impl Moment {
+    /// The first layer, for trying a template.
+    pub(super) fn of_trial(settings: &Settings) -> Self {
+        Moment {
+            number: 1,
+            z: settings.first_layer_height,
+            height: settings.first_layer_height,
+        }
+    }
+}
+
 /// What values are made of.
 pub(super) struct Known<'a> {
     pub settings: &'a Settings,
@@ -98,7 +109,7 @@ pub const PLACEHOLDERS: &[Placeholder] = placeholders![
     All "retract_length", "length of a retraction, mm",
         |k| number(k.settings.retract.length);
     All "feed_rate_travel", "travel speed as a feed rate, mm/min",
-        |k| number(feed_rate(k.settings.speed.travel).round());
+        |k| number(feed_rate(k.settings.travel_speed()).round());
     All "feed_rate_z", "greatest speed of z as a feed rate, mm/min",
         |k| number(feed_rate(k.settings.printer.max_speed_z).round());
     All "part_min_x", "least x of the part, mm",

@@ -5,6 +5,9 @@
 //! Until then the text waits in a temporary file, so that memory does not
 //! grow with the part.
 
+use super::Writer;
+use crate::pace::{PacedLayer, PacedMove};
+use crate::settings::{Emit, Flavour, Settings};
 use crate::units::Seconds;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
@@ -90,6 +93,74 @@ fn figures(time: Seconds, total: Seconds) -> (u8, u64) {
     // Casts of floats saturate.
     let percent = (100.0 * time / total).floor() as u8;
     (percent, ((total - time) / 60.0).round() as u64)
+}
+
+impl<W: io::Write> Writer<'_, W> {
+    /// Marks a place that tells how far the print has come; `time` is that
+    /// since the layer's beginning.
+    pub(super) fn mark(&mut self, time: Seconds) {
+        let time = self.totals.time + time;
+        if let Some(waiting) = &mut self.waiting {
+            waiting.mark(self.buffer.len(), time);
+        }
+    }
+
+    /// The same, if the last one was long ago.
+    pub(super) fn mark_if_due(&mut self, time: Seconds) {
+        let last = self.waiting.as_ref().and_then(Waiting::last);
+        let since = self.totals.time + time - last.unwrap_or(0.0);
+        if since >= BETWEEN {
+            self.mark(time);
+        }
+    }
+}
+
+/// True if layers are to tell how far the print has come.
+pub(super) fn tells_progress(settings: &Settings) -> bool {
+    match settings.gcode.progress {
+        Emit::On => true,
+        Emit::Off => false,
+        // A Marlin that does not know M73 says so and goes on.
+        Emit::Auto => {
+            matches!(settings.gcode.flavour, Flavour::Marlin | Flavour::Prusa)
+        }
+    }
+}
+
+/// How far a layer has come in time: its share of the printing moves at their
+/// speeds.
+pub(super) struct Clock {
+    time: Seconds,
+    printing: Seconds,
+    passed: Seconds,
+}
+
+impl Clock {
+    pub(super) fn new(layer: &PacedLayer) -> Self {
+        Self {
+            time: layer.time,
+            printing: layer.moves.iter().map(printing).sum(),
+            passed: 0.0,
+        }
+    }
+
+    pub(super) fn step(&mut self, step: &PacedMove) {
+        self.passed += printing(step);
+    }
+
+    pub(super) fn time(&self) -> Seconds {
+        match self.printing > 0.0 {
+            true => self.time * self.passed / self.printing,
+            false => 0.0,
+        }
+    }
+}
+
+fn printing(step: &PacedMove) -> Seconds {
+    match step {
+        PacedMove::Print { bead, speed, .. } => bead.length() / speed,
+        _ => 0.0,
+    }
 }
 
 #[cfg(test)]

@@ -29,14 +29,49 @@ pub(super) fn heating(
             return Heating::Waits;
         }
     }
-    let macros = source.lines().filter(|l| command(l).is_some_and(is_macro));
-    for line in macros {
+    // Which placeholder a number comes from only the source tells, and whether
+    // a condition leaves it out only what came of it.
+    let written = |name: &str| {
+        let mut commands = rendered.lines().filter_map(command);
+        commands.any(|c| c.eq_ignore_ascii_case(name))
+    };
+    for line in source.lines() {
+        let Some(name) = command(line).filter(|c| is_macro(c)) else {
+            continue;
+        };
         let code = line.split(';').next().unwrap_or("");
-        if names.iter().any(|name| uses(code, name)) {
-            return Heating::Waits;
+        if !names.iter().any(|name| uses(code, name)) || !written(name) {
+            continue;
+        }
+        match of_macro(name) {
+            Heating::Waits => return Heating::Waits,
+            Heating::Sets => found = Heating::Sets,
+            Heating::Not => {}
         }
     }
     found
+}
+
+/// What a named command does with a temperature that it is given: Klipper's
+/// own are known, and any other is a macro of the printer's.
+fn of_macro(name: &str) -> Heating {
+    /// Show or remember it.
+    const TELL: [&str; 6] = [
+        "RESPOND",
+        "SET_DISPLAY_TEXT",
+        "SET_GCODE_VARIABLE",
+        "SET_PRINT_STATS_INFO",
+        "SAVE_VARIABLE",
+        "ACTION_RESPOND_INFO",
+    ];
+    let is = |other: &str| name.eq_ignore_ascii_case(other);
+    if TELL.iter().any(|t| is(t)) {
+        Heating::Not
+    } else if is("SET_HEATER_TEMPERATURE") {
+        Heating::Sets
+    } else {
+        Heating::Waits
+    }
 }
 
 /// True if what is written may leave the machine with other units or modes
@@ -105,7 +140,23 @@ mod tests {
             nozzle("START_PRINT ; {{ nozzle_temperature }}"),
             Heating::Not
         );
+        // Klipper's own commands set, wait or tell.
+        let sets = "SET_HEATER_TEMPERATURE HEATER=extruder \
+                    TARGET={{ nozzle_temperature }}";
+        assert_eq!(nozzle(sets), Heating::Sets);
+        let waits = "TEMPERATURE_WAIT SENSOR=extruder \
+                     MINIMUM={{ nozzle_temperature }}";
+        assert_eq!(nozzle(waits), Heating::Waits);
+        let tells = "RESPOND MSG=\"to {{ nozzle_temperature }}\"";
+        assert_eq!(nozzle(tells), Heating::Not);
         // What a condition leaves out heats nothing.
+        let source = "{% if klipper %}\nSTART T={{ nozzle_temperature }}\n\
+                      {% else %}\nG28\n{% endif %}";
+        let names = &["nozzle_temperature"];
+        let found = heating(source, "G28\n", "M104", "M109", names);
+        assert_eq!(found, Heating::Not);
+        let found = heating(source, "START T=200\n", "M104", "M109", names);
+        assert_eq!(found, Heating::Waits);
         let source = "{% if false %}\nM109 S200\n{% endif %}\nG28";
         let found = heating(source, "G28\n", "M104", "M109", &[]);
         assert_eq!(found, Heating::Not);

@@ -99,9 +99,9 @@ impl<'a> Templates<'a> {
         templates.add(START, start, Scope::All)?;
         templates.add(END, end, Scope::End)?;
         templates.add(LAYER, &gcode.layer, Scope::Layer)?;
-        templates.end(Totals::default())?;
+        templates.try_end()?;
         if templates.has_layer {
-            templates.layer(Moment::default())?;
+            templates.layer(Moment::of_trial(settings))?;
         }
         Ok(templates)
     }
@@ -121,6 +121,18 @@ impl<'a> Templates<'a> {
                 self.render(LAYER, Scope::Layer, moment, Totals::default())
             })
             .transpose()
+    }
+
+    /// What might stand at the file's end: a print takes something of
+    /// everything, so nothing is divided by zero.
+    pub(super) fn try_end(&self) -> Result<String, TemplateError> {
+        self.end(Totals {
+            filament_length: 1000.0,
+            filament_volume: 2400.0,
+            filament_mass_g: 3.0,
+            time: 600.0,
+            layers: self.header.layer_count.max(1),
+        })
     }
 
     /// What stands at the file's end.
@@ -446,6 +458,7 @@ mod tests {
             model_name: "gyroid\nball".to_owned(),
             layer_count: 12,
             layers: 0..12,
+            timestamp: None,
             nozzle_temperature: 210.0,
             part_min: DVec3::new(95.0, 95.0, 0.0),
             part_max: DVec3::new(125.0, 125.0, 30.0),

@@ -318,6 +318,7 @@ impl<'a> Infill<'a> {
             width: line.width,
             widths: line.widths,
             height: place.height,
+            small: false,
         };
         let (pieces, reach) = match &self.kind {
             Kind::Pattern(pattern) => {

@@ -53,6 +53,9 @@ pub struct Placement {
     /// Cut the model with this box, in its own coordinates (before scale and
     /// rotation). Default value: none, the bounds are found.
     pub bounds: Option<Bounds>,
+    /// How far what is printed reaches beyond the part to all sides in the
+    /// plane, mm: it needs room on the bed. Default value: 0.
+    pub margin: f64,
 }
 
 /// A model placed on the printer.
@@ -359,13 +362,14 @@ fn offset(
         let centre = bounds.centre();
         DVec3::new(x - centre.x, y - centre.y, -bounds.min.z)
     };
-    let min = bounds.min + offset;
-    let max = bounds.max + offset;
+    let margin = DVec3::new(placement.margin, placement.margin, 0.0);
+    let min = bounds.min + offset - margin;
+    let max = bounds.max + offset + margin;
     if max.z <= 0.0 {
         return Err(PlaceError::BelowBed { top_mm: max.z });
     }
     // What lies below the bed is not printed and needs no room.
-    let mut size = bounds.size();
+    let mut size = bounds.size() + 2.0 * margin;
     size.z = max.z - min.z.max(0.0);
     let too_large: Vec<String> = (0..3)
         .filter(|&i| size[i] > room[i] + FIT_TOLERANCE_MM)

@@ -85,7 +85,9 @@ pub fn load_within(
             (path.display().to_string(), name, kind, bytes)
         }
         Source::Text { name, kind, text } => {
-            (name.clone(), name.clone(), *kind, text.clone().into_bytes())
+            let bytes = text.clone().into_bytes();
+            within(&bytes, most_bytes(*kind), name)?;
+            (name.clone(), name.clone(), *kind, bytes)
         }
     };
     let no_parameters = || {
@@ -150,7 +152,7 @@ fn kind_of(path: &Path) -> Result<SourceKind, LoadError> {
     }
 }
 
-/// Largest file of a kind.
+/// Largest file, or text, of a kind.
 fn most_bytes(kind: SourceKind) -> u64 {
     match kind {
         SourceKind::Vm => MAX_BYTES,
@@ -169,13 +171,18 @@ fn read(path: &Path, most: u64) -> Result<Vec<u8>, LoadError> {
     file.take(most + 1)
         .read_to_end(&mut bytes)
         .map_err(failed)?;
+    within(&bytes, most, &path.display().to_string())?;
+    Ok(bytes)
+}
+
+fn within(bytes: &[u8], most: u64, file: &str) -> Result<(), LoadError> {
     if bytes.len() as u64 > most {
         return Err(LoadError::TooLarge {
-            file: path.display().to_string(),
+            file: file.to_owned(),
             limit_mb: most >> 20,
         });
     }
-    Ok(bytes)
+    Ok(())
 }
 
 fn text<'a>(bytes: &'a [u8], file: &str) -> Result<&'a str, LoadError> {

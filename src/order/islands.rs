@@ -36,13 +36,15 @@ pub(super) fn islands(outline: &Area, beads: LayerBeads) -> Vec<Island> {
     let solids = outline.islands();
     // The first ring of an island is its outer one.
     let nest = Nest::new(solids.iter().filter_map(|s| s.rings.first()));
-    // What lies in none, for rounding, goes with the bead before it.
+    // A bead's beginning may lie in none, for fuzz or rounding; what does so
+    // altogether goes with the bead before it.
     let mut last = 0;
     let mut find = |bead: Option<&Bead>| -> usize {
         if solids.len() > 1
-            && let Some(&p) = bead.and_then(|b| b.points.first())
+            && let Some(bead) = bead
         {
-            last = nest.around(p).unwrap_or(last);
+            let mut around = bead.points.iter().map(|&p| nest.around(p));
+            last = around.find_map(|island| island).unwrap_or(last);
         }
         last
     };
@@ -109,5 +111,42 @@ fn add_inner(loops: &mut Vec<Loop>, inner: Vec<Bead>) {
             .and_then(|(grid, &p)| grid.nearest(p))
             .map_or(0, |near| near.0);
         loops[i].walls.push(bead);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    #[test]
+    fn a_wall_that_begins_outside_belongs_where_it_goes_on() {
+        let square = |x: f64, w: f64| {
+            [(x - w, -w), (x + w, -w), (x + w, w), (x - w, w)]
+                .map(|(x, y)| DVec2::new(x, y))
+                .to_vec()
+        };
+        let outline = Area {
+            rings: vec![square(0.0, 5.0), square(20.0, 5.0)],
+        };
+        // Fuzz has moved the first point of the right one's wall out.
+        let mut right = square(20.0, 4.8);
+        right[0] = DVec2::new(14.9, -5.1);
+        let walls = [square(0.0, 4.8), right].map(|points| Bead {
+            role: Role::OuterWall,
+            points,
+            closed: true,
+            width: 0.4,
+            widths: Vec::new(),
+            height: 0.2,
+            small: false,
+        });
+        let beads = LayerBeads {
+            walls: walls.to_vec(),
+            ..LayerBeads::default()
+        };
+        let found = islands(&outline, beads);
+        let loops: Vec<usize> = found.iter().map(|i| i.loops.len()).collect();
+        assert_eq!(loops, [1, 1]);
     }
 }

@@ -64,6 +64,7 @@ mod tests {
             width: 0.45,
             widths: Vec::new(),
             height: 0.2,
+            small: false,
         };
         let mut lines: Vec<Bead> = Vec::new();
         let mut after: Vec<Vec<u32>> = Vec::new();

@@ -344,6 +344,7 @@ mod tests {
             width: 0.45,
             widths: Vec::new(),
             height: 0.2,
+            small: false,
         }
     }
 

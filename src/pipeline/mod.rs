@@ -31,29 +31,31 @@ mod tally;
 
 use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
 use crate::field::{Backend, FieldError, SLAB};
-use crate::gcode::{Header, Thumbnail, WriteError, Writer};
+use crate::gcode::{Header, Thumbnail, WriteError, Writer, needs_outline};
 use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
 use crate::limits;
 use crate::model::Model;
 use crate::pace::Pacer;
 use crate::pace::rates::Rater;
-use crate::plane::Rect;
+use crate::plane::offset::offset;
+use crate::plane::{Area, Rect};
 use crate::preview::{PictureError, Pictures, outline_from_above, thumbnails};
 use crate::reader::ReadError;
 use crate::report::{Figures, Gauge, Report, ReportError};
-use crate::settings::{Flavour, Settings};
+use crate::settings::Settings;
 use crate::timings::Stage;
 use crate::units::{Mm, Mm2, Seconds};
 use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use stages::{Shell, Stages};
 use std::collections::VecDeque;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
@@ -65,6 +67,9 @@ pub struct Options<'a> {
     pub svg_dir: Option<&'a Path>,
     /// Measure everything, for a report, and not only a few points.
     pub report: bool,
+    /// When the file is written, for its first line, which otherwise says
+    /// nothing of it.
+    pub timestamp: Option<SystemTime>,
     /// Check the G-code while it is written; what could hurt the printer is
     /// then an error.
     pub check: bool,
@@ -73,6 +78,22 @@ pub struct Options<'a> {
     pub backend: Option<Backend>,
     /// Told about progress: layers written, layers in all.
     pub on_layer: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+impl Default for Options<'_> {
+    /// The whole part on all of the machine, and nothing besides.
+    fn default() -> Self {
+        Options {
+            threads: None,
+            layers: LayerRange::ALL,
+            svg_dir: None,
+            report: false,
+            check: true,
+            timestamp: None,
+            backend: None,
+            on_layer: &|_, _| {},
+        }
+    }
 }
 
 /// What came of a run.
@@ -192,7 +213,7 @@ pub fn slice(
         layers,
     };
     if !options.check {
-        return run.write(out);
+        return write(&run, out);
     }
     let rules = Rules {
         // A range of layers goes on with what other files have printed.
@@ -201,7 +222,7 @@ pub fn slice(
     };
     let mut out =
         Alongside::new(out, rules).map_err(SliceError::CheckThread)?;
-    let mut summary = run.write(&mut out)?;
+    let mut summary = write(&run, &mut out)?;
     let (verdict, time) = out.finish()?;
     if !verdict.is_safe() {
         let faults = verdict.sentences("line", Severity::Fault);
@@ -233,178 +254,188 @@ struct Run<'a> {
     layers: Range<usize>,
 }
 
-impl Run<'_> {
-    /// Slices and writes.
-    fn write(&self, out: &mut dyn io::Write) -> Result<Summary, SliceError> {
-        let Run {
-            model,
-            settings,
-            options,
-            spans,
-            ref layers,
-        } = *self;
-        let layers = layers.clone();
-        let bounds = model.bounds;
-        let low = bounds.min + model.offset;
-        let high = bounds.max + model.offset;
-        let watch = limits::current();
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(options.threads.unwrap_or(0))
-            .start_handler(move |_| limits::work_under(watch.as_ref()))
-            .build()?;
-        let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
-        let around = Surroundings::new(model);
-        let stages = Stages::new(
-            model,
-            settings,
-            &around,
-            gauge,
-            options.backend,
-            spans,
-        )?;
-        let rater = Rater::new(settings, model, &around)?;
-        let header = Header {
-            model_name: model.name.clone(),
-            layer_count: spans.len(),
-            layers: layers.clone(),
-            nozzle_temperature: match spans.get(layers.start) {
-                Some(span) => rater.temperature(span)?,
-                None => settings.filament.first_layer_nozzle_temperature,
-            },
-            part_min: low,
-            part_max: high,
-            outline: match settings.gcode.flavour {
-                // The one firmware that is told.
-                Flavour::Klipper => {
-                    pool.install(|| outline_from_above(model))?
-                }
-                _ => Vec::new(),
-            },
-            thumbnails: pool.install(|| {
-                stages
-                    .timings
-                    .time(Stage::Picture, || pictures_of(model, settings))
+/// Slices and writes.
+fn write(
+    run: &Run<'_>,
+    out: &mut dyn io::Write,
+) -> Result<Summary, SliceError> {
+    let Run {
+        model,
+        settings,
+        options,
+        spans,
+        ref layers,
+    } = *run;
+    let layers = layers.clone();
+    let bounds = model.bounds;
+    let reach = DVec3::new(settings.reach(), settings.reach(), 0.0);
+    let low = bounds.min + model.offset - reach;
+    let high = bounds.max + model.offset + reach;
+    let watch = limits::current();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.unwrap_or(0))
+        .start_handler(move |_| limits::work_under(watch.as_ref()))
+        .build()?;
+    let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
+    let around = Surroundings::new(model);
+    let stages =
+        Stages::new(model, settings, &around, gauge, options.backend, spans)?;
+    let rater = Rater::new(settings, model, &around)?;
+    let header = Header {
+        model_name: model.name.clone(),
+        layer_count: spans.len(),
+        layers: layers.clone(),
+        timestamp: options.timestamp,
+        nozzle_temperature: match spans.get(layers.start) {
+            Some(span) => rater.temperature(span)?,
+            None => settings.filament.first_layer_nozzle_temperature,
+        },
+        part_min: low,
+        part_max: high,
+        outline: match needs_outline(settings) {
+            true => pool.install(|| {
+                stages.timings.time(Stage::Picture, || {
+                    outline_of(model, settings.reach())
+                })
             })?,
-        };
-        let frame = Rect {
-            min: low.truncate(),
-            max: high.truncate(),
-        };
-        let pictures = options
-            .svg_dir
-            .map(|dir| {
-                Pictures::new(dir, frame, &layers, spans.len())
-                    .map_err(|e| SliceError::Picture(dir.to_owned(), e))
-            })
-            .transpose()?;
-        let writer = Writer::new(out, settings, &header)?;
-        let of_templates = writer.warnings().to_vec();
-        let mut exit = Exit::new(
-            &stages.timings,
-            model.offset.truncate(),
-            layers.clone(),
-            options,
-            pictures,
-            writer,
-            Pacer::new(settings, rater),
-        );
-
-        // As many slabs at a time as there are threads. A slab is the unit in
-        // which the field is walked, so the division must depend neither on them
-        // nor on the range.
-        let needed = stages.needed(&layers, spans.len());
-        let slab = stages.slab_layers();
-        let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
-        let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
-        let chunks: Vec<&[&[LayerSpan]]> =
-            slabs.chunks(pool.current_num_threads()).collect();
-        let make = |chunk: &[&[LayerSpan]]| -> Result<Vec<Shell>, FieldError> {
-            pool.install(|| {
-                let slabs: Result<Vec<Vec<Shell>>, FieldError> = chunk
-                    .par_iter()
-                    .map(|s| stages.shells(s, &needed))
-                    .collect();
-                Ok(slabs?.into_iter().flatten().collect())
-            })
-        };
-        let mut window: VecDeque<Shell> = VecDeque::new();
-        let mut next = Some(match chunks.first() {
-            Some(chunk) => make(chunk),
-            None => Ok(Vec::new()),
-        });
-        for k in 0..chunks.len() {
-            let Some(shells) = next.take() else { break };
-            for mut shell in shells? {
-                // Also where one slab ends and the next begins.
-                if let Some(below) = window.back() {
-                    shell.share(below);
-                }
-                window.push_back(shell);
-            }
-            let last = k + 1 == chunks.len();
-            let mut write =
-                || stages.write_ready(&pool, &mut window, last, &mut exit);
-            if last {
-                write()?;
-            } else if pool.current_num_threads() == 1 {
-                write()?;
-                next = Some(make(chunks[k + 1]));
-            } else {
-                let mut result = Ok(());
-                pool.in_place_scope(|scope| {
-                    scope.spawn(|_| next = Some(make(chunks[k + 1])));
-                    result = write();
-                });
-                result?;
-            }
-        }
-        let done = exit.finish()?;
-        let (tally, mut warnings) = (done.tally, of_templates);
-        warnings.extend(done.warnings);
-        let all = layers == (0..spans.len());
-        if done.beads == 0 && all {
-            return Err(SliceError::NothingToPrint);
-        }
-        if done.beads == 0 {
-            warnings.push("there is nothing to print in these layers".into());
-        }
-        tally.warn(&mut warnings);
-        let totals = done.totals;
-        let (outline_error, wall_error) = done.figures.accuracy();
-        let report = match (spans.get(layers.start), spans.get(layers.end - 1))
-        {
-            (Some(first), Some(last)) if options.report => {
-                let z = [first.bottom, last.top].map(|z| z - model.offset.z);
-                let volume =
-                    pool.install(|| stages.gauge.volume(z, &stages.timings))?;
-                let extruded = totals.filament_volume;
-                Some(done.figures.report(
-                    &stages.gauge,
-                    spans.len(),
-                    volume,
-                    extruded,
-                ))
-            }
-            _ => None,
-        };
-        Ok(Summary {
-            size: bounds.size(),
-            layers,
-            layer_count: spans.len(),
-            time: totals.time,
-            filament_length: totals.filament_length,
-            filament_mass_g: totals.filament_mass_g,
-            unfilled_area: tally.gap,
-            solid_area: tally.solid,
-            dropped_rings: tally.dropped_rings,
-            outline_error,
-            wall_error,
-            report,
-            verdict: None,
-            warnings,
-            timings: stages.timings.report(),
+            false => Vec::new(),
+        },
+        thumbnails: pool.install(|| {
+            stages
+                .timings
+                .time(Stage::Picture, || pictures_of(model, settings))
+        })?,
+    };
+    let frame = Rect {
+        min: low.truncate(),
+        max: high.truncate(),
+    };
+    let pictures = options
+        .svg_dir
+        .map(|dir| {
+            Pictures::new(dir, frame, &layers, spans.len())
+                .map_err(|e| SliceError::Picture(dir.to_owned(), e))
         })
+        .transpose()?;
+    let writer = Writer::new(out, settings, &header)?;
+    let of_templates = writer.warnings().to_vec();
+    let mut exit = Exit::new(
+        &stages.timings,
+        model.offset.truncate(),
+        layers.clone(),
+        options,
+        pictures,
+        writer,
+        Pacer::new(settings, rater),
+    );
+
+    // As many slabs at a time as there are threads. A slab is the unit in
+    // which the field is walked, so the division must depend neither on them
+    // nor on the range.
+    let needed = stages.needed(&layers, spans.len());
+    let slab = stages.slab_layers();
+    let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
+    let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
+    let chunks: Vec<&[&[LayerSpan]]> =
+        slabs.chunks(pool.current_num_threads()).collect();
+    let make = |chunk: &[&[LayerSpan]]| -> Result<Vec<Shell>, FieldError> {
+        pool.install(|| {
+            let slabs: Result<Vec<Vec<Shell>>, FieldError> = chunk
+                .par_iter()
+                .map(|s| stages.shells(s, &needed))
+                .collect();
+            Ok(slabs?.into_iter().flatten().collect())
+        })
+    };
+    let mut window: VecDeque<Shell> = VecDeque::new();
+    let mut next = Some(match chunks.first() {
+        Some(chunk) => make(chunk),
+        None => Ok(Vec::new()),
+    });
+    for k in 0..chunks.len() {
+        let Some(shells) = next.take() else { break };
+        for mut shell in shells? {
+            // Also where one slab ends and the next begins.
+            if let Some(below) = window.back() {
+                shell.share(below);
+            }
+            window.push_back(shell);
+        }
+        let last = k + 1 == chunks.len();
+        let mut write =
+            || stages.write_ready(&pool, &mut window, last, &mut exit);
+        if last {
+            write()?;
+        } else if pool.current_num_threads() == 1 {
+            write()?;
+            next = Some(make(chunks[k + 1]));
+        } else {
+            let mut result = Ok(());
+            pool.in_place_scope(|scope| {
+                scope.spawn(|_| next = Some(make(chunks[k + 1])));
+                result = write();
+            });
+            result?;
+        }
     }
+    let done = exit.finish()?;
+    let (tally, mut warnings) = (done.tally, of_templates);
+    warnings.extend(done.warnings);
+    let all = layers == (0..spans.len());
+    if done.beads == 0 && all {
+        return Err(SliceError::NothingToPrint);
+    }
+    if done.beads == 0 {
+        warnings.push("there is nothing to print in these layers".into());
+    }
+    tally.warn(&mut warnings);
+    let totals = done.totals;
+    let (outline_error, wall_error) = done.figures.accuracy();
+    let report = match (spans.get(layers.start), spans.get(layers.end - 1)) {
+        (Some(first), Some(last)) if options.report => {
+            let z = [first.bottom, last.top].map(|z| z - model.offset.z);
+            let volume =
+                pool.install(|| stages.gauge.volume(z, &stages.timings))?;
+            let extruded = totals.filament_volume;
+            Some(done.figures.report(
+                &stages.gauge,
+                spans.len(),
+                volume,
+                extruded,
+            ))
+        }
+        _ => None,
+    };
+    Ok(Summary {
+        size: bounds.size(),
+        layers,
+        layer_count: spans.len(),
+        time: totals.time,
+        filament_length: totals.filament_length,
+        filament_mass_g: totals.filament_mass_g,
+        unfilled_area: tally.gap,
+        solid_area: tally.solid,
+        dropped_rings: tally.dropped_rings,
+        outline_error,
+        wall_error,
+        report,
+        verdict: None,
+        warnings,
+        timings: stages.timings.report(),
+    })
+}
+
+/// A convex ring around what is printed, which reaches that far beyond the
+/// part.
+fn outline_of(model: &Model, reach: Mm) -> Result<Vec<DVec2>, PictureError> {
+    /// How far its round corners may be off, mm.
+    const TOLERANCE: Mm = 0.02;
+    let ring = outline_from_above(model)?;
+    if reach <= 0.0 {
+        return Ok(ring);
+    }
+    let grown = offset(&Area { rings: vec![ring] }, reach, TOLERANCE);
+    Ok(grown.rings.into_iter().next().unwrap_or_default())
 }
 
 /// The pictures for the file's head.

@@ -22,6 +22,8 @@ pub struct EdgeGrid {
     chains: Vec<(u32, u32)>,
     origin: DVec2,
     cell: Mm,
+    /// Cells per millimetre.
+    per_cell: f64,
     columns: usize,
     rows: usize,
     /// Where each cell's edges begin in `members`; one more than cells.
@@ -66,6 +68,25 @@ impl EdgeGrid {
         EdgeGrid::build(points, chains, reach)
     }
 
+    /// A grid of lines' edges, each with the number of its line. As with
+    /// rings, a line takes one number more than it has edges; one without
+    /// points takes none.
+    pub fn of_lines<L: IntoIterator<Item = DVec2>>(
+        lines: impl Iterator<Item = L>,
+        reach: Mm,
+    ) -> EdgeGrid {
+        let mut points: Vec<DVec2> = Vec::new();
+        let mut chains: Vec<(u32, u32)> = Vec::new();
+        for (i, line) in lines.enumerate() {
+            let first = points.len();
+            points.extend(line);
+            if points.len() > first {
+                chains.push((first as u32, i as u32));
+            }
+        }
+        EdgeGrid::build(points, chains, reach)
+    }
+
     /// How many numbers the edges of some rings take.
     pub fn numbers(rings: &[Ring]) -> usize {
         let of_ring = |r: &Ring| r.len() + usize::from(!r.is_empty());
@@ -95,6 +116,7 @@ impl EdgeGrid {
             chains,
             origin,
             cell,
+            per_cell: 1.0 / cell,
             columns,
             rows,
             starts: Vec::new(),
@@ -141,20 +163,39 @@ impl EdgeGrid {
         (self.points[number], self.points[number + 1])
     }
 
+    /// The same, if there is one with this number.
+    pub(super) fn get(&self, number: u32) -> Option<(DVec2, DVec2)> {
+        let first = number as usize;
+        let ends = self.points.get(first..)?;
+        Some((*ends.first()?, *ends.get(1)?))
+    }
+
     fn column(&self, x: f64) -> usize {
-        let c = (x - self.origin.x) / self.cell;
-        (c.max(0.0) as usize).min(self.columns - 1)
+        // What is no number, or less than 0, becomes 0. To 64 bits it would
+        // take several times as long.
+        let c = (x - self.origin.x) * self.per_cell;
+        (c as u32 as usize).min(self.columns - 1)
     }
 
     fn row(&self, y: f64) -> usize {
-        let r = (y - self.origin.y) / self.cell;
-        (r.max(0.0) as usize).min(self.rows - 1)
+        let r = (y - self.origin.y) * self.per_cell;
+        (r as u32 as usize).min(self.rows - 1)
     }
 
     /// The cells that the segment passes through, row by row.
     fn walk(&self, a: DVec2, b: DVec2, mut visit: impl FnMut(usize)) {
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
         let (first, last) = (self.row(low.y), self.row(high.y));
+        let (from, to) = (self.column(low.x), self.column(high.x));
+        // So do most of the edges.
+        if first == last || from == to {
+            for row in first..=last {
+                for column in from.min(to)..=from.max(to) {
+                    visit(row * self.columns + column);
+                }
+            }
+            return;
+        }
         let slope = (high.x - low.x) / (high.y - low.y);
         let at = |y: f64| {
             let x = low.x + slope * (y - low.y);
@@ -162,16 +203,10 @@ impl EdgeGrid {
         };
         for row in first..=last {
             let bottom = self.origin.y + row as f64 * self.cell;
-            let (x0, x1) = if first == last {
-                (low.x, high.x)
-            } else {
-                let from = if row == first { low.x } else { at(bottom) };
-                let to = if row == last {
-                    high.x
-                } else {
-                    at(bottom + self.cell)
-                };
-                (from, to)
+            let x0 = if row == first { low.x } else { at(bottom) };
+            let x1 = match row == last {
+                true => high.x,
+                false => at(bottom + self.cell),
             };
             let (c0, c1) = (self.column(x0.min(x1)), self.column(x0.max(x1)));
             for column in c0..=c1 {
@@ -284,8 +319,12 @@ impl EdgeGrid {
         let limit = distance * distance;
         let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let all = (self.column(lo.x), self.column(hi.x));
+        let (first, last) = (self.row(lo.y), self.row(hi.y));
+        // In some row there may be fewer columns, if the segment is long.
+        let long = (high.x - low.x).abs() > self.cell && last > first;
         let slope = (high.x - low.x) / (high.y - low.y);
-        for row in self.row(lo.y)..=self.row(hi.y) {
+        let columns = |row: usize| {
             // The stretch of the segment that is near this row; rows at the
             // grid's edge have all that is beyond them.
             let bottom = self.origin.y + row as f64 * self.cell - distance;
@@ -300,20 +339,19 @@ impl EdgeGrid {
             let x0 = at(bottom, low, bottom <= low.y || row == 0);
             let x1 = at(top, high, top >= high.y || row + 1 == self.rows);
             let c0 = self.column(x0.min(x1) - distance);
-            let c1 = self.column(x0.max(x1) + distance);
+            (c0, self.column(x0.max(x1) + distance))
+        };
+        for row in first..=last {
+            let (c0, c1) = if long { columns(row) } else { all };
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
             for &m in &self.members[from..to] {
                 let (c, d) = self.edge(m as usize);
-                let (elo, ehi) = (c.min(d), c.max(d));
-                if elo.x > hi.x || ehi.x < lo.x || elo.y > hi.y || ehi.y < lo.y
-                {
-                    continue;
-                }
-                if !apart(a, b, c, d, limit)
-                    && distance_squared(a, b, c, d) < limit
-                    && !visit(m as usize)
-                {
+                let beside = (c.x > hi.x && d.x > hi.x)
+                    || (c.x < lo.x && d.x < lo.x)
+                    || (c.y > hi.y && d.y > hi.y)
+                    || (c.y < lo.y && d.y < lo.y);
+                if !beside && closer(a, b, c, d, limit) && !visit(m as usize) {
                     return;
                 }
             }
@@ -353,51 +391,37 @@ impl EdgeGrid {
         if self.members.is_empty() {
             return None;
         }
-        let mut best: Option<(f64, u32, DVec2)> = None;
-        // Square of the distance beyond which nothing is of interest.
-        let mut limit = reach * reach;
+        let mut found = Nearest::new(p, reach);
         // The row with the point first, then those on either side of it: what
         // is near may settle all others.
         let (low, high) = (self.row(p.y - reach), self.row(p.y + reach));
         let own = self.row(p.y);
-        let above = (own + 1..=high).map(|row| (row, true));
-        let below = (low..own).rev().map(|row| (row, false));
-        for (row, up) in [(own, true)].into_iter().chain(above).chain(below) {
-            // How far the row is. What is outside the grid belongs to the
-            // cells at its edge.
-            let side =
-                self.origin.y + (row + usize::from(!up)) as f64 * self.cell;
-            let off = if row == own { 0.0 } else { (p.y - side).abs() };
-            // A hair more: the cells' sides are rounded.
-            let wide = limit + 1e-9 - off * off;
-            if wide < 0.0 {
-                continue;
-            }
-            let wide = wide.sqrt();
-            let from = row * self.columns + self.column(p.x - wide);
-            let to = row * self.columns + self.column(p.x + wide) + 1;
-            let (from, to) = (self.starts[from], self.starts[to]);
-            for &m in &self.members[from as usize..to as usize] {
-                let (a, b) = self.edge(m as usize);
-                let along = b - a;
-                let side = along.perp_dot(p - a);
-                // Farther from its line already; a hair less, for rounding.
-                if side * side > limit * along.length_squared() * (1.0 + 1e-9) {
-                    continue;
-                }
-                let q = nearest_on(p, a, b);
-                let d = p.distance_squared(q);
-                // Of equally near edges the first one, however cells and
-                // edges are laid out.
-                let better =
-                    best.is_none_or(|(e, n, _)| d < e || (d == e && m < n));
-                if d <= limit && better {
-                    best = Some((d, m, q));
-                    limit = d;
-                }
+        found.look(self, own, 0.0);
+        // What is outside the grid belongs to the cells at its edge.
+        let side = |row: usize| self.origin.y + row as f64 * self.cell;
+        for row in own + 1..=high {
+            if !found.look(self, row, side(row) - p.y) {
+                break;
             }
         }
-        best.map(|(_, m, q)| (m as usize, q))
+        for row in (low..own).rev() {
+            if !found.look(self, row, p.y - side(row + 1)) {
+                break;
+            }
+        }
+        found.found()
+    }
+
+    /// The same among some edges, all those that there may be within `reach`.
+    pub fn nearest_of(
+        &self,
+        edges: &[u32],
+        p: DVec2,
+        reach: Mm,
+    ) -> Option<(usize, DVec2)> {
+        let mut found = Nearest::new(p, reach);
+        edges.iter().for_each(|&edge| found.ask(self, edge));
+        found.found()
     }
 
     /// Calls `visit` with the ring's number of every edge that comes closer
@@ -417,9 +441,7 @@ impl EdgeGrid {
 
     /// True if the box around some edge meets the box.
     pub fn meets(&self, rect: Rect) -> bool {
-        let mut found = false;
-        self.visit_box(rect.min, rect.max, |_| found = true);
-        found
+        self.any_in_box(rect.min, rect.max, |_| true)
     }
 
     /// Calls `visit` with the number of every edge whose box meets that from
@@ -430,8 +452,22 @@ impl EdgeGrid {
         hi: DVec2,
         mut visit: impl FnMut(usize),
     ) {
+        self.any_in_box(lo, hi, |edge| {
+            visit(edge);
+            false
+        });
+    }
+
+    /// Looks for an edge whose box meets that from `lo` to `hi` and for which
+    /// `test` is true.
+    fn any_in_box(
+        &self,
+        lo: DVec2,
+        hi: DVec2,
+        mut test: impl FnMut(usize) -> bool,
+    ) -> bool {
         if self.members.is_empty() {
-            return;
+            return false;
         }
         let (c0, c1) = (self.column(lo.x), self.column(hi.x));
         for row in self.row(lo.y)..=self.row(hi.y) {
@@ -439,12 +475,16 @@ impl EdgeGrid {
             let to = self.starts[row * self.columns + c1 + 1] as usize;
             for &m in &self.members[from..to] {
                 let (c, d) = self.edge(m as usize);
-                let (elo, ehi) = (c.min(d), c.max(d));
-                if elo.cmple(hi).all() && ehi.cmpge(lo).all() {
-                    visit(m as usize);
+                let meets = (c.x <= hi.x || d.x <= hi.x)
+                    && (c.x >= lo.x || d.x >= lo.x)
+                    && (c.y <= hi.y || d.y <= hi.y)
+                    && (c.y >= lo.y || d.y >= lo.y);
+                if meets && test(m as usize) {
+                    return true;
                 }
             }
         }
+        false
     }
 
     /// True if no edge comes closer than `distance` to the segment.
@@ -458,32 +498,113 @@ impl EdgeGrid {
     }
 }
 
-/// True if one of two segments lies on one side of the other's line, farther
-/// from it than the root of `limit`: so do nearly all whose boxes are near to
-/// each other. Much cheaper than their distance.
-fn apart(a: DVec2, b: DVec2, c: DVec2, d: DVec2, limit: f64) -> bool {
-    let beside = |p: DVec2, along: DVec2, q: DVec2, r: DVec2| {
-        let (s, t) = (along.perp_dot(q - p), along.perp_dot(r - p));
-        let nearer = s.abs().min(t.abs());
-        s * t > 0.0 && nearer * nearer > limit * along.length_squared()
-    };
-    beside(a, b - a, c, d) || beside(c, d - c, a, b)
+/// The number that no edge has.
+const NONE: u32 = u32::MAX;
+
+/// A search for the edge nearest to a point.
+struct Nearest {
+    p: DVec2,
+    /// Square of the distance beyond which nothing is of interest.
+    limit: f64,
+    /// The nearest edge so far, or `NONE`, and its nearest point.
+    edge: u32,
+    at: DVec2,
 }
 
-/// Square of the distance between two segments.
-fn distance_squared(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> f64 {
-    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
-    let (s0, s1) = (side(a, b, c), side(a, b, d));
-    let (t0, t1) = (side(c, d, a), side(c, d, b));
-    if s0 * s1 < 0.0 && t0 * t1 < 0.0 {
-        return 0.0;
+impl Nearest {
+    fn new(p: DVec2, reach: Mm) -> Nearest {
+        Nearest {
+            p,
+            limit: reach * reach,
+            edge: NONE,
+            at: p,
+        }
     }
-    let to =
-        |p: DVec2, q: DVec2, r: DVec2| p.distance_squared(nearest_on(p, q, r));
-    to(a, c, d)
-        .min(to(b, c, d))
-        .min(to(c, a, b))
-        .min(to(d, a, b))
+
+    fn found(&self) -> Option<(usize, DVec2)> {
+        (self.edge != NONE).then_some((self.edge as usize, self.at))
+    }
+
+    /// Looks at a row of a grid that is `off` away; false if that is too far,
+    /// as are then all beyond it.
+    fn look(&mut self, grid: &EdgeGrid, row: usize, off: Mm) -> bool {
+        let p = self.p;
+        // A hair more: the cells' sides are rounded.
+        let wide = self.limit + 1e-9 - off * off;
+        if wide < 0.0 {
+            return false;
+        }
+        let wide = wide.sqrt();
+        let from = row * grid.columns + grid.column(p.x - wide);
+        let to = row * grid.columns + grid.column(p.x + wide) + 1;
+        let (from, to) = (grid.starts[from], grid.starts[to]);
+        for &m in &grid.members[from as usize..to as usize] {
+            self.ask(grid, m);
+        }
+        true
+    }
+
+    /// Looks at an edge.
+    #[inline]
+    fn ask(&mut self, grid: &EdgeGrid, edge: u32) {
+        let p = self.p;
+        let (a, b) = grid.edge(edge as usize);
+        let along = b - a;
+        let side = along.perp_dot(p - a);
+        let length = along.length_squared();
+        // Farther from its line already; a hair less, for rounding.
+        if side * side > self.limit * length * (1.0 + 1e-9) {
+            return;
+        }
+        let q = nearest_on(p, a, b);
+        let d = p.distance_squared(q);
+        // Of equally near edges the first one, however cells and edges are
+        // laid out.
+        if d < self.limit || (d == self.limit && edge < self.edge) {
+            (self.limit, self.edge, self.at) = (d, edge, q);
+        }
+    }
+}
+
+/// True if two segments come closer to each other than the root of `limit`.
+#[inline]
+fn closer(a: DVec2, b: DVec2, c: DVec2, d: DVec2, limit: f64) -> bool {
+    let (u, v) = (b - a, d - c);
+    let (ac, ad, cb) = (c - a, d - a, b - c);
+    // One lies on one side of the other's line, farther away: so do nearly
+    // all whose boxes are near to each other.
+    let apart = |s: f64, t: f64, length: f64| {
+        s * t > 0.0 && s * s > limit * length && t * t > limit * length
+    };
+    let (s0, s1) = (u.perp_dot(ac), u.perp_dot(ad));
+    let uu = u.length_squared();
+    if apart(s0, s1, uu) {
+        return false;
+    }
+    let (t0, t1) = (ac.perp_dot(v), v.perp_dot(cb));
+    let vv = v.length_squared();
+    if apart(t0, t1, vv) {
+        return false;
+    }
+    if s0 * s1 < 0.0 && t0 * t1 < 0.0 {
+        return limit > 0.0;
+    }
+    // An end of one, as seen from the beginning of the other, which is
+    // `along`; how far it is beside that, times the length.
+    let near = |end: DVec2, along: DVec2, side: f64, length: f64| {
+        let t = end.dot(along);
+        if t <= 0.0 {
+            end.length_squared() < limit
+        } else if t >= length {
+            (end - along).length_squared() < limit
+        } else {
+            side * side < limit * length
+        }
+    };
+    near(ac, u, s0, uu)
+        || near(ad, u, s1, uu)
+        || near(-ac, v, t0, vv)
+        || near(cb, v, t1, vv)
 }
 
 /// The point of the segment from `a` to `b` nearest to `p`.
@@ -523,6 +644,20 @@ fn crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<f64> {
 mod tests {
     use super::super::edges;
     use super::*;
+
+    /// Square of the distance between two segments.
+    fn distance_squared(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> f64 {
+        if crossing(a, b, c, d).is_some() {
+            return 0.0;
+        }
+        let to = |p: DVec2, q: DVec2, r: DVec2| {
+            p.distance_squared(nearest_on(p, q, r))
+        };
+        to(a, c, d)
+            .min(to(b, c, d))
+            .min(to(c, a, b))
+            .min(to(d, a, b))
+    }
 
     #[test]
     fn clearance_of_a_star() {

@@ -148,9 +148,9 @@ pub fn signed_area(ring: &[DVec2]) -> Mm2 {
     let Some(&o) = ring.first() else { return 0.0 };
     // Relative to the first point: far from the origin the products of
     // coordinates would swallow the digits of a small ring's content.
-    0.5 * edges(ring)
-        .map(|(a, b)| (a - o).perp_dot(b - o))
-        .sum::<f64>()
+    // The edges from and to it are worth nothing.
+    let twice = |p: &[DVec2]| (p[0] - o).perp_dot(p[1] - o);
+    0.5 * ring.windows(2).map(twice).sum::<f64>()
 }
 
 /// Length of a ring, its closing edge included.

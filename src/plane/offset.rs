@@ -52,6 +52,8 @@ pub struct Room {
     pub least: Vec<Mm>,
     /// The most.
     pub most: Vec<Mm>,
+    /// The number of an edge that each of them may meet, if it is one.
+    pub opposite: Vec<u32>,
 }
 
 impl Room {
@@ -96,7 +98,7 @@ pub fn offset_within(
     let room = room.filter(|_| distance < 0.0);
     let mut rings: Vec<Ring> = Vec::with_capacity(area.rings.len());
     let mut turned = Vec::with_capacity(area.rings.len());
-    let mut states = Vec::new();
+    let mut states = Vec::with_capacity(EdgeGrid::numbers(&area.rings));
     let mut origins = Vec::new();
     let mut first = 0;
     for ring in &area.rings {
@@ -117,7 +119,17 @@ pub fn offset_within(
                 }
                 _ => None,
             };
-            let ask = || trim::state(a, b, grid, clearance);
+            let ask = || {
+                let meets = room.zip(origin).and_then(|(room, edge)| {
+                    room.opposite.get(begin + edge as usize).copied()
+                });
+                match meets {
+                    Some(edge) if trim::covers(a, b, grid, edge, clearance) => {
+                        State::Covered
+                    }
+                    _ => trim::state(a, b, grid, clearance),
+                }
+            };
             states.push(known.unwrap_or_else(ask));
         }
         turned.push((signed_area(ring) > 0.0) != (signed_area(&m) > 0.0));
@@ -170,12 +182,12 @@ fn moved(
         if side.gone {
             continue;
         }
-        let before = &sides.all[side.before];
+        let before = &sides.all[side.before as usize];
         let (u, v) = (before.along, side.along);
         let (nu, nv) = (u.perp(), v.perp());
         let p = side.from;
-        if let Some(meet) = sides.meet(side.before, i) {
-            if sides.has_room(side.before) && sides.has_room(i) {
+        if let Some(meet) = side.corner {
+            if before.room() >= 0.0 && side.room() >= 0.0 {
                 out.push(meet);
             } else {
                 out.extend([p + nu * by, p, p + nv * by]);
@@ -221,10 +233,24 @@ struct Side {
     along: DVec2,
     length: Mm,
     /// Its neighbours, as long as they have not gone.
-    before: usize,
-    after: usize,
+    before: u32,
+    after: u32,
     /// Shrunk to nothing between its neighbours.
     gone: bool,
+    /// Where it meets the one before when both have moved, if the border
+    /// moves into the corner between them.
+    corner: Option<DVec2>,
+    /// From where to where along it it reaches then.
+    start: Mm,
+    end: Mm,
+}
+
+impl Side {
+    /// How long it is when it has moved; negative if its ends have passed each
+    /// other.
+    fn room(&self) -> Mm {
+        self.end - self.start
+    }
 }
 
 /// A ring's edges, those left out that vanish on the way.
@@ -235,25 +261,32 @@ struct Sides {
 
 impl Sides {
     fn new(ring: &[DVec2], by: f64) -> Sides {
-        let mut all: Vec<Side> = (0..)
-            .zip(super::edges(ring))
-            .filter(|(_, (a, b))| a != b)
-            .map(|(edge, (a, b))| Side {
+        let mut all: Vec<Side> = Vec::with_capacity(ring.len());
+        let edges = (0..).zip(super::edges(ring));
+        for (edge, (a, b)) in edges.filter(|(_, (a, b))| a != b) {
+            let length = a.distance(b);
+            all.push(Side {
                 edge,
                 from: a,
-                along: (b - a) / a.distance(b),
-                length: a.distance(b),
+                along: (b - a) / length,
+                length,
                 before: 0,
                 after: 0,
                 gone: false,
-            })
-            .collect();
+                corner: None,
+                start: 0.0,
+                end: length,
+            });
+        }
         let n = all.len();
         for (i, side) in all.iter_mut().enumerate() {
-            side.before = (i + n - 1) % n;
-            side.after = (i + 1) % n;
+            side.before = if i == 0 { n - 1 } else { i - 1 } as u32;
+            side.after = if i + 1 == n { 0 } else { i + 1 } as u32;
         }
         let mut sides = Sides { all, by };
+        for i in 0..n {
+            sides.join(if i == 0 { n - 1 } else { i - 1 }, i);
+        }
         sides.drop_vanishing();
         sides.restore_crowded();
         sides
@@ -273,19 +306,24 @@ impl Sides {
         Some(p + a.along * ((q - p).perp_dot(b.along) / sine))
     }
 
-    /// How long the side is when it has moved; negative if its ends have
-    /// passed each other.
-    fn room(&self, i: usize) -> Mm {
-        let side = &self.all[i];
-        let moved = side.from + side.along.perp() * self.by;
-        let at = |p: DVec2| (p - moved).dot(side.along);
-        let start = self.meet(side.before, i).map_or(0.0, at);
-        let end = self.meet(i, side.after).map_or(side.length, at);
-        end - start
+    /// Makes two sides neighbours.
+    fn join(&mut self, i: usize, j: usize) {
+        let corner = self.meet(i, j);
+        let by = self.by;
+        let at = |side: &Side, p: DVec2| {
+            (p - (side.from + side.along.perp() * by)).dot(side.along)
+        };
+        let first = &mut self.all[i];
+        first.after = j as u32;
+        first.end = corner.map_or(first.length, |p| at(first, p));
+        let second = &mut self.all[j];
+        second.before = i as u32;
+        second.start = corner.map_or(0.0, |p| at(second, p));
+        second.corner = corner;
     }
 
     fn has_room(&self, i: usize) -> bool {
-        self.room(i) >= 0.0
+        self.all[i].room() >= 0.0
     }
 
     /// A side without room between two corners that the border moves into
@@ -294,17 +332,17 @@ impl Sides {
         let mut left = self.all.len();
         let mut todo: Vec<usize> = (0..left).collect();
         while let Some(i) = todo.pop() {
-            let (before, after) = (self.all[i].before, self.all[i].after);
-            if self.all[i].gone || left <= 3 {
+            let side = &self.all[i];
+            if side.gone || side.room() >= 0.0 || left <= 3 {
                 continue;
             }
-            let between = self.meet(before, i).is_some()
-                && self.meet(i, after).is_some()
+            let (before, after) = (side.before as usize, side.after as usize);
+            let between = side.corner.is_some()
+                && self.all[after].corner.is_some()
                 && self.meet(before, after).is_some();
-            if between && self.room(i) < 0.0 {
+            if between {
                 self.all[i].gone = true;
-                self.all[before].after = after;
-                self.all[after].before = before;
+                self.join(before, after);
                 left -= 1;
                 todo.extend([before, after]);
             }
@@ -319,8 +357,9 @@ impl Sides {
         while crowded {
             crowded = false;
             for i in 0..n {
-                let before = self.all[i].before;
-                if self.all[i].gone || (before + 1) % n == i {
+                let before = self.all[i].before as usize;
+                let beside = before + 1 == if i == 0 { n } else { i };
+                if self.all[i].gone || beside {
                     continue;
                 }
                 if self.has_room(before) && self.has_room(i) {
@@ -330,9 +369,8 @@ impl Sides {
                 let mut k = i;
                 while k != before {
                     let next = (k + n - 1) % n;
-                    self.all[k].before = next;
-                    self.all[next].after = k;
                     self.all[k].gone = false;
+                    self.join(next, k);
                     k = next;
                 }
             }

@@ -17,6 +17,7 @@ use glam::DVec2;
 
 /// A piece of the input, from the point `start` to the point `end`, and the
 /// line that stands for it.
+#[derive(Clone, Copy)]
 struct Piece {
     start: usize,
     end: usize,
@@ -26,11 +27,21 @@ struct Piece {
     corner: bool,
 }
 
+/// The points of a ring, the first again at the end.
+#[derive(Clone, Copy)]
+struct Points<'a> {
+    all: &'a [DVec2],
+    /// How far each is from the next.
+    steps: &'a [Mm],
+}
+
 /// The ring with as few points as the tolerance (mm) permits; empty if less
 /// than a triangle would be left.
 pub fn simplify(ring: &[DVec2], tolerance: Mm) -> Ring {
     crate::limits::check();
-    let mut points: Ring = ring.to_vec();
+    // Room for the first point again.
+    let mut points = Ring::with_capacity(ring.len() + 1);
+    points.extend_from_slice(ring);
     points.dedup();
     while points.len() > 1 && points.first() == points.last() {
         points.pop();
@@ -48,11 +59,17 @@ pub fn simplify(ring: &[DVec2], tolerance: Mm) -> Ring {
     let signed = signed_area(&points);
     // The first point again at the end: the last piece ends there.
     points.extend_from_within(..1);
-    let mut pieces = split(&points, tolerance);
-    let mut out = corners(&points, &pieces);
-    while let Some(finer) = halve_misfits(&points, &pieces, &out, tolerance) {
+    let steps: Vec<Mm> =
+        points.windows(2).map(|p| p[0].distance(p[1])).collect();
+    let points = Points {
+        all: &points,
+        steps: &steps,
+    };
+    let mut pieces = split(points, tolerance);
+    let mut out = corners(points.all, &pieces);
+    while let Some(finer) = halve_misfits(points, &pieces, &out, tolerance) {
         pieces = finer;
-        out = corners(&points, &pieces);
+        out = corners(points.all, &pieces);
     }
     drop_straight(&mut out);
     // A sliver thinner than the tolerance may fold over.
@@ -67,21 +84,22 @@ const CORNER: f64 = 0.45;
 
 /// Cuts the ring into pieces, each as long as the tolerance permits and none
 /// across a corner.
-fn split(points: &[DVec2], tolerance: Mm) -> Vec<Piece> {
-    let n = points.len() - 1;
+fn split(points: Points<'_>, tolerance: Mm) -> Vec<Piece> {
+    let all = points.all;
+    let n = all.len() - 1;
     let is_corner = |k: usize| {
-        let before = points[if k == 0 { n - 1 } else { k - 1 }];
-        let (u, v) = (points[k] - before, points[k + 1] - points[k]);
+        let before = all[if k == 0 { n - 1 } else { k - 1 }];
+        let (u, v) = (all[k] - before, all[k + 1] - all[k]);
         // By the cosine: the angle itself costs ten times as much.
         let along = u.dot(v);
         let bound = CORNER.cos().powi(2) * u.length_squared();
         along < 0.0 || along * along < bound * v.length_squared()
     };
-    let mut pieces = Vec::new();
+    let mut pieces = Vec::with_capacity(n / 2 + 4);
     let mut start = 0;
+    let mut corner = is_corner(start);
     while start < n {
         let last = (start + 1..n).find(|&k| is_corner(k)).unwrap_or(n);
-        let mut corner = is_corner(start);
         while start < last {
             let (end, shift) = longest(points, start, last, tolerance, corner);
             pieces.push(Piece {
@@ -92,6 +110,7 @@ fn split(points: &[DVec2], tolerance: Mm) -> Vec<Piece> {
             });
             (start, corner) = (end, false);
         }
+        corner = true;
     }
     pieces
 }
@@ -99,7 +118,7 @@ fn split(points: &[DVec2], tolerance: Mm) -> Vec<Piece> {
 /// The farthest end, up to `last`, of a piece that begins at `start`: found
 /// by doubling the piece until it no longer fits, then halving the rest.
 fn longest(
-    points: &[DVec2],
+    points: Points<'_>,
     start: usize,
     last: usize,
     tolerance: Mm,
@@ -136,13 +155,13 @@ fn longest(
 /// from it than the tolerance. At a corner the line cannot be shifted: the
 /// chord itself must fit.
 fn fit(
-    points: &[DVec2],
+    points: Points<'_>,
     i: usize,
     j: usize,
     tolerance: Mm,
     corner: bool,
 ) -> Option<f64> {
-    let piece = points.get(i..=j)?;
+    let (piece, steps) = (points.all.get(i..=j)?, points.steps.get(i..j)?);
     let (&first, &last) = (piece.first()?, piece.last()?);
     let chord = (last - first).try_normalize()?;
     // Most pieces that do not fit are off in the middle already.
@@ -153,10 +172,9 @@ fn fit(
     let (mut lo, mut hi) = (0.0_f64, 0.0_f64);
     let (mut sum, mut length) = (0.0, 0.0);
     let mut previous = 0.0;
-    for pair in piece.windows(2) {
+    for (pair, &step) in piece.windows(2).zip(steps) {
         let deviation = chord.perp_dot(pair[1] - first);
         let along = pair[1] - pair[0];
-        let step = along.length();
         sum += 0.5 * (deviation + previous) * step;
         length += step;
         previous = deviation;
@@ -179,7 +197,7 @@ fn fit(
 /// the edge that came of them: where neighbouring lines did not meet, it does
 /// not lie where the piece's own line does. `None` if there are none.
 fn halve_misfits(
-    points: &[DVec2],
+    points: Points<'_>,
     pieces: &[Piece],
     out: &[DVec2],
     tolerance: Mm,
@@ -188,32 +206,29 @@ fn halve_misfits(
     let limit = 1.0001 * tolerance;
     let misfit = |i: usize| {
         let p = &pieces[i];
-        let (a, b) = (out[i], out[(i + 1) % out.len()]);
-        let Some(along) = (b - a).try_normalize() else {
-            return p.end > p.start + 1;
+        if p.end <= p.start + 1 {
+            return false;
+        }
+        let next = if i + 1 == out.len() { 0 } else { i + 1 };
+        let (a, b) = (out[i], out[next]);
+        let off = |along: DVec2| {
+            let all = &points.all[p.start..=p.end];
+            all.iter().any(|&q| along.perp_dot(q - a).abs() > limit)
         };
-        p.end > p.start + 1
-            && points[p.start..=p.end]
-                .iter()
-                .any(|&q| along.perp_dot(q - a).abs() > limit)
+        (b - a).try_normalize().is_none_or(off)
     };
-    let bad: Vec<bool> = (0..pieces.len()).map(misfit).collect();
-    if !bad.contains(&true) {
-        return None;
-    }
+    let first = (0..pieces.len()).find(|&i| misfit(i))?;
     let mut finer = Vec::with_capacity(2 * pieces.len());
-    for (p, bad) in pieces.iter().zip(bad) {
+    for (i, p) in pieces.iter().enumerate() {
+        let bad = i >= first && misfit(i);
+        if !bad {
+            finer.push(*p);
+            continue;
+        }
         let middle = p.start + (p.end - p.start) / 2;
-        let ends = match bad {
-            true => vec![(p.start, middle), (middle, p.end)],
-            false => vec![(p.start, p.end)],
-        };
-        for (start, end) in ends {
+        for (start, end) in [(p.start, middle), (middle, p.end)] {
             let corner = p.corner && start == p.start;
-            let shift = match bad {
-                true => fit(points, start, end, tolerance, corner),
-                false => Some(p.shift),
-            };
+            let shift = fit(points, start, end, tolerance, corner);
             finer.push(Piece {
                 start,
                 end,
@@ -240,14 +255,16 @@ fn drop_straight(ring: &mut Ring) {
         return;
     }
     let mut out = Ring::with_capacity(n);
+    let mut a = ring[n - 1];
     for k in 0..n {
-        let a = out.last().copied().unwrap_or(ring[n - 1]);
-        let (b, c) = (ring[k], ring[(k + 1) % n]);
+        let (b, c) = (ring[k], ring[if k + 1 == n { 0 } else { k + 1 }]);
         let (u, v) = (b - a, c - b);
         // Also a spike that has no width.
-        let longest = u.length().max(v.length());
-        if u.perp_dot(v).abs() > STRAIGHT * longest {
+        let longest = u.length_squared().max(v.length_squared());
+        let side = u.perp_dot(v);
+        if side * side > STRAIGHT * STRAIGHT * longest {
             out.push(b);
+            a = b;
         }
     }
     *ring = out;
@@ -258,13 +275,17 @@ fn corners(points: &[DVec2], pieces: &[Piece]) -> Ring {
     let line = |p: &Piece| {
         let (a, b) = (points[p.start], points[p.end]);
         let along = (b - a).normalize_or_zero();
-        (along, along.perp() * p.shift)
+        (along, along.perp() * p.shift, p.shift)
     };
     let mut out = Ring::with_capacity(pieces.len());
-    for (i, piece) in pieces.iter().enumerate() {
-        let before = &pieces[(i + pieces.len() - 1) % pieces.len()];
-        let (u, du) = line(before);
-        let (v, dv) = line(piece);
+    let Some(last) = pieces.last() else {
+        return out;
+    };
+    let mut before = line(last);
+    for piece in pieces {
+        let own = line(piece);
+        let (u, du, shift_before) = std::mem::replace(&mut before, own);
+        let (v, dv, shift) = own;
         let p = points[piece.start];
         if piece.corner {
             out.push(p);
@@ -273,7 +294,7 @@ fn corners(points: &[DVec2], pieces: &[Piece]) -> Ring {
         // The lines through p + du along u and through p + dv along v.
         let sine = u.perp_dot(v);
         let meet = du + u * ((dv - du).perp_dot(v) / sine);
-        let limit = 2.0 * before.shift.abs().max(piece.shift.abs());
+        let limit = 2.0 * shift_before.abs().max(shift.abs());
         // Nearly parallel lines meet far away: take the middle instead.
         let by = if sine.abs() > 1e-9 && meet.length() <= limit {
             meet

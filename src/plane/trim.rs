@@ -46,10 +46,7 @@ pub(super) fn state(
 ) -> State {
     let mut state = State::Clear;
     grid.near(a, b, clearance, |edge| {
-        let (c, d) = grid.edge(edge);
-        let far = |p: DVec2| p.distance_squared(nearest_on(p, c, d));
-        // The distance from a segment is convex: the ends tell of the rest.
-        let covered = far(a).max(far(b)) < clearance * clearance;
+        let covered = covers(a, b, grid, edge as u32, clearance);
         state = match covered {
             true => State::Covered,
             false => State::Mixed,
@@ -57,6 +54,23 @@ pub(super) fn state(
         !covered
     });
     state
+}
+
+/// True if the whole of the moved edge from `a` to `b` is nearer than
+/// `clearance` to an edge of the grid; false if there is no such edge.
+pub(super) fn covers(
+    a: DVec2,
+    b: DVec2,
+    grid: &EdgeGrid,
+    edge: u32,
+    clearance: Mm,
+) -> bool {
+    // The distance from a segment is convex: the ends tell of the rest.
+    grid.get(edge).is_some_and(|(c, d)| {
+        let far = |p: DVec2| p.distance_squared(nearest_on(p, c, d));
+        let limit = clearance * clearance;
+        far(a) < limit && far(b) < limit
+    })
 }
 
 /// Bend of fronts that may just touch, mm: it tells how far beside what is too
@@ -290,25 +304,28 @@ impl Moved<'_> {
             let states = &self.states[first..first + n];
             let marked = &mut marked[first..first + n];
             first += n;
-            if states.iter().all(|s| *s == State::Clear) {
+            let Some(begin) = states.iter().position(|s| *s != State::Clear)
+            else {
                 continue;
-            }
-            let length = |k: usize| ring[k].distance(ring[(k + 1) % n]);
-            // Both ways round, twice each: what is beside the first edge may
-            // be the last.
-            for back in [false, true] {
-                let mut left = 0.0;
-                for i in 0..2 * n {
-                    let k = if back { (2 * n - 1 - i) % n } else { i % n };
-                    if states[k] != State::Clear {
-                        left = beside;
-                        marked[k] = true;
-                    } else if left > 0.0 {
-                        left -= length(k);
-                        marked[k] = true;
-                    }
+            };
+            let length = |k: usize| {
+                ring[k].distance(ring[if k + 1 == n { 0 } else { k + 1 }])
+            };
+            // What is left of the way beside the last edge, and an edge.
+            let mut pass = |left: Mm, k: usize| {
+                if states[k] == State::Clear && left <= 0.0 {
+                    return left;
                 }
-            }
+                marked[k] = true;
+                match states[k] {
+                    State::Clear => left - length(k),
+                    _ => beside,
+                }
+            };
+            // Both ways round, from an edge that is not clear.
+            (begin..n).chain(0..begin).fold(0.0, &mut pass);
+            let back = (0..=begin).rev().chain((begin + 1..n).rev());
+            back.fold(0.0, &mut pass);
         }
         marked
     }

@@ -62,6 +62,8 @@ impl Pictures {
     /// # Errors
     /// If the picture cannot be written.
     pub fn draw(&self, path: &LayerPath) -> io::Result<()> {
+        // First, so that the half-written file is there for a moment only.
+        let picture = layer_svg(path, self.frame);
         let mut builder = tempfile::Builder::new();
         builder.prefix(".isoslice-").suffix(".tmp");
         #[cfg(unix)]
@@ -71,7 +73,7 @@ impl Pictures {
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         let mut file = builder.tempfile_in(&self.folder)?;
-        file.write_all(layer_svg(path, self.frame).as_bytes())?;
+        file.write_all(picture.as_bytes())?;
         file.persist(self.folder.join(name_of(path.span.index)))?;
         Ok(())
     }

@@ -12,24 +12,15 @@
 //!           ╱│                 above, counter-clockwise from the x axis
 //! ```
 //!
-//! Tiles of voxels are proven full or empty by interval arithmetic and the
-//! rest is sampled (fidget's raster): what is thinner than a voxel may be
-//! missed. The result depends neither on the number of threads nor on the
-//! evaluator.
+//! What is thinner than a sample is far from the next may be missed. The
+//! result does not depend on the number of threads.
 
+use crate::field::{FieldError, Grid, Sight};
 use crate::model::Model;
 use crate::units::{Degrees, Mm};
-use fidget::context::{Context, Tree};
-use fidget::eval::MathFunction;
-use fidget::jit::JitFunction;
-use fidget::raster::voxel::{EvalConfig, RenderConfig, RenderSize, render};
-use fidget::render::{CancelToken, RenderHints, ThreadPool, TileSizes};
-use fidget::shape::Shape;
-use fidget::vm::VmFunction;
+use fidget::context::Tree;
 use geo::{ConvexHull, MultiPoint};
 use glam::{DMat3, DVec2, DVec3, Vec3};
-use nalgebra::Matrix4;
-use std::time::Instant;
 
 /// From where a part is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,16 +84,12 @@ fn sin_cos(degrees: Degrees) -> (f64, f64) {
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    /// fidget refuses the expression.
-    #[error("the field cannot be drawn: {0}; this is a bug in isoslice")]
-    Field(String),
+    /// The field cannot be evaluated.
+    #[error("the part cannot be drawn")]
+    Field(#[from] FieldError),
     /// The PNG cannot be made.
     #[error("the picture cannot be written as PNG")]
     Png(#[from] png::EncodingError),
-}
-
-fn bug(error: impl std::fmt::Display) -> PictureError {
-    PictureError::Field(error.to_string())
 }
 
 /// Depths and normals of what is seen.
@@ -118,36 +105,28 @@ pub(super) struct Seen {
 
 /// Pixels of the first look along its longer side.
 const COARSE: usize = 128;
-/// Pixels of the trial that finds the faster evaluator.
-const TRIAL: usize = 48;
 /// Free border, as a share of the picture.
 const MARGIN: f64 = 0.04;
-/// Voxels along the view, at most, as a multiple of the longer side.
+/// Samples along the view, at most, as a multiple of the longer side.
 const DEEPEST: f64 = 4.0;
-/// Sides of the tiles, voxels; the same for every evaluator, since which
-/// tiles are proven full shows in the depths.
-const TILES: [usize; 3] = [64, 16, 8];
-
 /// A part that is looked at.
 pub(super) struct Subject {
-    vm: Shape<VmFunction>,
-    jit: Shape<JitFunction>,
-    native: bool,
+    sight: Sight,
     axes: DMat3,
     centre: DVec3,
     /// Half the part's box along the view's axes.
     half: DVec3,
 }
 
-/// A grid of voxels in front of the viewer.
+/// What is looked at, and how closely.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     centre: DVec3,
-    /// Voxels: right, down, towards the viewer.
+    /// Samples: right, down, towards the viewer.
     size: [usize; 3],
     /// Side of a pixel.
     pixel: Mm,
-    /// Length of a voxel along the view.
+    /// Distance of samples along the view.
     step: Mm,
 }
 
@@ -162,15 +141,9 @@ impl Subject {
             tree = tree.max(Tree::constant(bed as f32) - z);
             bounds.min.z = bed;
         }
-        let mut ctx = Context::new();
-        let root = ctx.import(&tree);
-        let vm = VmFunction::new(&ctx, &[root]).map_err(bug)?;
-        let jit = JitFunction::new(&ctx, &[root]).map_err(bug)?;
         let axes = view.axes();
-        let mut subject = Subject {
-            vm: Shape::new_raw(vm),
-            jit: Shape::new_raw(jit),
-            native: true,
+        Ok(Subject {
+            sight: Sight::new(&tree)?,
             axes,
             centre: bounds.centre(),
             half: (0..8)
@@ -181,30 +154,12 @@ impl Subject {
                     (axes.transpose() * corner).abs()
                 })
                 .fold(DVec3::ZERO, DVec3::max),
-        };
-        // Native code is slower than the interpreter where the expression
-        // calls sin or exp, and faster elsewhere: only a trial tells. Both
-        // see the same.
-        let frame = subject.whole(TRIAL);
-        let time = |native: bool, subject: &mut Subject| {
-            subject.native = native;
-            let start = Instant::now();
-            subject.look(frame).map(|_| start.elapsed())
-        };
-        subject.native = time(true, &mut subject)? < time(false, &mut subject)?;
-        Ok(subject)
+        })
     }
 
     /// The view's axes.
     pub(super) fn axes(&self) -> DMat3 {
         self.axes
-    }
-
-    /// Uses one evaluator or the other.
-    #[cfg(test)]
-    fn natively(mut self, native: bool) -> Self {
-        self.native = native;
-        self
     }
 
     /// The part, as large as fits `width` × `height` pixels.
@@ -270,79 +225,41 @@ impl Subject {
     }
 
     fn look(&self, frame: Frame) -> Result<Seen, PictureError> {
-        match self.native {
-            true => self.look_with(&self.jit, frame),
-            false => self.look_with(&self.vm, frame),
-        }
-    }
-
-    fn look_with<F: MathFunction + RenderHints>(
-        &self,
-        shape: &Shape<F>,
-        frame: Frame,
-    ) -> Result<Seen, PictureError> {
+        crate::limits::check();
         let [width, height, depth] = frame.size;
-        let size = RenderSize::new(width as u32, height as u32, depth as u32);
-        let config = RenderConfig {
-            image_size: size,
-            world_to_model: self.world_to_model(&frame, size)?,
-        };
-        let how = EvalConfig {
-            tile_sizes: Some(TileSizes::new(&TILES).map_err(bug)?),
-            threads: Some(&ThreadPool::Global),
-            cancel: CancelToken::new(),
-        };
-        let bound = shape
-            .clone()
-            .try_into()
-            .map_err(|_| bug("it has variables besides x, y and z"))?;
-        let image = render(bound, &config, &how)
-            .ok_or_else(|| bug("the drawing was given up"))?;
+        let steps = [
+            self.axes.x_axis * frame.pixel,
+            -self.axes.y_axis * frame.pixel,
+            self.axes.z_axis * frame.step,
+        ];
+        // A pixel is seen through its middle.
+        let hits = self.sight.look(&Grid {
+            origin: frame.centre
+                + steps[0] * (0.5 - 0.5 * width as f64)
+                + steps[1] * (0.5 - 0.5 * height as f64)
+                + steps[2] * (-0.5 * depth as f64),
+            steps,
+            size: frame.size,
+        })?;
         let scale = (frame.step / frame.pixel) as f32;
-        let normal = |[x, y, z]: [f32; 3]| {
-            let n = Vec3::new(x, -y, z / scale).normalize_or_zero();
-            // None where a tile is full to its face, which is a surface that
-            // faces the viewer.
-            if n == Vec3::ZERO { Vec3::Z } else { n }
+        let from_model = self.axes.transpose().as_mat3();
+        let normal = |gradient: Vec3| {
+            let n = from_model * gradient;
+            // As if it faced the viewer, where nobody knows.
+            n.try_normalize().unwrap_or(Vec3::Z)
         };
         Ok(Seen {
             width,
             height,
-            depths: image
+            depths: hits
                 .iter()
-                .map(|p| (p.depth > 0).then_some(p.depth as f32 * scale))
+                .map(|h| Some(h.as_ref()?.depth * scale))
                 .collect(),
-            normals: image.iter().map(|p| normal(p.normal)).collect(),
+            normals: hits
+                .iter()
+                .map(|h| h.map_or(Vec3::ZERO, |h| normal(h.gradient)))
+                .collect(),
         })
-    }
-
-    /// fidget's way from its cube to the model: what takes voxels there, less
-    /// what fidget itself does with them.
-    fn world_to_model(
-        &self,
-        frame: &Frame,
-        size: RenderSize,
-    ) -> Result<Matrix4<f32>, PictureError> {
-        let [width, height, depth] = frame.size.map(|n| n as f64);
-        let right = self.axes.x_axis * frame.pixel;
-        let down = -self.axes.y_axis * frame.pixel;
-        let towards = self.axes.z_axis * frame.step;
-        // A pixel is seen through its middle.
-        let corner = frame.centre
-            + right * (0.5 - 0.5 * width)
-            + down * (0.5 - 0.5 * height)
-            + towards * (-0.5 * depth);
-        let mut screen = Matrix4::<f64>::identity();
-        for (k, column) in
-            [right, down, towards, corner].into_iter().enumerate()
-        {
-            for (i, x) in column.to_array().into_iter().enumerate() {
-                screen[(i, k)] = x;
-            }
-        }
-        let back = size.screen_to_world().cast::<f64>().try_inverse();
-        let back = back.ok_or_else(|| bug("an empty picture"))?;
-        Ok((screen * back).cast())
     }
 }
 
@@ -500,22 +417,19 @@ mod tests {
     }
 
     #[test]
-    fn evaluators_and_threads_do_not_show() {
+    fn threads_do_not_show() {
         let formula = "sin(x) * cos(y) + sin(y) * cos(z) + sin(z) * cos(x) + \
                        max(0, x^2 + y^2 + z^2 - 80) / 10";
         let part = model(formula, &Placement::default());
-        let look = |native: bool, threads: usize| {
+        let look = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             let subject = Subject::new(&part, View::ISO).unwrap();
-            let subject = subject.natively(native);
             let pool = pool.build().unwrap();
             pool.install(|| subject.fitted(150, 100)).unwrap()
         };
-        let one = look(true, 1);
+        let one = look(1);
         assert!(hits(&one) > 1000);
-        assert!(one == look(true, 3));
-        assert!(one == look(false, 1));
-        assert!(one == look(false, 3));
+        assert!(one == look(3));
     }
 
     #[test]

@@ -9,6 +9,7 @@ use super::image::Picture;
 use super::raster::Seen;
 use glam::{DMat3, Vec2, Vec3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Colour of the material, linear.
 const MATERIAL: Vec3 = Vec3::new(0.80, 0.25, 0.045);
@@ -37,6 +38,8 @@ const SHADOW_LOOKS: usize = 20;
 const SHADOW_REACH: f32 = 0.35;
 /// Light that shadows leave.
 const SHADOW: f32 = 0.35;
+/// Pixels that something must stand out to hide anything: surfaces bend.
+const FLAT: f32 = 1.5;
 
 /// The picture, each `block` × `block` pixels of what is seen becoming one.
 /// `axes` are the view's: right, up, towards the viewer.
@@ -45,15 +48,16 @@ pub(super) fn shade(seen: &Seen, axes: DMat3, block: usize) -> Picture {
     let up = axes.transpose().z_axis.as_vec3();
     let light = Light::new(seen, up);
     let mut pixels = vec![[0.0; 4]; width * height];
-    pixels
-        .par_chunks_mut(width)
-        .enumerate()
-        .for_each(|(j, row)| {
-            let mut last = None;
-            for (i, pixel) in row.iter_mut().enumerate() {
-                *pixel = light.block([i, j], block, &mut last);
+    pixels.par_chunks_mut(width).enumerate().for_each_init(
+        || Row::new(seen.width),
+        |row, (j, out)| {
+            for y in j * block..(j + 1) * block {
+                light.add(y, block, row, out);
             }
-        });
+            let all = (block * block) as f32;
+            out.iter_mut().flatten().for_each(|c| *c /= all);
+        },
+    );
     Picture {
         width,
         height,
@@ -61,171 +65,228 @@ pub(super) fn shade(seen: &Seen, axes: DMat3, block: usize) -> Picture {
     }
 }
 
-/// Pixels by which the depth may differ on one surface, and cosine by which
-/// the normal may.
-const LEVEL: f32 = 4.0;
-const ALIKE: f32 = 0.95;
-
-/// Neighbours for which what was looked for around a pixel holds: most of the
-/// time goes there.
-const SHARED: u8 = 3;
-
-/// How much of the light reaches a place.
-#[derive(Clone, Copy, Debug)]
-struct Around {
-    /// Share of the sky's.
-    open: f32,
-    /// Share of the key's.
-    lit: f32,
-    /// For how many pixels it has been used.
-    age: u8,
-    /// Where the place is, and which way it faces.
-    z: f32,
-    n: Vec3,
+/// A place to look at from every pixel.
+struct Look {
+    /// Columns and rows away.
+    at: [isize; 2],
+    /// Right, up and towards the viewer.
+    way: Vec3,
 }
 
-impl Around {
-    /// True if it also holds for the next pixel: it lies on the same surface.
-    fn holds(&self, z: f32, n: Vec3) -> bool {
-        self.age < SHARED
-            && (z - self.z).abs() <= LEVEL
-            && n.dot(self.n) > ALIKE
+impl Look {
+    fn new(way: Vec3) -> Look {
+        Look {
+            // Up is against the rows.
+            at: [way.x, -way.y].map(|d| (d + 0.5).floor() as isize),
+            way,
+        }
+    }
+}
+
+/// A row of pixels, each quantity on its own, for vector instructions.
+struct Row {
+    /// Depths; minus infinity where nothing is.
+    z: Vec<f32>,
+    /// Normals: right, up, towards the viewer.
+    n: [Vec<f32>; 3],
+    /// Most of the sky that is hidden in one direction.
+    most: Vec<f32>,
+    /// The same for all directions together.
+    hidden: Vec<f32>,
+    /// Share of the key light that arrives.
+    lit: Vec<f32>,
+}
+
+impl Row {
+    fn new(width: usize) -> Row {
+        let zeros = || vec![0.0; width];
+        Row {
+            z: zeros(),
+            n: [zeros(), zeros(), zeros()],
+            most: zeros(),
+            hidden: zeros(),
+            lit: zeros(),
+        }
     }
 }
 
 struct Light<'a> {
     seen: &'a Seen,
+    /// Minus infinity where nothing is.
+    depths: Vec<f32>,
     /// The model's z axis in the view.
     up: Vec3,
     key: Vec3,
     fill: Vec3,
     half_way: Vec3,
     reach: f32,
+    /// By direction, where corners are looked for.
+    around: Vec<[Look; LOOKS]>,
     shadow_reach: f32,
+    /// Towards the key light.
+    ahead: Vec<Look>,
 }
 
 impl<'a> Light<'a> {
     fn new(seen: &'a Seen, up: Vec3) -> Self {
         let longest = seen.width.max(seen.height) as f32;
         let key = KEY_FROM.normalize();
+        let reach = (REACH * longest).max(2.0);
+        let shadow_reach = (SHADOW_REACH * longest).max(2.0);
+        let around = |d: usize| {
+            // Off the axes, along which edges often run.
+            let share = (d as f32 + 0.25) / DIRECTIONS as f32;
+            let direction = Vec2::from_angle(std::f32::consts::TAU * share);
+            std::array::from_fn(|look| {
+                // Nearer ones are denser.
+                let share = (look + 1) as f32 / LOOKS as f32;
+                let step = direction * (reach * share * share).max(1.0);
+                Look::new(Vec3::new(step.x, -step.y, 0.0))
+            })
+        };
+        let ahead = |look: usize| {
+            let share = (look as f32 + 0.5) / SHADOW_LOOKS as f32;
+            Look::new(key * (shadow_reach * share * share).max(2.0))
+        };
+        let depth = |d: &Option<f32>| d.unwrap_or(f32::NEG_INFINITY);
         Light {
             seen,
+            depths: seen.depths.iter().map(depth).collect(),
             up,
             key,
             fill: FILL_FROM.normalize(),
             half_way: (key + Vec3::Z).normalize(),
-            reach: (REACH * longest).max(2.0),
-            shadow_reach: (SHADOW_REACH * longest).max(2.0),
+            reach,
+            around: (0..DIRECTIONS).map(around).collect(),
+            shadow_reach,
+            ahead: (0..SHADOW_LOOKS).map(ahead).collect(),
         }
     }
 
-    /// The mean colour of a square of pixels, linear, multiplied by its
-    /// opacity.
-    fn block(
-        &self,
-        block: [usize; 2],
-        side: usize,
-        last: &mut Option<Around>,
-    ) -> [f32; 4] {
-        let mut sum = Vec3::ZERO;
-        let mut hits = 0;
-        let [i, j] = block.map(|k| k * side);
-        for (x, y) in (0..side * side).map(|k| (i + k % side, j + k / side)) {
-            let k = x + y * self.seen.width;
-            let Some(z) = self.seen.depths[k] else {
-                continue;
-            };
-            let n = self.seen.normals[k];
-            let around = match *last {
-                Some(near) if near.holds(z, n) => near,
-                _ => Around {
-                    open: self.openness(x, y, z, n),
-                    lit: self.lit(x, y, z, n),
-                    age: 0,
-                    z,
-                    n,
-                },
-            };
-            *last = Some(Around {
-                age: around.age + 1,
-                ..around
-            });
-            sum += self.colour(n, around);
-            hits += 1;
+    /// Adds row `y` of what is seen to a row of the picture: colours, linear,
+    /// and opacity, of `block` pixels to one.
+    fn add(&self, y: usize, block: usize, row: &mut Row, out: &mut [[f32; 4]]) {
+        let width = self.seen.width;
+        let line = y * width..(y + 1) * width;
+        let depths = &self.depths[line.clone()];
+        let there = |z: &f32| *z != f32::NEG_INFINITY;
+        let (Some(first), Some(last)) = (
+            depths.iter().position(there),
+            depths.iter().rposition(there),
+        ) else {
+            return;
+        };
+        row.z.copy_from_slice(depths);
+        let normals = &self.seen.normals[line];
+        for (k, n) in normals.iter().enumerate() {
+            (row.n[0][k], row.n[1][k], row.n[2][k]) = (n.x, n.y, n.z);
         }
-        let all = (side * side) as f32;
-        let [r, g, b] = (sum / all).to_array();
-        [r, g, b, hits as f32 / all]
+        self.look_around(y, first..last + 1, row);
+        self.look_ahead(y, first..last + 1, row);
+        for x in (first..=last).filter(|x| there(&row.z[*x])) {
+            let share = row.hidden[x] / DIRECTIONS as f32 * 1.6;
+            let open = 1.0 - DARKEST * share.min(1.0);
+            let colour = self.colour(normals[x], open, row.lit[x]);
+            if let Some(pixel) = out.get_mut(x / block) {
+                pixel[0] += colour.x;
+                pixel[1] += colour.y;
+                pixel[2] += colour.z;
+                pixel[3] += 1.0;
+            }
+        }
     }
 
-    /// The colour of a surface.
-    fn colour(&self, n: Vec3, around: Around) -> Vec3 {
+    /// The colour of a surface that sees a share of the sky and has a share
+    /// of the key light.
+    fn colour(&self, n: Vec3, open: f32, lit: f32) -> Vec3 {
         let above = 0.5 + 0.5 * n.dot(self.up);
-        let key = n.dot(self.key).max(0.0) * around.lit;
+        let key = n.dot(self.key).max(0.0) * lit;
         let fill = n.dot(self.fill).max(0.0);
-        let sky = GROUND.lerp(SKY, above) * around.open;
-        let gloss = n.dot(self.half_way).max(0.0).powi(NARROW) * around.lit;
+        let sky = GROUND.lerp(SKY, above) * open;
+        let gloss = n.dot(self.half_way).max(0.0).powi(NARROW) * lit;
         MATERIAL * (sky + KEY * key + FILL * fill) + KEY * GLOSS * gloss
     }
 
-    fn depth(&self, x: f32, y: f32) -> Option<f32> {
-        let inside = x >= 0.0 && y >= 0.0;
-        let (x, y) = (x as usize, y as usize);
-        if !inside || x >= self.seen.width || y >= self.seen.height {
-            return None;
-        }
-        self.seen.depths[x + y * self.seen.width]
+    /// The depths seen at a look's distance from some pixels of row `y`, and
+    /// which of the pixels have any.
+    fn seen_from(
+        &self,
+        y: usize,
+        pixels: &Range<usize>,
+        look: &Look,
+    ) -> Option<(&[f32], Range<usize>)> {
+        let [dx, dy] = look.at;
+        let width = self.seen.width;
+        let y = y.checked_add_signed(dy).filter(|y| *y < self.seen.height)?;
+        let from = pixels.start.max(dx.min(0).unsigned_abs());
+        let end = width.saturating_sub(dx.max(0).unsigned_abs());
+        let own = from..pixels.end.min(end);
+        let other = own.start.checked_add_signed(dx)?
+            ..own.end.checked_add_signed(dx)?;
+        let row = &self.depths[y * width..(y + 1) * width];
+        Some((row.get(other)?, own))
     }
 
-    /// Share of the sky that is seen from a point: 1 on a plane.
-    fn openness(&self, x: usize, y: usize, z: f32, n: Vec3) -> f32 {
-        let mut hidden = 0.0;
-        for d in 0..DIRECTIONS {
-            // Off the axes, along which edges often run.
-            let share = (d as f32 + 0.25) / DIRECTIONS as f32;
-            let angle = std::f32::consts::TAU * share;
-            let direction = Vec2::from_angle(angle);
-            let mut most = 0.0f32;
-            for look in 1..=LOOKS {
-                // Nearer ones are denser.
-                let share = look as f32 / LOOKS as f32;
-                let step = direction * (self.reach * share * share).max(1.0);
-                let (px, py) = (x as f32 + step.x, y as f32 + step.y);
-                let Some(other) = self.depth(px + 0.5, py + 0.5) else {
+    /// How much of the sky the surroundings hide from pixels of row `y`: none
+    /// of it on a plane.
+    fn look_around(&self, y: usize, pixels: Range<usize>, row: &mut Row) {
+        let far = (1.5 * self.reach).powi(2);
+        row.hidden[pixels.clone()].fill(0.0);
+        for looks in &self.around {
+            row.most[pixels.clone()].fill(0.0);
+            for look in looks {
+                let Some((other, own)) = self.seen_from(y, &pixels, look)
+                else {
                     continue;
                 };
-                // Up is against the rows.
-                let way = Vec3::new(step.x, -step.y, other - z);
-                let length = way.length();
-                // Depths are whole voxels.
-                let rise = (n.dot(way) - 1.5) / length;
-                let near = 1.0 - (length / (1.5 * self.reach)).powi(2);
-                most = most.max(rise * near.max(0.0));
+                let flat = look.way.length_squared();
+                let Vec3 { x, y, .. } = look.way;
+                let [nx, ny, nz] = row.n.each_ref().map(|n| &n[own.clone()]);
+                let z = &row.z[own.clone()];
+                let most = &mut row.most[own];
+                for k in 0..other.len().min(most.len()) {
+                    let dz = other[k] - z[k];
+                    let square = flat + dz * dz;
+                    let rise = nx[k] * x + ny[k] * y + nz[k] * dz - FLAT;
+                    let near = 1.0 - square / far;
+                    let near = if near > 0.0 { near } else { 0.0 };
+                    // Not a number where nothing is, and then not more.
+                    let hides = rise / square.sqrt() * near;
+                    most[k] = if hides > most[k] { hides } else { most[k] };
+                }
             }
-            hidden += most;
+            for x in pixels.clone() {
+                row.hidden[x] += row.most[x];
+            }
         }
-        1.0 - DARKEST * (hidden / DIRECTIONS as f32 * 1.6).min(1.0)
     }
 
-    /// Share of the key light that arrives.
-    fn lit(&self, x: usize, y: usize, z: f32, n: Vec3) -> f32 {
-        if n.dot(self.key) <= 0.0 {
-            return SHADOW;
-        }
-        let mut least = 1.0f32;
-        for look in 0..SHADOW_LOOKS {
-            let share = (look as f32 + 0.5) / SHADOW_LOOKS as f32;
-            let far = (self.shadow_reach * share * share).max(2.0);
-            let p = self.key * far;
-            let at = self.depth(x as f32 + p.x + 0.5, y as f32 - p.y + 0.5);
-            let Some(other) = at else { continue };
-            let over = other - (z + p.z) - 1.5;
-            // Something far in front is not taken to reach back to here.
-            if over > 0.0 && over < 0.5 * self.shadow_reach {
-                // The light is wide: its edge is soft.
-                least = least.min(1.0 - over / (0.12 * far + 1.0));
+    /// Which share of the key light arrives at pixels of row `y`.
+    fn look_ahead(&self, y: usize, pixels: Range<usize>, row: &mut Row) {
+        row.lit[pixels.clone()].fill(1.0);
+        // Something far in front is not taken to reach back to here.
+        let most = 0.5 * self.shadow_reach;
+        for look in &self.ahead {
+            let Some((other, own)) = self.seen_from(y, &pixels, look) else {
+                continue;
+            };
+            // The light is wide: its edge is soft.
+            let edge = 0.12 * look.way.length() + 1.0;
+            let up = look.way.z + FLAT;
+            let z = &row.z[own.clone()];
+            let lit = &mut row.lit[own];
+            for k in 0..other.len().min(lit.len()) {
+                let over = other[k] - z[k] - up;
+                let left = 1.0 - over / edge;
+                let hides = (over > 0.0) & (over < most) & (left < lit[k]);
+                lit[k] = if hides { left } else { lit[k] };
             }
         }
-        SHADOW + (1.0 - SHADOW) * least.clamp(0.0, 1.0)
+        for x in pixels {
+            let [nx, ny, nz] = row.n.each_ref().map(|n| n[x]);
+            let faces = Vec3::new(nx, ny, nz).dot(self.key) > 0.0;
+            let lit = if faces { row.lit[x].max(0.0) } else { 0.0 };
+            row.lit[x] = SHADOW + (1.0 - SHADOW) * lit;
+        }
     }
 }

@@ -124,6 +124,7 @@ mod tests {
             width: 0.45,
             widths: Vec::new(),
             height: 0.2,
+            small: false,
         };
         let travel = Move::Travel(Travel::straight(DVec2::new(5.0, 5.0), true));
         let path = LayerPath {

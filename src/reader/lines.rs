@@ -91,6 +91,8 @@ impl<R: Read> Lines<R> {
 
     /// Reads on; what is left over moves to the buffer's start.
     fn fill(&mut self) -> io::Result<()> {
+        // A line may be without end.
+        crate::limits::check();
         self.buffer.copy_within(self.start..self.end, 0);
         self.end -= self.start;
         self.start = 0;

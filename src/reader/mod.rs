@@ -214,6 +214,7 @@ impl<R: Read> Iterator for Reader<R> {
         if self.failed {
             return None;
         }
+        crate::limits::check();
         let read = self.read();
         self.failed = read.is_err();
         read.transpose()

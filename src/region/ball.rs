@@ -75,6 +75,11 @@ impl Seen {
         self.last[edge] = entry;
     }
 
+    /// True if all places on an edge are in some stretch.
+    fn has_all(&self, mut all: impl Iterator<Item = Mm>, edge: usize) -> bool {
+        self.last[edge] != NONE && all.all(|at| self.has(edge, at))
+    }
+
     fn has(&self, edge: usize, at: Mm) -> bool {
         let mut entry = self.last[edge];
         while let Some(&(from, to, before)) = self.stretches.get(entry as usize)
@@ -100,6 +105,8 @@ pub(super) struct Border<'a> {
     seen: Seen,
     /// The least and the largest radius of the balls that touch each edge.
     radii: Vec<(Mm, Mm)>,
+    /// An edge on the opposite side of each edge, or `NONE`.
+    opposite: Vec<u32>,
 }
 
 /// A ball and where it touches the other side.
@@ -121,6 +128,7 @@ impl<'a> Border<'a> {
             next: Vec::with_capacity(numbers),
             last: Vec::with_capacity(numbers),
             radii: vec![UNKNOWN; numbers],
+            opposite: vec![NONE; numbers],
         };
         for ring in area.rings.iter().filter(|r| !r.is_empty()) {
             let first = border.next.len() as u32;
@@ -143,6 +151,7 @@ impl<'a> Border<'a> {
         first_edge: usize,
     ) -> Vec<Option<Ball>> {
         let mut balls = Vec::with_capacity(ring.len());
+        let fan = FAN.cos();
         // The last ball, its edge, and how far along the edge it is.
         let mut before: Option<(usize, Mm, Option<Grown>)> = None;
         let mut last_radius = 0.0;
@@ -161,14 +170,20 @@ impl<'a> Border<'a> {
             }
             let along = along / length;
             let normal = along.perp();
-            let turn = match last_along {
-                Some(last) => DVec2::angle_to(last, along),
-                None => 0.0,
-            };
-            last_along = Some(along);
-            if turn < -FAN {
-                let first = self.fan(a, number, normal, -turn, &mut balls);
+            let last = last_along.replace(along).unwrap_or(along);
+            let (sine, cosine) = (last.perp_dot(along), last.dot(along));
+            if sine < 0.0 && cosine < fan {
+                let turn = (-sine).atan2(cosine);
+                let first = self.fan(a, number, normal, turn, &mut balls);
                 before = first.map(|g| (number, 0.0, Some(g)));
+            }
+            let count = (length / STEP).ceil().clamp(1.0, 1e6);
+            let place = |k: usize| (k as f64 + 0.5) / count * length;
+            let count = count as usize;
+            if self.seen.has_all((0..count).map(place), number) {
+                balls.push(None);
+                before = None;
+                continue;
             }
             // Nothing within reach of the whole edge's centres: no ball
             // shrinks. A little less than the radius, or every edge would
@@ -181,9 +196,7 @@ impl<'a> Border<'a> {
                 self.meets(number, 0.98 * self.radius, false);
                 continue;
             }
-            let count = (length / STEP).ceil().clamp(1.0, 1e6);
-            for k in 0..count as usize {
-                let at = (k as f64 + 0.5) / count * length;
+            for at in (0..count).map(place) {
                 if self.seen.has(number, at) {
                     balls.push(None);
                     before = None;
@@ -192,6 +205,10 @@ impl<'a> Border<'a> {
                 let hint = before.and_then(|b| b.2);
                 let here = self.grow(a + along * at, normal, hint);
                 self.meets(number, here.0, here.1.is_some());
+                if let Some(g) = here.1 {
+                    self.opposite[number] = g.edge as u32;
+                    self.opposite[g.edge] = number as u32;
+                }
                 let (radius, here) = here;
                 let exact = |radius: Mm| match radius < self.radius {
                     true => END,
@@ -341,7 +358,7 @@ impl<'a> Border<'a> {
     }
 
     /// How far the edges can move inwards until they meet others.
-    pub fn room(&self) -> Room {
+    pub fn room(self) -> Room {
         let all = |edge: usize| {
             let (last, next) = (self.last[edge], self.next[edge]);
             let near = [last as usize, edge, next as usize];
@@ -355,7 +372,11 @@ impl<'a> Border<'a> {
                 .fold(UNKNOWN, |a, b| (a.0.min(b.0), a.1.max(b.1)))
         };
         let (least, most) = (0..self.next.len()).map(all).unzip();
-        Room { least, most }
+        Room {
+            least,
+            most,
+            opposite: self.opposite,
+        }
     }
 
     /// The radius of the largest ball that touches the border at `p`, 0 if
@@ -412,15 +433,15 @@ impl<'a> Border<'a> {
         let mut touch = None;
         for _ in 0..ROUNDS {
             let centre = p + normal * r;
-            let near = |edge: usize| {
-                let (a, b) = self.grid.edge(edge);
-                let q = nearest_on(centre, a, b);
-                (q.distance_squared(centre), edge, q)
-            };
-            let (d, edge, q) = beside
-                .map(near)
-                .into_iter()
-                .min_by(|a, b| a.0.total_cmp(&b.0))?;
+            let (mut d, mut edge, mut q) = (f64::INFINITY, hint.edge, p);
+            for e in beside {
+                let (a, b) = self.grid.edge(e);
+                let near = nearest_on(centre, a, b);
+                let off = near.distance_squared(centre);
+                if off < d {
+                    (d, edge, q) = (off, e, near);
+                }
+            }
             if d >= (r - TOUCHING).max(0.0).powi(2) {
                 break;
             }

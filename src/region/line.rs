@@ -8,7 +8,7 @@
 
 use super::ridge::Ridge;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, edges, path_length};
+use crate::plane::{Area, Rect, edges, path_length};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -31,6 +31,14 @@ const STEP: Mm = 0.2;
 const END: Mm = 0.005;
 /// Distance of the places at which a line's width is looked at, mm.
 const WIDEN_STEP: Mm = 0.1;
+/// Places on an edge that are looked at together: what is near to one of them
+/// is near to the others as well.
+const STRETCH: usize = 16;
+/// Edges of a line that are looked at together at first: most of them are near
+/// to nothing.
+const GROUP: usize = 8;
+/// Least size of the cells in which ridges are looked up, mm.
+const CELL: Mm = 0.8;
 /// Slack in distances that are equal but for rounding and thinning, mm.
 const SLACK: Mm = 0.05;
 
@@ -68,30 +76,91 @@ impl Line {
 pub(super) struct RidgeIndex<'a> {
     ridges: &'a [Ridge],
     grid: EdgeGrid,
-    /// Ridge and segment of each of the grid's edges.
-    segments: Vec<(usize, usize)>,
+    /// Ridge and segment of each of the grid's numbers.
+    segments: Vec<(u32, u32)>,
 }
 
 impl<'a> RidgeIndex<'a> {
     pub(super) fn new(ridges: &'a [Ridge], reach: Mm) -> Self {
+        let points = |r: &'a Ridge| {
+            let closing = if r.closed { 1 } else { 0 };
+            r.points.iter().chain(r.points.iter().take(closing))
+        };
         let mut segments = Vec::new();
-        let mut all = Vec::new();
         for (i, r) in ridges.iter().enumerate() {
-            let n = r.points.len();
-            let count = if r.closed { n } else { n.saturating_sub(1) };
-            for k in 0..count {
-                all.push((
-                    segments.len(),
-                    (r.points[k], r.points[(k + 1) % n]),
-                ));
-                segments.push((i, k));
-            }
+            let all = 0..points(r).count() as u32;
+            segments.extend(all.map(|k| (i as u32, k)));
         }
+        let lines = ridges.iter().map(|r| points(r).copied());
         RidgeIndex {
             ridges,
-            grid: EdgeGrid::of(all.into_iter(), reach),
+            grid: EdgeGrid::of_lines(lines, reach.max(CELL)),
             segments,
         }
+    }
+
+    /// True if no ridge comes near to any edge of a group: those from the
+    /// `k`th point on. A line that is closed returns to its first point.
+    fn group_clear(&self, points: &[DVec2], k: usize, reach: Mm) -> bool {
+        let all = points.iter().skip(k).take(GROUP + 1);
+        let closing = (k + GROUP >= points.len()).then(|| points.first());
+        let mut bounds = Rect::around(all.chain(closing.flatten()));
+        bounds.min -= reach;
+        bounds.max += reach;
+        !self.grid.meets(bounds)
+    }
+
+    /// True if no ridge comes closer than `reach` to the segment from `a` to
+    /// `b`. If `count` places are to be looked at on it that are no more than
+    /// a stretch, `found` gets the ridges' segments that do.
+    fn clear_of(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        reach: Mm,
+        count: usize,
+        found: &mut Vec<u32>,
+    ) -> bool {
+        if count > STRETCH {
+            return self.clear(a, b, reach);
+        }
+        self.around(a, b, reach, found);
+        found.is_empty()
+    }
+
+    /// The segments that come closer than `reach` to that from `a` to `b`.
+    fn around(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
+        found.clear();
+        self.grid.visit_edges_near(a, b, reach, |edge| {
+            let edge = edge as u32;
+            if !found.contains(&edge) {
+                found.push(edge);
+            }
+        });
+    }
+
+    /// Like [`RidgeIndex::nearest`], among some segments.
+    fn nearest_of(
+        &self,
+        segments: &[u32],
+        p: DVec2,
+        reach: Mm,
+    ) -> Option<(DVec2, Mm)> {
+        let (edge, q) = self.grid.nearest_of(segments, p, reach)?;
+        Some((q, self.thickness(edge, q)))
+    }
+
+    /// The thickness at a place on a segment.
+    fn thickness(&self, edge: usize, q: DVec2) -> Mm {
+        let (i, k) = self.segments[edge];
+        let (r, k) = (&self.ridges[i as usize], k as usize);
+        let (a, b) = self.grid.edge(edge);
+        let along = b - a;
+        let t = (q - a).dot(along) / along.length_squared();
+        let t = if t.is_finite() { t } else { 0.0 };
+        let next = if k + 1 == r.points.len() { 0 } else { k + 1 };
+        let (ta, tb) = (r.thickness[k], r.thickness[next]);
+        ta + t * (tb - ta)
     }
 
     /// True if no ridge comes closer than `reach` to the segment.
@@ -101,17 +170,8 @@ impl<'a> RidgeIndex<'a> {
 
     /// The nearest point of a ridge within `reach`, and the thickness there.
     pub(super) fn nearest(&self, p: DVec2, reach: Mm) -> Option<(DVec2, Mm)> {
-        let (number, q) = self.grid.nearest_within(p, reach)?;
-        let (i, k) = self.segments[number];
-        let r = &self.ridges[i];
-        let n = r.points.len();
-        let (a, b) = (r.points[k], r.points[(k + 1) % n]);
-        let t = match a.distance(b) > 0.0 {
-            true => a.distance(q) / a.distance(b),
-            false => 0.0,
-        };
-        let (ta, tb) = (r.thickness[k], r.thickness[(k + 1) % n]);
-        Some((q, ta + t * (tb - ta)))
+        let (edge, q) = self.grid.nearest_edge(p, reach)?;
+        Some((q, self.thickness(edge, q)))
     }
 }
 
@@ -138,12 +198,16 @@ pub(super) fn cut(
         return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
     }
     let index = RidgeIndex::new(ridges, reach);
-    let free = |p: DVec2| match index.nearest(p, reach) {
-        // A side of the thin place is half its thickness from the ridge, so
-        // the ring's side is that less its depth.
-        Some((q, t)) => p.distance(q) > 0.5 * t - depth + SLACK,
-        None => true,
+    // Whether a place is free, as the segments near to it tell.
+    let free = |p: DVec2, near: &[u32]| {
+        match index.nearest_of(near, p, reach) {
+            // A side of the thin place is half its thickness from the ridge,
+            // so the ring's side is that less its depth.
+            Some((q, t)) => p.distance(q) > 0.5 * t - depth + SLACK,
+            None => true,
+        }
     };
+    let mut near = Vec::new();
     let mut lines = Vec::new();
     for ring in &rings.rings {
         crate::limits::check();
@@ -151,37 +215,59 @@ pub(super) fn cut(
         let mut all: Vec<(DVec2, bool)> = Vec::with_capacity(ring.len());
         let mut changes = false;
         let mut at_b = None;
-        for (a, b) in edges(ring) {
-            if index.grid.clear(a, b, reach) {
+        let mut clear = false;
+        for (i, (a, b)) in edges(ring).enumerate() {
+            if i.is_multiple_of(GROUP) {
+                clear = index.group_clear(ring, i, reach);
+            }
+            if clear {
                 at_b = Some(true);
                 all.push((a, true));
                 continue;
             }
             let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
-            let mut from = (a, at_b.unwrap_or_else(|| free(a)));
-            all.push(from);
-            for k in 1..=count as usize {
-                let p = match k as f64 / count {
-                    t if t < 1.0 => a.lerp(b, t),
-                    _ => b,
-                };
-                let to = (p, free(p));
-                if from.1 != to.1 {
-                    changes = true;
-                    let (mut p, mut q) = (from.0, to.0);
-                    while p.distance(q) > END {
-                        let middle = p.midpoint(q);
-                        match free(middle) == from.1 {
-                            true => p = middle,
-                            false => q = middle,
-                        }
-                    }
-                    // The point that is free ends or begins a line.
-                    all.push((if from.1 { p } else { q }, to.1));
-                }
-                from = to;
+            let place = |k: usize| match k as f64 / count {
+                t if t < 1.0 => a.lerp(b, t),
+                _ => b,
+            };
+            let count = count as usize;
+            if index.clear_of(a, b, reach, count, &mut near) {
+                at_b = Some(true);
+                all.push((a, true));
+                continue;
             }
-            at_b = Some(from.1);
+            let mut from = (a, at_b);
+            for first in (0..count).step_by(STRETCH) {
+                let last = (first + STRETCH).min(count);
+                if count > STRETCH {
+                    let (p, q) = (place(first), place(last));
+                    index.around(p, q, reach, &mut near);
+                }
+                let free = |p: DVec2| free(p, &near);
+                let mut on = from.1.unwrap_or_else(|| free(a));
+                if first == 0 {
+                    all.push((a, on));
+                }
+                for k in first + 1..=last {
+                    let to = (place(k), free(place(k)));
+                    if on != to.1 {
+                        changes = true;
+                        let (mut p, mut q) = (from.0, to.0);
+                        while p.distance(q) > END {
+                            let middle = p.midpoint(q);
+                            match free(middle) == on {
+                                true => p = middle,
+                                false => q = middle,
+                            }
+                        }
+                        // The point that is free ends or begins a line.
+                        all.push((if on { p } else { q }, to.1));
+                    }
+                    on = to.1;
+                    from = (to.0, Some(on));
+                }
+            }
+            at_b = from.1;
         }
         if !changes {
             if all.iter().any(|p| p.1) {
@@ -239,15 +325,14 @@ fn widen(
     reach: Mm,
     tolerance: Mm,
 ) -> Line {
-    let mut points = Vec::new();
-    let mut widths = Vec::new();
+    let n = line.points.len();
+    let mut points = Vec::with_capacity(n);
+    let mut widths = Vec::with_capacity(n);
     let mut changed = false;
-    // A point, and the direction of the line there.
-    let mut push = |p: DVec2, along: DVec2, clear: bool| {
-        let near = || index.nearest(p, reach);
-        let sliver = (!clear)
-            .then(near)
-            .flatten()
+    // A point, the direction of the line there, and the slivers near to it.
+    let mut push = |p: DVec2, along: DVec2, near: &[u32]| {
+        let sliver = index
+            .nearest_of(near, p, reach)
             .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
         match sliver {
             Some((q, t)) => {
@@ -264,27 +349,45 @@ fn widen(
             }
         }
     };
-    let n = line.points.len();
+    let mut near = Vec::new();
+    let mut clear = false;
     let segments = if line.closed { n } else { n.saturating_sub(1) };
     for k in 0..segments {
+        if k.is_multiple_of(GROUP) {
+            clear = index.group_clear(&line.points, k, reach);
+        }
         let (a, b) = (line.points[k], line.points[(k + 1) % n]);
         let back = match (line.closed, k) {
             (false, 0) => a,
             _ => line.points[(k + n - 1) % n],
         };
         let along = (b - a).normalize_or_zero();
-        let clear = index.grid.clear(a, b, reach);
-        push(a, along + (a - back).normalize_or_zero(), clear);
+        let at_a = along + (a - back).normalize_or_zero();
         if clear {
+            near.clear();
+            push(a, at_a, &[]);
             continue;
         }
         let count = (a.distance(b) / WIDEN_STEP).ceil().clamp(1.0, 1e6);
-        for i in 1..count as usize {
-            push(a.lerp(b, i as f64 / count), along, false);
+        let place = |i: usize| a.lerp(b, i as f64 / count);
+        let count = count as usize;
+        if index.clear_of(a, b, reach, count, &mut near) {
+            push(a, at_a, &[]);
+            continue;
+        }
+        for first in (0..count).step_by(STRETCH) {
+            let last = (first + STRETCH).min(count);
+            if count > STRETCH {
+                index.around(place(first), place(last), reach, &mut near);
+            }
+            for i in first..last {
+                let along = if i == 0 { at_a } else { along };
+                push(place(i), along, &near);
+            }
         }
     }
     if let (false, [.., a, b]) = (line.closed, line.points.as_slice()) {
-        push(*b, *b - *a, false);
+        push(*b, *b - *a, &near);
     }
     if !changed {
         return line;

@@ -122,16 +122,20 @@ pub(crate) struct Laid {
 
 /// Lays one wall along the border of an area.
 pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
-    let grid = EdgeGrid::new(area, CELL);
+    let grid = EdgeGrid::new(area, cell(area));
     let skeleton = Skeleton::new(area, &grid, lay.limit, tolerance);
     let room = Some(&skeleton.room);
     let rings = shrink_with(area, &grid, room, lay.centre, tolerance);
     skeleton.lay(rings, 0.0, lay)
 }
 
-/// Size of a grid's cells, mm: some lengths of an outline's edges (measured:
-/// smaller ones take longer to walk than they save edges).
-const CELL: Mm = 0.5;
+/// Size of a grid's cells: three times the mean length of the edges, within bounds
+/// (measured: smaller cells take longer to walk than they save edges, larger
+/// ones have too many of them).
+fn cell(area: &Area) -> Mm {
+    let edges: usize = area.rings.iter().map(Vec::len).sum();
+    (3.0 * area.perimeter() / edges.max(1) as f64).clamp(0.5, 1.0)
+}
 
 /// The ridges of an area, as far as they matter to some walls.
 ///
@@ -146,10 +150,12 @@ struct Skeleton {
 
 impl Skeleton {
     fn new(area: &Area, grid: &EdgeGrid, limit: Mm, tolerance: Mm) -> Skeleton {
-        let (ridges, room) = match area.is_empty() || limit <= 0.0 {
+        let (mut ridges, room) = match area.is_empty() || limit <= 0.0 {
             true => (Vec::new(), Room::default()),
             false => ridges(area, grid, limit, tolerance),
         };
+        // A post's ridge is a point.
+        ridges.retain(|r| r.length() > 0.25 * r.thickest());
         Skeleton { ridges, room }
     }
 
@@ -177,12 +183,7 @@ impl Skeleton {
     ) -> (Vec<Ridge>, Vec<Ridge>) {
         let mut beads = Vec::new();
         let mut slivers = Vec::new();
-        // A post's ridge is a point.
-        let lines = self
-            .ridges
-            .iter()
-            .filter(|r| r.length() > 0.25 * r.thickest());
-        for ridge in lines {
+        for ridge in &self.ridges {
             for (part, fits) in thin::parts(ridge, 2.0 * depth, least, limit) {
                 match fits {
                     true => beads.push(part),
@@ -239,7 +240,7 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
             depth += plan.inner;
         }
         limit = limit.max(2.0 * depth + last.least);
-        let grid = EdgeGrid::new(&area, CELL);
+        let grid = EdgeGrid::new(&area, cell(&area));
         let skeleton = Skeleton::new(&area, &grid, limit, settings.accuracy);
         let shrunk = |distance: Mm, tolerance: Mm| {
             let room = Some(&skeleton.room);

@@ -14,7 +14,7 @@
 
 use super::line::{Line, RidgeIndex, absorb};
 use super::ridge::Ridge;
-use super::{CELL, Lay, Skeleton, shrink, shrink_with};
+use super::{Lay, Skeleton, cell, shrink, shrink_with};
 use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
 use crate::units::Mm;
@@ -42,7 +42,7 @@ const SLACK: Mm = 0.02;
 
 /// Lays the beads around a solid area.
 pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
-    let grid = EdgeGrid::new(area, CELL);
+    let grid = EdgeGrid::new(area, cell(area));
     let limit = 2.0 * plan.inner + plan.limit;
     let skeleton = Skeleton::new(area, &grid, limit, tolerance);
     let room = Some(&skeleton.room);
@@ -115,7 +115,7 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Line> {
     let mut rings: Vec<Line> = Vec::new();
     let mut last: Vec<Line> = Vec::new();
     while !area.is_empty() {
-        let grid = EdgeGrid::new(&area, CELL);
+        let grid = EdgeGrid::new(&area, cell(&area));
         let skeleton = Skeleton::new(&area, &grid, plan.limit, tolerance);
         let room = Some(&skeleton.room);
         let whole = shrink_with(&area, &grid, room, plan.centre, tolerance);

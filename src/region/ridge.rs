@@ -74,6 +74,8 @@ impl Ridge {
     /// The line with as few points as the tolerance permits (Douglas and
     /// Peucker 1973), half the thickness counting as a third coordinate.
     pub(super) fn thinned(&self, tolerance: Mm) -> Ridge {
+        /// Points that are looked at first.
+        const FEW: usize = 16;
         crate::limits::check();
         let at = |i: usize| self.points[i].extend(0.5 * self.thickness[i]);
         let Some(last) = self.points.len().checked_sub(1) else {
@@ -85,31 +87,51 @@ impl Ridge {
         while let Some((i, j)) = todo.pop() {
             let (a, b) = (at(i), at(j));
             let along = b - a;
-            let off = |k: usize| {
-                let t = (at(k) - a).dot(along) / along.length_squared();
-                let t = if t.is_finite() {
-                    t.clamp(0.0, 1.0)
-                } else {
-                    0.0
-                };
-                at(k).distance(a + along * t)
+            let length = along.length_squared();
+            // The one of every few points that is off by most, if one is off
+            // by more than the tolerance.
+            let worst = |step: usize| {
+                // Squares of distances, times that of the length, if any.
+                let scale = if length > 0.0 { length } else { 1.0 };
+                let mut worst = (tolerance * tolerance * scale, None);
+                for k in (i + step..j).step_by(step) {
+                    let from_a = at(k) - a;
+                    let t = from_a.dot(along);
+                    let off = if t <= 0.0 {
+                        from_a.length_squared() * scale
+                    } else if t >= length {
+                        (from_a - along).length_squared() * scale
+                    } else {
+                        from_a.length_squared() * length - t * t
+                    };
+                    if off > worst.0 {
+                        worst = (off, Some(k));
+                    }
+                }
+                worst.1
             };
-            let worst = (i + 1..j)
-                .map(|k| (off(k), k))
-                .max_by(|p, q| p.0.total_cmp(&q.0));
-            if let Some((d, k)) = worst
-                && d > tolerance
-            {
+            // A long line has to be cut somewhere, and it does not matter
+            // exactly where: a few points often tell.
+            let few = match (j - i) / FEW {
+                0 | 1 => None,
+                step => worst(step),
+            };
+            if let Some(k) = few.or_else(|| worst(1)) {
                 keep[k] = true;
                 todo.extend([(i, k), (k, j)]);
             }
         }
-        let kept = || (0..=last).filter(|&i| keep[i]);
-        Ridge {
-            points: kept().map(|i| self.points[i]).collect(),
-            thickness: kept().map(|i| self.thickness[i]).collect(),
+        let count = keep.iter().filter(|k| **k).count();
+        let mut thin = Ridge {
+            points: Vec::with_capacity(count),
+            thickness: Vec::with_capacity(count),
             closed: self.closed,
+        };
+        for i in (0..=last).filter(|&i| keep[i]) {
+            thin.points.push(self.points[i]);
+            thin.thickness.push(self.thickness[i]);
         }
+        thin
     }
 
     /// The ridge cut where its thickness passes `limit`: each part is above
@@ -123,11 +145,17 @@ impl Ridge {
         }
         let mut parts: Vec<Ridge> = Vec::new();
         let segments = if self.closed { n } else { n - 1 };
-        let mut part = Ridge {
-            points: vec![self.points[0]],
-            thickness: vec![first],
-            closed: false,
+        let begun = |p: DVec2, thickness: Mm| {
+            let mut part = Ridge {
+                points: Vec::with_capacity(16),
+                thickness: Vec::with_capacity(16),
+                closed: false,
+            };
+            part.points.push(p);
+            part.thickness.push(thickness);
+            part
         };
+        let mut part = begun(self.points[0], first);
         for k in 0..segments {
             let (i, j) = (k, (k + 1) % n);
             let (a, b) = (self.thickness[i], self.thickness[j]);
@@ -142,11 +170,7 @@ impl Ridge {
                 };
                 part.points.push(p);
                 part.thickness.push(end);
-                let next = Ridge {
-                    points: vec![p],
-                    thickness: vec![begin],
-                    closed: false,
-                };
+                let next = begun(p, begin);
                 parts.push(std::mem::replace(&mut part, next));
             }
             part.points.push(self.points[j]);

@@ -31,6 +31,12 @@ pub(super) fn parts(
     least: Mm,
     limit: Mm,
 ) -> Vec<(Ridge, bool)> {
+    // Most ridges have room for walls all along, or for nothing.
+    let most = limit.max(least).max(0.0);
+    let mut all = ridge.thickness.iter().map(|t| t - less);
+    if all.clone().all(|t| t > most) || all.all(|t| t <= 0.0) {
+        return Vec::new();
+    }
     let mut rest = ridge.clone();
     rest.thickness.iter_mut().for_each(|t| *t -= less);
     let room = |r: &Ridge| {

@@ -5,7 +5,7 @@
 //! prints asked for it: a profile may well limit what a default asks for.
 
 use super::read::Places;
-use super::{InfillMode, Settings, Varying};
+use super::{Flavour, InfillMode, Settings, Varying};
 use crate::units::{Mm, cross_section};
 
 /// Settings that cannot be printed with.
@@ -297,6 +297,19 @@ fn retraction(
             ),
         ));
     }
+    let klipper = s.gcode.flavour == Flavour::Klipper;
+    if klipper && retract.firmware && retract.extra_prime < 0.0 {
+        return Err(conflict(
+            ["retract.extra_prime", "retract.firmware", "gcode.flavour"],
+            format!(
+                "retract.extra_prime = {} mm is negative, and Klipper's \
+                 firmware retraction refuses to push less than it has pulled \
+                 back (UNRETRACT_EXTRA_LENGTH); set retract.firmware = false, \
+                 or retract.extra_prime to 0 or more",
+                retract.extra_prime,
+            ),
+        ));
+    }
     if retract.min_travel > retract.max_unretracted {
         warnings.push(format!(
             "retract.min_travel = {} mm is more than retract.max_unretracted \
@@ -330,6 +343,39 @@ pub(super) fn flow_note(s: &Settings) -> Option<String> {
             "filament.max_flow = {} mm³/s slows {} mm/s",
             s.filament.max_flow,
             limited.join(", "),
+        )
+    })
+}
+
+/// What `printer.max_speed` does to the speeds, if anything.
+pub(super) fn speed_note(s: &Settings) -> Option<String> {
+    let speed = &s.speed;
+    let most = s.printer.max_speed;
+    let asked = [
+        ("speed.outer_wall", speed.outer_wall.constant()),
+        ("speed.inner_wall", speed.inner_wall.constant()),
+        ("speed.gap_fill", speed.gap_fill.constant()),
+        ("speed.sparse_infill", speed.sparse_infill.constant()),
+        ("speed.internal_skin", speed.internal_skin.constant()),
+        ("speed.top_skin", speed.top_skin.constant()),
+        ("speed.bottom_skin", speed.bottom_skin.constant()),
+        ("speed.bridge", speed.bridge.constant()),
+        ("speed.overhang", speed.overhang.constant()),
+        ("speed.ironing", speed.ironing.constant()),
+        ("speed.skirt", Some(speed.skirt)),
+        ("speed.travel", Some(speed.travel)),
+    ];
+    let limited: Vec<String> = asked
+        .iter()
+        .filter_map(|&(key, asked)| Some((key, asked?)))
+        .filter(|&(_, asked)| asked > most)
+        .map(|(key, asked)| format!("{key} ({asked})"))
+        .collect();
+    (!limited.is_empty()).then(|| {
+        format!(
+            "printer.max_speed = {most} mm/s is less than {}, and is used \
+             instead",
+            limited.join(", ")
         )
     })
 }
@@ -451,6 +497,14 @@ fn without_effect(
             ),
         );
     }
+    warn(
+        "gcode.set_limits",
+        !s.gcode.set_limits && s.acceleration.by_role(),
+        "gcode.set_limits = false keeps the accelerations by role from the \
+         printer: they only count for the estimate; set it to true, or the \
+         accelerations to 0"
+            .to_owned(),
+    );
     warn(
         "ironing",
         s.ironing && s.top_layers() == 0,

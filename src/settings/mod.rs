@@ -271,6 +271,33 @@ table::settings! {
         /// Speed of moves that do not print.
         travel: MmPerSec = 150.0, in 0.1..=2000.0;
     }
+    /// Accelerations of the nozzle by what is printed; 0 takes the printer's
+    /// own, printer.acceleration.
+    acceleration: Acceleration {
+        /// Acceleration of outer walls.
+        outer_wall: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of the walls behind the outer wall, and of the beads
+        /// that fill gaps between walls.
+        inner_wall: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of sparse infill.
+        sparse_infill: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of solid layers that are covered from both sides.
+        internal_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of skin that faces upwards, and of ironing.
+        top_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of skin that faces downwards.
+        bottom_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of bridges.
+        bridge: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of walls that hang over the layer below.
+        overhang: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Greatest acceleration of whatever is printed on the first layer;
+        /// 0 for none of its own.
+        first_layer: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of moves that do not print; 0 takes
+        /// printer.travel_acceleration.
+        travel: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+    }
     /// The way between beads.
     travel: Travel {
         /// Whether travels go round what is in their way, and where they may
@@ -376,6 +403,9 @@ table::settings! {
     filament: Filament {
         /// Diameter of the filament.
         diameter: Mm = 1.75, in 0.5..=10.0;
+        /// What it is made of: PLA, PETG, ABS. Hosts show it, and warn if
+        /// another one is loaded.
+        material: String = String::from("PLA");
         /// Density of the material, for the mass in the summary.
         density: GramsPerCm3 = 1.24, in 0.1..=25.0;
         /// Price of a kilogram, in whatever currency, for the summary; 0 to
@@ -420,14 +450,21 @@ table::settings! {
         /// Greatest temperature that the bed reaches; settings beyond it are
         /// warned of. auto if it is not known.
         max_bed_temperature: Option<Celsius> = None, in 1.0..=250.0;
-        /// Acceleration of printing moves.
+        /// Acceleration of printing moves, where the group acceleration has
+        /// no other.
         acceleration: MmPerSec2 = 1000.0, in 1.0..=100_000.0;
-        /// Acceleration of moves that do not print.
+        /// Acceleration of moves that do not print, where
+        /// acceleration.travel is 0.
         travel_acceleration: MmPerSec2 = 1500.0, in 1.0..=100_000.0;
         /// Speed at which a right-angled corner is passed.
         square_corner_velocity: MmPerSec = 5.0, in 0.0..=200.0;
+        /// Greatest speed in the plane: nothing is asked to be faster.
+        max_speed: MmPerSec = 500.0, in 1.0..=5000.0;
         /// Greatest speed of the z axis.
         max_speed_z: MmPerSec = 10.0, in 0.1..=1000.0;
+        /// Greatest acceleration of the z axis, for the estimate of the time
+        /// only: the printer keeps its own.
+        max_acceleration_z: MmPerSec2 = 100.0, in 1.0..=100_000.0;
     }
     /// The text that is written. Templates are text with placeholders such
     /// as {{ nozzle_temperature }}; docs/gcode.md lists them.
@@ -452,8 +489,8 @@ table::settings! {
         /// through corners. If false, they only count for the estimate.
         set_limits: bool = true;
         /// Whether layers tell how far the print has come, and the minutes
-        /// left (M73); auto does for Prusa's firmware. Only files of a whole
-        /// part can tell.
+        /// left (M73); auto does for Marlin and Prusa's firmware. Only files
+        /// of a whole part can tell.
         progress: Emit = Emit::Auto;
         /// Whether the part has a label, which hosts show and can exclude;
         /// auto labels for firmware that is sure to know the words.
@@ -659,10 +696,38 @@ impl Settings {
         self.bottom_skin_width.unwrap_or(self.skin_width)
     }
 
+    /// Speed of moves that do not print.
+    pub fn travel_speed(&self) -> MmPerSec {
+        self.speed.travel.min(self.printer.max_speed)
+    }
+
+    /// Acceleration of moves that do not print.
+    pub fn travel_acceleration(&self) -> MmPerSec2 {
+        match self.acceleration.travel > 0.0 {
+            true => self.acceleration.travel,
+            false => self.printer.travel_acceleration,
+        }
+    }
+
+    /// Acceleration of moves up and down.
+    pub fn z_acceleration(&self) -> MmPerSec2 {
+        self.travel_acceleration()
+            .min(self.printer.max_acceleration_z)
+    }
+
+    /// How far outer walls reach beyond the part, in the plane. Fuzzy skin
+    /// that is an expression is not counted.
+    pub fn reach(&self) -> Mm {
+        let fuzzy = self.fuzzy.thickness.constant().unwrap_or(0.0);
+        (self.xy_compensation + fuzzy).max(0.0)
+    }
+
     /// What the settings lead to without anybody's having asked for it: the
-    /// speeds that `filament.max_flow` does not allow, and those instead.
+    /// speeds that `filament.max_flow` and `printer.max_speed` do not allow,
+    /// and those instead.
     pub fn notes(&self) -> Vec<String> {
-        check::flow_note(self).into_iter().collect()
+        let notes = [check::flow_note(self), check::speed_note(self)];
+        notes.into_iter().flatten().collect()
     }
 
     /// Solid layers above a downward face: `bottom_layers` if set, else what
@@ -671,6 +736,25 @@ impl Settings {
         self.bottom_layers.unwrap_or_else(|| {
             layers_in(self.bottom_thickness, self.layer_height)
         })
+    }
+}
+
+impl Acceleration {
+    /// True if some beads have an acceleration of their own.
+    pub fn by_role(&self) -> bool {
+        [
+            self.outer_wall,
+            self.inner_wall,
+            self.sparse_infill,
+            self.internal_skin,
+            self.top_skin,
+            self.bottom_skin,
+            self.bridge,
+            self.overhang,
+            self.first_layer,
+        ]
+        .iter()
+        .any(|a| *a > 0.0)
     }
 }
 

@@ -115,8 +115,24 @@ impl Profile {
     }
 
     fn is(&self, other: &Profile) -> bool {
-        self.origin == other.origin && self.name == other.name
+        match (&self.origin, &other.origin) {
+            // One file may be named in many ways.
+            (Origin::File(a), Origin::File(b)) => resolved(a) == resolved(b),
+            (a, b) => a == b && self.name == other.name,
+        }
     }
+
+    /// The folder that a path in it starts from.
+    fn beside(&self) -> &Path {
+        match &self.origin {
+            Origin::Shipped => Path::new(""),
+            Origin::File(path) => path.parent().unwrap_or(Path::new("")),
+        }
+    }
+}
+
+fn resolved(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
 fn file_name(kind: ProfileKind, name: &str, origin: &Origin) -> String {
@@ -171,7 +187,7 @@ impl Profiles {
         kind: ProfileKind,
         name: &str,
     ) -> Result<Profile, SettingsError> {
-        match self.look_up(kind, name, true)? {
+        match self.look_up(kind, name, Path::new(""), true)? {
             Some(profile) => Ok(profile),
             None => Err(self.unknown(
                 kind,
@@ -199,7 +215,8 @@ impl Profiles {
             // One's own version of a profile starts from the program's.
             let folder_too =
                 *parent != last.name || last.origin == Origin::Shipped;
-            let found = self.look_up(kind, parent, folder_too)?;
+            let beside = last.beside();
+            let found = self.look_up(kind, parent, beside, folder_too)?;
             let circle = |chain: &[Profile]| {
                 let names = chain.iter().map(|p| p.name.as_str());
                 let names: Vec<_> = names.chain([parent.as_str()]).collect();
@@ -224,14 +241,16 @@ impl Profiles {
         Ok(chain)
     }
 
+    /// A path starts from the folder `beside`.
     fn look_up(
         &self,
         kind: ProfileKind,
         name: &str,
+        beside: &Path,
         folder_too: bool,
     ) -> Result<Option<Profile>, SettingsError> {
         if is_path(name) {
-            let path = PathBuf::from(name);
+            let path = beside.join(name);
             let stem = path.file_stem().unwrap_or_default();
             let stem = stem.to_string_lossy().into_owned();
             let text = read::text_of(&path)?;

@@ -6,7 +6,7 @@
 
 use super::check::{self, Conflict};
 use super::error::{Place, SettingsError};
-use super::profile::{ProfileKind, Profiles};
+use super::profile::{Profile, ProfileKind, Profiles};
 use super::table::{self, Key};
 use super::value::{Raw, Refused};
 use super::{Settings, keys};
@@ -62,7 +62,8 @@ impl Builder {
         })
     }
 
-    /// Takes over a profile, after those that it inherits from.
+    /// Takes over a profile, after those that it inherits from, and returns
+    /// them in that order.
     ///
     /// # Errors
     /// If it, or one that it inherits from, does not exist, or as
@@ -72,15 +73,16 @@ impl Builder {
         profiles: &Profiles,
         kind: ProfileKind,
         name: &str,
-    ) -> Result<(), SettingsError> {
-        for profile in profiles.chain(kind, name)? {
+    ) -> Result<Vec<Profile>, SettingsError> {
+        let chain = profiles.chain(kind, name)?;
+        for profile in &chain {
             let name = profile.file();
             self.take_over(&profile.text, &HEAD, |line| Place::Profile {
                 name: name.clone(),
                 line,
             })?;
         }
-        Ok(())
+        Ok(chain)
     }
 
     /// Takes over `text` except for the keys in `skip`; `place` tells a line's

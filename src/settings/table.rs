@@ -227,9 +227,6 @@ macro_rules! unit {
     (Option<$inner:ident>) => {
         $crate::settings::table::unit!($inner)
     };
-    (Option<Seconds>) => {
-        "s"
-    };
     (Mm2) => {
         "mm²"
     };

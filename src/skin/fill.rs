@@ -309,6 +309,7 @@ impl Filler<'_> {
             width: line.width,
             widths: line.widths,
             height: self.height,
+            small: false,
         }
     }
 }

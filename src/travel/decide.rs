@@ -130,6 +130,17 @@ impl<'a> Obstacles<'a> {
             || beside.windows(2).any(|p| !grid.clear(p[0], p[1], near))
     }
 
+    /// Is it an outer wall, or a part of one, that hangs? Its role no longer
+    /// says so, but the outline is half its width away.
+    fn hangs_outside(&self, bead: &Bead) -> bool {
+        let middle = bead.points.get(bead.points.len() / 2);
+        bead.role == Role::Overhang
+            && middle.is_some_and(|&p| {
+                let reach = 0.5 * self.width + NEAR * self.inner_width;
+                self.ground.solid.nearest_edge(p, reach).is_some()
+            })
+    }
+
     fn grid(&self, wanted: impl Fn(&Bead) -> bool) -> EdgeGrid {
         let segments = self
             .beads
@@ -161,7 +172,7 @@ impl<'a> Obstacles<'a> {
         // and so do walls that grow wider.
         let open = self.open.get_or_init(|| {
             self.grid(|b| {
-                matches!(b.role, Role::OuterWall | Role::Overhang)
+                (b.role == Role::OuterWall || self.hangs_outside(b))
                     && (!b.closed || !b.widths.is_empty())
             })
         });
@@ -222,9 +233,12 @@ impl<'a> Obstacles<'a> {
     /// True if the way crosses a wall behind an outer one. Leaving a wall
     /// towards the fill, or coming from there, is no crossing.
     pub fn inner_wall(&self, points: &[DVec2]) -> bool {
-        let grid = self
-            .inner
-            .get_or_init(|| self.grid(|b| b.role == Role::InnerWall));
+        let grid = self.inner.get_or_init(|| {
+            self.grid(|b| {
+                b.role == Role::InnerWall
+                    || b.role == Role::Overhang && !self.hangs_outside(b)
+            })
+        });
         let inside = trimmed(points, 1.2 * self.border);
         inside
             .windows(2)

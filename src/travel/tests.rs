@@ -21,6 +21,7 @@ fn bead(role: Role, at: &[(f64, f64)]) -> Bead {
         width: 0.45,
         widths: Vec::new(),
         height: 0.2,
+        small: false,
     }
 }
 
@@ -279,6 +280,24 @@ fn walls_in_the_way_are_checked_or_not() {
     assert!(!last(&part, Role::SparseInfill).retract);
     let part = part.with(|s| s.retract.check_walls = false);
     assert!(!last(&part, Role::InnerWall).retract);
+}
+
+#[test]
+fn walls_that_hang_are_still_inner_or_outer_ones() {
+    let part = Part::square();
+    let hangs = |at: &[(f64, f64)]| vec![bead(Role::Overhang, at)];
+    let inner = hangs(&[(10.0, 3.0), (10.0, 10.0), (10.0, 17.0)]);
+    let outer = hangs(&[(0.225, 3.0), (0.225, 10.0), (0.225, 17.0)]);
+    let across = points(&[(5.0, 9.0), (15.0, 9.0)]);
+    let along = points(&[(1.0, 5.0), (0.1, 6.0), (1.0, 7.0)]);
+    part.ask(&inner, |o| {
+        assert!(o.inner_wall(&across));
+        assert!(!o.outer_wall(&across, 9));
+    });
+    part.ask(&outer, |o| {
+        assert!(!o.inner_wall(&across));
+        assert!(o.outer_wall(&along, 9));
+    });
 }
 
 #[test]

@@ -5,31 +5,35 @@ mod overhang;
 pub use overhang::Support;
 
 use crate::bead::{Bead, Role};
+use crate::plane::path_length;
 use crate::region::Walls;
 use crate::region::line::Line;
 use crate::units::Mm;
 
 /// The walls' lines as beads, the outer wall's first. A part too thin for
-/// walls is an outer wall, what is too thin between walls a gap.
-pub fn beads(walls: &Walls, height: Mm) -> Vec<Bead> {
+/// walls is an outer wall, what is too thin between walls a gap. Rings shorter
+/// than `small` are marked: later they may be opened, or cut.
+pub fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
     let rings = walls.lines.iter().enumerate().flat_map(|(depth, lines)| {
         let role = match depth {
             0 => Role::OuterWall,
             _ => Role::InnerWall,
         };
-        lines.iter().map(move |l| bead(l, role, height))
+        lines.iter().map(move |l| bead(l, role, height, small))
     });
     let thin = walls.thin.iter().enumerate().flat_map(|(depth, lines)| {
         let role = match depth {
             0 => Role::OuterWall,
             _ => Role::GapFill,
         };
-        lines.iter().map(move |l| bead(l, role, height))
+        lines.iter().map(move |l| bead(l, role, height, small))
     });
     rings.chain(thin).collect()
 }
 
-fn bead(line: &Line, role: Role, height: Mm) -> Bead {
+fn bead(line: &Line, role: Role, height: Mm, small: Mm) -> Bead {
+    let wall = matches!(role, Role::OuterWall | Role::InnerWall);
+    let ring = wall && line.closed;
     Bead {
         role,
         points: line.points.clone(),
@@ -37,5 +41,6 @@ fn bead(line: &Line, role: Role, height: Mm) -> Bead {
         width: line.width,
         widths: line.widths.clone(),
         height,
+        small: ring && path_length(&line.points, true) < small,
     }
 }

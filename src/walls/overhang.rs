@@ -7,10 +7,12 @@
 //! ```
 //!
 //! In: a layer's beads in print order, and the solid of the layer below. Out:
-//! the same beads, walls and gaps between them cut where they begin or cease
-//! to hang. A wall that has grown wider reaches another one beside it, which
-//! holds it, and is left as it is. By how much a bead may hang over is a share of its width: at half
-//! of it, it is the centre line that must not leave the solid.
+//! the same beads, walls cut where they begin or cease to hang. A wall that
+//! has grown wider reaches another one beside it, which holds it, and is left
+//! as it is, as is what fills the gaps between walls; the one bead of a thin
+//! place has nothing beside it. By how much a bead may hang over is a share
+//! of its width: at half of it, it is the centre line that must not leave the
+//! solid.
 
 use crate::bead::{Bead, Role};
 use crate::plane::Area;
@@ -23,10 +25,13 @@ use glam::DVec2;
 /// What holds a layer's walls.
 pub struct Support<'a> {
     solid: &'a EdgeGrid,
-    /// The solid shrunk or grown, if not half of a wall may hang over.
-    moved: Option<EdgeGrid>,
+    /// The solid shrunk or grown for outer and for inner walls, if not half
+    /// of a wall may hang over.
+    moved: Option<[EdgeGrid; 2]>,
     /// Widths beyond which outer and inner walls reach what is beside them.
     wide: [Mm; 2],
+    /// Ends of a loop that is opened at its seam are no farther apart.
+    opened: Mm,
 }
 
 /// Shorter pieces, and shorter gaps between two, go with what is beside
@@ -49,14 +54,16 @@ impl<'a> Support<'a> {
         if share >= 100.0 {
             return None;
         }
-        let by = (0.01 * share - 0.5) * settings.outer_wall_width;
-        let moved = (by != 0.0)
-            .then(|| EdgeGrid::new(&offset(area, by, TOLERANCE), 1.0));
-        let wide = [settings.outer_wall_width, settings.inner_wall_width];
+        let widths = [settings.outer_wall_width, settings.inner_wall_width];
+        let share = 0.01 * share - 0.5;
+        let grid = |width: Mm| {
+            EdgeGrid::new(&offset(area, share * width, TOLERANCE), 1.0)
+        };
         Some(Support {
             solid,
-            moved,
-            wide: wide.map(|w| w * (1.0 + WIDER)),
+            moved: (share != 0.0).then(|| widths.map(grid)),
+            wide: widths.map(|w| w * (1.0 + WIDER)),
+            opened: settings.seam_gap.max(settings.seam_scarf) + SHORT,
         })
     }
 
@@ -75,8 +82,15 @@ impl<'a> Support<'a> {
         out
     }
 
+    /// Is it a loop, if opened at its seam, and not the bead of a thin place?
+    fn is_loop(&self, bead: &Bead) -> bool {
+        let ends = bead.points.first().zip(bead.points.last());
+        bead.closed || ends.is_some_and(|(a, b)| a.distance(*b) <= self.opened)
+    }
+
     fn cut_one(&self, bead: Bead, out: &mut Vec<Bead>) {
-        let grid = self.moved.as_ref().unwrap_or(self.solid);
+        let wall = usize::from(bead.role != Role::OuterWall);
+        let grid = self.moved.as_ref().map_or(self.solid, |m| &m[wall]);
         let n = bead.points.len();
         // Where along the bead, as segment + share of it, edges are crossed.
         let mut cuts: Vec<f64> = Vec::new();
@@ -85,9 +99,9 @@ impl<'a> Support<'a> {
             cuts.extend(grid.crossings(a, b).iter().map(|t| i as f64 + t));
             cuts[first..].sort_by(f64::total_cmp);
         }
-        let usual = match bead.role {
-            Role::OuterWall => self.wide[0],
-            _ => self.wide[1],
+        let usual = match self.is_loop(&bead) {
+            true => self.wide[wall],
+            false => Mm::INFINITY,
         };
         if !bead.widths.is_empty() {
             let wide = |i: usize| bead.widths.get(i % n) > Some(&usual);
@@ -252,6 +266,7 @@ mod tests {
             width: 0.4,
             widths: Vec::new(),
             height: 0.2,
+            small: false,
         }
     }
 
@@ -306,6 +321,18 @@ mod tests {
         let all = cut(loop_, away, 50.0);
         assert_eq!((all.len(), all[0].role), (1, Role::Overhang));
         assert!(all[0].closed);
+    }
+
+    #[test]
+    fn the_bead_of_a_thin_place_has_nothing_beside_it() {
+        // A fin of 0.6 mm sticks out over nothing from x = 5 on.
+        let fin = Bead {
+            closed: false,
+            widths: vec![0.6, 0.6],
+            ..wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)])
+        };
+        let found = lengths(&cut(fin, rect(-1.0, -5.0, 5.0, 5.0), 50.0));
+        assert_eq!(found, [(Role::OuterWall, 5.0), (Role::Overhang, 15.0)]);
     }
 
     #[test]

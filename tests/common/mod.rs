@@ -50,7 +50,11 @@ pub fn model(
         y: settings.printer.bed_y,
         z: settings.printer.height,
     };
-    place(&load(&source, defines).unwrap(), placement, volume).unwrap()
+    let placement = Placement {
+        margin: settings.reach(),
+        ..*placement
+    };
+    place(&load(&source, defines).unwrap(), &placement, volume).unwrap()
 }
 
 /// A formula's model as it is, on the bed.
@@ -78,11 +82,7 @@ pub fn slice_layers(
     let options = Options {
         threads: Some(threads),
         layers: layers.parse::<LayerRange>().unwrap(),
-        svg_dir: None,
-        report: false,
-        check: true,
-        backend: None,
-        on_layer: &|_, _| {},
+        ..Options::default()
     };
     let mut bytes = Vec::new();
     let summary =

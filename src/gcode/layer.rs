@@ -1,0 +1,147 @@
+//! A layer's text: its marks, the user's own lines, the label and the steps.
+
+use super::placeholders::Moment;
+use super::progress::Clock;
+use super::{FULL, WIDTH, WriteError, Writer, XYZ, flavour, scan};
+use crate::bead::Role;
+use crate::pace::{PacedLayer, PacedMove};
+use crate::settings::Comments;
+use std::io::Write;
+use std::ops::Range;
+
+impl<W: Write> Writer<'_, W> {
+    /// The text of a layer; `pass_on` empties the buffer whenever it is full.
+    pub(super) fn compose(
+        &mut self,
+        layer: &PacedLayer,
+        pass_on: impl Fn(&mut Self) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
+        self.layer = layer.span.index;
+        self.layer_comments(layer)?;
+        // Readers that take a layer on its own want both in it.
+        self.role = None;
+        self.width = None;
+        // Before the user's own lines, which may well set another.
+        if self.layer == 1 {
+            self.second_layer_temperature();
+        }
+        if self.layer > 0 && self.nozzle != Some(layer.nozzle_temperature) {
+            self.nozzle = Some(layer.nozzle_temperature);
+            self.temperature("M104", layer.nozzle_temperature);
+        }
+        self.layer_template(layer)?;
+        self.reset_filament();
+        if flavour::print_stats(self.settings.gcode.flavour) {
+            let current = self.layer + 1;
+            self.line(&format!("SET_PRINT_STATS_INFO CURRENT_LAYER={current}"));
+        }
+        self.set_fan(layer.fan);
+        let labelled = labelled(&layer.moves);
+        let label = match labelled.is_empty() {
+            true => None,
+            false => self.label.clone(),
+        };
+        let mut clock = Clock::new(layer);
+        self.mark(clock.time());
+        for (i, step) in layer.moves.iter().enumerate() {
+            if i == labelled.start
+                && let Some(label) = &label
+            {
+                self.line(&label.start);
+            }
+            self.step(step)?;
+            if self.waiting.is_some() {
+                clock.step(step);
+                self.mark_if_due(clock.time());
+            }
+            if self.buffer.len() >= FULL {
+                pass_on(self)?;
+            }
+        }
+        if let Some(label) = &label {
+            self.line(&label.end);
+        }
+        self.count("time", layer.time, XYZ)?;
+        Ok(())
+    }
+
+    /// Tells the machine what the layers below have told it, if these are in
+    /// another file.
+    pub(super) fn catch_up(&mut self) {
+        let flavour = self.settings.gcode.flavour;
+        if let Some(pwm) = self.fan.filter(|&pwm| pwm > 0) {
+            self.line(&flavour::fan(flavour, pwm));
+        }
+        if let Some(count) = self.acceleration {
+            self.tell_acceleration(count);
+        }
+    }
+
+    /// Tells readers that a layer begins.
+    pub(super) fn layer_comments(
+        &mut self,
+        layer: &PacedLayer,
+    ) -> Result<(), WriteError> {
+        let z = self.count("z", layer.span.top, XYZ)?;
+        let height = self.count("layer height", layer.span.height(), WIDTH)?;
+        self.height = Some(height);
+        match self.settings.gcode.comments {
+            Comments::Prusa | Comments::Orca => {
+                self.line(";LAYER_CHANGE");
+                self.comment_number(";Z:", z, XYZ);
+                self.comment_number(";HEIGHT:", height, WIDTH);
+            }
+            Comments::Cura => self.line(&format!(";LAYER:{}", self.layer)),
+            Comments::None => {}
+        }
+        Ok(())
+    }
+
+    /// The user's own lines for a layer. The machine may be anywhere, and in
+    /// any mode, after them.
+    pub(super) fn layer_template(
+        &mut self,
+        layer: &PacedLayer,
+    ) -> Result<(), WriteError> {
+        let moment = Moment {
+            number: self.layer + 1,
+            z: layer.span.top,
+            height: layer.span.height(),
+        };
+        let Some(lines) = self.templates.layer(moment)? else {
+            return Ok(());
+        };
+        self.buffer.extend_from_slice(lines.as_bytes());
+        if scan::may_change_modes(&lines) {
+            self.modes();
+        }
+        self.xy = None;
+        self.z = None;
+        self.feed = None;
+        self.fan = None;
+        self.acceleration = None;
+        self.filament.zero = None;
+        Ok(())
+    }
+
+    pub(super) fn second_layer_temperature(&mut self) {
+        let f = &self.settings.filament;
+        if f.bed_temperature != f.first_layer_bed_temperature {
+            self.temperature("M140", f.bed_temperature);
+        }
+    }
+}
+
+/// Which of a layer's moves print the part, and not a skirt before it, with
+/// the way there; none if nothing of the part is printed.
+fn labelled(moves: &[PacedMove]) -> Range<usize> {
+    let is = |m: &PacedMove, skirt: bool| {
+        matches!(m, PacedMove::Print { bead, .. }
+            if (bead.role == Role::Skirt) == skirt)
+    };
+    if !moves.iter().any(|m| is(m, false)) {
+        return 0..0;
+    }
+    let skirt = moves.iter().rposition(|m| is(m, true));
+    skirt.map_or(0, |i| i + 1)..moves.len()
+}

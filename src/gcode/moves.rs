@@ -1,0 +1,273 @@
+//! The moves: from steps of the machine to lines that say only what changes.
+//!
+//! In: [`PacedMove`]s. Out: lines in the writer's buffer.
+
+use super::comments::{self, role_name};
+use super::number::scaled;
+use super::{COARSE, E, MICRON, WIDTH, WriteError, Writer, XYZ, flavour};
+use crate::bead::Bead;
+use crate::pace::PacedMove;
+use crate::units::{Mm, MmPerSec, MmPerSec2, feed_rate, filament_area};
+use glam::DVec2;
+use std::io::Write;
+
+impl<W: Write> Writer<'_, W> {
+    pub(super) fn step(&mut self, step: &PacedMove) -> Result<(), WriteError> {
+        match step {
+            PacedMove::Retract { length, speed } => {
+                self.retract(*length, *speed)
+            }
+            PacedMove::Wipe {
+                points,
+                length,
+                speed,
+            } => self.wipe(points, *length, *speed),
+            PacedMove::Prime {
+                length: _,
+                extra,
+                speed,
+            } => self.prime(*extra, *speed),
+            PacedMove::Lift { z, speed } => self.lift(*z, *speed),
+            PacedMove::Travel { points, speed } => {
+                self.accelerate_travel();
+                for &p in points {
+                    self.go(p, *speed, None)?;
+                }
+                Ok(())
+            }
+            PacedMove::Print {
+                bead,
+                speed,
+                acceleration,
+                flow,
+            } => self.bead(bead, *speed, *acceleration, *flow),
+            PacedMove::Fan(speed) => {
+                self.set_fan(*speed);
+                Ok(())
+            }
+        }
+    }
+
+    fn bead(
+        &mut self,
+        bead: &Bead,
+        speed: MmPerSec,
+        acceleration: MmPerSec2,
+        flow: f64,
+    ) -> Result<(), WriteError> {
+        if self.role != Some(bead.role) {
+            let dialect = self.settings.gcode.comments;
+            let name = |role| role_name(dialect, role);
+            // Several roles may have one name.
+            if self.role.and_then(name) != name(bead.role) {
+                self.type_comment(name(bead.role));
+            }
+            self.role = Some(bead.role);
+        }
+        let width = self.count("bead width", bead.width, WIDTH)?;
+        let height = self.count("bead height", bead.height, WIDTH)?;
+        if comments::has_sizes(self.settings.gcode.comments) {
+            if self.width != Some(width) {
+                self.width = Some(width);
+                self.comment_number(";WIDTH:", width, WIDTH);
+            }
+            if self.height != Some(height) {
+                self.height = Some(height);
+                self.comment_number(";HEIGHT:", height, WIDTH);
+            }
+        }
+        self.accelerate_printing(acceleration);
+        let area =
+            bead.area() * flow / filament_area(self.settings.filament.diameter);
+        let mut path = bead.path();
+        // The head is there already, or the line is left out.
+        if let Some(start) = path.next() {
+            self.go(start, speed, None)?;
+        }
+        for p in path {
+            self.go(p, speed, Some(area))?;
+        }
+        Ok(())
+    }
+
+    /// Moves to `p`, feeding `filament` mm for each mm.
+    fn go(
+        &mut self,
+        p: DVec2,
+        speed: MmPerSec,
+        filament: Option<f64>,
+    ) -> Result<(), WriteError> {
+        let x = self.count("x", p.x, XYZ)?;
+        let y = self.count("y", p.y, XYZ)?;
+        if self.xy == Some((x, y)) {
+            return Ok(());
+        }
+        if let (Some(per_mm), Some((x0, y0))) = (filament, self.xy) {
+            let length = ((x - x0) as f64).hypot((y - y0) as f64) * MICRON;
+            self.feed_filament(per_mm * length)?;
+        }
+        self.xy = Some((x, y));
+        self.buffer.extend_from_slice(b"G1");
+        self.word(b" X", x, XYZ);
+        self.word(b" Y", y, XYZ);
+        if filament.is_some()
+            && let Some(e) = self.filament.word()
+        {
+            self.word(b" E", e, E);
+        }
+        self.end_move(speed)
+    }
+
+    fn lift(&mut self, z: Mm, speed: MmPerSec) -> Result<(), WriteError> {
+        let z = self.count("z", z, XYZ)?;
+        if self.z == Some(z) {
+            return Ok(());
+        }
+        self.accelerate_travel();
+        self.z = Some(z);
+        self.buffer.extend_from_slice(b"G1");
+        self.word(b" Z", z, XYZ);
+        self.end_move(speed)
+    }
+
+    fn retract(
+        &mut self,
+        length: Mm,
+        speed: MmPerSec,
+    ) -> Result<(), WriteError> {
+        self.retracted = true;
+        if self.settings.retract.firmware {
+            self.line("G10");
+            return Ok(());
+        }
+        self.filament.back = self.count("retraction", length, E)?;
+        self.filament_move(speed)
+    }
+
+    /// Pulls filament back on the way through `points`.
+    fn wipe(
+        &mut self,
+        points: &[DVec2],
+        length: Mm,
+        speed: MmPerSec,
+    ) -> Result<(), WriteError> {
+        self.accelerate_travel();
+        let marked = comments::has_sizes(self.settings.gcode.comments);
+        if marked {
+            self.line(comments::WIPE_START);
+        }
+        let from = match self.xy {
+            Some((x, y)) => DVec2::new(x as f64, y as f64) * MICRON,
+            None => points.first().copied().unwrap_or_default(),
+        };
+        let before = self.filament.back;
+        let back = self.count("retraction", length, E)?;
+        let ends = || [from].into_iter().chain(points.iter().copied());
+        let steps = || ends().zip(ends().skip(1)).map(|(p, q)| p.distance(q));
+        let whole: f64 = steps().sum();
+        let mut done = 0.0;
+        for (&p, step) in points.iter().zip(steps()) {
+            done += step;
+            let share = (back as f64 * (done / whole).min(1.0)).round();
+            self.filament.back = before + share as i64;
+            self.go(p, speed, Some(0.0))?;
+        }
+        // What rounding has left, if the last points are one place.
+        self.filament.back = before + back;
+        self.retracted = true;
+        self.filament_move(self.settings.retract.speed)?;
+        if marked {
+            self.line(comments::WIPE_END);
+        }
+        Ok(())
+    }
+
+    fn prime(&mut self, extra: Mm, speed: MmPerSec) -> Result<(), WriteError> {
+        if self.settings.retract.firmware {
+            // What is always fed in addition, the firmware knows.
+            let mut own = 0.0;
+            if std::mem::take(&mut self.retracted) {
+                self.line("G11");
+                own = self.settings.retract.extra_prime;
+            }
+            self.extra += own;
+            self.feed_filament(extra - own)?;
+            return self.filament_move(speed);
+        }
+        self.filament.back = 0;
+        self.retracted = false;
+        self.feed_filament(extra)?;
+        self.filament_move(speed)
+    }
+
+    /// Adds to what is fed into the print.
+    fn feed_filament(&mut self, length: Mm) -> Result<(), WriteError> {
+        self.filament.exact += length;
+        self.count("filament length", self.filament.exact, E)
+            .map(|_| ())
+    }
+
+    /// A move of the filament alone.
+    pub(super) fn filament_move(
+        &mut self,
+        speed: MmPerSec,
+    ) -> Result<(), WriteError> {
+        let Some(e) = self.filament.word() else {
+            return Ok(());
+        };
+        self.buffer.extend_from_slice(b"G1");
+        self.word(b" E", e, E);
+        self.end_move(speed)
+    }
+
+    /// The feed rate if it changes, and the line's end.
+    fn end_move(&mut self, speed: MmPerSec) -> Result<(), WriteError> {
+        let feed = self.count("speed", feed_rate(speed), 0)?;
+        // Zero would stop the print for good; the slowest is 1 mm/min.
+        let feed = feed.max(1);
+        if self.feed != Some(feed) {
+            self.feed = Some(feed);
+            self.word(b" F", feed, 0);
+        }
+        self.buffer.push(b'\n');
+        Ok(())
+    }
+
+    /// Absolute positions of the filament start again from zero now and then:
+    /// firmware keeps them in single precision.
+    pub(super) fn reset_filament(&mut self) {
+        let filament = &mut self.filament;
+        let zero = Some(filament.told);
+        if !filament.relative && filament.zero != zero {
+            filament.zero = zero;
+            self.line("G92 E0");
+        }
+    }
+
+    /// Sets the acceleration of a bead, if it changes.
+    fn accelerate_printing(&mut self, to: MmPerSec2) {
+        if !self.sets_acceleration {
+            return;
+        }
+        let count =
+            scaled(to, COARSE).filter(|c| self.acceleration != Some(*c));
+        if let Some(count) = count {
+            self.acceleration = Some(count);
+            self.tell_acceleration(count);
+        }
+    }
+
+    pub(super) fn tell_acceleration(&mut self, count: i64) {
+        let word = flavour::print_acceleration(self.settings.gcode.flavour);
+        self.buffer.extend_from_slice(word);
+        self.word(b"", count, COARSE);
+        self.buffer.push(b'\n');
+    }
+
+    /// Sets the acceleration of travels, where it is that of beads as well.
+    fn accelerate_travel(&mut self) {
+        if flavour::one_acceleration(self.settings.gcode.flavour) {
+            self.accelerate_printing(self.settings.travel_acceleration());
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! What bounds a bead's speed, whatever its role asks for, and how fast the
+//! head may get there.
+
+use super::rates::Rates;
+use crate::bead::{Bead, Role};
+use crate::layers::LayerSpan;
+use crate::settings::Settings;
+use crate::units::{MmPerSec, MmPerSec2};
+
+/// Greatest speed of a bead, whatever its role's: the first layer's, and that
+/// of small walls.
+pub(super) fn speed_limit(
+    bead: &Bead,
+    span: &LayerSpan,
+    settings: &Settings,
+) -> MmPerSec {
+    let speed = &settings.speed;
+    let first = match span.index {
+        0 => speed.first_layer,
+        _ => f64::INFINITY,
+    };
+    match bead.small {
+        true => first.min(speed.small_perimeter),
+        false => first,
+    }
+}
+
+/// Speed of a bead before cooling: what its rates ask for, what the filament's
+/// flow allows, and what the printer can, whichever is least.
+pub(super) fn print_speed(
+    settings: &Settings,
+    bead: &Bead,
+    rates: &Rates,
+) -> MmPerSec {
+    let area = bead.area() * rates.flow;
+    let speed = rates.speed.min(settings.printer.max_speed);
+    match area > 0.0 && settings.filament.max_flow > 0.0 {
+        true => speed.min(settings.filament.max_flow / area),
+        false => speed,
+    }
+}
+
+/// Acceleration of a role's beads on a layer.
+pub(super) fn acceleration(
+    role: Role,
+    span: &LayerSpan,
+    settings: &Settings,
+) -> MmPerSec2 {
+    let by_role = &settings.acceleration;
+    let asked = match role {
+        Role::OuterWall => by_role.outer_wall,
+        Role::InnerWall | Role::GapFill => by_role.inner_wall,
+        Role::Overhang => by_role.overhang,
+        Role::TopSkin | Role::Ironing => by_role.top_skin,
+        Role::InternalSkin => by_role.internal_skin,
+        Role::BottomSkin => by_role.bottom_skin,
+        Role::Bridge => by_role.bridge,
+        Role::SparseInfill => by_role.sparse_infill,
+        Role::Skirt | Role::Brim => 0.0,
+    };
+    let own = match asked > 0.0 {
+        true => asked,
+        false => settings.printer.acceleration,
+    };
+    match span.index == 0 && by_role.first_layer > 0.0 {
+        true => own.min(by_role.first_layer),
+        false => own,
+    }
+}

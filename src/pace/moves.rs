@@ -1,0 +1,79 @@
+//! What pacing makes: the steps of the machine, layer by layer.
+
+use crate::bead::Bead;
+use crate::layers::LayerSpan;
+use crate::units::{Celsius, Mm, MmPerSec, MmPerSec2, Percent, Seconds};
+use glam::DVec2;
+
+/// One step of the machine, with its speed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PacedMove {
+    /// Pull filament back.
+    Retract {
+        /// Length of filament.
+        length: Mm,
+        /// Speed of the filament.
+        speed: MmPerSec,
+    },
+    /// Go on along what has been printed while filament is pulled back.
+    Wipe {
+        /// Way points.
+        points: Vec<DVec2>,
+        /// Length of filament, spread evenly over the way.
+        length: Mm,
+        /// Speed of the head.
+        speed: MmPerSec,
+    },
+    /// Push filament forward again.
+    Prime {
+        /// Length of filament pulled back before, in the retraction and the
+        /// wipe together; none after a travel that only oozed.
+        length: Mm,
+        /// Length pushed in addition, to make up for what oozed out.
+        extra: Mm,
+        /// Speed of the filament.
+        speed: MmPerSec,
+    },
+    /// Move straight up or down.
+    Lift {
+        /// Where to.
+        z: Mm,
+        /// Speed.
+        speed: MmPerSec,
+    },
+    /// Go through `points` at constant z without extruding.
+    Travel {
+        /// Way points, the last one the destination.
+        points: Vec<DVec2>,
+        /// Speed.
+        speed: MmPerSec,
+    },
+    /// Print a bead; the head stands at its first point.
+    Print {
+        /// The bead.
+        bead: Bead,
+        /// Speed of the head.
+        speed: MmPerSec,
+        /// Acceleration of the head.
+        acceleration: MmPerSec2,
+        /// Material extruded, as a factor on the bead's volume.
+        flow: f64,
+    },
+    /// Set the part's fan to this speed.
+    Fan(Percent),
+}
+
+/// A layer ready to be written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PacedLayer {
+    /// The layer.
+    pub span: LayerSpan,
+    /// Its moves in order.
+    pub moves: Vec<PacedMove>,
+    /// Speed of the part's fan at its beginning.
+    pub fan: Percent,
+    /// Temperature of the nozzle.
+    pub nozzle_temperature: Celsius,
+    /// How long the layer takes.
+    pub time: Seconds,
+}

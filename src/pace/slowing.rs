@@ -1,0 +1,98 @@
+//! Slowing a layer down until it takes long enough to cool.
+//!
+//! In: a layer's moves, and how long it is to take. Out: how much slower its
+//! beads are to be, and the time that it then takes.
+
+use super::motion::Motion;
+use crate::settings::Cooling;
+use crate::units::{MmPerSec, Seconds};
+
+/// How near the layer's time must come to the minimum, as a share of it.
+pub(super) const LAYER_TIME_TOLERANCE: f64 = 1e-3;
+
+/// Trials of the slowing down; four are usual, and each of them takes the time
+/// of a pass over the layer.
+const MAX_TRIALS: usize = 12;
+
+/// How beads are slowed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slowing {
+    factor: f64,
+    floor: MmPerSec,
+}
+
+impl Slowing {
+    /// The slowed speed; a speed already below the floor stays.
+    pub(super) fn apply(&self, speed: MmPerSec) -> MmPerSec {
+        (speed * self.factor).max(speed.min(self.floor))
+    }
+
+    fn time(&self, motion: &mut Motion) -> Seconds {
+        motion.time(|s| match s.prints {
+            true => self.apply(s.speed),
+            false => s.speed,
+        })
+    }
+}
+
+/// How much to slow the layer's beads for it to take
+/// `cooling.min_layer_time`, and the time it then takes.
+///
+/// The time grows with the slowness 1/factor: at first linearly, the
+/// cruising time, later less, where beads are at the floor. So a false
+/// position search for the slowness is at its goal in a few trials.
+pub(super) fn slow_down(
+    motion: &mut Motion,
+    cooling: &Cooling,
+) -> (Slowing, Seconds) {
+    let target = cooling.min_layer_time;
+    let at = |slowness: f64| Slowing {
+        factor: 1.0 / slowness,
+        floor: cooling.min_speed,
+    };
+    let full = at(1.0).time(motion);
+    // Slowness at which the fastest bead is at the floor, and with it every
+    // other.
+    let slowest = motion
+        .segments()
+        .iter()
+        .filter(|s| s.prints)
+        .map(|s| s.speed / cooling.min_speed)
+        .fold(1.0, f64::max);
+    let too_short = |time: f64| time < target;
+    if !too_short(full) || slowest <= 1.0 || !slowest.is_finite() {
+        return (at(1.0), full);
+    }
+    let limit = at(slowest).time(motion);
+    if too_short(limit) {
+        return (at(slowest), limit);
+    }
+    // Invariant: too short at `low`, not at `high`.
+    let (mut low, mut high) = ((1.0, full), (slowest, limit));
+    let cruising: f64 = motion
+        .segments()
+        .iter()
+        .filter(|s| s.prints)
+        .map(|s| s.length / s.speed)
+        .sum();
+    let mut guess = 1.0 + (target - full) / cruising;
+    for _ in 0..MAX_TRIALS {
+        if (high.1 - target) <= LAYER_TIME_TOLERANCE * target {
+            break;
+        }
+        if !(guess > low.0 && guess < high.0) {
+            guess = 0.5 * (low.0 + high.0);
+        }
+        let time = at(guess).time(motion);
+        if too_short(time) {
+            low = (guess, time);
+        } else {
+            high = (guess, time);
+        }
+        // Aimed a little above the target, so that the side that is kept as
+        // the answer is the one that moves.
+        let aim = target * (1.0 + 0.5 * LAYER_TIME_TOLERANCE);
+        guess = low.0 + (aim - low.1) / (high.1 - low.1) * (high.0 - low.0);
+    }
+    (at(high.0), high.1)
+}
