@@ -385,6 +385,19 @@ fn unwise_settings_are_warned_of() {
                 &["retract.length=0", "retract.z_hop=0.4"],
                 &["ironing=true", "top_thickness=0"],
                 &["infill_mode=solid"],
+                &[
+                    "infill=expr: sin(x)",
+                    "infill_density=30",
+                    "infill_angle=10",
+                    "infill_phase=5",
+                    "infill_centre=bed",
+                ],
+                &[
+                    "infill=expr: sin(x)",
+                    "infill_mode=solid",
+                    "infill_angle=10",
+                    "infill_phase=5",
+                ],
             ]
             .map(|given| (given.join(" "), warnings(given).join("\n    "))),
         ),

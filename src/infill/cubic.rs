@@ -20,11 +20,13 @@ pub(super) struct Cubic;
 
 impl Pattern for Cubic {
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
-        // The normals point three ways, 120° apart.
+        // The normals point three ways, 120° apart: to move all of them alike
+        // is to move the cubes upwards.
         let families = [0.0, 120.0, 240.0].map(|turn| Family {
             turn,
             of: 3.0,
             shift: -layer.z * FRAC_1_SQRT_2,
+            phase: 1.0,
         });
         lines(layer, &families)
     }

@@ -33,6 +33,8 @@ pub(super) struct Family {
     pub of: f64,
     /// Way across the lines by which they are moved.
     pub shift: Mm,
+    /// Share of the pattern's phase by which they are moved as well.
+    pub phase: f64,
 }
 
 /// The pieces of families of lines in a layer.
@@ -45,7 +47,7 @@ pub(super) fn lines(layer: &Layer<'_>, families: &[Family]) -> Vec<Piece> {
         let lines = |spacing: Mm| Lines {
             angle,
             spacing,
-            phase: shift + layer.phase * spacing,
+            phase: shift + family.phase * layer.phase * spacing,
         };
         match layer.density {
             Density::Even(share) => {

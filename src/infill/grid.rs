@@ -18,6 +18,7 @@ impl Pattern for Grid {
             turn,
             of: 2.0,
             shift: 0.0,
+            phase: 1.0,
         });
         lines(layer, &families)
     }

@@ -7,7 +7,7 @@
 //!                      long as the area is wide
 //! ```
 
-use super::{Density, Layer, Pattern};
+use super::{Layer, Pattern};
 use crate::plane::Rect;
 use crate::plane::border::{Cutter, Piece};
 use glam::DVec2;
@@ -17,13 +17,9 @@ pub(super) struct Hexagons;
 
 impl Pattern for Hexagons {
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
-        let share = match layer.density {
-            Density::Even(share) => share,
-            Density::Graded(grading) => grading.mean(),
-        };
         // Of a side a, a zigzag is 4·a long on 3·a, and two of them are
         // a·sin 60° and half a bead on either side apart.
-        let pitch = 4.0 / 3.0 * layer.solid / share;
+        let pitch = 4.0 / 3.0 * layer.solid / layer.density.mean();
         let rise = (pitch - layer.solid).max(0.0);
         let side = rise / (0.75_f64).sqrt();
         let period = 3.0 * side;
@@ -58,12 +54,5 @@ impl Pattern for Hexagons {
             }
         }
         cutter.finish()
-    }
-
-    fn reach(&self, layer: &Layer<'_>) -> f64 {
-        match layer.density {
-            Density::Even(share) => 4.0 * layer.solid / share,
-            Density::Graded(grading) => 4.0 * layer.solid / grading.mean(),
-        }
     }
 }

@@ -12,6 +12,7 @@
 //! are in. The joins along the area's border come on top of it; they belong
 //! to the wall they follow, and are as long as half of it.
 
+mod clusters;
 mod concentric;
 mod cubic;
 mod diamond;
@@ -66,6 +67,17 @@ enum Density<'a> {
     Even(f64),
     /// A share that varies.
     Graded(&'a Grading),
+}
+
+impl Density<'_> {
+    /// The share over all of the area, or what is taken for it where there is
+    /// next to nothing.
+    fn mean(&self) -> f64 {
+        match self {
+            Density::Even(share) => *share,
+            Density::Graded(grading) => grading.mean().max(0.01),
+        }
+    }
 }
 
 /// What a pattern needs to know.
@@ -136,11 +148,7 @@ trait Pattern: Send + Sync {
 
     /// The longest way along the border over which two pieces are joined.
     fn reach(&self, layer: &Layer<'_>) -> Mm {
-        let share = match layer.density {
-            Density::Even(share) => share,
-            Density::Graded(grading) => grading.mean().max(0.01),
-        };
-        4.0 * layer.solid / share
+        4.0 * layer.solid / layer.density.mean()
     }
 }
 
@@ -269,8 +277,7 @@ impl<'a> Infill<'a> {
     ) -> Result<Vec<Bead>, InfillError> {
         let settings = self.settings;
         let width = settings.infill_width;
-        let even = self.density.constant();
-        if sparse.is_empty() || even.is_some_and(|d| d <= 0.0) {
+        if sparse.is_empty() || settings.is_hollow() {
             return Ok(Vec::new());
         }
         let margin = width * (0.5 - settings.infill_overlap / 100.0);
@@ -280,11 +287,14 @@ impl<'a> Infill<'a> {
             surroundings: self.around,
             solid,
         };
-        let grading = match (&self.kind, even) {
-            (Kind::Pattern(_), None) => {
-                Some(self.grading(border.bounds(), place.z, around)?)
-            }
-            _ => None,
+        // A shape has the density that it has.
+        let even = match &self.kind {
+            Kind::Pattern(_) => self.density.constant(),
+            Kind::Shape(_) => Some(100.0),
+        };
+        let grading = match even {
+            None => Some(self.grading(border.bounds(), place.z, around)?),
+            Some(_) => None,
         };
         let layer = Layer {
             border: &border,

@@ -21,6 +21,7 @@ impl Pattern for Rectilinear {
                 turn,
                 of: 1.0,
                 shift: 0.0,
+                phase: 1.0,
             }],
         )
     }

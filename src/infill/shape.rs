@@ -9,15 +9,16 @@
 //! An expression of x, y and z is a field, whose outlines in each layer are
 //! found as the part's own are, if less exactly. One that asks for d, the
 //! distance to the part's surface, is none: it is sampled on a lattice of half
-//! a line's width, whose nodes keep their places from layer to layer. Where it
-//! is not a number is outside. What is thinner than the lattice may be missed.
+//! a line's width, near the area that is to be filled; its nodes keep their
+//! places from layer to layer. Where it is not a number is outside. What is thinner than the lattice may be missed.
 
+use super::clusters::clusters;
 use super::level::{Lattice, thin, trace};
 use super::{InfillError, Layer, Site};
 use crate::contour::{Detail, outlines};
 use crate::field::Field;
 use crate::model::{Expression, Place, Source, SourceKind, load};
-use crate::plane::border::{Cutter, Piece};
+use crate::plane::border::{Border, Cutter, Piece};
 use crate::plane::clip::intersection;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
@@ -42,6 +43,11 @@ pub(super) enum Shape {
 const STEP: f64 = 0.5;
 /// Nodes of a lattice at most; beyond that they are farther apart.
 const MOST: f64 = 4e6;
+/// Cells along the side of a block, which is looked at or not.
+const BLOCK: usize = 8;
+/// Nodes evaluated at once: their places take little memory, and the time
+/// between the calls does not matter.
+const AT_ONCE: usize = 1 << 14;
 /// Lines may be off by this, mm; nobody sees them.
 const CHORD: Mm = 0.05;
 /// A field's box is so much larger than the part's, mm: what closes its
@@ -73,7 +79,11 @@ impl Shape {
         if expression.uses_depth() {
             return Ok(Shape::Deep(expression));
         }
-        Shape::of_source(&formula(text.to_owned()), text, site, width)
+        match Shape::of_source(&formula(text.to_owned()), text, site, width) {
+            // It names d, if only to multiply it by nothing.
+            Err(InfillError::Shape { .. }) => Ok(Shape::Deep(expression)),
+            made => made,
+        }
     }
 
     /// Of a script, or a formula that does not ask for d; `name` is what the
@@ -114,26 +124,34 @@ impl Shape {
         around: Around<'_>,
         width: Mm,
     ) -> Result<Vec<Piece>, InfillError> {
-        let mut cutter = Cutter::new(layer.border);
+        let mut pieces = Vec::new();
         match self {
             Shape::Field(field) => {
+                let mut cutter = Cutter::new(layer.border);
                 for ring in negative(field, layer.z, width)?.rings {
                     cutter.line(&ring, true);
                 }
+                pieces = cutter.finish();
             }
             Shape::Deep(expression) => {
-                for island in layer.border.area().islands() {
-                    let bounds = island.bounds();
+                for cluster in clusters(layer.border.area()) {
+                    let (border, bounds) = (layer.border, cluster.bounds);
                     let lines = curves(
-                        expression, bounds, layer.z, around, width, false,
+                        expression, border, bounds, layer.z, around, width,
+                        false,
                     )?;
+                    let mut cutter = Cutter::new(border);
                     for (points, closed) in lines {
                         cutter.line(&points, closed);
                     }
+                    // Its lattice reaches into the next one's box.
+                    let own = |p: &Piece| {
+                        p.points.first().is_some_and(|&p| cluster.has(p))
+                    };
+                    pieces.extend(cutter.finish().into_iter().filter(own));
                 }
             }
         }
-        let mut pieces = cutter.finish();
         pieces.retain(|p| path_length(&p.points, p.closed) >= layer.shortest);
         Ok(pieces)
     }
@@ -153,16 +171,17 @@ impl Shape {
             Shape::Deep(expression) => expression,
         };
         let mut rings = Vec::new();
-        for island in area.islands() {
-            let bounds = island.bounds();
-            let lines = curves(expression, bounds, z, around, width, true)?;
+        for cluster in clusters(area) {
+            let (border, bounds) = (Border::new(&cluster.area), cluster.bounds);
+            let lines =
+                curves(expression, &border, bounds, z, around, width, true)?;
             let own = lines
                 .into_iter()
                 .filter(|(points, closed)| *closed && points.len() > 2);
             let own = Area {
                 rings: own.map(|(points, _)| points).collect(),
             };
-            rings.extend(intersection(&own, &island).rings);
+            rings.extend(intersection(&own, &cluster.area).rings);
         }
         Ok(Area { rings })
     }
@@ -229,10 +248,12 @@ fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
     Ok(found.into_iter().next().map_or(Area::EMPTY, |o| o.area))
 }
 
-/// The zero lines of an expression in a box, and whether each is closed;
-/// `whole` closes them along the box's sides.
+/// The zero lines of an expression within a border's part in a box, and
+/// whether each is closed; there are others away from that part. `whole`
+/// closes them along the box's sides.
 fn curves(
     expression: &Expression,
+    border: &Border<'_>,
     bounds: Rect,
     z: Mm,
     around: Around<'_>,
@@ -265,10 +286,21 @@ fn curves(
         }
     };
     let [nx, ny] = lattice.size;
-    let mut values = Vec::with_capacity(lattice.count());
-    let mut nodes = (0..nx * ny).map(|k| lattice.node(k % nx, k / nx));
-    eval(&mut nodes, &mut values);
-    values.resize(lattice.count(), f64::NAN);
+    let mut values = vec![f64::NAN; lattice.count()];
+    let wanted = nodes_near(&lattice, border);
+    let mut some = Vec::with_capacity(AT_ONCE);
+    for nodes in wanted.chunks(AT_ONCE) {
+        crate::limits::check();
+        some.clear();
+        let mut places = nodes.iter().map(|&k| {
+            let k = k as usize;
+            lattice.node(k % nx, k / nx)
+        });
+        eval(&mut places, &mut some);
+        for (&k, &value) in nodes.iter().zip(&some) {
+            values[k as usize] = value;
+        }
+    }
     if whole {
         for (k, value) in values.iter_mut().enumerate() {
             let (i, j) = (k % nx, k / nx);
@@ -296,4 +328,32 @@ fn curves(
         (points, c.closed)
     });
     Ok(thinned.collect())
+}
+
+/// The numbers of the nodes that matter for what is within a border: those of
+/// the blocks of cells that come near to it.
+fn nodes_near(lattice: &Lattice, border: &Border<'_>) -> Vec<u32> {
+    let [nx, ny] = lattice.size;
+    let mut near = vec![false; nx * ny];
+    for j in (0..ny).step_by(BLOCK) {
+        crate::limits::check();
+        for i in (0..nx).step_by(BLOCK) {
+            let (right, top) =
+                ((i + BLOCK).min(nx - 1), (j + BLOCK).min(ny - 1));
+            // A step more, lest the lines that end where nothing is known
+            // come into the area when they are thinned.
+            let block = Rect {
+                min: lattice.node(i, j) - lattice.step,
+                max: lattice.node(right, top) + lattice.step,
+            };
+            if border.touches(block) {
+                for row in j..=top {
+                    near[row * nx + i..=row * nx + right].fill(true);
+                }
+            }
+        }
+    }
+    (0..near.len() as u32)
+        .filter(|&k| near[k as usize])
+        .collect()
 }

@@ -16,6 +16,7 @@
 //! is taken from how long the mixtures' lines are, which is measured as well.
 //! A mixture that changes slowly has a zero set without ends or steps.
 
+use super::clusters::clusters;
 use super::grading::Grading;
 use super::level::{Curve, Lattice, thin, trace};
 use super::{Density, Layer, Pattern};
@@ -299,9 +300,9 @@ impl<S: Surface> Sheet<S> {
         let first = octave(most).floor();
         let shift = DVec2::X * layer.phase * finest / most;
         let mut pieces = Vec::new();
-        for island in layer.border.area().islands() {
+        for cluster in clusters(layer.border.area()) {
             crate::limits::check();
-            let bounds = frame.bounds(island.bounds());
+            let bounds = frame.bounds(cluster.bounds);
             let extent = bounds.max - bounds.min;
             let step = (FINE * layer.solid / most)
                 .max((extent.x * extent.y / MOST).sqrt());
@@ -348,7 +349,7 @@ impl<S: Surface> Sheet<S> {
                 let (x, y, z) = (xs[k][i], ys[k][j], zs[k]);
                 self.mixture(coarse, Angles { x, y, z })
             };
-            let around = island.bounds();
+            let around = cluster.bounds;
             let fine = |i: usize, j: usize| {
                 let p = frame.out(lattice.node(i, j));
                 let reach = DVec2::splat(1.5 * BLOCK as f64 * step);
@@ -387,7 +388,10 @@ impl<S: Surface> Sheet<S> {
                     cutter.line(&thin(part, tolerance), false);
                 }
             }
-            pieces.extend(cutter.finish());
+            // Its lattice reaches into the next one's box.
+            let own =
+                |p: &Piece| p.points.first().is_some_and(|&p| cluster.has(p));
+            pieces.extend(cutter.finish().into_iter().filter(own));
         }
         pieces
     }
@@ -402,11 +406,7 @@ impl<S: Surface> Pattern for Sheet<S> {
     }
 
     fn reach(&self, layer: &Layer<'_>) -> Mm {
-        let share = match layer.density {
-            Density::Even(share) => share,
-            Density::Graded(grading) => grading.mean().max(LEAST),
-        };
-        1.5 * self.length * layer.solid / share
+        1.5 * self.length * layer.solid / layer.density.mean()
     }
 }
 

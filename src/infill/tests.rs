@@ -166,6 +166,142 @@ fn no_density_no_beads() {
     };
     assert!(!beads(5.0).is_empty());
     assert!(beads(0.0).is_empty());
+    // An expression has the density that it has.
+    for mode in [InfillMode::Surface, InfillMode::Solid] {
+        let shape = |density: f64| {
+            let settings = Settings {
+                infill: settings::Infill::Expression("sin(x)".into()),
+                infill_density: density.into(),
+                infill_mode: mode,
+                ..Settings::default()
+            };
+            assert!(!settings.is_hollow() && !settings.is_solid());
+            lay(&settings, HERE, &area, [layer(0)]).remove(0)
+        };
+        assert!(!shape(0.0).is_empty());
+        assert_eq!(shape(0.0), shape(15.0));
+        assert_eq!(shape(0.0), shape(100.0));
+    }
+}
+
+/// Squares inside one another, each a frame 3 mm thick and 3 mm from the next.
+fn nested() -> Area {
+    let rings = (0..6).map(|i| {
+        let mut ring = square(40.0 - 3.0 * f64::from(i)).rings.remove(0);
+        if i % 2 == 1 {
+            ring.reverse();
+        }
+        ring
+    });
+    Area {
+        rings: rings.collect(),
+    }
+}
+
+#[test]
+fn islands_in_each_other_s_boxes_are_filled_once() {
+    let area = nested();
+    // And islands that are apart.
+    let aside = |x: f64, y: f64, half: f64| -> Vec<DVec2> {
+        let ring = square(half).rings.remove(0);
+        ring.into_iter().map(|p| p + DVec2::new(x, y)).collect()
+    };
+    let mut apart = Area::EMPTY;
+    apart.rings.push(aside(-30.0, -30.0, 8.0));
+    apart.rings.push(aside(-21.5, -10.0, 0.4));
+    apart.rings.push(aside(30.0, 30.0, 8.0));
+    let shape = |text: &str, mode| Settings {
+        infill: settings::Infill::Expression(text.into()),
+        infill_mode: mode,
+        infill_walls: 0,
+        ..Settings::default()
+    };
+    // Lines 2 mm apart, whatever the depth.
+    let text = "sin(1.5707963*x) + 1e-9*d";
+    let surface = shape(text, InfillMode::Surface);
+    let solid = shape(text, InfillMode::Solid);
+    // One that names d in vain is sampled just the same.
+    let vain = shape("sin(1.5707963*x) + 0*d", InfillMode::Surface);
+    let beads = |s: &Settings| lay(s, HERE, &area, [layer(7)]).remove(0);
+    assert_eq!(beads(&vain).len(), beads(&surface).len());
+    for area in [&area, &apart] {
+        let content = area.content();
+        let volume = |settings: &Settings| {
+            let beads = lay(settings, HERE, area, [layer(7)]).remove(0);
+            beads.iter().map(|b| b.area() * b.length()).sum::<f64>()
+        };
+        // The joins and the margin along the border come on top.
+        let border = area.perimeter() * crate::bead::cross_section(0.45, 0.2);
+        let lines = 0.5 * content * crate::bead::cross_section(0.45, 0.2);
+        let found = volume(&surface);
+        assert!((found - lines).abs() < 0.6 * border, "{found} {lines}");
+        let found = volume(&solid) / 0.2;
+        let wanted = 0.5 * content;
+        // Its bands of 2 mm lose a quarter of a line's width on both sides.
+        assert!((found / wanted - 0.85).abs() < 0.1, "{found} {wanted}");
+    }
+    // The same of a surface whose cells vary.
+    let settings = graded(InfillPattern::Gyroid, "20 + 0*x");
+    let places = || (0..24).map(spread);
+    let length = |area: &Area| -> f64 {
+        let layers = lay(&settings, HERE, area, places());
+        layers.iter().flatten().map(Bead::length).sum()
+    };
+    let single: f64 = area.islands().iter().map(length).sum();
+    let together = length(&area);
+    assert!(
+        (together / single - 1.0).abs() < 0.01,
+        "{together} {single}"
+    );
+}
+
+#[test]
+fn triangles_stay_triangles_when_they_are_moved() {
+    let area = square(30.0);
+    let border = Border::new(&area);
+    for phase in [0.0, 0.2, 0.5, 0.77] {
+        let layer = Layer {
+            border: &border,
+            margin: 0.0,
+            number: 3,
+            z: 0.7,
+            density: Density::Even(0.15),
+            solid: 0.4,
+            origin: DVec2::new(1.0, 2.0),
+            angle: 10.0,
+            phase,
+            shortest: 0.4,
+        };
+        let lines: Vec<(DVec2, DVec2)> = triangles::Triangles
+            .pieces(&layer)
+            .iter()
+            .map(|p| (p.points[0], p.points[1]))
+            .collect();
+        let way = |(a, b): (DVec2, DVec2)| (b - a).normalize();
+        let along = |turn: f64| {
+            let turn = DVec2::from_angle((10.0 + turn).to_radians());
+            let own = lines.iter().copied();
+            let own = own.filter(|&l| way(l).perp_dot(turn).abs() < 1e-9);
+            own.collect::<Vec<_>>()
+        };
+        let [first, second, third] = [0.0, 60.0, 120.0].map(along);
+        let mut met = 0;
+        for &a in &first {
+            for &b in &second {
+                // Where the two meet, a line of the third passes.
+                let t = (b.0 - a.0).perp_dot(way(b)) / way(a).perp_dot(way(b));
+                let p = a.0 + way(a) * t;
+                if p.abs().max_element() > 29.0 {
+                    continue;
+                }
+                let off = |&c: &(DVec2, DVec2)| way(c).perp_dot(p - c.0).abs();
+                let near = third.iter().map(off).fold(1e9, f64::min);
+                assert!(near < 1e-9, "{phase}: {near}");
+                met += 1;
+            }
+        }
+        assert!(met > 20, "{met}");
+    }
 }
 
 #[test]

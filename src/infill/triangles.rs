@@ -15,10 +15,14 @@ pub(super) struct Triangles;
 
 impl Pattern for Triangles {
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
-        let families = [0.0, 60.0, 120.0].map(|turn| Family {
+        // The ways across the first and the last add up to that across the
+        // second: moved by 1, 1 and 0 their lines still pass common points.
+        let ways = [(0.0, 1.0), (60.0, 1.0), (120.0, 0.0)];
+        let families = ways.map(|(turn, phase)| Family {
             turn,
             of: 3.0,
             shift: 0.0,
+            phase,
         });
         lines(layer, &families)
     }

@@ -127,7 +127,7 @@ pub fn open(area: &Area, cover: &Area) -> Area {
 }
 
 /// What a cover has around an area, enough to tell what it covers of it.
-pub fn near(area: &Area, cover: &Area) -> Area {
+fn near(area: &Area, cover: &Area) -> Area {
     let mut bounds = area.bounds();
     bounds.min -= 1.0;
     bounds.max += 1.0;

@@ -63,7 +63,7 @@ const TOLERANCE: Mm = 0.02;
 /// lattices that is next to nothing: the rest is skin, exposed or not, and
 /// need not be looked at again.
 pub fn roomy(fill: &Area, settings: &Settings) -> Area {
-    match settings.infill_density.is(100.0) {
+    match settings.is_solid() {
         true => Area::EMPTY,
         false => printable(fill, settings),
     }
@@ -366,6 +366,21 @@ mod tests {
         let beyond =
             split(&fill, &fill, &[None], &[], None, &fill, &[], &settings);
         assert_eq!(beyond.skin, fill);
+    }
+
+    #[test]
+    fn full_density_is_skin_but_for_a_shape_of_its_own() {
+        let full = Settings {
+            infill_density: 100.0.into(),
+            ..Settings::default()
+        };
+        let fill = rect(0.0, 0.0, 20.0, 20.0);
+        assert!(roomy(&fill, &full).is_empty());
+        let shape = Settings {
+            infill: crate::settings::Infill::Expression("x".into()),
+            ..full
+        };
+        assert_eq!(roomy(&fill, &shape), fill);
     }
 
     #[test]

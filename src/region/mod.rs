@@ -20,6 +20,7 @@ pub mod cover;
 pub mod exposure;
 pub mod floating;
 pub mod line;
+pub mod neighbour;
 pub(crate) mod patch;
 pub mod ridge;
 mod run;

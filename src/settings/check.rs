@@ -5,7 +5,7 @@
 //! prints asked for it: a profile may well limit what a default asks for.
 
 use super::read::Places;
-use super::{Flavour, Infill, InfillMode, Settings, Varying};
+use super::{Flavour, InfillMode, Settings, Varying};
 use crate::units::{Mm, cross_section};
 
 /// Settings that cannot be printed with.
@@ -258,7 +258,7 @@ fn sampling(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
 /// Without walls, skin and infill there is nothing to print.
 fn something_is_printed(s: &Settings) -> Result<(), Conflict> {
     let solid = s.top_layers() + s.bottom_layers() > 0;
-    if s.walls == 0 && !solid && s.infill_density.is(0.0) {
+    if s.walls == 0 && !solid && s.is_hollow() {
         return Err(conflict(
             [
                 "walls",
@@ -512,16 +512,43 @@ fn without_effect(
          top_thickness to more than 0"
             .to_owned(),
     );
+    infill_without_effect(s, &mut warn);
+}
+
+/// What is for patterns only, or for expressions only.
+fn infill_without_effect(
+    s: &Settings,
+    warn: &mut dyn FnMut(&str, bool, String),
+) {
     warn(
         "infill_mode",
-        matches!(s.infill, Infill::Pattern(_))
-            && s.infill_mode != InfillMode::Surface,
+        s.infill_is_pattern() && s.infill_mode != InfillMode::Surface,
         format!(
             "infill_mode = {} has no effect: it says what an expression of \
              infill is, and infill is a pattern; set infill to \"expr: ...\"",
             s.infill_mode.word(),
         ),
     );
+    let surface = s.infill_mode == InfillMode::Surface;
+    for (key, idle, remedy) in [
+        (
+            "infill_density",
+            true,
+            "make its lines lie closer or farther apart",
+        ),
+        ("infill_angle", surface, "turn x and y in it"),
+        ("infill_phase", true, "add to x and y in it"),
+        ("infill_centre", true, "add to x and y in it"),
+    ] {
+        warn(
+            key,
+            idle && !s.infill_is_pattern(),
+            format!(
+                "{key} has no effect: it is for patterns, and infill is an \
+                 expression of its own; {remedy}, or set infill to a pattern",
+            ),
+        );
+    }
 }
 
 /// For messages: three decimals at most.

@@ -2,7 +2,7 @@
 
 use super::table::Key;
 use super::value::{Kind, Raw, Refused, Value};
-use super::{InfillPattern, Varying};
+use super::{InfillPattern, Settings, Varying};
 
 /// Sparse infill. Expressions and scripts are text here: what they mean is
 /// for the model's language to say, which settings know nothing of.
@@ -14,6 +14,24 @@ pub enum Infill {
     Expression(String),
     /// The path of a `.rhai` script.
     Script(String),
+}
+
+impl Settings {
+    /// True if nothing is printed inside walls and skin: a pattern without
+    /// density. An expression has the density that it has.
+    pub fn is_hollow(&self) -> bool {
+        self.infill_is_pattern() && self.infill_density.is(0.0)
+    }
+
+    /// True if all is printed as solid as skin: a pattern of full density.
+    pub fn is_solid(&self) -> bool {
+        self.infill_is_pattern() && self.infill_density.is(100.0)
+    }
+
+    /// True if infill is one of the patterns, and no expression or script.
+    pub fn infill_is_pattern(&self) -> bool {
+        matches!(self.infill, Infill::Pattern(_))
+    }
 }
 
 /// How the path of a script ends.

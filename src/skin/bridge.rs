@@ -25,7 +25,7 @@ use crate::plane::hatch::{Lines, hatch};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Ring, edges, point_beside, signed_area};
-use crate::region::cover::near;
+use crate::region::neighbour::Neighbour;
 use crate::settings::Settings;
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
@@ -58,11 +58,11 @@ const HELD: f64 = 0.6;
 /// The bridges of an area over a layer, and what they leave of the area.
 pub(super) fn bridges(
     area: &Area,
-    below: &Area,
+    below: &Neighbour<'_>,
     settings: &Settings,
 ) -> (Vec<Bridge>, Area) {
     let width = settings.bottom_skin_width();
-    let below = near(area, below);
+    let below = below.near(area);
     let hanging = difference(area, &below);
     // What a bead's own width bridges needs no care.
     let core = offset(&hanging, -0.5 * width, TOLERANCE);
@@ -226,6 +226,11 @@ mod tests {
     use super::*;
     use crate::plane::rect;
 
+    fn bridges(area: &Area, below: &Area) -> (Vec<Bridge>, Area) {
+        let settings = Settings::default();
+        super::bridges(area, &Neighbour::new(below), &settings)
+    }
+
     fn joined(parts: &[Area]) -> Area {
         let rings = parts.iter().flat_map(|a| a.rings.clone());
         Area {
@@ -242,7 +247,7 @@ mod tests {
             rect(-1.0, -1.0, 10.0, 41.0),
             rect(20.0, -1.0, 31.0, 41.0),
         ]);
-        let (found, rest) = bridges(&deck, &pillars, &settings);
+        let (found, rest) = bridges(&deck, &pillars);
         let all = found[0].area.content() + rest.content();
         assert!((all - deck.content()).abs() < 1e-3, "{all}");
         assert_eq!(found.len(), 1);
@@ -259,27 +264,25 @@ mod tests {
                 .map(|r| r.iter().map(|p| turn.rotate(*p)).collect())
                 .collect(),
         };
-        let (found, _) = bridges(&turned(&deck), &turned(&pillars), &settings);
+        let (found, _) = bridges(&turned(&deck), &turned(&pillars));
         assert!((found[0].angle - 20.0).abs() < 0.1, "{}", found[0].angle);
     }
 
     #[test]
     fn a_closed_hole_is_crossed_the_short_way() {
-        let settings = Settings::default();
         let roof = rect(0.0, 0.0, 40.0, 30.0);
         let hole = rect(10.0, 10.0, 30.0, 16.0);
         let below = difference(&rect(-1.0, -1.0, 41.0, 31.0), &hole);
-        let (found, _) = bridges(&roof, &below, &settings);
+        let (found, _) = bridges(&roof, &below);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].angle, 90.0);
     }
 
     #[test]
     fn a_balcony_is_no_bridge_nor_is_the_next_ring_of_a_dome() {
-        let settings = Settings::default();
         let deck = rect(0.0, 0.0, 30.0, 10.0);
         let house = rect(-1.0, -1.0, 20.0, 11.0);
-        assert!(bridges(&deck, &house, &settings).0.is_empty());
+        assert!(bridges(&deck, &house).0.is_empty());
         let disc = |r: f64| Area {
             rings: vec![
                 (0..200)
@@ -290,22 +293,18 @@ mod tests {
                     .collect(),
             ],
         };
-        assert!(bridges(&disc(9.0), &disc(6.0), &settings).0.is_empty());
-        assert!(bridges(&deck, &deck, &settings).0.is_empty());
+        assert!(bridges(&disc(9.0), &disc(6.0)).0.is_empty());
+        assert!(bridges(&deck, &deck).0.is_empty());
     }
 
     #[test]
     fn two_gaps_have_a_direction_each() {
-        let settings = Settings::default();
         let deck = rect(0.0, 0.0, 60.0, 30.0);
         let holes =
             joined(&[rect(5.0, 5.0, 25.0, 9.0), rect(40.0, 5.0, 44.0, 25.0)]);
         let below = difference(&rect(-1.0, -1.0, 61.0, 31.0), &holes);
-        let mut angles: Vec<f64> = bridges(&deck, &below, &settings)
-            .0
-            .iter()
-            .map(|b| b.angle)
-            .collect();
+        let mut angles: Vec<f64> =
+            bridges(&deck, &below).0.iter().map(|b| b.angle).collect();
         angles.sort_by(f64::total_cmp);
         assert_eq!(angles, [0.0, 90.0]);
     }
@@ -313,7 +312,6 @@ mod tests {
     #[test]
     fn neighbours_share_what_is_between_them() {
         // A lattice of holes nearer to each other than two anchors.
-        let settings = Settings::default();
         let deck = rect(0.0, 0.0, 60.0, 60.0);
         let mut below = rect(-1.0, -1.0, 61.0, 61.0);
         let pitch = 6.0;
@@ -323,7 +321,7 @@ mod tests {
             let hole = rect(x, y, x + 5.0, y + 4.0);
             below = difference(&below, &hole);
         }
-        let (found, rest) = bridges(&deck, &below, &settings);
+        let (found, rest) = bridges(&deck, &below);
         assert_eq!(found.len(), 81);
         assert!(found.iter().all(|b| b.angle == 90.0));
         let all: f64 = found.iter().map(|b| b.area.content()).sum();

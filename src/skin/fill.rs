@@ -6,18 +6,20 @@
 use super::bridge::bridges;
 use super::roles::{Path, Sides};
 use super::strokes::strokes;
-use super::{Faces, Fill, Patch, sweep};
+use super::{Fill, Patch, sweep};
 use crate::bead::{Bead, Role, spacing};
 use crate::plane::Area;
 use crate::plane::clip::difference;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::offset::offset;
 use crate::region::Lay;
-use crate::region::cover::{Covered, open};
+use crate::region::cover::{Cover, Covered};
 use crate::region::line::Line;
+use crate::region::neighbour::Neighbour;
 use crate::region::patch::{Free, Patch as Around, concentric, patch};
 use crate::settings::{Settings, SkinOrder, SkinPattern};
 use crate::units::{Degrees, Mm};
+use std::cell::OnceCell;
 
 /// Tolerance of the offsets inside a skin; nobody sees them.
 const TOLERANCE: Mm = 0.01;
@@ -31,11 +33,33 @@ struct Look {
 
 /// What the islands of a layer have in common.
 pub(super) struct Filler<'a> {
-    pub faces: Faces<'a>,
+    pub above: Face<'a>,
+    pub below: Face<'a>,
     pub on_bed: bool,
     pub angle: Degrees,
     pub height: Mm,
     pub settings: &'a Settings,
+}
+
+/// A layer next to this one, sorted by place when an island first asks.
+pub(super) struct Face<'a> {
+    cover: Option<Cover<'a>>,
+    sorted: OnceCell<Neighbour<'a>>,
+}
+
+impl<'a> Face<'a> {
+    /// Of the layer there, if there is one.
+    pub fn new(cover: Option<Cover<'a>>) -> Face<'a> {
+        Face {
+            cover,
+            sorted: OnceCell::new(),
+        }
+    }
+
+    fn get(&self) -> Option<&Neighbour<'a>> {
+        let area = self.cover?.area;
+        Some(self.sorted.get_or_init(|| Neighbour::new(area)))
+    }
 }
 
 impl Filler<'_> {
@@ -78,12 +102,12 @@ impl Filler<'_> {
     ) -> Vec<Fill> {
         let mut rest = inside.clone();
         let mut bridged = Vec::new();
-        if let Some(below) = self.faces.below
-            && self.settings.bridges
+        if self.settings.bridges
             && !self.on_bed
             && sides.below.0 != Covered::Wholly
+            && let Some(below) = self.below.get()
         {
-            (bridged, rest) = bridges(inside, below.area, self.settings);
+            (bridged, rest) = bridges(inside, below, self.settings);
         }
         let free = around.free();
         // From below to above: what is seen is printed last.
@@ -146,14 +170,14 @@ impl Filler<'_> {
         let mut rest = area.clone();
         let mut parts = Vec::new();
         let faces = [
-            (Role::BottomSkin, sides.below.0, self.faces.below),
-            (Role::TopSkin, sides.above.0, self.faces.above),
+            (Role::BottomSkin, sides.below.0, &self.below),
+            (Role::TopSkin, sides.above.0, &self.above),
         ];
         for (role, covers, face) in faces {
-            let part = match (covers, face) {
-                (Covered::Wholly, _) => continue,
-                (Covered::Partly, Some(face)) => {
-                    let part = wide(&open(&rest, face.area));
+            let part = match covers {
+                Covered::Wholly => continue,
+                Covered::Partly if let Some(face) = face.get() => {
+                    let part = wide(&face.open(&rest));
                     let other = wide(&difference(&rest, &part));
                     difference(&rest, &other)
                 }
@@ -243,11 +267,13 @@ impl Filler<'_> {
     /// their border.
     fn ironing(&self, inside: &Area, sides: Sides<'_>) -> Option<Fill> {
         let spacing = self.settings.ironing_spacing;
-        let top = match self.faces.above {
-            Some(above) if sides.above.0 != Covered::Not => {
-                open(inside, above.area)
-            }
-            _ => inside.clone(),
+        let face = match sides.above.0 {
+            Covered::Not => None,
+            _ => self.above.get(),
+        };
+        let top = match face {
+            Some(above) => above.open(inside),
+            None => inside.clone(),
         };
         let inset = 0.5 * self.settings.top_skin_width();
         let top = offset(&top, -inset, TOLERANCE);

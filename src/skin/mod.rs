@@ -15,6 +15,7 @@
 mod bridge;
 mod fill;
 mod roles;
+mod short;
 mod strokes;
 mod sweep;
 
@@ -23,7 +24,7 @@ use crate::plane::Area;
 use crate::region::cover::{Cover, Covered, Islands};
 use crate::settings::Settings;
 use crate::units::Mm;
-use fill::Filler;
+use fill::{Face, Filler};
 use roles::Sides;
 
 /// A connected skin area's beads.
@@ -72,7 +73,8 @@ pub fn patches(
     };
     let (above, below) = (side(faces.above), side(faces.below));
     let filler = Filler {
-        faces,
+        above: Face::new(faces.above),
+        below: Face::new(faces.below),
         on_bed: layer == 0,
         angle: settings.skin_angle - 90.0 * (layer % 2) as f64,
         height,

@@ -4,6 +4,7 @@
 //! below where it faces downwards; what both cover is skin for a layer farther
 //! away. Lines are cut where they pass these outlines.
 
+use super::short::join_short;
 use crate::bead::Role;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::path_length;
@@ -27,9 +28,6 @@ pub(super) struct Path {
     pub points: Vec<DVec2>,
     pub widths: Vec<Mm>,
 }
-
-/// Pieces shorter than this go with what is beside them, mm.
-const SHORT: Mm = 1.0;
 
 impl Sides<'_> {
     /// The role at a point.
@@ -128,36 +126,6 @@ impl Sides<'_> {
             }
         }
         join_short(pieces)
-    }
-}
-
-/// Gives short pieces the role of the longer one beside them.
-fn join_short(mut pieces: Vec<(Role, Path)>) -> Vec<(Role, Path)> {
-    let length = |p: &(Role, Path)| path_length(&p.1.points, false);
-    loop {
-        let shortest = (0..pieces.len())
-            .min_by(|&i, &j| length(&pieces[i]).total_cmp(&length(&pieces[j])));
-        let Some(i) = shortest else { return pieces };
-        if pieces.len() < 2 || length(&pieces[i]) >= SHORT {
-            return pieces;
-        }
-        let before = i.checked_sub(1).map(|k| length(&pieces[k]));
-        let after = pieces.get(i + 1).map(length);
-        pieces[i].0 = match before >= after {
-            true => pieces[i - 1].0,
-            false => pieces[i + 1].0,
-        };
-        let mut joined: Vec<(Role, Path)> = Vec::new();
-        for (role, path) in pieces {
-            match joined.last_mut() {
-                Some((own, whole)) if *own == role => {
-                    whole.points.extend(path.points.into_iter().skip(1));
-                    whole.widths.extend(path.widths.into_iter().skip(1));
-                }
-                _ => joined.push((role, path)),
-            }
-        }
-        pieces = joined;
     }
 }
 

@@ -27,7 +27,7 @@ use crate::bead::{Bead, Role};
 use crate::plane::Rect;
 use crate::plane::grid::EdgeGrid;
 use crate::region::wall_depths;
-use crate::settings::{Infill, Settings};
+use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 use std::cell::OnceCell;
@@ -71,14 +71,11 @@ impl<'a> Obstacles<'a> {
         height: Mm,
         settings: &Settings,
     ) -> Obstacles<'a> {
-        // Infill that is an expression has the density it has.
-        let hollow = settings.infill_density.is(0.0)
-            && matches!(settings.infill, Infill::Pattern(_));
         Obstacles {
             ground,
             beads,
             sparse,
-            infill: (!ground.sparse.is_empty() && !hollow)
+            infill: (!ground.sparse.is_empty() && !settings.is_hollow())
                 .then(|| ground.sparse.bounds()),
             walls: OnceCell::new(),
             open: OnceCell::new(),

@@ -1,0 +1,261 @@
+//! Pieces of a path that are too short for a role of their own.
+//!
+//! In: a path's pieces, each of another role than the one before. Out: the
+//! same, where short ones have the role of the longer one beside them and are
+//! one with it. The shortest comes first, and is measured again once it has
+//! grown: with a heap that takes n·log n for n pieces.
+
+use super::roles::Path;
+use crate::bead::Role;
+use crate::units::Mm;
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+
+/// Pieces shorter than this go with what is beside them, mm.
+const SHORT: Mm = 1.0;
+
+/// Gives short pieces the role of the longer one beside them, the shortest
+/// first.
+pub(super) fn join_short(pieces: Vec<(Role, Path)>) -> Vec<(Role, Path)> {
+    if pieces.len() < 2 {
+        return pieces;
+    }
+    let mut runs = Runs::new(&pieces);
+    let mut waiting: BinaryHeap<Reverse<Waiting>> = (0..pieces.len())
+        .map(|i| Reverse(runs.waiting(i)))
+        .collect();
+    while let Some(Reverse(next)) = waiting.pop() {
+        if next.length >= SHORT {
+            break;
+        }
+        crate::limits::check();
+        // Others have grown since, or become part of another.
+        if runs.all[next.first].last == Some(next.last)
+            && let Some(grown) = runs.join(next.first)
+        {
+            waiting.push(Reverse(runs.waiting(grown)));
+        }
+    }
+    runs.of(pieces)
+}
+
+/// Pieces in a row that have become one, known by the first of them.
+struct Run {
+    role: Role,
+    length: Mm,
+    /// The run before.
+    before: Option<usize>,
+    /// Its last piece; nothing if it is part of another run.
+    last: Option<usize>,
+}
+
+struct Runs {
+    /// By piece; what is part of another run is not looked at.
+    all: Vec<Run>,
+}
+
+impl Runs {
+    /// Of one piece each.
+    fn new(pieces: &[(Role, Path)]) -> Runs {
+        let run = |(i, (role, path)): (usize, &(Role, Path))| Run {
+            role: *role,
+            length: path.length(),
+            before: i.checked_sub(1),
+            last: Some(i),
+        };
+        Runs {
+            all: pieces.iter().enumerate().map(run).collect(),
+        }
+    }
+
+    fn waiting(&self, first: usize) -> Waiting {
+        let run = &self.all[first];
+        Waiting {
+            length: run.length,
+            first,
+            last: run.last.unwrap_or(first),
+        }
+    }
+
+    /// Joins a run with the longer one beside it, and with the other one if
+    /// that has the same role. The first piece of what comes of it.
+    fn join(&mut self, run: usize) -> Option<usize> {
+        let before = self.all[run].before;
+        let last = self.all[run].last?;
+        let after = Some(last + 1).filter(|&k| k < self.all.len());
+        let length = |k: Option<usize>| k.map(|k| self.all[k].length);
+        let longer = match length(before) >= length(after) {
+            true => before,
+            false => after,
+        };
+        let role = self.all[longer?].role;
+        self.all[run].role = role;
+        let mut start = run;
+        if let Some(before) = before
+            && self.all[before].role == role
+        {
+            self.unite(before, run);
+            start = before;
+        }
+        if let Some(after) = after
+            && self.all[after].role == role
+        {
+            self.unite(start, after);
+        }
+        Some(start)
+    }
+
+    /// Makes a run and the one after it one.
+    fn unite(&mut self, run: usize, after: usize) {
+        let last = self.all[after].last.take();
+        self.all[run].length += self.all[after].length;
+        self.all[run].last = last;
+        if let Some(next) = last.and_then(|l| self.all.get_mut(l + 1)) {
+            next.before = Some(run);
+        }
+    }
+
+    /// The pieces, joined.
+    fn of(self, pieces: Vec<(Role, Path)>) -> Vec<(Role, Path)> {
+        let mut joined: Vec<(Role, Path)> = Vec::new();
+        for (run, (_, piece)) in self.all.iter().zip(pieces) {
+            match joined.last_mut() {
+                Some((_, whole)) if run.last.is_none() => {
+                    whole.points.extend(piece.points.into_iter().skip(1));
+                    whole.widths.extend(piece.widths.into_iter().skip(1));
+                }
+                _ => joined.push((run.role, piece)),
+            }
+        }
+        joined
+    }
+}
+
+/// A run as it was when it came to wait.
+struct Waiting {
+    length: Mm,
+    first: usize,
+    last: usize,
+}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_length = self.length.total_cmp(&other.length);
+        let by_place = by_length.then(self.first.cmp(&other.first));
+        by_place.then(self.last.cmp(&other.last))
+    }
+}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Waiting {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    const ROLES: [Role; 3] =
+        [Role::BottomSkin, Role::TopSkin, Role::InternalSkin];
+
+    /// Straight pieces of these roles and lengths.
+    fn row(of: &[(usize, f64)]) -> Vec<(Role, Path)> {
+        let mut x = 0.0;
+        let mut piece = |&(role, length): &(usize, f64)| {
+            let from = x;
+            x += length;
+            let path = Path {
+                points: [from, x].map(|x| DVec2::new(x, 0.0)).to_vec(),
+                widths: vec![0.4 + from, 0.4 + x],
+            };
+            (ROLES[role], path)
+        };
+        of.iter().map(&mut piece).collect()
+    }
+
+    /// The same by looking through all pieces for each that is joined.
+    fn one_by_one(mut all: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
+        loop {
+            let least = |i: &usize, j: &usize| all[*i].1.total_cmp(&all[*j].1);
+            let i = (0..all.len()).min_by(least).unwrap();
+            if all.len() < 2 || all[i].1 >= SHORT {
+                return all;
+            }
+            let length = |k: Option<usize>| Some(all.get(k?)?.1);
+            let (before, after) = (i.checked_sub(1), Some(i + 1));
+            let longer = match length(before) >= length(after) {
+                true => before,
+                false => after,
+            };
+            all[i].0 = all[longer.unwrap()].0;
+            let mut joined: Vec<(usize, f64)> = Vec::new();
+            for (role, length) in all {
+                match joined.last_mut() {
+                    Some(last) if last.0 == role => last.1 += length,
+                    _ => joined.push((role, length)),
+                }
+            }
+            all = joined;
+        }
+    }
+
+    #[test]
+    fn the_shortest_joins_the_longer_one_beside_it() {
+        let found = join_short(row(&[(0, 3.0), (1, 0.5), (2, 2.0)]));
+        assert_eq!(found.len(), 2);
+        assert_eq!(found[0].1.points.len(), 3);
+        assert_eq!(found[0].1.widths.len(), 3);
+        // Of two of equal length the one before; at an end the only one.
+        let roles = |of: &[(usize, f64)]| -> Vec<Role> {
+            join_short(row(of)).iter().map(|p| p.0).collect()
+        };
+        assert_eq!(
+            roles(&[(0, 2.0), (1, 0.5), (2, 2.0)]),
+            [ROLES[0], ROLES[2]]
+        );
+        assert_eq!(roles(&[(0, 0.5), (1, 2.0)]), [ROLES[1]]);
+        // What is between two of one role joins both.
+        assert_eq!(roles(&[(0, 2.0), (1, 0.5), (0, 2.0)]), [ROLES[0]]);
+        // Short ones that grow long together stay.
+        let all = [(0, 0.6), (1, 0.5), (2, 0.7)];
+        assert_eq!(roles(&all), [ROLES[2]]);
+        assert_eq!(roles(&[(1, 0.5)]), [ROLES[1]]);
+        assert!(roles(&[]).is_empty());
+    }
+
+    #[test]
+    fn many_pieces_are_joined_as_if_one_by_one() {
+        let mut state = 1_u64;
+        let mut random = |n: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005);
+            state = state.wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) % n
+        };
+        for count in 1..300_u64 {
+            let mut all: Vec<(usize, f64)> = Vec::new();
+            for _ in 0..count {
+                let before = all.last().map_or(0, |p| p.0);
+                let role = (before + 1 + random(2) as usize) % 3;
+                // In binary fractions, so that sums are exact; equal ones
+                // occur.
+                all.push((role, (1 + random(120)) as f64 / 64.0));
+            }
+            let found = join_short(row(&all));
+            let found: Vec<(Role, f64)> =
+                found.iter().map(|(r, p)| (*r, p.length())).collect();
+            let wanted: Vec<(Role, f64)> =
+                one_by_one(all).iter().map(|p| (ROLES[p.0], p.1)).collect();
+            assert_eq!(found, wanted);
+        }
+    }
+}
