@@ -42,6 +42,7 @@ impl<W: Write> Writer<'_, W> {
         }
         self.warnings
             .extend(limits::warnings("gcode.start", start, settings));
+        self.warnings.extend(limits::thick_beads(settings));
         let end = self.templates.end(self.totals)?;
         self.warnings
             .extend(limits::warnings("gcode.end", &end, settings));
