@@ -328,6 +328,11 @@ fn settings_that_do_not_work_together_are_refused() {
                     "gcode.flavour=klipper",
                 ],
                 &[
+                    "retract.prime_speed=0.5",
+                    "retract.firmware=true",
+                    "gcode.flavour=klipper",
+                ],
+                &[
                     "printer.height=1",
                     "printer.nozzle_diameter=2",
                     "outer_wall_width=2",

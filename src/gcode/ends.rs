@@ -44,6 +44,7 @@ impl<W: Write> Writer<'_, W> {
         }
         self.warnings
             .extend(limits::warnings("gcode.start", start, settings));
+        self.warnings.extend(limits::thick_beads(settings));
         let end = self.templates.try_end()?;
         self.warnings
             .extend(limits::warnings("gcode.end", &end, settings));

@@ -1,6 +1,7 @@
-//! What Klipper refuses to extrude, looked for in the user's templates.
+//! What Klipper refuses to extrude, looked for in the user's templates and in
+//! what the settings ask of beads.
 //!
-//! In: a template's lines, as they will be written. Out: warnings. By default
+//! In: a template's lines, as they will be written; settings. Out: warnings. By default
 //! Klipper stops a print at a move that lays a line thicker than
 //! 4·nozzle² (0.64 mm² for 0.4 mm), or that pushes more than 50 mm of filament
 //! without moving: purge lines made for other firmware often do.
@@ -8,8 +9,8 @@
 //! Not seen: what macros do, and moves from where nobody knows.
 
 use super::number::text;
-use crate::settings::{Flavour, Settings};
-use crate::units::filament_area;
+use crate::settings::{Flavour, Settings, Varying};
+use crate::units::{cross_section, filament_area};
 use glam::DVec2;
 
 /// Klipper's `max_extrude_only_distance`, mm.
@@ -53,6 +54,37 @@ pub(super) fn warnings(
             ))
         })
         .collect()
+}
+
+/// A warning about beads that are too thick.
+pub(super) fn thick_beads(settings: &Settings) -> Option<String> {
+    let s = settings;
+    let constant = |v: &Varying| v.constant().unwrap_or(100.0) / 100.0;
+    let flow = constant(&s.flow) * s.filament.flow / 100.0;
+    let widen = constant(&s.bead_width);
+    let thin = s.thin_max / 100.0;
+    let height = s.layer_height.max(s.first_layer_height);
+    let widths = [
+        s.outer_wall_width * thin,
+        s.inner_wall_width * thin,
+        s.top_skin_width(),
+        s.bottom_skin_width() * (s.bridge_flow / 100.0).max(1.0),
+        s.infill_width,
+    ];
+    let width = widths.into_iter().fold(0.0, f64::max) * widen;
+    let section = flow * cross_section(width, height);
+    let nozzle = s.printer.nozzle_diameter;
+    let most = SECTION * nozzle * nozzle;
+    let klipper = s.gcode.flavour == Flavour::Klipper;
+    (klipper && section > most).then(|| {
+        format!(
+            "the thickest beads may have {} mm², but Klipper by default \
+             refuses more than {} mm² (max_extrude_cross_section); lower line \
+             widths, thin_max or flow, or raise it in your printer.cfg",
+            text(section, 2),
+            text(most, 2)
+        )
+    })
 }
 
 fn step(state: &mut State, line: &str, settings: &Settings) -> Option<String> {
@@ -143,6 +175,22 @@ mod tests {
             ),
             [""; 0]
         );
+    }
+
+    #[test]
+    fn beads_are_too_thick_above_four_squares_of_the_nozzle() {
+        let mut s = Settings::default();
+        s.gcode.flavour = Flavour::Klipper;
+        assert_eq!(thick_beads(&s), None);
+        s.layer_height = 0.3;
+        s.outer_wall_width = 1.0;
+        // 1.8 mm wide: (1.8 − 0.3)·0.3 + π·0.15² = 0.52 mm².
+        assert_eq!(thick_beads(&s), None);
+        s.filament.flow = 125.0;
+        let warning = thick_beads(&s).unwrap();
+        assert!(warning.contains("0.65 mm², but"), "{warning}");
+        s.gcode.flavour = Flavour::Marlin;
+        assert_eq!(thick_beads(&s), None);
     }
 
     #[test]

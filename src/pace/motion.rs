@@ -64,20 +64,26 @@ impl Limits {
     /// The limits of the printer in `settings`.
     pub fn new(settings: &Settings) -> Self {
         let printer = &settings.printer;
-        let (filament_share, cruise_acceleration) = match settings.gcode.flavour
-        {
-            Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => (1.0, 1.0),
-            // Klipper lets the filament alone accelerate as it would when
-            // printing a bead of 4·nozzle² cross-section, by default.
-            Flavour::Klipper => (
-                4.0 * printer.nozzle_diameter.powi(2)
-                    / filament_area(settings.filament.diameter),
-                0.5,
-            ),
-        };
+        let (filament_acceleration, cruise_acceleration) =
+            match settings.gcode.flavour {
+                Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => {
+                    (printer.acceleration, 1.0)
+                }
+                // By default Klipper lets the filament alone accelerate as it
+                // would when printing a bead of 4·nozzle² cross-section with
+                // the greatest acceleration of its configuration, which must
+                // be that of travels, if they are faster.
+                Flavour::Klipper => (
+                    printer.acceleration.max(printer.travel_acceleration)
+                        * 4.0
+                        * printer.nozzle_diameter.powi(2)
+                        / filament_area(settings.filament.diameter),
+                    0.5,
+                ),
+            };
         Self {
             square_corner_velocity: printer.square_corner_velocity,
-            filament_acceleration: printer.acceleration * filament_share,
+            filament_acceleration,
             cruise_acceleration,
         }
     }
@@ -426,6 +432,21 @@ mod tests {
             m.push(DVec3::X * 0.1, 100.0, A, 0.0, false);
         }
         close(m.time(|s| s.speed), 1.0 / v + v / A);
+    }
+
+    #[test]
+    fn the_filament_alone_accelerates_as_the_firmware_lets_it() {
+        let mut s = Settings::default();
+        s.printer.acceleration = 3000.0;
+        s.printer.travel_acceleration = 5000.0;
+        let alone = |s: &Settings| Limits::new(s).filament_acceleration;
+        close(alone(&s), 3000.0);
+        s.gcode.flavour = Flavour::Klipper;
+        // 0.64 mm² of bead to 1.75 mm of filament.
+        close(
+            alone(&s),
+            5000.0 * 0.64 / (0.25 * std::f64::consts::PI * 3.0625),
+        );
     }
 
     #[test]

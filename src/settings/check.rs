@@ -297,8 +297,26 @@ fn retraction(
             ),
         ));
     }
-    let klipper = s.gcode.flavour == Flavour::Klipper;
-    if klipper && retract.firmware && retract.extra_prime < 0.0 {
+    if s.gcode.flavour == Flavour::Klipper && retract.firmware {
+        klipper_retraction(s)?;
+    }
+    if retract.min_travel > retract.max_unretracted {
+        warnings.push(format!(
+            "retract.min_travel = {} mm is more than retract.max_unretracted \
+             = {} mm: travels of lengths between are to retract always and \
+             never; raise max_unretracted or lower min_travel",
+            retract.min_travel, retract.max_unretracted,
+        ));
+    }
+    Ok(())
+}
+
+/// What Klipper's `SET_RETRACTION` refuses.
+fn klipper_retraction(s: &Settings) -> Result<(), Conflict> {
+    /// Least speed of the filament, mm/s.
+    const SLOWEST: f64 = 1.0;
+    let retract = &s.retract;
+    if retract.extra_prime < 0.0 {
         return Err(conflict(
             ["retract.extra_prime", "retract.firmware", "gcode.flavour"],
             format!(
@@ -310,13 +328,20 @@ fn retraction(
             ),
         ));
     }
-    if retract.min_travel > retract.max_unretracted {
-        warnings.push(format!(
-            "retract.min_travel = {} mm is more than retract.max_unretracted \
-             = {} mm: travels of lengths between are to retract always and \
-             never; raise max_unretracted or lower min_travel",
-            retract.min_travel, retract.max_unretracted,
-        ));
+    for (key, speed) in [
+        ("retract.speed", retract.speed),
+        ("retract.prime_speed", retract.prime_speed),
+    ] {
+        if speed < SLOWEST {
+            return Err(conflict(
+                [key, "retract.firmware", "gcode.flavour"],
+                format!(
+                    "{key} = {speed} mm/s is too slow for Klipper's firmware \
+                     retraction, which refuses less than {SLOWEST} mm/s; \
+                     raise it, or set retract.firmware = false",
+                ),
+            ));
+        }
     }
     Ok(())
 }
