@@ -35,6 +35,7 @@
 //! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
 //! | `number` | how a number is written |
 
+mod bounded;
 mod comments;
 mod ends;
 mod flavour;
