@@ -36,6 +36,7 @@
 //! | `progress` | lines that need the whole print's time |
 //! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
 
+mod bounded;
 mod comments;
 mod ends;
 mod filament;

@@ -9,22 +9,33 @@
 //! branch that is not taken, and so is a placeholder in another slicer's
 //! brackets; nothing is left out silently. All templates are tried before the
 //! first line is written. Numbers are written as firmware reads them. A
-//! template can neither read files nor run for ever.
+//! template can neither read files nor run for ever, nor take much memory
+//! (see [`bounded`](super::bounded)).
 
 use super::Header;
+use super::bounded::{GivenUp, bounded};
 use super::number::text;
 use super::placeholders::{self, Known, Moment, Scope};
 use super::{Totals, flavour};
 use crate::settings::Settings;
-use minijinja::value::ValueKind;
+use minijinja::value::{Rest, ValueKind};
 use minijinja::{
     Environment, Error, ErrorKind, Output, State, UndefinedBehavior, Value,
+    filters,
 };
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Steps a template may take: thousands of lines.
 const FUEL: u64 = 200_000;
+
+/// Longest text that a template may come to, bytes.
+const LONGEST: usize = 1 << 20;
+
+/// Filters that make room for as much as they are told, at once, whatever
+/// there is; no G-code needs them.
+const LEFT_OUT: [&str; 3] = ["batch", "indent", "slice"];
 
 /// Decimals of numbers; templates that want fewer round.
 const DECIMALS: u32 = 5;
@@ -51,7 +62,7 @@ const LAYER: &str = "gcode.layer";
 /// A print's templates.
 #[derive(Debug)]
 pub(super) struct Templates<'a> {
-    engine: Environment<'a>,
+    engine: Arc<Environment<'static>>,
     settings: &'a Settings,
     header: Header,
     /// Values that every template knows.
@@ -84,7 +95,7 @@ impl<'a> Templates<'a> {
         };
         known.extend(placeholders::of(Scope::All, &of_all));
         let mut templates = Self {
-            engine: engine(),
+            engine: Arc::new(engine()),
             settings,
             header: Header {
                 thumbnails: Vec::new(),
@@ -148,7 +159,9 @@ impl<'a> Templates<'a> {
         scope: Scope,
     ) -> Result<(), TemplateError> {
         let failed = |e| failure(name, source, &e);
-        self.engine.add_template(name, source).map_err(failed)?;
+        Arc::make_mut(&mut self.engine)
+            .add_template_owned(name, source.to_owned())
+            .map_err(failed)?;
         let template = self.engine.get_template(name).map_err(failed)?;
         let globals: Vec<&str> =
             self.engine.globals().map(|(name, _)| name).collect();
@@ -193,11 +206,22 @@ impl<'a> Templates<'a> {
         if scope != Scope::All {
             values.extend(placeholders::of(scope, &now));
         }
-        let rendered = self
-            .engine
-            .get_template(name)
-            .and_then(|t| t.render(Value::from_iter(values)))
-            .map_err(|e| failure(name, self.source(name), &e))?;
+        let engine = self.engine.clone();
+        let source = self.source(name);
+        let too_much = |message| error(name, source, 0, message);
+        let rendered = bounded(move || {
+            engine
+                .get_template(name)
+                .and_then(|t| t.render(Value::from_iter(values)))
+        })
+        .map_err(|why| too_much(why.to_string()))?
+        .map_err(|e| failure(name, source, &e))?;
+        if rendered.len() > LONGEST {
+            return Err(too_much(format!(
+                "it comes to more than {} MB of text; make it shorter",
+                LONGEST >> 20
+            )));
+        }
         let mut out = String::with_capacity(rendered.len() + 1);
         for line in rendered.lines() {
             out.push_str(line.trim_end());
@@ -215,7 +239,7 @@ impl<'a> Templates<'a> {
     }
 }
 
-fn engine<'a>() -> Environment<'a> {
+fn engine() -> Environment<'static> {
     let mut engine = Environment::new();
     engine.set_undefined_behavior(UndefinedBehavior::Strict);
     engine.set_fuel(Some(FUEL));
@@ -225,7 +249,29 @@ fn engine<'a>() -> Environment<'a> {
     engine.set_trim_blocks(true);
     engine.set_lstrip_blocks(true);
     engine.set_formatter(write);
+    engine.add_filter("format", format_within);
+    for filter in LEFT_OUT {
+        engine.remove_filter(filter);
+    }
     engine
+}
+
+/// The filter `format` with widths and decimals of two digits at most: what
+/// is wider is made at once, however wide.
+fn format_within(
+    state: &State,
+    form: &Value,
+    values: Rest<Value>,
+) -> Result<Value, Error> {
+    let text = form.as_str().unwrap_or_default();
+    let mut digits = text.split(|c: char| !c.is_ascii_digit());
+    if digits.any(|run| run.len() > 2) {
+        return Err(Error::new(
+            ErrorKind::InvalidOperation,
+            format!("{text:?} has a width of more than two digits"),
+        ));
+    }
+    filters::format(state, form, values)
 }
 
 /// Writes a value as firmware reads it.
@@ -243,6 +289,13 @@ fn write(out: &mut Output, _: &State, value: &Value) -> Result<(), Error> {
         }
         ValueKind::Undefined => {
             return Err(Error::from(ErrorKind::UndefinedError));
+        }
+        ValueKind::Seq | ValueKind::Map | ValueKind::Iterable => {
+            return Err(Error::new(
+                ErrorKind::InvalidOperation,
+                "a list cannot be written; write its elements, as with \
+                 | join(' ')",
+            ));
         }
         _ => value.to_string(),
     };
@@ -412,7 +465,7 @@ fn failure(
 ) -> TemplateError {
     let start = failed.range().map(|r| r.start);
     let mut message = match failed.kind() {
-        ErrorKind::OutOfFuel => "it takes too long; make it shorter".to_owned(),
+        ErrorKind::OutOfFuel => GivenUp::Time.to_string(),
         ErrorKind::UndefinedError => "this has no value".to_owned(),
         kind => kind.to_string(),
     };
@@ -592,5 +645,37 @@ mod tests {
         let bomb = "{% for i in range(9999) %}{% for j in range(9999) %}G4\n\
                     {% endfor %}{% endfor %}";
         assert!(filled(bomb).unwrap_err().contains("too long"));
+    }
+
+    #[test]
+    fn a_template_that_grows_without_end_is_refused() {
+        let doubled = "{% set ns = namespace(s='aaaaaaaaaaaaaaaa') %}\
+            {% for i in range(60) %}{% set ns.s = ns.s ~ ns.s %}{% endfor %}";
+        for (source, words) in [
+            (doubled, "too much memory"),
+            ("{{ 'a' * 9999999 }}", "more than 1 MB"),
+            ("{{ '%999999999999999d' | format(3) }}", "two digits"),
+            ("{{ '%.999999999999999f' | format(3.5) }}", "two digits"),
+            (
+                "{{ 'a' | indent(999999999999999, true) }}",
+                "unknown filter",
+            ),
+            ("{{ [1] | batch(999999999999999, 0) }}", "unknown filter"),
+            ("{{ [1] | slice(999999999999999, 0) }}", "unknown filter"),
+        ] {
+            let error = filled(source).unwrap_err();
+            assert!(error.contains(words), "{source}: {error}");
+        }
+        assert_filled("{{ '%03d' | format(7) }}", "007\n");
+    }
+
+    /// Some have no end: their elements are made as they are asked for.
+    #[test]
+    fn a_list_is_not_written() {
+        for list in ["[0] * 99999999999999", "[1, 2]", "{'a': 1}", "range(3)"] {
+            let error = filled(&format!("{{{{ {list} }}}}")).unwrap_err();
+            assert!(error.contains("a list"), "{error}");
+        }
+        assert_filled("{{ [1, 2] | join(' ') }}", "1 2\n");
     }
 }
