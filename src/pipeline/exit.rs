@@ -206,8 +206,13 @@ impl<'a, 'w> Exit<'a, 'w> {
             .and_then(|b| b.squeezed(self.settings))
             .map(|area| (EdgeGrid::new(&area, 1.0), area));
         let support = below.and_then(|b| match &squeezed {
-            Some((grid, area)) => Support::new(area, grid, self.settings),
-            None => Support::new(&b.outline.area, &b.solid, self.settings),
+            Some((grid, area)) => {
+                Support::new(area, grid, &shell.solid, self.settings)
+            }
+            None => {
+                let area = &b.outline.area;
+                Support::new(area, &b.solid, &shell.solid, self.settings)
+            }
         });
         let mut beads = Vec::with_capacity(ended.len());
         let mut wipes = Vec::with_capacity(ended.len());

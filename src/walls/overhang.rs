@@ -10,7 +10,7 @@
 //! the same beads, walls cut where they begin or cease to hang. A wall that
 //! has grown wider reaches another one beside it, which holds it, and is left
 //! as it is, as is what fills the gaps between walls; the one bead of a thin
-//! place has nothing beside it. By how much a bead may hang over is a share
+//! place has air on both sides. By how much a bead may hang over is a share
 //! of its width: at half of it, it is the centre line that must not leave the
 //! solid.
 
@@ -30,8 +30,8 @@ pub struct Support<'a> {
     moved: Option<[EdgeGrid; 2]>,
     /// Widths beyond which outer and inner walls reach what is beside them.
     wide: [Mm; 2],
-    /// Ends of a loop that is opened at its seam are no farther apart.
-    opened: Mm,
+    /// The solid of the walls' own layer.
+    own: &'a EdgeGrid,
 }
 
 /// Shorter pieces, and shorter gaps between two, go with what is beside
@@ -39,15 +39,20 @@ pub struct Support<'a> {
 const SHORT: Mm = 1.0;
 /// Share by which a wall that reaches what is beside it is wider than usual.
 const WIDER: f64 = 0.1;
+/// How far from a bead's middle there is something beside it, as a share of
+/// its width: a little more than half.
+const BESIDE: f64 = 0.6;
 /// Tolerance of the moved solid, mm.
 const TOLERANCE: Mm = 0.01;
 
 impl<'a> Support<'a> {
-    /// The solid of the layer below, `area`, of which `solid` is the grid;
-    /// nothing if no wall is to be an overhang.
+    /// The solid of the layer below, `area`, of which `solid` is the grid,
+    /// for the walls of a layer whose own solid is `own`; nothing if no wall
+    /// is to be an overhang.
     pub fn new(
         area: &Area,
         solid: &'a EdgeGrid,
+        own: &'a EdgeGrid,
         settings: &Settings,
     ) -> Option<Support<'a>> {
         let share = settings.overhang_share;
@@ -63,7 +68,7 @@ impl<'a> Support<'a> {
             solid,
             moved: (share != 0.0).then(|| widths.map(grid)),
             wide: widths.map(|w| w * (1.0 + WIDER)),
-            opened: settings.seam_gap.max(settings.seam_scarf) + SHORT,
+            own,
         })
     }
 
@@ -82,10 +87,12 @@ impl<'a> Support<'a> {
         out
     }
 
-    /// Is it a loop, if opened at its seam, and not the bead of a thin place?
-    fn is_loop(&self, bead: &Bead) -> bool {
-        let ends = bead.points.first().zip(bead.points.last());
-        bead.closed || ends.is_some_and(|(a, b)| a.distance(*b) <= self.opened)
+    /// Is there more of the part beside this place of a bead?
+    fn leans(&self, bead: &Bead, place: f64, width: Mm) -> bool {
+        let (a, b) = (at(bead, place.floor()).0, at(bead, place.ceil()).0);
+        let side = (b - a).perp().normalize_or_zero() * BESIDE * width;
+        let p = at(bead, place).0;
+        self.own.contains(p + side) || self.own.contains(p - side)
     }
 
     fn cut_one(&self, bead: Bead, out: &mut Vec<Bead>) {
@@ -99,10 +106,7 @@ impl<'a> Support<'a> {
             cuts.extend(grid.crossings(a, b).iter().map(|t| i as f64 + t));
             cuts[first..].sort_by(f64::total_cmp);
         }
-        let usual = match self.is_loop(&bead) {
-            true => self.wide[wall],
-            false => Mm::INFINITY,
-        };
+        let usual = self.wide[wall];
         if !bead.widths.is_empty() {
             let wide = |i: usize| bead.widths.get(i % n) > Some(&usual);
             let change = (0..n).filter(|&i| wide(i) != wide(i + 1));
@@ -124,8 +128,10 @@ impl<'a> Support<'a> {
             if pair[1] - pair[0] < 1e-9 {
                 continue;
             }
-            let (middle, width) = at(&bead, 0.5 * (pair[0] + pair[1]));
-            let wide = width.unwrap_or(bead.width) > usual;
+            let place = 0.5 * (pair[0] + pair[1]);
+            let (middle, width) = at(&bead, place);
+            let width = width.unwrap_or(bead.width);
+            let wide = width > usual && self.leans(&bead, place, width);
             let piece = Piece {
                 from: pair[0],
                 to: pair[1],
@@ -270,7 +276,18 @@ mod tests {
         }
     }
 
+    /// Cuts a bead in a large part over one that ends.
     fn cut(bead: Bead, below: Vec<DVec2>, share: f64) -> Vec<Bead> {
+        cut_in(rect(-50.0, -50.0, 50.0, 50.0), bead, below, share)
+    }
+
+    fn cut_in(
+        own: Vec<DVec2>,
+        bead: Bead,
+        below: Vec<DVec2>,
+        share: f64,
+    ) -> Vec<Bead> {
+        let own = EdgeGrid::new(&Area { rings: vec![own] }, 1.0);
         let settings = Settings {
             overhang_share: share,
             outer_wall_width: 0.4,
@@ -278,7 +295,7 @@ mod tests {
         };
         let area = Area { rings: vec![below] };
         let grid = EdgeGrid::new(&area, 1.0);
-        let support = Support::new(&area, &grid, &settings);
+        let support = Support::new(&area, &grid, &own, &settings);
         support.map_or(vec![bead.clone()], |s| s.cut(vec![bead]))
     }
 
@@ -331,8 +348,14 @@ mod tests {
             widths: vec![0.6, 0.6],
             ..wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)])
         };
-        let found = lengths(&cut(fin, rect(-1.0, -5.0, 5.0, 5.0), 50.0));
+        let below = rect(-1.0, -5.0, 5.0, 5.0);
+        let thin = rect(0.0, -0.3, 20.0, 0.3);
+        let found = lengths(&cut_in(thin, fin.clone(), below.clone(), 50.0));
         assert_eq!(found, [(Role::OuterWall, 5.0), (Role::Overhang, 15.0)]);
+        // The same bead as a wall of something thicker leans on the rest.
+        let thick = rect(0.0, -0.3, 20.0, 5.0);
+        let found = lengths(&cut_in(thick, fin, below, 50.0));
+        assert_eq!(found, [(Role::OuterWall, 20.0)]);
     }
 
     #[test]
