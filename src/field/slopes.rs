@@ -212,6 +212,7 @@ impl Slope {
     fn and(self, o: Slope) -> Slope {
         let value = self.value.and(o.value);
         match self.value {
+            v if is_zero(v) => Slope { value, ..self },
             v if v.nan || v.contains(0.0) => Slope::steps(value),
             _ => Slope { value, ..o },
         }
@@ -220,10 +221,16 @@ impl Slope {
     fn or(self, o: Slope) -> Slope {
         let value = self.value.or(o.value);
         match self.value {
+            v if is_zero(v) => Slope { value, ..o },
             v if v.nan || v.contains(0.0) => Slope::steps(value),
             _ => Slope { value, ..self },
         }
     }
+}
+
+/// True of zero and nothing else.
+fn is_zero(v: Interval) -> bool {
+    !v.nan && v.lo == 0.0 && v.hi == 0.0
 }
 
 /// What is known of the field over a box in a layer.
