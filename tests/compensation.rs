@@ -99,12 +99,12 @@ fn nothing_hangs_over_the_elephants_foot() {
 #[test]
 fn a_skirt_of_several_layers_stands_on_itself() {
     // A cone that stands on its tip's end: each layer is wider.
-    let settings = settings(&["skirt.layers=4", "skirt.distance=3"]);
+    let settings = settings(&["skirt.layers=4", "skirt.distance=4"]);
     let cone = "max(sqrt(x^2+y^2) - 10 - 2*z, abs(z - 1) - 1)";
     let printed = parse(&slice(&formula(cone, &settings), &settings, 2).0);
     let skirt = |layer: &Layer| radii(layer, "Skirt/Brim");
     // Round the widest of the layers beside it, that from 0.6 to 0.8 mm.
-    let exact = 10.0 + 2.0 * 0.7 + 3.0 + 0.225;
+    let exact = 10.0 + 2.0 * 0.7 + 4.0 + 0.225;
     for layer in &printed[..4] {
         let [_, _, least, most] = skirt(layer);
         assert!((least - exact).abs() < 0.02, "{least} {exact}");

@@ -465,7 +465,7 @@ fn ranges_tell_no_progress_and_are_the_same_otherwise() {
 /// A template that moves away costs nothing but the way back.
 #[test]
 fn a_layer_template_may_do_what_it_likes() {
-    let lines = "gcode.layer=G91\nG1 Z5\nG90\nG1 X0 Y0 F6000\nM106 S0";
+    let lines = "gcode.layer=G91\nG1 Z5 F600\nG90\nG1 X0 Y0 F6000\nM106 S0";
     for relative in ["gcode.relative_e=true", "gcode.relative_e=false"] {
         let (model, plain) = ball(&[relative]);
         let without = common::parse(&slice(&model, &plain, 2).0);
@@ -484,7 +484,7 @@ fn a_layer_template_may_do_what_it_likes() {
         };
         let rest: String = gcode
             .lines()
-            .filter(|l| !["G91", "G1 Z5", "G1 X0 Y0 F6000"].contains(l))
+            .filter(|l| !["G91", "G1 Z5 F600", "G1 X0 Y0 F6000"].contains(l))
             .map(|l| format!("{l}\n"))
             .collect();
         let (a, b) = (prints(&common::parse(&rest)), prints(&without));

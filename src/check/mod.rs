@@ -20,7 +20,8 @@
 //! What start and end templates do (role `Custom`, and what is before the
 //! first layer) is the user's own: of the rules above only heat, reach,
 //! speed and sense hold there, and reach with a margin, since printers purge
-//! beside their beds.
+//! beside their beds. More plastic than firmware takes by default is a
+//! warning there ([`Kind::Purge`]).
 //!
 //! Not guaranteed: that macros of the printer's firmware do what their names
 //! say. Where one could have heated the nozzle, it is taken to have done so.
@@ -315,7 +316,12 @@ impl<'a> State<'a> {
             && let Some(most) = rules.feed
             && fed.abs() > most
         {
-            self.verdict.add(Kind::LongFeed, step.line, step.to, || {
+            let kind = if template {
+                Kind::Purge
+            } else {
+                Kind::LongFeed
+            };
+            self.verdict.add(kind, step.line, step.to, || {
                 format!(
                     "{fed:.1} mm of filament in one move; Klipper refuses \
                      more than {most} mm unless its max_extrude_only_distance \
@@ -378,7 +384,12 @@ impl<'a> State<'a> {
         let rules = self.rules;
         let area = step.area(rules.filament_diameter);
         if area > rules.cross_section {
-            self.verdict.add(Kind::ThickBead, step.line, step.to, || {
+            let kind = if template {
+                Kind::Purge
+            } else {
+                Kind::ThickBead
+            };
+            self.verdict.add(kind, step.line, step.to, || {
                 format!(
                     "{area:.2} mm² of plastic for each mm; {:.2} mm² are the \
                      most that a nozzle of {} mm can lay",

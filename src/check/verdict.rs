@@ -32,8 +32,11 @@ pub enum Kind {
     ThickBead,
     /// More filament in one move than the firmware takes.
     LongFeed,
-    /// Faster than the printer.
+    /// Faster than the printer: its firmware will take its time.
     TooFast,
+    /// A start or end template lays or pushes more than the firmware takes
+    /// unless it is told otherwise.
+    Purge,
     /// A bead too far above all others.
     Jump,
     /// A line that makes no sense.
@@ -57,6 +60,8 @@ impl Kind {
             Kind::LongLine
             | Kind::NoSpeed
             | Kind::Jump
+            | Kind::TooFast
+            | Kind::Purge
             | Kind::Low
             | Kind::InTheAir
             | Kind::Unknown => Severity::Warning,
@@ -75,6 +80,7 @@ impl Kind {
             Kind::ThickBead => "thick-bead",
             Kind::LongFeed => "long-feed",
             Kind::TooFast => "too-fast",
+            Kind::Purge => "purge",
             Kind::Jump => "jump",
             Kind::Senseless => "senseless",
             Kind::LongLine => "long-line",

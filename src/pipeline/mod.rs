@@ -232,11 +232,12 @@ pub fn slice(
     if let Some((_, seconds)) = check {
         *seconds += time;
     }
-    // Islands in the air are for the summary to tell, and printers that heat
-    // in their macros are as they should be.
+    // Islands in the air are for the summary to tell, printers that heat in
+    // their macros are as they should be, and who wrote a template has been
+    // told of it by its lines.
     let told = |kind: Kind| {
         kind.severity() == Severity::Warning
-            && !matches!(kind, Kind::InTheAir | Kind::Unknown)
+            && !matches!(kind, Kind::InTheAir | Kind::Unknown | Kind::Purge)
     };
     summary.warnings.extend(verdict.sentences_of("line", told));
     summary.verdict = Some(verdict);
