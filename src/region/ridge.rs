@@ -74,8 +74,6 @@ impl Ridge {
     /// The line with as few points as the tolerance permits (Douglas and
     /// Peucker 1973), half the thickness counting as a third coordinate.
     pub(super) fn thinned(&self, tolerance: Mm) -> Ridge {
-        /// Points that are looked at first.
-        const FEW: usize = 16;
         crate::limits::check();
         let at = |i: usize| self.points[i].extend(0.5 * self.thickness[i]);
         let Some(last) = self.points.len().checked_sub(1) else {
@@ -88,35 +86,24 @@ impl Ridge {
             let (a, b) = (at(i), at(j));
             let along = b - a;
             let length = along.length_squared();
-            // The one of every few points that is off by most, if one is off
-            // by more than the tolerance.
-            let worst = |step: usize| {
-                // Squares of distances, times that of the length, if any.
-                let scale = if length > 0.0 { length } else { 1.0 };
-                let mut worst = (tolerance * tolerance * scale, None);
-                for k in (i + step..j).step_by(step) {
-                    let from_a = at(k) - a;
-                    let t = from_a.dot(along);
-                    let off = if t <= 0.0 {
-                        from_a.length_squared() * scale
-                    } else if t >= length {
-                        (from_a - along).length_squared() * scale
-                    } else {
-                        from_a.length_squared() * length - t * t
-                    };
-                    if off > worst.0 {
-                        worst = (off, Some(k));
-                    }
+            // Squares of distances, times that of the length, if any.
+            let scale = if length > 0.0 { length } else { 1.0 };
+            let mut worst = (tolerance * tolerance * scale, None);
+            for k in i + 1..j {
+                let from_a = at(k) - a;
+                let t = from_a.dot(along);
+                let off = if t <= 0.0 {
+                    from_a.length_squared() * scale
+                } else if t >= length {
+                    (from_a - along).length_squared() * scale
+                } else {
+                    from_a.length_squared() * length - t * t
+                };
+                if off > worst.0 {
+                    worst = (off, Some(k));
                 }
-                worst.1
-            };
-            // A long line has to be cut somewhere, and it does not matter
-            // exactly where: a few points often tell.
-            let few = match (j - i) / FEW {
-                0 | 1 => None,
-                step => worst(step),
-            };
-            if let Some(k) = few.or_else(|| worst(1)) {
+            }
+            if let Some(k) = worst.1 {
                 keep[k] = true;
                 todo.extend([(i, k), (k, j)]);
             }
