@@ -75,8 +75,9 @@ pub enum Event {
         /// Its number.
         tool: u32,
     },
-    /// A command that has no event of its own; [`Reader::words`] has its
-    /// words until the next event.
+    /// A command that has no event of its own;
+    /// [`Reader::words`](super::Reader::words) has its words until the next
+    /// event.
     Other {
         /// Line, from 1.
         line: u64,
