@@ -256,8 +256,9 @@ fn engine() -> Environment<'static> {
     engine
 }
 
-/// The filter `format` with widths and decimals of two digits at most: what
-/// is wider is made at once, however wide.
+/// The filter `format` with plain conversions only, such as `%5.2f`, whose
+/// widths and decimals have two digits at most: what is wider is made at
+/// once, however wide, and names in brackets make the engine panic.
 fn format_within(
     state: &State,
     form: &Value,
@@ -269,6 +270,28 @@ fn format_within(
         return Err(Error::new(
             ErrorKind::InvalidOperation,
             format!("{text:?} has a width of more than two digits"),
+        ));
+    }
+    let without_signs = text.replace("%%", "");
+    let mut parts = without_signs.as_str();
+    let plain = loop {
+        let Some(at) = parts.find('%') else {
+            break true;
+        };
+        let flags = |c: char| c.is_ascii_digit() || "+-# .".contains(c);
+        let rest = parts[at + 1..].trim_start_matches(flags);
+        if !rest.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            break false;
+        }
+        parts = &rest[1..];
+    };
+    if !plain {
+        return Err(Error::new(
+            ErrorKind::InvalidOperation,
+            format!(
+                "{text:?} has a % that begins no conversion such as %.2f; \
+                 write %% for the sign itself"
+            ),
         ));
     }
     filters::format(state, form, values)
@@ -656,6 +679,8 @@ mod tests {
             ("{{ 'a' * 9999999 }}", "more than 1 MB"),
             ("{{ '%999999999999999d' | format(3) }}", "two digits"),
             ("{{ '%.999999999999999f' | format(3.5) }}", "two digits"),
+            ("{{ '%(\u{6c2}99' | format(5) }}", "no conversion"),
+            ("{{ '5 %' | format(5) }}", "no conversion"),
             (
                 "{{ 'a' | indent(999999999999999, true) }}",
                 "unknown filter",
@@ -667,6 +692,7 @@ mod tests {
             assert!(error.contains(words), "{source}: {error}");
         }
         assert_filled("{{ '%03d' | format(7) }}", "007\n");
+        assert_filled("{{ '%+.1f %d%%' | format(2.25, 7) }}", "+2.2 7%\n");
     }
 
     /// Some have no end: their elements are made as they are asked for.
