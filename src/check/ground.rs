@@ -146,6 +146,12 @@ pub(super) struct Ground {
 }
 
 impl Ground {
+    /// Tiles that the layer being printed takes.
+    #[cfg(test)]
+    pub fn tiles(&self) -> usize {
+        self.here.bits.len()
+    }
+
     /// A bead runs from `a` to `b`, both on the bed, in the layer being
     /// printed.
     pub fn bead(&mut self, a: DVec2, b: DVec2, z: Mm) {

@@ -115,6 +115,14 @@ fn beads_beyond_the_bed_take_no_memory() {
     let all = verdict(&text);
     assert!(!all.is_safe());
     assert!(all.counts[&Kind::OutOfReach] > 2000);
+    let rules = Rules::new(&Settings::default());
+    let mut state = State::new(&rules);
+    for event in Reader::new(text.as_bytes()) {
+        state.take(event.unwrap());
+    }
+    // The bed and what is beside it, in tiles of 16 mm; these moves would
+    // take a hundred thousand.
+    assert!(state.ground.tiles() <= 17 * 17, "{}", state.ground.tiles());
 }
 
 #[test]

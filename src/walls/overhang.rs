@@ -89,7 +89,9 @@ impl<'a> Support<'a> {
 
     /// Is there more of the part beside this place of a bead?
     fn leans(&self, bead: &Bead, place: f64, width: Mm) -> bool {
-        let (a, b) = (at(bead, place.floor()).0, at(bead, place.ceil()).0);
+        // The segment that the place is on, or begins.
+        let from = place.floor();
+        let (a, b) = (at(bead, from).0, at(bead, from + 1.0).0);
         let side = (b - a).perp().normalize_or_zero() * BESIDE * width;
         let p = at(bead, place).0;
         self.own.contains(p + side) || self.own.contains(p - side)
@@ -350,8 +352,18 @@ mod tests {
         };
         let below = rect(-1.0, -5.0, 5.0, 5.0);
         let thin = rect(0.0, -0.3, 20.0, 0.3);
-        let found = lengths(&cut_in(thin, fin.clone(), below.clone(), 50.0));
+        let found =
+            lengths(&cut_in(thin.clone(), fin.clone(), below.clone(), 50.0));
         assert_eq!(found, [(Role::OuterWall, 5.0), (Role::Overhang, 15.0)]);
+        // Also where the middle of what hangs is one of its points.
+        let bent = Bead {
+            points: [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec(),
+            widths: vec![0.6; 3],
+            ..fin.clone()
+        };
+        let away = rect(-9.0, -5.0, -5.0, 5.0);
+        let found = lengths(&cut_in(thin.clone(), bent, away, 50.0));
+        assert_eq!(found, [(Role::Overhang, 20.0)]);
         // The same bead as a wall of something thicker leans on the rest.
         let thick = rect(0.0, -0.3, 20.0, 5.0);
         let found = lengths(&cut_in(thick, fin, below, 50.0));
