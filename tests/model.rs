@@ -330,6 +330,26 @@ fn hopeless_fields_end_with_advice() {
 }
 
 #[test]
+fn plateaus_beside_poles_are_found_at_once() {
+    // Every box along a face of the given bounds reaches equally far, and
+    // those along the pole of 1/z and the planes f = 0 are never decided.
+    let bounds = Bounds {
+        min: DVec3::splat(-10.0),
+        max: DVec3::splat(10.0),
+    };
+    let options = SearchOptions {
+        within: Some(bounds),
+        max_work: 20_000,
+        ..SearchOptions::default()
+    };
+    for text in ["-y*x - y/z", "1/x + 1/y + 1/z - 0.1", "ln(x*y*z)"] {
+        let found = find_bounds(&formula(text).tree, &options).unwrap();
+        assert_eq!(found.bounds, bounds, "{text}");
+        assert!(found.slack_mm < 1e-4, "{text}: {}", found.slack_mm);
+    }
+}
+
+#[test]
 fn given_bounds_cut_the_model() {
     let gyroid = formula("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)");
     let bounds = Bounds {

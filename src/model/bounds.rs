@@ -62,7 +62,8 @@ pub struct SearchOptions {
     /// Largest error of a side as a share of the model's size (never above
     /// 10⁻⁴ mm). Default: 10⁻⁶.
     pub tolerance: f64,
-    /// Budget, in interval operations. Default: 2·10⁸, some seconds.
+    /// Budget, in interval operations. Default: 4·10⁷, a few seconds; a
+    /// bear of 600 operations needs a sixth of it.
     pub max_work: u64,
 }
 
@@ -72,7 +73,7 @@ impl Default for SearchOptions {
             limit_mm: 1e6,
             within: None,
             tolerance: 1e-6,
-            max_work: 200_000_000,
+            max_work: 40_000_000,
         }
     }
 }
@@ -480,6 +481,7 @@ impl<'a> Search<'a> {
         let stop = self.scratch.work + budget;
         let face = side.reach(&self.region);
         let thinnest = tolerance / 16.0;
+        self.probe(side, program, tolerance);
         let mut number = 0;
         let mut queue = BinaryHeap::new();
         queue.push(Candidate {
@@ -568,6 +570,41 @@ impl<'a> Search<'a> {
         let known = side.reach(inside);
         let proved = (known + tolerance).min(face).max(known);
         Ok(simplest_between(known, proved))
+    }
+
+    /// Looks for inside points far out, so that the search has a known extent
+    /// to begin with. Where the part ends in a plateau or is cut by the given
+    /// bounds, many boxes reach equally far, and a search of the deepest first
+    /// could spend its budget on the corner it happened to begin with.
+    fn probe(&mut self, side: Side, program: &Program, tolerance: f64) {
+        /// Points along each of the face's two axes.
+        const ACROSS: usize = 8;
+        /// Depths below the face, as shares of the region; the face first.
+        const DEPTHS: [f64; 4] = [0.0, 0.02, 0.1, 0.3];
+        // Off the middles and quarters: planes of symmetry are where fields
+        // are 0 or NaN.
+        let part = |i: usize| (i as f64 + 0.38) / ACROSS as f64;
+        let region = self.region;
+        let face = side.reach(&region);
+        let [u, v] = [(side.axis + 1) % 3, (side.axis + 2) % 3];
+        for depth in DEPTHS {
+            let reach = face - depth * region.width(side.axis);
+            for i in 0..ACROSS * ACROSS {
+                crate::limits::check();
+                let known = self.inside.as_ref().map(|c| side.reach(c));
+                if known.is_some_and(|k| reach <= k + tolerance) {
+                    return;
+                }
+                let mut p = region.lo;
+                p[side.axis] = side.outward(reach);
+                p[u] += part(i % ACROSS) * region.width(u);
+                p[v] += part(i / ACROSS) * region.width(v);
+                if program.value(p, &mut self.scratch) < 0.0 {
+                    self.note_inside(p);
+                    self.climb(side, program, p, face);
+                }
+            }
+        }
     }
 
     /// Moves the known extent from an inside point outwards to a surface.

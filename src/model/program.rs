@@ -93,6 +93,10 @@ pub(super) struct Scratch {
     pub work: u64,
 }
 
+/// What a box costs beside its operations, in operations: it is kept in a
+/// queue, with an expression of its own.
+const BOX_WORK: u64 = 24;
+
 /// No slope: the step does not change within the box.
 const FLAT: [Interval; 3] = [Interval::ZERO; 3];
 /// Unknown slope: the step may jump.
@@ -166,7 +170,7 @@ impl Program {
 
     /// Range, centre value and slope over a box.
     pub fn enclose(&self, cell: &Cell, scratch: &mut Scratch) -> Enclosure {
-        scratch.work += self.steps.len() as u64;
+        scratch.work += self.steps.len() as u64 + BOX_WORK;
         let centre = cell.centre();
         let half: [f64; 3] = std::array::from_fn(|i| 0.5 * cell.width(i));
         let s = &mut scratch.slots;
