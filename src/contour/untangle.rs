@@ -2,33 +2,96 @@
 //!
 //! Straight lines between vertices on the lattice's edges cannot cross; what
 //! was put between them, and what thinning made of it, can, where outlines
-//! come closer to each other than the tolerance. Rings that do are taken back
-//! step by step: thinned less, hardly at all, and last to the lattice's vertices.
+//! come closer to each other than the tolerance. Where they do, they are taken
+//! back step by step: not thinned at all, then to the lattice's vertices. Where
+//! that does not help, or has to be done in many places, the whole ring is
+//! thinned less, hardly at all, and last taken to the lattice's vertices.
 
 use super::link::Joined;
 use super::trace::cross;
-use crate::plane::simplify::simplify;
-use crate::plane::{Ring, edges};
+use crate::plane::simplify::{simplify, simplify_but};
+use crate::plane::{Rect, Ring, edges};
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Steps back.
-const STEPS: u8 = 3;
+/// What a ring is thinned less for.
+#[derive(Default)]
+struct Care {
+    /// Boxes of its edges that crossed others, and how often they did.
+    knots: Vec<(Rect, u8)>,
+    /// Steps back of the whole ring.
+    whole: u8,
+}
+
+/// Knots of a ring beyond which all of it is taken back.
+const KNOTS: usize = 64;
+/// Steps back of a knot, and of a whole ring.
+const KNOT_STEPS: u8 = 2;
+const WHOLE_STEPS: u8 = 3;
+
+impl Care {
+    /// Takes the ring a step back where its edges in some boxes cross others;
+    /// false if it was at the last one.
+    fn more(&mut self, boxes: impl Iterator<Item = Rect>) -> bool {
+        let before = self.knots.len();
+        for place in boxes {
+            let old = self.knots[..before].iter();
+            let same = old.filter(|k| k.0.meets(place));
+            let step = 1 + same.map(|k| k.1).max().unwrap_or(0);
+            self.knots.push((place, step));
+        }
+        let is_local = self.knots.len() <= KNOTS
+            && self.knots.iter().all(|k| k.1 <= KNOT_STEPS);
+        if is_local && self.whole == 0 {
+            return true;
+        }
+        self.whole += 1;
+        self.whole <= WHOLE_STEPS
+    }
+
+    /// The ring, thinned with that care.
+    fn thin(&self, ring: &Joined, tolerance: Mm) -> Ring {
+        if self.whole > 0 {
+            return back(ring, tolerance, self.whole);
+        }
+        let step = |p: DVec2| {
+            let here = self.knots.iter().filter(|k| k.0.contains(p));
+            here.map(|k| k.1).max().unwrap_or(0)
+        };
+        let all = ring.points.iter().zip(&ring.fixed);
+        let kept = all.filter(|p| *p.1 || step(*p.0) < KNOT_STEPS);
+        let points: Ring = kept.map(|p| *p.0).collect();
+        simplify_but(&points, tolerance, |p| step(p) > 0)
+    }
+}
+
+fn grown(r: Rect, by: Mm) -> Rect {
+    Rect {
+        min: r.min - by,
+        max: r.max + by,
+    }
+}
 
 /// The rings, thinned within a tolerance; empty where nothing is left.
 pub(super) fn thin(rings: &[Joined], tolerance: Mm) -> Vec<Ring> {
-    let mut steps = vec![0_u8; rings.len()];
     let mut out: Vec<Ring> = rings
         .iter()
         .map(|r| simplify(&r.points, tolerance))
         .collect();
+    let mut cares: Vec<Care> = Vec::new();
     loop {
-        let mut worse = false;
         crate::limits::check();
-        for n in crossing(&out) {
-            if steps[n] < STEPS {
-                steps[n] += 1;
-                out[n] = back(&rings[n], tolerance, steps[n]);
+        let found = crossings(&out);
+        if found.is_empty() {
+            return out;
+        }
+        cares.resize_with(rings.len(), Care::default);
+        let mut worse = false;
+        for same in found.chunk_by(|a, b| a.0 == b.0) {
+            let n = same[0].0;
+            let boxes = same.iter().map(|k| grown(k.1, tolerance));
+            if cares[n].more(boxes) {
+                out[n] = cares[n].thin(&rings[n], tolerance);
                 worse = true;
             }
         }
@@ -50,8 +113,9 @@ fn back(ring: &Joined, tolerance: Mm, step: u8) -> Ring {
     }
 }
 
-/// Numbers of the rings that cross each other or themselves, in order.
-pub(super) fn crossing(rings: &[Ring]) -> Vec<usize> {
+/// Edges that cross or touch others, as the numbers of their rings and their
+/// boxes, ring by ring.
+fn crossings(rings: &[Ring]) -> Vec<(usize, Rect)> {
     struct Edge {
         ring: usize,
         a: DVec2,
@@ -73,7 +137,7 @@ pub(super) fn crossing(rings: &[Ring]) -> Vec<usize> {
             })
         })
         .collect();
-    let mut found = vec![false; rings.len()];
+    let mut found: Vec<u32> = Vec::new();
     let grid = Buckets::new(list.iter().map(|e| (e.a, e.b)));
     for bucket in grid.buckets() {
         for (k, &m) in bucket.iter().enumerate() {
@@ -96,13 +160,22 @@ pub(super) fn crossing(rings: &[Ring]) -> Vec<usize> {
                     cross(e.a, e.b, f.a, f.b)
                 };
                 if meet {
-                    found[e.ring] = true;
-                    found[f.ring] = true;
+                    found.extend([m, n]);
                 }
             }
         }
     }
-    (0..rings.len()).filter(|&n| found[n]).collect()
+    found.sort_unstable();
+    found.dedup();
+    let edge = |n: u32| &list[n as usize];
+    let place = |e: &Edge| Rect {
+        min: e.a.min(e.b),
+        max: e.a.max(e.b),
+    };
+    found
+        .into_iter()
+        .map(|n| (edge(n).ring, place(edge(n))))
+        .collect()
 }
 
 /// True if the way from a to b goes straight back to c.
@@ -193,6 +266,14 @@ impl Buckets {
 mod tests {
     use super::*;
 
+    /// Numbers of the rings that cross each other or themselves, in order.
+    fn crossing(rings: &[Ring]) -> Vec<usize> {
+        let mut found: Vec<usize> =
+            crossings(rings).iter().map(|c| c.0).collect();
+        found.dedup();
+        found
+    }
+
     fn ring(points: &[(f64, f64)]) -> Ring {
         points.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
     }
@@ -244,6 +325,36 @@ mod tests {
             rings.push(fin(start, way.perp() * 100.0 + way * 0.3));
             let all: Vec<usize> = (1..rings.len()).collect();
             assert_eq!(crossing(&rings), all, "{angle}");
+        }
+    }
+
+    /// A plate with a fin of a micrometre: thinned, the fin's sides cross, but
+    /// the rounded end far away from it need not suffer.
+    #[test]
+    fn rings_are_thinned_less_only_where_they_cross() {
+        let mut points: Ring = (0..=400)
+            .map(|k| std::f64::consts::PI * (f64::from(k) / 400.0 - 0.5))
+            .map(|t| DVec2::new(10.0, 5.0) + DVec2::from_angle(t) * 5.0)
+            .collect();
+        points.push(DVec2::new(8.0, 10.0));
+        // The fin's sides wave, and are cut into lines at other places.
+        let side = |y: f64| 5.0 + 0.03 * (4.0 * y).sin();
+        let up = (0..=200).map(|k| 10.0 + f64::from(k) * 0.02);
+        let down = (0..173).rev().map(|k| 10.0 + f64::from(k) * 0.0231);
+        points.extend(up.map(|y| DVec2::new(side(y) + 1e-3, y)));
+        points.extend(down.map(|y| DVec2::new(side(y), y)));
+        points.extend([DVec2::new(0.0, 10.0), DVec2::new(0.0, 0.0)]);
+        // Every eighth on the lattice.
+        let fixed = (0..points.len()).map(|k| k % 8 == 0).collect();
+        let joined = Joined { points, fixed };
+        assert!(!crossing(&[simplify(&joined.points, 0.01)]).is_empty());
+        let thinned = thin(&[joined], 0.01);
+        assert!(crossing(&thinned).is_empty());
+        let round = thinned[0].iter().filter(|p| p.x > 10.01);
+        assert!((20..60).contains(&round.clone().count()));
+        for p in round {
+            let off = p.distance(DVec2::new(10.0, 5.0)) - 5.0;
+            assert!(off.abs() < 0.0101, "{p}: {off}");
         }
     }
 

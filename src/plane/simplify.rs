@@ -38,6 +38,15 @@ struct Points<'a> {
 /// The ring with as few points as the tolerance (mm) permits; empty if less
 /// than a triangle would be left.
 pub fn simplify(ring: &[DVec2], tolerance: Mm) -> Ring {
+    simplify_but(ring, tolerance, |_| false)
+}
+
+/// The same, but for the points that are to stay as they are.
+pub fn simplify_but(
+    ring: &[DVec2],
+    tolerance: Mm,
+    stays: impl Fn(DVec2) -> bool,
+) -> Ring {
     crate::limits::check();
     // Room for the first point again.
     let mut points = Ring::with_capacity(ring.len() + 1);
@@ -65,7 +74,7 @@ pub fn simplify(ring: &[DVec2], tolerance: Mm) -> Ring {
         all: &points,
         steps: &steps,
     };
-    let mut pieces = split(points, tolerance);
+    let mut pieces = split(points, tolerance, stays);
     let mut out = corners(points.all, &pieces);
     while let Some(finer) = halve_misfits(points, &pieces, &out, tolerance) {
         pieces = finer;
@@ -83,8 +92,12 @@ pub fn simplify(ring: &[DVec2], tolerance: Mm) -> Ring {
 const CORNER: f64 = 0.45;
 
 /// Cuts the ring into pieces, each as long as the tolerance permits and none
-/// across a corner.
-fn split(points: Points<'_>, tolerance: Mm) -> Vec<Piece> {
+/// across a corner or a point that stays.
+fn split(
+    points: Points<'_>,
+    tolerance: Mm,
+    stays: impl Fn(DVec2) -> bool,
+) -> Vec<Piece> {
     let all = points.all;
     let n = all.len() - 1;
     let is_corner = |k: usize| {
@@ -93,7 +106,9 @@ fn split(points: Points<'_>, tolerance: Mm) -> Vec<Piece> {
         // By the cosine: the angle itself costs ten times as much.
         let along = u.dot(v);
         let bound = CORNER.cos().powi(2) * u.length_squared();
-        along < 0.0 || along * along < bound * v.length_squared()
+        along < 0.0
+            || along * along < bound * v.length_squared()
+            || stays(all[k])
     };
     let mut pieces = Vec::with_capacity(n / 2 + 4);
     let mut start = 0;
