@@ -17,8 +17,9 @@
 //! do overflow, they stay finite.
 
 use super::hoist::in_order;
-use fidget::context::UnaryOpcode;
-use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, TreeOp};
+use fidget::context::{
+    BinaryOpcode, Context, Node, Op, Tree, TreeOp, UnaryOpcode,
+};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -60,17 +61,9 @@ pub(super) fn branched(ctx: &mut Context, root: Node) -> Node {
         };
         made.insert(*node, term);
     }
-    match made.remove(&root) {
-        // Whole trees are taken apart without recursion.
-        Some(term) if any => {
-            made.clear();
-            let zero = number(0.0);
-            ctx.import(&Tree::from(TreeOp::Binary(
-                BinaryOpcode::Add,
-                term,
-                zero,
-            )))
-        }
+    // Nothing else holds the root.
+    match made.remove(&root).and_then(Arc::into_inner) {
+        Some(term) if any => ctx.import(&Tree::from(term)),
         _ => root,
     }
 }
