@@ -70,7 +70,7 @@ fn cost_of(op: &Op) -> u32 {
 }
 
 /// Nodes that `root` depends on, operands before those that use them.
-fn in_order(ctx: &Context, root: Node) -> Vec<Node> {
+pub(super) fn in_order(ctx: &Context, root: Node) -> Vec<Node> {
     let mut order = Vec::new();
     let mut seen: HashMap<Node, bool> = HashMap::new();
     let mut todo = vec![root];

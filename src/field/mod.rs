@@ -18,6 +18,8 @@
 //! `f32`); `contour` notices such a leaf by the outline that stops at its
 //! border, and asks for it with [`Field::leaves`].
 //!
+//! Sums of exponentials, as smooth unions have, get branches that proofs can
+//! rule out (`blend`).
 //! What one coordinate alone decides, like sin(k·x), is taken out of the
 //! expression (`hoist`) and evaluated once per column, row or layer (`axis`);
 //! `ranges` proves, `lanes` interprets (`tape`), for many points (`wide`,
@@ -27,6 +29,7 @@
 //! This is the one place where `f64` millimetres become fidget's `f32`.
 
 mod axis;
+mod blend;
 mod dual;
 mod engine;
 mod hoist;
@@ -180,6 +183,7 @@ impl Field {
         };
         let mut ctx = Context::new();
         let root = ctx.import(&tree);
+        let root = blend::branched(&mut ctx, root);
         let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
         if f.vars().has_free_vars() {
             return Err(FieldError::Evaluator(

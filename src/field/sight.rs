@@ -19,6 +19,7 @@
 //! nor on the processor.
 
 use super::FieldError;
+use super::blend::branched;
 use super::lanes::{Lanes, Seed};
 use super::ranges::Ranges;
 use super::tapes::bug;
@@ -74,6 +75,7 @@ impl Sight {
     pub fn new(tree: &Tree) -> Result<Sight, FieldError> {
         let mut ctx = Context::new();
         let root = ctx.import(tree);
+        let root = branched(&mut ctx, root);
         let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
         let mut axes = vec![0; f.vars().len()];
         for (var, slot) in f.vars().iter() {

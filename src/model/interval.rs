@@ -285,7 +285,19 @@ impl Interval {
         }
     }
 
+    #[inline]
     pub fn add(self, o: Self) -> Self {
+        let (lo, hi) = (self.lo + o.lo, self.hi + o.hi);
+        // Nearly always: then no end is infinite, and neither is empty.
+        if lo.is_finite() && hi.is_finite() {
+            let nan = self.nan || o.nan;
+            return Self { lo, hi, nan };
+        }
+        self.add_infinite(o)
+    }
+
+    /// A sum with an infinite end.
+    fn add_infinite(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
@@ -304,7 +316,35 @@ impl Interval {
         self.add(o.neg())
     }
 
+    /// The range of four finite numbers, be they products or quotients of
+    /// ends; nothing if one is not finite.
+    #[inline]
+    fn of_four(p: [f64; 4], nan: bool) -> Option<Self> {
+        let least = |a: f64, b: f64| if a < b { a } else { b };
+        let most = |a: f64, b: f64| if a > b { a } else { b };
+        // No negative zero.
+        ((p[0] + p[1]) + (p[2] + p[3])).is_finite().then(|| Self {
+            lo: least(least(p[0], p[1]), least(p[2], p[3])) + 0.0,
+            hi: most(most(p[0], p[1]), most(p[2], p[3])) + 0.0,
+            nan,
+        })
+    }
+
+    #[inline]
     pub fn mul(self, o: Self) -> Self {
+        let p = [
+            self.lo * o.lo,
+            self.lo * o.hi,
+            self.hi * o.lo,
+            self.hi * o.hi,
+        ];
+        // Nearly always: then no end is infinite, and neither is empty.
+        Self::of_four(p, self.nan || o.nan)
+            .unwrap_or_else(|| self.mul_infinite(o))
+    }
+
+    /// A product with an infinite end.
+    fn mul_infinite(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
@@ -343,10 +383,14 @@ impl Interval {
                 self.hi / o.lo,
                 self.hi / o.hi,
             ];
+            let nan = self.nan || o.nan;
+            if let Some(q) = Self::of_four(q, nan) {
+                return q;
+            }
             Self::sane(
                 q[0].min(q[1]).min(q[2].min(q[3])),
                 q[0].max(q[1]).max(q[2].max(q[3])),
-                self.nan || o.nan,
+                nan,
             )
         } else {
             self.mul(o.recip())

@@ -17,7 +17,7 @@ use crate::order::LayerBeads;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
 use crate::region::compensate::Compensation;
-use crate::region::cover::Cover;
+use crate::region::cover::{Cover, rough};
 use crate::region::exposure::{Slope, roomy, slope_layers, split};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
@@ -57,6 +57,8 @@ pub(super) struct Shell {
     truth: Option<Arc<Outline>>,
     /// The outline again, for asking what is where.
     pub solid: Arc<EdgeGrid>,
+    /// The outline as exact as skin needs it.
+    rough: Arc<Area>,
     /// The outlines of the offset fields, if walls are made of these.
     offsets: Arc<Vec<Area>>,
     /// What is inside, as long as a layer above may be the same.
@@ -84,6 +86,14 @@ impl Shell {
         }
     }
 
+    /// The same, as exact as skin needs it.
+    fn rough_cover(&self) -> Cover<'_> {
+        Cover {
+            area: &self.rough,
+            grid: &self.solid,
+        }
+    }
+
     /// What the layer above will stand on, if that is not the outline: the
     /// plastic goes where the elephant's foot was taken from.
     pub fn squeezed(&self, settings: &Settings) -> Option<Area> {
@@ -96,6 +106,7 @@ impl Shell {
         if below.outline == self.outline && self.offsets.is_empty() {
             self.outline = below.outline.clone();
             self.solid = below.solid.clone();
+            self.rough = below.rough.clone();
         }
     }
 
@@ -293,6 +304,12 @@ impl<'a> Stages<'a> {
                 Some(below) => below.solid.clone(),
                 None => Arc::new(EdgeGrid::new(&outline.area, 1.0)),
             };
+            let rough = match same {
+                Some(below) => below.rough.clone(),
+                None => Arc::new(
+                    self.timings.time(Stage::Skin, || rough(&outline.area)),
+                ),
+            };
             let outline = match same {
                 Some(below) => below.outline.clone(),
                 None => Arc::new(outline),
@@ -302,6 +319,7 @@ impl<'a> Stages<'a> {
                 outline,
                 truth,
                 solid,
+                rough,
                 offsets: Arc::new(offsets),
                 inside: None,
             });
@@ -474,7 +492,7 @@ impl<'a> Stages<'a> {
                 return None;
             }
             seen.push(&near.outline);
-            Some(Some(near.cover()))
+            Some(Some(near.rough_cover()))
         };
         let above: Vec<_> = (1..=self.top_layers)
             .filter_map(|k| cover(i.checked_add(k)))
@@ -488,7 +506,7 @@ impl<'a> Stages<'a> {
             // all of this one.
             let next = |k: Option<usize>| {
                 let near = k.and_then(|k| window.get(k))?;
-                Some(near.cover())
+                Some(near.rough_cover())
             };
             let faces = skin::Faces {
                 above: next(i.checked_add(1)),
@@ -502,7 +520,7 @@ impl<'a> Stages<'a> {
                 |layers: usize, step: &dyn Fn(usize) -> Option<usize>| {
                     let near = |k: usize| {
                         let shell = window.get(step(k)?)?;
-                        Some(shell.cover())
+                        Some(shell.rough_cover())
                     };
                     let same = |k: usize| {
                         let shell_k = step(k).and_then(|k| window.get(k));
@@ -530,7 +548,7 @@ impl<'a> Stages<'a> {
                 &above,
                 &below,
                 support,
-                &shell.outline.area,
+                &shell.rough,
                 &slopes,
                 self.settings,
             );

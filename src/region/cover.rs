@@ -10,18 +10,33 @@
 use crate::plane::clip::{crop, difference, intersection, not_covered_by_all};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::nest::Nest;
+use crate::plane::simplify::simplify;
 use crate::plane::{Area, Rect, Ring, edges, point_beside};
 use crate::units::Mm;
+use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
 /// A neighbouring layer's solid.
 #[derive(Clone, Copy, Debug)]
 pub struct Cover<'a> {
-    /// Its outline.
+    /// Its outline; for skin a [`rough`] one does.
     pub area: &'a Area,
-    /// The same, for asking what is where.
+    /// The outline again, for asking what is where.
     pub grid: &'a EdgeGrid,
+}
+
+/// How far borders between skin and sparse infill may be off: coarse enough to
+/// be cheap, finer than any bead, and nobody sees them, mm.
+pub(super) const TOLERANCE: Mm = 0.02;
+
+/// An outline as exact as skin needs it. A dozen layers ask what it covers of
+/// them, and points are what each of them pays for.
+pub fn rough(outline: &Area) -> Area {
+    let rings = outline.rings.iter().map(|r| simplify(r, TOLERANCE));
+    Area {
+        rings: rings.filter(|r| !r.is_empty()).collect(),
+    }
 }
 
 /// Where an island is not covered by all covers.
@@ -121,13 +136,37 @@ impl<'a> Islands<'a> {
     }
 }
 
+impl Islands<'_> {
+    /// True if a disc is found that is all in an island, and in all of the
+    /// covers; it is looked for at some places only.
+    fn hold_disc(&self, i: usize, radius: Mm, covers: &[Cover<'_>]) -> bool {
+        /// Places along each side of the island's box.
+        const PLACES: u32 = 8;
+        let bounds = self.all[i].bounds();
+        let step = (bounds.max - bounds.min) / f64::from(PLACES);
+        if step.min_element() * f64::from(PLACES) < 2.0 * radius {
+            return false;
+        }
+        let holds = |grid: &EdgeGrid, p: DVec2| {
+            grid.contains(p) && grid.clear(p, p, radius)
+        };
+        (0..PLACES * PLACES).any(|n| {
+            let at = DVec2::new((n % PLACES).into(), (n / PLACES).into());
+            let p = bounds.min + step * (at + 0.5);
+            holds(&self.grid, p)
+                && self.nest.around(p) == Some(i)
+                && covers.iter().all(|c| holds(c.grid, p))
+        })
+    }
+}
+
 /// What a cover leaves open of an area.
 pub fn open(area: &Area, cover: &Area) -> Area {
     difference(area, &near(area, cover))
 }
 
 /// What a cover has around an area, enough to tell what it covers of it.
-fn near(area: &Area, cover: &Area) -> Area {
+pub(super) fn near(area: &Area, cover: &Area) -> Area {
     let mut bounds = area.bounds();
     bounds.min -= 1.0;
     bounds.max += 1.0;
@@ -142,15 +181,17 @@ const CROP_SHARE: usize = 30;
 
 /// Where the covers, together, leave each island open. `matters` tells
 /// whether it matters that a connected area is covered; if it does not matter
-/// for an area, it must not for its parts.
+/// for an area, it must not for its parts. It does for a disc of radius
+/// `disc`.
 pub(super) fn exposed(
-    islands: &Islands<'_>,
+    asked: &Islands<'_>,
     covers: &[Cover<'_>],
+    disc: Mm,
     matters: impl Fn(&Area) -> bool,
 ) -> Vec<Exposed> {
     let touching: Vec<Vec<bool>> =
-        covers.iter().map(|c| islands.touching(c)).collect();
-    let islands = islands.all;
+        covers.iter().map(|c| asked.touching(c)).collect();
+    let islands = asked.all;
     let mut result: Vec<Exposed> = islands
         .iter()
         .enumerate()
@@ -202,7 +243,8 @@ pub(super) fn exposed(
             .filter(|&k| touching[k][i])
             .map(cropped)
             .collect();
-        result[i] = match anything_matters(&islands[i], &near, &matters) {
+        let any = || anything_matters(&islands[i], &near, &matters);
+        result[i] = match asked.hold_disc(i, disc, covers) || any() {
             true => {
                 let near: Vec<&Area> = near.iter().collect();
                 part(not_covered_by_all(&islands[i], &near))
@@ -336,7 +378,7 @@ mod tests {
             Exposed::Everywhere => 0.0,
         };
         let asked = Islands::new(islands);
-        let all = exposed(&asked, &covers, |a| a.content() > 1.0);
+        let all = exposed(&asked, &covers, 0.6, |a| a.content() > 1.0);
         all.iter().zip(islands).map(of).collect()
     }
 
@@ -393,7 +435,7 @@ mod tests {
             area: &cover,
             grid: &grid,
         };
-        let all = exposed(&Islands::new(&[frame]), &[cover], |_| true);
+        let all = exposed(&Islands::new(&[frame]), &[cover], 1.0, |_| true);
         assert_eq!(all, [Exposed::Nowhere]);
     }
 

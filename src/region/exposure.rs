@@ -20,7 +20,9 @@
 //! for sparse infill becomes skin as well. Skin and sparse area together are
 //! the fill.
 
-use super::cover::{Cover, Covered, Exposed, Islands, exposed, open};
+use super::cover::{
+    Cover, Covered, Exposed, Islands, TOLERANCE, exposed, near, open,
+};
 use crate::plane::clip::{
     crop, difference, intersection, not_covered_by_all, union,
 };
@@ -55,10 +57,6 @@ pub fn slope_layers(layers: usize) -> usize {
     (layers as f64 * std::f64::consts::SQRT_2).ceil() as usize
 }
 
-/// Coarse enough to be cheap, finer than any bead: borders between skin and
-/// sparse infill are inside the part.
-const TOLERANCE: Mm = 0.02;
-
 /// The part of a fill that sparse infill fits into, whatever covers it. In
 /// lattices that is next to nothing: the rest is skin, exposed or not, and
 /// need not be looked at again.
@@ -73,8 +71,8 @@ pub fn roomy(fill: &Area, settings: &Settings) -> Area {
 /// and `below` are the layers that have to cover it, nearest first; `None`
 /// beyond the part. One that covers the same as another may be left out.
 /// `support` is the layer right below, if there is one that does not cover
-/// all of this one. `outline` is the layer's solid, and `slopes` are the
-/// layers that count beside what others leave open of it.
+/// all of this one. `outline` is the layer's solid, as exact as the covers,
+/// and `slopes` are the layers that count beside what others leave open of it.
 #[expect(clippy::too_many_arguments, reason = "a layer's surroundings")]
 pub fn split(
     fill: &Area,
@@ -126,7 +124,9 @@ fn sparse(
             && !offset(part, -half, TOLERANCE).is_empty()
     };
     let asked = Islands::new(&islands);
-    let mut exposed = exposed(&asked, covers, matters);
+    let disc = (settings.skin_min_area / std::f64::consts::PI).sqrt();
+    let disc = disc.max(half) + 2.0 * TOLERANCE;
+    let mut exposed = exposed(&asked, covers, disc, matters);
     for slope in slopes {
         slope.expose(&islands, &asked, &mut exposed, outline);
     }
@@ -156,16 +156,15 @@ impl Slope<'_> {
         exposed: &mut [Exposed],
         outline: &Area,
     ) {
-        let mut open_to = vec![false; islands.len()];
-        for cover in &self.beyond {
-            let covers = cover.map(|c| asked.covered(&c));
-            for (i, open) in open_to.iter_mut().enumerate() {
-                let whole = |c: &Vec<Covered>| c[i] == Covered::Wholly;
-                *open |= !covers.as_ref().is_some_and(whole);
-            }
-        }
+        let covered = |c: &Option<Cover<'_>>| c.map(|c| asked.covered(&c));
+        let covered: Vec<Option<Vec<Covered>>> =
+            self.beyond.iter().map(covered).collect();
+        let wholly = |covered: &Option<Vec<Covered>>, i: usize| {
+            covered.as_ref().is_some_and(|c| c[i] == Covered::Wholly)
+        };
         let candidates: Vec<usize> = (0..islands.len())
-            .filter(|&i| open_to[i] && exposed[i] != Exposed::Everywhere)
+            .filter(|&i| exposed[i] != Exposed::Everywhere)
+            .filter(|&i| covered.iter().any(|c| !wholly(c, i)))
             .collect();
         let Some(last) = self.last else { return };
         if candidates.is_empty() {
@@ -176,7 +175,25 @@ impl Slope<'_> {
         let all = Area {
             rings: rings.cloned().collect(),
         };
-        let mut bounds = all.bounds();
+        // What is open is less than what lies under a slope: it first.
+        let covers: Option<Vec<Area>> = self
+            .beyond
+            .iter()
+            .zip(&covered)
+            .filter(|(_, c)| candidates.iter().any(|&i| !wholly(c, i)))
+            .map(|(cover, _)| Some(near(&all, cover.as_ref()?.area)))
+            .collect();
+        let open_beyond = match covers {
+            Some(covers) => {
+                let covers: Vec<&Area> = covers.iter().collect();
+                not_covered_by_all(&all, &covers)
+            }
+            None => all,
+        };
+        if open_beyond.is_empty() {
+            return;
+        }
+        let mut bounds = open_beyond.bounds();
         bounds.min -= self.reach + 1.0;
         bounds.max += self.reach + 1.0;
         let here = crop(&outline.rings, bounds);
@@ -185,13 +202,7 @@ impl Slope<'_> {
             return;
         }
         let beside = offset(&receded, self.reach, TOLERANCE);
-        let within = intersection(&all, &beside);
-        let covers: Option<Vec<&Area>> =
-            self.beyond.iter().map(|c| c.map(|c| c.area)).collect();
-        let found = match covers {
-            Some(covers) => not_covered_by_all(&within, &covers),
-            None => within,
-        };
+        let found = intersection(&open_beyond, &beside);
         let parts = by_island(islands, found.islands());
         for (exposed, more) in exposed.iter_mut().zip(parts) {
             if more.is_empty() {
