@@ -19,6 +19,7 @@
 use super::march::{Scratch, bits};
 use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use glam::{DVec2, Vec4};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Parts of the cell that the field's fall from both sides, each going on to
 /// zero, may leave between them. Below 1 they cross zero on the row itself,
@@ -41,6 +42,114 @@ fn doubtful([before, a, b, after]: [Vec4; 4], reach: f32) -> u32 {
         & fall.cmpgt(Vec4::ZERO).bitmask()
         & rise.cmpgt(Vec4::ZERO).bitmask()
         & (a * rise + b * fall).cmplt(reach * fall * rise).bitmask()
+}
+
+/// A leaf's values.
+type Values = [f32; NODES * NODES];
+
+/// Looks through leaves for those without a doubtful edge: most have none, and
+/// that is sooner told than which edges are.
+struct Sift<'a> {
+    leaves: &'a [Values],
+    reach: f32,
+    /// By leaf, whether it may have one.
+    out: &'a mut Vec<bool>,
+}
+
+/// Numbers that are looked at together.
+const WIDTH: usize = 8;
+
+/// Greater than zero where an edge is [`doubtful`].
+#[inline(always)]
+fn doubt([before, a, b, after]: [f32; 4], reach: f32) -> f32 {
+    let side = if a < 0.0 { -1.0 } else { 1.0 };
+    let (a, b) = (side * a, side * b);
+    let (fall, rise) = (side * before - a, side * after - b);
+    let between = reach * fall * rise - (a * rise + b * fall);
+    let least = if fall < rise { fall } else { rise };
+    let least = if least < between { least } else { between };
+    if b >= 0.0 { least } else { -1.0 }
+}
+
+/// The same of an edge from `a` at a border inwards to `b`, as long as the
+/// node beyond is not known. However steep it is there: four times as steep
+/// as here is the most that is thought of.
+#[inline(always)]
+fn doubt_at_border([a, b, c]: [f32; 3], reach: f32) -> f32 {
+    let step = (c - b).abs();
+    let steep = a + (4.0 * step).copysign(a);
+    let least = doubt([steep, a, b, c], reach);
+    if b.abs() < reach * step { least } else { -1.0 }
+}
+
+#[inline(always)]
+fn some(list: &[f32], at: usize) -> [f32; WIDTH] {
+    list.get(at..)
+        .and_then(<[f32]>::first_chunk)
+        .copied()
+        .unwrap_or([1.0; WIDTH])
+}
+
+impl Sift<'_> {
+    /// Edges between nodes that are `step` places apart, with a node on either
+    /// side; of those along x, some reach from one row into the next.
+    #[inline(always)]
+    fn inner(&self, leaf: &Values, step: usize, best: &mut [f32; WIDTH]) {
+        let last = NODES * NODES - 3 * step - WIDTH;
+        for at in (0..last + WIDTH).step_by(WIDTH) {
+            let at = at.min(last);
+            let (p, q) = (some(leaf, at), some(leaf, at + step));
+            let r = some(leaf, at + 2 * step);
+            let s = some(leaf, at + 3 * step);
+            for k in 0..WIDTH {
+                let d = doubt([p[k], q[k], r[k], s[k]], self.reach);
+                best[k] = if d > best[k] { d } else { best[k] };
+            }
+        }
+    }
+
+    /// Edges from the nodes of a border to those of the next line inwards.
+    #[inline(always)]
+    fn border(
+        &self,
+        [first, second, third]: [&[f32]; 3],
+        best: &mut [f32; WIDTH],
+    ) {
+        for at in [0, NODES - WIDTH] {
+            let (p, q) = (some(first, at), some(second, at));
+            let r = some(third, at);
+            for k in 0..WIDTH {
+                let d = doubt_at_border([p[k], q[k], r[k]], self.reach);
+                best[k] = if d > best[k] { d } else { best[k] };
+            }
+        }
+    }
+}
+
+impl WithSimd for Sift<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for leaf in self.leaves {
+            let mut best = [0.0; WIDTH];
+            self.inner(leaf, 1, &mut best);
+            self.inner(leaf, NODES, &mut best);
+            let row = |j: usize| &leaf[j * NODES..(j + 1) * NODES];
+            let mut column = [[0.0; NODES]; 6];
+            for j in 0..NODES {
+                for (k, i) in [0, 1, 2, 8, 7, 6].into_iter().enumerate() {
+                    column[k][j] = leaf[j * NODES + i];
+                }
+            }
+            let [a, b, c, d, e, f] = &column;
+            self.border([row(0), row(1), row(2)], &mut best);
+            self.border([row(8), row(7), row(6)], &mut best);
+            self.border([a, b, c], &mut best);
+            self.border([d, e, f], &mut best);
+            self.out.push(best != [0.0; WIDTH]);
+        }
+    }
 }
 
 /// The values along a line of a leaf's nodes; what is over is of no doubt.
@@ -97,8 +206,17 @@ pub(super) fn doubts(
     let mut borders: Vec<Border> = Vec::new();
     let reach = if few { NEAR } else { FAR };
     scratch.clear();
-    for (n, leaf) in leaves.iter().enumerate() {
-        let values = &values[n * NODES * NODES..(n + 1) * NODES * NODES];
+    let all: &[Values] = values.as_chunks().0;
+    let mut sifted = Vec::with_capacity(all.len());
+    Arch::new().dispatch(Sift {
+        leaves: all,
+        reach,
+        out: &mut sifted,
+    });
+    for (n, (leaf, values)) in leaves.iter().zip(all).enumerate() {
+        if !sifted[n] {
+            continue;
+        }
         // Along x, then along y: `k` runs along the edges, `across` them.
         for flip in [false, true] {
             let lines = lines(values, flip);

@@ -39,6 +39,9 @@ const RESIDUE: f64 = 0.1;
 /// Chords are not looked at when they are shorter than this share of the
 /// tolerance.
 const SHORT: f64 = 0.3;
+/// An arc's distance from the zero set in its middle and in its quarters, as
+/// a share of the tolerance.
+const ARC: f64 = 0.25;
 /// Halvings of a chord: from 2 mm to below a micrometre.
 const DEPTH: u8 = 12;
 
@@ -85,11 +88,10 @@ struct Open {
     depth: u8,
 }
 
-/// One about which the field is asked; see [`Look::Ask`].
+/// One about which the field is asked.
 struct Asked {
     o: Open,
-    reach: Mm,
-    flat: f64,
+    question: Question,
     /// Points along it, with one in the middle, at which to ask.
     count: usize,
 }
@@ -100,9 +102,20 @@ pub(super) enum Look {
     Straight,
     /// It bends a little, and passes through this point.
     Bent(DVec2),
-    /// The field must be asked: how far off the outline may be, mm, and the
-    /// field in the chord's middle up to which it is straight after all.
-    Ask(Mm, f64),
+    /// The field must be asked.
+    Ask(Question),
+}
+
+/// What is to be asked about a chord.
+#[derive(Clone, Copy)]
+pub(super) struct Question {
+    /// How far off the outline may be, mm.
+    reach: Mm,
+    /// The field in the chord's middle up to which it is straight after all.
+    flat: f64,
+    /// Where the outline passes if it is an arc, and the field there up to
+    /// which it does.
+    arc: Option<([DVec2; 3], f64)>,
 }
 
 /// True if, by the gradients at its ends, a chord is within tolerance, and
@@ -137,7 +150,8 @@ pub(super) fn look(p: End, q: End, tolerance: Mm, trusted: Mm) -> Look {
         return Look::Straight;
     }
     let least = 0.4 * tolerance;
-    let unknown = Look::Ask(least, 0.0);
+    let ask = |reach, flat, arc| Look::Ask(Question { reach, flat, arc });
+    let unknown = ask(least, 0.0, None);
     let (Some(u), Some(v)) =
         (p.gradient.try_normalize(), q.gradient.try_normalize())
     else {
@@ -145,7 +159,7 @@ pub(super) fn look(p: End, q: End, tolerance: Mm, trusted: Mm) -> Look {
     };
     if fits {
         let slope = p.gradient.length().min(q.gradient.length());
-        return Look::Ask(least, tolerance * slope);
+        return ask(least, tolerance * slope, None);
     }
     let out = -chord.perp() / length;
     if u.dot(out) <= 0.0 || v.dot(out) <= 0.0 {
@@ -153,12 +167,29 @@ pub(super) fn look(p: End, q: End, tolerance: Mm, trusted: Mm) -> Look {
     }
     let (s, t) = (u.dot(chord), v.dot(chord));
     let bound = 0.25 * s.abs().max(t.abs());
-    // An arc of equal angles at both ends; else it may be anything.
-    if bound <= 2.0 * tolerance && u.dot(v) > COS_TURN && length <= trusted {
-        let bulge = 0.125 * (t - s);
-        return Look::Bent(0.5 * (p.point + q.point) + out * bulge);
+    let reach = (1.25 * bound).max(least);
+    if u.dot(v) <= COS_TURN || length > trusted {
+        return ask(reach, 0.0, None);
     }
-    Look::Ask((1.25 * bound).max(least), 0.0)
+    // The cubic with the directions at both ends, off the chord's middle and
+    // its quarters.
+    let on = |along: f64, near: f64, far: f64| {
+        p.point + chord * along + out * (far * t - near * s)
+    };
+    let middle = on(0.5, 0.125, 0.125);
+    // An arc of equal angles at both ends.
+    if bound <= 2.0 * tolerance {
+        return Look::Bent(middle);
+    }
+    // It may be anything else. The halves of an arc stand off a quarter as far.
+    let even = (s + t).abs() <= 0.5 * (t - s).abs();
+    let arc = (even && bound <= 4.0 * tolerance).then(|| {
+        let slope = p.gradient.length().min(q.gradient.length());
+        let first = on(0.25, 9.0 / 64.0, 3.0 / 64.0);
+        let third = on(0.75, 3.0 / 64.0, 9.0 / 64.0);
+        ([first, middle, third], ARC * tolerance * slope)
+    });
+    ask(reach, 0.0, arc)
 }
 
 /// Chords that are followed together: one may become thousands of pieces,
@@ -218,10 +249,10 @@ fn follow(
                     let place = 0.5 * (o.span[0] + o.span[1]);
                     traced[o.chord].points.push((place, p));
                 }
-                Look::Ask(reach, flat) if o.depth < DEPTH => {
+                Look::Ask(question) if o.depth < DEPTH => {
                     let length = o.a.point.distance(o.b.point);
                     let mut parts = 2;
-                    while flat > 0.0
+                    while question.flat > 0.0
                         && parts < 64
                         && length > trusted * parts as f64
                     {
@@ -229,12 +260,11 @@ fn follow(
                     }
                     asked.push(Asked {
                         o,
-                        reach,
-                        flat,
+                        question,
                         count: parts - 1,
                     });
                 }
-                Look::Ask(..) => {}
+                Look::Ask(_) => {}
             }
         }
         let (middles, asked) = round.corners(asked, &mut traced)?;
@@ -321,8 +351,8 @@ impl Round<'_> {
         self.sampler.values(&s.x, &s.y, &s.z, &mut s.values)
     }
 
-    /// Settles the chords that turn at a corner; returns the others and the
-    /// field at their middles.
+    /// Settles the chords that turn at a corner or are an arc's; returns the
+    /// others and the field at their middles.
     fn corners(
         &mut self,
         asked: Vec<Asked>,
@@ -333,12 +363,15 @@ impl Round<'_> {
             .iter()
             .map(|Asked { o, .. }| candidate(o, &self.chords[o.chord]))
             .collect();
-        for (Asked { o, count, .. }, candidate) in asked.iter().zip(&candidates)
-        {
+        for (asked, candidate) in asked.iter().zip(&candidates) {
+            let Asked { o, question, count } = asked;
             let Chord { z, cell, .. } = self.chords[o.chord];
             for k in 1..=*count {
                 let t = k as f64 / (count + 1) as f64;
                 self.scratch.push(o.a.point.lerp(o.b.point, t), z);
+            }
+            for p in question.arc.iter().flat_map(|a| a.0) {
+                self.scratch.push(p, z);
             }
             let Some(c) = candidate else { continue };
             self.scratch.push(c.point, z);
@@ -361,6 +394,14 @@ impl Round<'_> {
         for (asked, candidate) in asked.into_iter().zip(candidates) {
             let along: Vec<f64> = (0..asked.count).map(|_| next()).collect();
             let middle = along[asked.count / 2];
+            let place = 0.5 * (asked.o.span[0] + asked.o.span[1]);
+            if let Some((arc, most)) = asked.question.arc {
+                let off = [next(), next(), next()].map(f64::abs);
+                if off.iter().all(|f| *f <= most) {
+                    traced[asked.o.chord].points.push((place, arc[1]));
+                    continue;
+                }
+            }
             let mut accepted = None;
             if let Some(c) = candidate {
                 let [f, a, b] = [next(), next(), next()];
@@ -377,14 +418,14 @@ impl Round<'_> {
                     accepted = Some(c);
                 }
             }
-            let o = &asked.o;
+            let flat = asked.question.flat;
             match accepted {
                 Some(c) => {
-                    let t = &mut traced[o.chord];
-                    t.points.push((0.5 * (o.span[0] + o.span[1]), c.point));
+                    let t = &mut traced[asked.o.chord];
+                    t.points.push((place, c.point));
                     t.beside = t.beside.or(c.beside);
                 }
-                None if along.iter().all(|f| f.abs() <= asked.flat) => {}
+                None if along.iter().all(|f| f.abs() <= flat) => {}
                 None => {
                     middles.push(middle);
                     rest.push(asked);
@@ -404,7 +445,7 @@ impl Round<'_> {
         // From the middle outwards in growing steps, to the cell's border.
         self.scratch.clear();
         let mut searches = Vec::new();
-        for (Asked { o, reach, .. }, &f) in asked.iter().zip(middles) {
+        for (Asked { o, question, .. }, &f) in asked.iter().zip(middles) {
             let chord = &self.chords[o.chord];
             let middle = 0.5 * (o.a.point + o.b.point);
             let out = -(o.b.point - o.a.point).perp().normalize_or_zero();
@@ -417,7 +458,7 @@ impl Round<'_> {
             let limit = 0.999 * leaves_cell(middle, way, room);
             let from = self.scratch.x.len();
             let mut steps = Vec::new();
-            let mut d = *reach;
+            let mut d = question.reach;
             while d < limit {
                 steps.push(d);
                 d *= 2.0;

@@ -146,27 +146,30 @@ impl Axis {
         off.clear();
         missing.clear();
         on.clear();
+        on.reserve(points.len());
         let nodes = &self.nodes[..];
         let from = nodes.first().map_or(0.0, |&v| f64::from(v));
         let mut node = 0;
-        on.extend(points.iter().enumerate().map(|(k, p)| {
+        for (&p, k) in points.iter().zip(0..) {
             // Often the same as the one before.
-            if nodes.get(node) != Some(p) {
+            if nodes.get(node) != Some(&p) {
                 let guess = if self.density == 0.0 {
-                    let found = nodes.binary_search_by(|v| v.total_cmp(p));
+                    let found = nodes.binary_search_by(|v| v.total_cmp(&p));
                     found.unwrap_or(usize::MAX)
                 } else {
-                    ((f64::from(*p) - from) * self.density + 0.5) as usize
+                    // Not by way of an `usize`, which takes longer.
+                    let place = (f64::from(p) - from) * self.density + 0.5;
+                    place as i32 as usize
                 };
-                if nodes.get(guess) == Some(p) {
+                if nodes.get(guess) == Some(&p) {
                     node = guess;
                 } else {
-                    off.push(k as u32);
-                    missing.push(*p);
+                    off.push(k);
+                    missing.push(p);
                 }
             }
-            node as u32
-        }));
+            on.push(node as u32);
+        }
     }
 
     /// A part's values at located points.

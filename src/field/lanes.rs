@@ -261,11 +261,15 @@ impl WithSimd for Slopes<'_> {
                     }
                 },
                 |result| {
-                    let left = self.count - from;
-                    let all = result.iter().flat_map(|d| {
-                        (0..WIDTH).map(|k| [d.v.0[k], d.dx.0[k], d.dy.0[k]])
-                    });
-                    self.out.extend(all.take(left));
+                    let mut left = self.count - from;
+                    for d in result {
+                        let n = left.min(WIDTH);
+                        let all: [[f32; 3]; WIDTH] = std::array::from_fn(|k| {
+                            [d.v.0[k], d.dx.0[k], d.dy.0[k]]
+                        });
+                        self.out.extend_from_slice(&all[..n]);
+                        left -= n;
+                    }
                 },
             );
         }

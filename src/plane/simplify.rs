@@ -113,10 +113,13 @@ fn split(
     let mut pieces = Vec::with_capacity(n / 2 + 4);
     let mut start = 0;
     let mut corner = is_corner(start);
+    let mut like = 2;
     while start < n {
         let last = (start + 1..n).find(|&k| is_corner(k)).unwrap_or(n);
         while start < last {
-            let (end, shift) = longest(points, start, last, tolerance, corner);
+            let (end, shift) =
+                longest(points, start, last, tolerance, corner, like);
+            like = end - start;
             pieces.push(Piece {
                 start,
                 end,
@@ -131,31 +134,32 @@ fn split(
 }
 
 /// The farthest end, up to `last`, of a piece that begins at `start`: found
-/// by doubling the piece until it no longer fits, then halving the rest.
+/// by lengthening the piece in growing steps until it no longer fits, then
+/// halving the rest. The first try is as long as the piece before, `like`.
 fn longest(
     points: Points<'_>,
     start: usize,
     last: usize,
     tolerance: Mm,
     corner: bool,
+    like: usize,
 ) -> (usize, f64) {
     let mut best = (start + 1, 0.0);
-    let mut step = 2;
     let mut bad = last + 1;
-    while start + step <= last {
-        match fit(points, start, start + step, tolerance, corner) {
-            Some(shift) => best = (start + step, shift),
+    let (mut end, mut step) = (start + like.max(2), 1);
+    while best.0 < last {
+        end = end.min(last);
+        match fit(points, start, end, tolerance, corner) {
+            Some(shift) => best = (end, shift),
             None => {
-                bad = start + step;
+                bad = end;
                 break;
             }
         }
-        if start + step == last {
-            return best;
-        }
-        step = (2 * step).min(last - start);
+        end += step;
+        step *= 2;
     }
-    while bad - best.0 > 1 {
+    while bad - best.0 > 1 && best.0 < last {
         let middle = best.0 + (bad - best.0) / 2;
         match fit(points, start, middle, tolerance, corner) {
             Some(shift) => best = (middle, shift),
@@ -193,7 +197,9 @@ fn fit(
         sum += 0.5 * (deviation + previous) * step;
         length += step;
         previous = deviation;
-        (lo, hi) = (lo.min(deviation), hi.max(deviation));
+        // As `min` and `max`, which also look for what is not a number.
+        lo = if deviation < lo { deviation } else { lo };
+        hi = if deviation > hi { deviation } else { hi };
         if hi - lo > 2.0 * tolerance {
             return None;
         }
