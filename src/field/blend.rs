@@ -13,8 +13,8 @@
 //! ```
 //!
 //! In: an expression. Out: one with the same values, bit for bit, as long as
-//! neither exponential overflows, in which `min` and `max` choose. Where they
-//! do overflow, they stay finite.
+//! neither exponential is above M, in which `min` and `max` choose. Beyond it
+//! they stay at M, instead of growing by a factor of two and overflowing.
 
 use super::hoist::in_order;
 use fidget::context::{
