@@ -15,6 +15,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
 
+/// Bytes that are written at a time: files of tens of megabytes are common,
+/// and each call to the system costs microseconds.
+const BUFFER: usize = 1 << 18;
+
 /// Half-written files: names that are to go if the process ends.
 static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -54,7 +58,10 @@ impl Output {
         inputs: &[&Path],
     ) -> anyhow::Result<Self> {
         if is_stream(path) {
-            return Ok(Output::Stream(BufWriter::new(Box::new(stdout()))));
+            return Ok(Output::Stream(BufWriter::with_capacity(
+                BUFFER,
+                Box::new(stdout()),
+            )));
         }
         if path.is_dir() {
             bail!(
@@ -91,7 +98,7 @@ impl Output {
                 .open(&destination)
                 .with_context(no_output)?;
             let file: Box<dyn Write> = Box::new(file);
-            return Ok(Output::Stream(BufWriter::new(file)));
+            return Ok(Output::Stream(BufWriter::with_capacity(BUFFER, file)));
         }
         let folder = folder_of(&destination);
         if !folder.is_dir() {
@@ -116,7 +123,7 @@ impl Output {
                 .with_context(no_output)?;
         }
         Ok(Output::Pending {
-            writer: BufWriter::new(file),
+            writer: BufWriter::with_capacity(BUFFER, file),
             destination,
             replaces: true,
         })
@@ -135,7 +142,7 @@ impl Output {
         let file = temporary_in(folder_of(path))
             .with_context(|| format!("cannot write {}", path.display()))?;
         Ok(Output::Pending {
-            writer: BufWriter::new(file),
+            writer: BufWriter::with_capacity(BUFFER, file),
             destination: path.to_owned(),
             replaces: false,
         })

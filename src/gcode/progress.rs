@@ -10,7 +10,10 @@ use crate::pace::{PacedLayer, PacedMove};
 use crate::settings::{Emit, Flavour, Settings};
 use crate::units::Seconds;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, Seek, Write};
+
+/// Bytes that are written or read at a time.
+const BUFFER: usize = 1 << 18;
 
 /// Time between marks, at least: hosts show minutes.
 pub(super) const BETWEEN: Seconds = 20.0;
@@ -35,7 +38,7 @@ impl Waiting {
     /// An empty text.
     pub(super) fn new() -> io::Result<Self> {
         Ok(Self {
-            text: BufWriter::new(tempfile::tempfile()?),
+            text: BufWriter::with_capacity(BUFFER, tempfile::tempfile()?),
             length: 0,
             marks: Vec::new(),
         })
@@ -68,11 +71,11 @@ impl Waiting {
     ) -> io::Result<()> {
         let mut file = self.text.into_inner().map_err(|e| e.into_error())?;
         file.rewind()?;
-        let mut text = BufReader::new(file);
+        let mut text = BufReader::with_capacity(BUFFER, file);
         let mut done = 0;
         let mut said = None;
         for mark in self.marks {
-            io::copy(&mut text.by_ref().take(mark.at - done), out)?;
+            copy(&mut text, mark.at - done, out)?;
             done = mark.at;
             let now = figures(mark.time, total);
             if said != Some(now) {
@@ -80,9 +83,29 @@ impl Waiting {
                 writeln!(out, "{}", line(now.0, now.1))?;
             }
         }
-        io::copy(&mut text, out)?;
-        Ok(())
+        copy(&mut text, u64::MAX, out)
     }
+}
+
+/// Hands on so many bytes, or as many as there are; `io::copy` would do it in
+/// small pieces.
+fn copy(
+    from: &mut impl BufRead,
+    count: u64,
+    to: &mut impl Write,
+) -> io::Result<()> {
+    let mut left = count;
+    while left > 0 {
+        let all = from.fill_buf()?;
+        let n = usize::try_from(left).unwrap_or(usize::MAX).min(all.len());
+        if n == 0 {
+            break;
+        }
+        to.write_all(&all[..n])?;
+        from.consume(n);
+        left -= n as u64;
+    }
+    Ok(())
 }
 
 /// Whole percents done, whole minutes left.

@@ -7,7 +7,7 @@
 //! rest the first neighbours often tell that nothing that matters is covered;
 //! only where it is do all neighbours that touch the island go into one sweep.
 
-use crate::plane::clip::{crop, difference, intersection, not_covered_by_all};
+use crate::plane::clip::{crop, intersection, not_covered_by_all};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::nest::Nest;
 use crate::plane::simplify::simplify;
@@ -160,9 +160,9 @@ impl Islands<'_> {
     }
 }
 
-/// What a cover leaves open of an area.
+/// What a cover leaves open of an area; see [`not_covered_by_all`].
 pub fn open(area: &Area, cover: &Area) -> Area {
-    difference(area, &near(area, cover))
+    not_covered_by_all(area, &[&near(area, cover)])
 }
 
 /// What a cover has around an area, enough to tell what it covers of it.
@@ -360,7 +360,7 @@ impl Near {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::clip::union;
+    use crate::plane::clip::{difference, union};
     use crate::plane::rect;
 
     /// What is covered of each island.
