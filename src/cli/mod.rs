@@ -9,6 +9,7 @@ mod check;
 mod info;
 mod limits;
 mod manual;
+mod memory;
 mod new;
 mod output;
 mod preview;
@@ -90,6 +91,7 @@ enum Command {
 /// Carries out a command.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     cli.verbosity.apply();
+    memory::return_large_blocks();
     limits::end_cleanly_when_asked()?;
     match cli.command {
         Command::Slice(args) => slice::run(&args),

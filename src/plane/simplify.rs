@@ -110,7 +110,7 @@ fn split(
             || along * along < bound * v.length_squared()
             || stays(all[k])
     };
-    let mut pieces = Vec::with_capacity(n / 2 + 4);
+    let mut pieces = Vec::with_capacity(n / 8 + 4);
     let mut start = 0;
     let mut corner = is_corner(start);
     let mut like = 2;
