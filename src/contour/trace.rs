@@ -182,8 +182,8 @@ pub(super) fn look(p: End, q: End, tolerance: Mm, trusted: Mm) -> Look {
         return Look::Bent(middle);
     }
     // It may be anything else. The halves of an arc stand off a quarter as far.
-    let even = (s + t).abs() <= 0.5 * (t - s).abs();
-    let arc = (even && bound <= 4.0 * tolerance).then(|| {
+    let even = (s + t).abs() <= 0.25 * (t - s).abs();
+    let arc = (even && bound <= 3.0 * tolerance).then(|| {
         let slope = p.gradient.length().min(q.gradient.length());
         let first = on(0.25, 9.0 / 64.0, 3.0 / 64.0);
         let third = on(0.75, 3.0 / 64.0, 9.0 / 64.0);
@@ -397,7 +397,9 @@ impl Round<'_> {
             let place = 0.5 * (asked.o.span[0] + asked.o.span[1]);
             if let Some((arc, most)) = asked.question.arc {
                 let off = [next(), next(), next()].map(f64::abs);
-                if off.iter().all(|f| *f <= most) {
+                let room = grown(&self.chords[asked.o.chord]);
+                if off.iter().all(|f| *f <= most) && room.contains(arc[1]) {
+                    // An arc is no corner: no candidate's values follow.
                     traced[asked.o.chord].points.push((place, arc[1]));
                     continue;
                 }
@@ -450,11 +452,7 @@ impl Round<'_> {
             let middle = 0.5 * (o.a.point + o.b.point);
             let out = -(o.b.point - o.a.point).perp().normalize_or_zero();
             let way = if f < 0.0 { out } else { -out };
-            let pad = chord.beyond * (chord.cell.max - chord.cell.min);
-            let room = Rect {
-                min: chord.cell.min - pad,
-                max: chord.cell.max + pad,
-            };
+            let room = grown(chord);
             let limit = 0.999 * leaves_cell(middle, way, room);
             let from = self.scratch.x.len();
             let mut steps = Vec::new();
@@ -525,6 +523,16 @@ impl Round<'_> {
             }
         }
         Ok(halves)
+    }
+}
+
+/// Where the outline may be followed to.
+fn grown(chord: &Chord) -> Rect {
+    let Chord { cell, beyond, .. } = *chord;
+    let pad = beyond * (cell.max - cell.min);
+    Rect {
+        min: cell.min - pad,
+        max: cell.max + pad,
     }
 }
 

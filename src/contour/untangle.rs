@@ -9,18 +9,27 @@
 
 use super::link::Joined;
 use super::trace::cross;
+use crate::plane::grid::nearest_on;
 use crate::plane::simplify::{simplify, simplify_but};
-use crate::plane::{Rect, Ring, edges};
+use crate::plane::{Ring, edges};
 use crate::units::Mm;
 use glam::DVec2;
 
 /// What a ring is thinned less for.
 #[derive(Default)]
 struct Care {
-    /// Boxes of its edges that crossed others, and how often they did.
-    knots: Vec<(Rect, u8)>,
+    /// Its edges that crossed others, and how often they did.
+    knots: Vec<Knot>,
     /// Steps back of the whole ring.
     whole: u8,
+}
+
+/// An edge that crossed another, and the points it stood for.
+struct Knot {
+    edge: (DVec2, DVec2),
+    /// How far from the edge those points are, at most, mm.
+    reach: Mm,
+    step: u8,
 }
 
 /// Knots of a ring beyond which all of it is taken back.
@@ -29,24 +38,41 @@ const KNOTS: usize = 64;
 const KNOT_STEPS: u8 = 2;
 const WHOLE_STEPS: u8 = 3;
 
+impl Knot {
+    fn holds(&self, p: DVec2) -> bool {
+        let (a, b) = self.edge;
+        let off = nearest_on(p, a, b).distance_squared(p);
+        off <= self.reach * self.reach
+    }
+}
+
 impl Care {
-    /// Takes the ring a step back where its edges in some boxes cross others;
-    /// false if it was at the last one.
-    fn more(&mut self, boxes: impl Iterator<Item = Rect>) -> bool {
+    /// Takes the ring, thinned within a tolerance, a step back where some
+    /// edges of it cross others; false if it was at the last one.
+    fn more(
+        &mut self,
+        edges: impl ExactSizeIterator<Item = (DVec2, DVec2)>,
+        tolerance: Mm,
+    ) -> bool {
         let before = self.knots.len();
-        for place in boxes {
-            let old = self.knots[..before].iter();
-            let same = old.filter(|k| k.0.meets(place));
-            let step = 1 + same.map(|k| k.1).max().unwrap_or(0);
-            self.knots.push((place, step));
+        if self.whole == 0 && before + edges.len() <= KNOTS {
+            for edge in edges {
+                // Where it was not thinned, and crosses all the same.
+                let same = |k: &&Knot| k.holds(edge.0) && k.holds(edge.1);
+                let old = self.knots[..before].iter().filter(same);
+                self.knots.push(Knot {
+                    edge,
+                    reach: 1.5 * tolerance,
+                    step: 1 + old.map(|k| k.step).max().unwrap_or(0),
+                });
+            }
+            if self.knots.iter().all(|k| k.step <= KNOT_STEPS) {
+                return true;
+            }
         }
-        let is_local = self.knots.len() <= KNOTS
-            && self.knots.iter().all(|k| k.1 <= KNOT_STEPS);
-        if is_local && self.whole == 0 {
-            return true;
-        }
-        self.whole += 1;
-        self.whole <= WHOLE_STEPS
+        let goes_on = self.whole < WHOLE_STEPS;
+        self.whole = WHOLE_STEPS.min(self.whole + 1);
+        goes_on
     }
 
     /// The ring, thinned with that care.
@@ -55,20 +81,13 @@ impl Care {
             return back(ring, tolerance, self.whole);
         }
         let step = |p: DVec2| {
-            let here = self.knots.iter().filter(|k| k.0.contains(p));
-            here.map(|k| k.1).max().unwrap_or(0)
+            let here = self.knots.iter().filter(|k| k.holds(p));
+            here.map(|k| k.step).max().unwrap_or(0)
         };
         let all = ring.points.iter().zip(&ring.fixed);
         let kept = all.filter(|p| *p.1 || step(*p.0) < KNOT_STEPS);
         let points: Ring = kept.map(|p| *p.0).collect();
         simplify_but(&points, tolerance, |p| step(p) > 0)
-    }
-}
-
-fn grown(r: Rect, by: Mm) -> Rect {
-    Rect {
-        min: r.min - by,
-        max: r.max + by,
     }
 }
 
@@ -89,8 +108,7 @@ pub(super) fn thin(rings: &[Joined], tolerance: Mm) -> Vec<Ring> {
         let mut worse = false;
         for same in found.chunk_by(|a, b| a.0 == b.0) {
             let n = same[0].0;
-            let boxes = same.iter().map(|k| grown(k.1, tolerance));
-            if cares[n].more(boxes) {
+            if cares[n].more(same.iter().map(|k| k.1), tolerance) {
                 out[n] = cares[n].thin(&rings[n], tolerance);
                 worse = true;
             }
@@ -113,9 +131,9 @@ fn back(ring: &Joined, tolerance: Mm, step: u8) -> Ring {
     }
 }
 
-/// Edges that cross or touch others, as the numbers of their rings and their
-/// boxes, ring by ring.
-fn crossings(rings: &[Ring]) -> Vec<(usize, Rect)> {
+/// Edges that cross or touch others, with the numbers of their rings, ring by
+/// ring.
+fn crossings(rings: &[Ring]) -> Vec<(usize, (DVec2, DVec2))> {
     struct Edge {
         ring: usize,
         a: DVec2,
@@ -167,15 +185,11 @@ fn crossings(rings: &[Ring]) -> Vec<(usize, Rect)> {
     }
     found.sort_unstable();
     found.dedup();
-    let edge = |n: u32| &list[n as usize];
-    let place = |e: &Edge| Rect {
-        min: e.a.min(e.b),
-        max: e.a.max(e.b),
+    let edge = |n: u32| {
+        let e = &list[n as usize];
+        (e.ring, (e.a, e.b))
     };
-    found
-        .into_iter()
-        .map(|n| (edge(n).ring, place(edge(n))))
-        .collect()
+    found.into_iter().map(edge).collect()
 }
 
 /// True if the way from a to b goes straight back to c.

@@ -8,13 +8,13 @@
 //! ```text
 //!    eᵘ ──────╲      ╱────── eᵛ     each summand b is replaced by one that is
 //!              ╲    ╱               cut off where it is too small to count:
-//!   ────────────╲──╱──────────      max(0, min(b, t·M)), with t = v − u + 20
-//!         t < 0  ╲╱  t > 0          and M next to the largest number
+//!   ────────────╲──╱──────────      max(0, min(b, t·∞)), with t = v − u + 20
+//!         t < 0  ╲╱  t > 0
 //! ```
 //!
-//! In: an expression. Out: one with the same values, bit for bit, as long as
-//! neither exponential is above M, in which `min` and `max` choose. Beyond it
-//! they stay at M, instead of growing by a factor of two and overflowing.
+//! In: an expression. Out: one with the same values, bit for bit, in which
+//! `min` and `max` choose. Also where exponentials overflow: what is made of
+//! the sum, like a shell or an offset, compares it with other numbers.
 
 use super::hoist::in_order;
 use fidget::context::{
@@ -26,8 +26,9 @@ use std::sync::Arc;
 /// Exponents this far apart: e⁻²⁰ is less than an eighth of the last bit of
 /// an `f32`.
 const APART: f32 = 20.0;
-/// Two of them can be added.
-const MOST: f32 = 1.5e38;
+/// Times itself, and the least lead there is, infinite: e⁻²⁰ is compared at
+/// steps of 2·10⁻⁶. Infinity itself would make a lead of 0 not a number.
+const MUCH: f32 = 1.5e38;
 /// What is taken for an infinite exponent: two of them can be compared.
 const FARTHEST: f32 = 1e30;
 
@@ -78,9 +79,9 @@ fn blend([a, b]: [Term; 2], exponents: [Term; 2]) -> Term {
     let kept = |summand: Term, own: &Term, other: &Term| {
         let lead = binary(Sub, own.clone(), other.clone());
         let lead = binary(Add, lead, number(APART));
-        let bound = binary(Mul, lead, number(MOST));
-        let least = binary(Min, binary(Min, summand, number(MOST)), bound);
-        binary(Max, least, number(0.0))
+        let bound = binary(Mul, lead, number(MUCH));
+        let bound = binary(Mul, bound, number(MUCH));
+        binary(Max, binary(Min, summand, bound), number(0.0))
     };
     binary(Add, kept(a, &u, &v), kept(b, &v, &u))
 }
@@ -177,26 +178,36 @@ mod tests {
         assert_eq!(over(&with, 15.0).1, 2);
     }
 
+    /// Exponentials overflow from a depth of 2.8 on: shells and offsets
+    /// compare what comes of it with other numbers.
     #[test]
-    fn far_inside_and_outside_they_stay_finite() {
-        // Exponentials overflow from a depth of 22 on, here of both.
-        let (x, y, _) = Tree::axes();
-        let union = |a: Tree, b: Tree| {
-            let sum = (a * -4.0).exp() + (b * -4.0).exp();
-            sum.ln() / -4.0
+    fn overflow_stays_overflow() {
+        let (x, y, z) = Tree::axes();
+        let union = |k: f32| {
+            let ball = |at: f32| {
+                let off = (x.clone() - at).square() + y.square() + z.square();
+                (off.sqrt() - 5.0) * k
+            };
+            (ball(0.0).exp() + ball(4.0).exp()).ln() / k
         };
-        let inner = union(x.clone() - 50.0, y.clone() - 60.0);
-        let [plain, with] = functions(&union(inner.clone(), inner + 1.0));
-        let points = [vec![0.0, 49.0, -1e9], vec![0.0; 3], vec![0.0; 3]];
-        let deep = |f: &VmFunction| {
-            let mut vars: Vec<&[f32]> = vec![&points[1]; f.vars().len()];
-            vars[f.vars().get(&Var::X).unwrap()] = &points[0];
-            let tape = f.float_slice_tape(Default::default());
-            let mut eval = VmFunction::new_float_slice_eval();
-            eval.eval(&tape, &vars).unwrap()[0].to_vec()
+        let inside = union(-32.0);
+        let shell = inside.clone().max(-(inside + 3.0));
+        let random = |n: u32| {
+            (0..20_000u32).map(move |i| {
+                let hash = (i * 3 + n).wrapping_mul(2_654_435_761);
+                (hash >> 8) as f32 / (1 << 24) as f32 * 40.0 - 20.0
+            })
         };
-        assert!(deep(&plain).iter().all(|f| *f == f32::NEG_INFINITY));
-        assert!(deep(&with).iter().all(|f| f.is_finite() && *f < -20.0));
+        let points: [Vec<f32>; 3] =
+            [0, 1, 2].map(|n| random(n).chain([0.0, 2.0, 1e9]).collect());
+        for tree in [shell, union(32.0) - 3.0] {
+            let [plain, with] = functions(&tree);
+            let (a, b) = (values(&plain, &points), values(&with, &points));
+            assert!(a.iter().any(|f| f.is_infinite()));
+            for (a, b) in a.iter().zip(b) {
+                assert_eq!(a.to_bits(), b.to_bits(), "{a} {b}");
+            }
+        }
     }
 
     #[test]

@@ -96,7 +96,10 @@ fn copy(
 ) -> io::Result<()> {
     let mut left = count;
     while left > 0 {
-        let all = from.fill_buf()?;
+        let all = match from.fill_buf() {
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
+            all => all?,
+        };
         let n = usize::try_from(left).unwrap_or(usize::MAX).min(all.len());
         if n == 0 {
             break;

@@ -17,7 +17,7 @@ use crate::order::LayerBeads;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
 use crate::region::compensate::Compensation;
-use crate::region::cover::{Cover, rough};
+use crate::region::cover::{Cover, Rough};
 use crate::region::exposure::{Slope, roomy, slope_layers, split};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
@@ -58,7 +58,7 @@ pub(super) struct Shell {
     /// The outline again, for asking what is where.
     pub solid: Arc<EdgeGrid>,
     /// The outline as exact as skin needs it.
-    rough: Arc<Area>,
+    rough: Arc<Rough>,
     /// The outlines of the offset fields, if walls are made of these.
     offsets: Arc<Vec<Area>>,
     /// What is inside, as long as a layer above may be the same.
@@ -86,10 +86,11 @@ impl Shell {
         }
     }
 
-    /// The same, as exact as skin needs it.
-    fn rough_cover(&self) -> Cover<'_> {
+    /// As a neighbour of skin: what it leaves open may be rough, but lines
+    /// change their role right at its edge.
+    fn face(&self) -> Cover<'_> {
         Cover {
-            area: &self.rough,
+            area: &self.rough.area,
             grid: &self.solid,
         }
     }
@@ -306,9 +307,9 @@ impl<'a> Stages<'a> {
             };
             let rough = match same {
                 Some(below) => below.rough.clone(),
-                None => Arc::new(
-                    self.timings.time(Stage::Skin, || rough(&outline.area)),
-                ),
+                None => Arc::new(self.timings.time(Stage::Skin, || {
+                    Rough::new(&outline.area, self.settings)
+                })),
             };
             let outline = match same {
                 Some(below) => below.outline.clone(),
@@ -492,7 +493,7 @@ impl<'a> Stages<'a> {
                 return None;
             }
             seen.push(&near.outline);
-            Some(Some(near.rough_cover()))
+            Some(Some(near.rough.cover()))
         };
         let above: Vec<_> = (1..=self.top_layers)
             .filter_map(|k| cover(i.checked_add(k)))
@@ -506,7 +507,7 @@ impl<'a> Stages<'a> {
             // all of this one.
             let next = |k: Option<usize>| {
                 let near = k.and_then(|k| window.get(k))?;
-                Some(near.rough_cover())
+                Some(near.face())
             };
             let faces = skin::Faces {
                 above: next(i.checked_add(1)),
@@ -515,12 +516,12 @@ impl<'a> Stages<'a> {
             let support = i
                 .checked_sub(1)
                 .filter(|&k| !Arc::ptr_eq(&window[k].outline, &shell.outline))
-                .and(faces.below);
+                .map(|k| window[k].rough.cover());
             let slope =
                 |layers: usize, step: &dyn Fn(usize) -> Option<usize>| {
                     let near = |k: usize| {
                         let shell = window.get(step(k)?)?;
-                        Some(shell.rough_cover())
+                        Some(shell.rough.cover())
                     };
                     let same = |k: usize| {
                         let shell_k = step(k).and_then(|k| window.get(k));
@@ -548,7 +549,7 @@ impl<'a> Stages<'a> {
                 &above,
                 &below,
                 support,
-                &shell.rough,
+                &shell.rough.area,
                 &slopes,
                 self.settings,
             );

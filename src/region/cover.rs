@@ -12,6 +12,7 @@ use crate::plane::grid::EdgeGrid;
 use crate::plane::nest::Nest;
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, Rect, Ring, edges, point_beside};
+use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -20,7 +21,7 @@ use rstar::{AABB, RTree};
 /// A neighbouring layer's solid.
 #[derive(Clone, Copy, Debug)]
 pub struct Cover<'a> {
-    /// Its outline; for skin a [`rough`] one does.
+    /// Its outline; for skin a [`Rough`] one does.
     pub area: &'a Area,
     /// The outline again, for asking what is where.
     pub grid: &'a EdgeGrid,
@@ -32,10 +33,36 @@ pub(super) const TOLERANCE: Mm = 0.02;
 
 /// An outline as exact as skin needs it. A dozen layers ask what it covers of
 /// them, and points are what each of them pays for.
-pub fn rough(outline: &Area) -> Area {
-    let rings = outline.rings.iter().map(|r| simplify(r, TOLERANCE));
-    Area {
-        rings: rings.filter(|r| !r.is_empty()).collect(),
+#[derive(Clone, Debug)]
+pub struct Rough {
+    /// The outline.
+    pub area: Area,
+    /// The same one's edges: an exact grid would tell otherwise of places
+    /// between the two.
+    grid: EdgeGrid,
+}
+
+impl Rough {
+    /// A rough outline; an exact one if there are no walls, as then the fill
+    /// itself ends at the outline, and would not be covered by a rough one.
+    pub fn new(outline: &Area, settings: &Settings) -> Rough {
+        let rings = outline.rings.iter().map(|r| match settings.walls {
+            0 => r.clone(),
+            _ => simplify(r, TOLERANCE),
+        });
+        let area = Area {
+            rings: rings.filter(|r| !r.is_empty()).collect(),
+        };
+        let grid = EdgeGrid::new(&area, CELL);
+        Rough { area, grid }
+    }
+
+    /// As what covers other layers.
+    pub fn cover(&self) -> Cover<'_> {
+        Cover {
+            area: &self.area,
+            grid: &self.grid,
+        }
     }
 }
 

@@ -262,7 +262,9 @@ fn hanging(
     }
     // What a bead's own width bridges needs no anchor.
     let half = 0.5 * settings.bottom_skin_width();
-    let core = offset(&open(&all, support.area), -half, TOLERANCE);
+    // Not `open`: what that cuts would shrink from the cut.
+    let open = difference(&all, &near(&all, support.area));
+    let core = offset(&open, -half, TOLERANCE);
     let mut hanging = none();
     for (owner, core) in
         owners.into_iter().zip(by_island(&parts, core.islands()))
