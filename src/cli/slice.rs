@@ -59,7 +59,7 @@ pub(super) struct SliceArgs {
     svg: Option<PathBuf>,
 
     /// Also measure every outline and wall against the model, and write how
-    /// far they are off, as JSON; the README says what is in it
+    /// far they are off, as JSON; docs/accuracy.md says what is in it
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
 
