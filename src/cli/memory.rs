@@ -4,8 +4,8 @@
 //! go on every thread. The GNU C library's allocator begins by asking the
 //! system for each such block, but learns from the first ones that are freed
 //! to cut them out of its heaps, up to 32 MB: what stays in use between them
-//! then keeps the heaps from shrinking. On layers of 300 mm that was a quarter
-//! of all memory, and it gained no time.
+//! then keeps the heaps from shrinking. On layers of 300 mm that was about a
+//! third of all memory, and it gained no time.
 
 /// Bytes of a block that the system is asked for, and gets back.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]

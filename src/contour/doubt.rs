@@ -299,3 +299,66 @@ pub(super) fn doubts(
     }
     Ok(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sifted(leaf: &Values, reach: f32) -> bool {
+        let mut out = Vec::new();
+        Arch::new().dispatch(Sift {
+            leaves: std::slice::from_ref(leaf),
+            reach,
+            out: &mut out,
+        });
+        out[0]
+    }
+
+    #[test]
+    fn the_sift_doubts_what_the_closer_look_does() {
+        const SOME: [f32; 12] = [
+            -3.0,
+            -1.0,
+            -0.1,
+            -0.0,
+            0.0,
+            1e-40,
+            0.1,
+            1.0,
+            3.0,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::NAN,
+        ];
+        let n = SOME.len();
+        let mut doubted = 0;
+        for k in 0..n.pow(4) {
+            let four = [0, 1, 2, 3].map(|d| SOME[k / n.pow(d) % n]);
+            for reach in [NEAR, FAR] {
+                let close = doubtful(four.map(Vec4::splat), reach) & 1 == 1;
+                assert_eq!(doubt(four, reach) > 0.0, close, "{four:?}");
+                doubted += usize::from(close);
+            }
+        }
+        assert!(doubted > 100, "{doubted}");
+    }
+
+    #[test]
+    fn a_doubtful_edge_is_found_wherever_it_is() {
+        let plain: Values = [5.0; NODES * NODES];
+        for reach in [NEAR, FAR] {
+            assert!(!sifted(&plain, reach));
+            for at in 0..NODES * NODES {
+                for (step, fits) in
+                    [(1, at % NODES < LEAF), (NODES, at / NODES < LEAF)]
+                {
+                    if fits {
+                        let mut leaf = plain;
+                        (leaf[at], leaf[at + step]) = (0.1, 0.1);
+                        assert!(sifted(&leaf, reach), "{at} {step}");
+                    }
+                }
+            }
+        }
+    }
+}

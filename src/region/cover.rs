@@ -390,6 +390,40 @@ mod tests {
     use crate::plane::clip::{difference, union};
     use crate::plane::rect;
 
+    /// Places between the rough and the exact outline are where the rough one
+    /// says, whoever is asked; without walls there are none.
+    #[test]
+    fn rough_outlines_agree_with_themselves() {
+        let circle: Ring = (0..2000)
+            .map(|k| std::f64::consts::TAU * f64::from(k) / 2000.0)
+            .map(|t| DVec2::from_angle(t) * 10.0)
+            .collect();
+        let exact = Area {
+            rings: vec![circle],
+        };
+        let with = |walls: u32| {
+            let settings = Settings {
+                walls,
+                ..Settings::default()
+            };
+            Rough::new(&exact, &settings)
+        };
+        assert_eq!(with(0).area, exact);
+        let rough = with(2);
+        assert!(rough.area.rings[0].len() < 200);
+        let mut between = 0;
+        for k in 0..4000 {
+            let t = std::f64::consts::TAU * f64::from(k) / 4000.0;
+            for off in [-0.005, 0.005] {
+                let p = DVec2::from_angle(t) * (10.0 + off);
+                let inside = rough.area.contains(p);
+                assert_eq!(rough.cover().grid.contains(p), inside, "{p}");
+                between += usize::from(inside != exact.contains(p));
+            }
+        }
+        assert!(between > 100, "{between}");
+    }
+
     /// What is covered of each island.
     fn contents(islands: &[Area], covers: &[Area]) -> Vec<f64> {
         let grids: Vec<EdgeGrid> =
