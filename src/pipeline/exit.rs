@@ -4,7 +4,7 @@
 //! layer hands to the next passes through here, and is forgotten at the
 //! beginning of every block: see [`Exit::restart`].
 
-use super::stages::{Filled, Shell};
+use super::shell::{Filled, Ready, Shell};
 use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
 use crate::bead::{Bead, Role};
@@ -97,30 +97,16 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
     }
 
-    /// Index of the layer that comes next.
-    pub fn next(&self) -> usize {
-        self.next
-    }
-
-    /// Indices of the layers to be written.
-    pub fn layers(&self) -> Range<usize> {
-        self.layers.clone()
-    }
-
-    /// Takes the next layer, which stands on `below` and is under `above`.
-    pub fn layer(
-        &mut self,
-        shell: &Shell,
-        below: Option<&Shell>,
-        above: Option<&Shell>,
-        filled: Filled,
-    ) -> Result<(), SliceError> {
+    /// Takes the next layer.
+    pub fn layer(&mut self, ready: Ready) -> Result<(), SliceError> {
+        let (shell, above) = (&ready.shell, ready.above.as_ref());
+        let below = ready.below.as_ref();
         let Filled {
             mut beads,
             sparse,
             gap,
             figures,
-        } = filled;
+        } = ready.filled;
         let index = shell.span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {
             self.restart(&shell.span);

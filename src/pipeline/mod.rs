@@ -6,8 +6,8 @@
 //!                                    (needs neighbours)       pace, G-code
 //! ```
 //!
-//! While one chunk of layers is ordered and written, the next one's outlines
-//! are made. What is kept is the window and nothing of what has been written,
+//! While some layers are ordered and written, the next ones are made. What is
+//! kept is the window and nothing of what has been written,
 //! so memory does not grow with the part's height. The result does not depend
 //! on the number of threads: every layer is computed the same way whoever
 //! does it, and everything that passes from layer to layer (the head's place,
@@ -21,12 +21,16 @@
 //!
 //! | file | what it does |
 //! |---|---|
+//! | `shell` | what is known of a layer on its way |
 //! | `stages` | what can be done for many layers at a time |
+//! | `supply` | does that, a window of layers ahead of who writes them |
 //! | `exit` | what is done in order |
 //! | `tally` | counts over all layers, and warnings that follow from them |
 
 mod exit;
+mod shell;
 mod stages;
+mod supply;
 mod tally;
 
 use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
@@ -49,13 +53,12 @@ use crate::units::{Mm, Mm2, Seconds};
 use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
-use stages::{Shell, Stages};
-use std::collections::VecDeque;
+use stages::Stages;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
+use supply::Supply;
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
@@ -169,6 +172,9 @@ pub enum SliceError {
     /// The threads cannot be started.
     #[error("cannot start the worker threads; try --threads 1")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// Nor the one that hands them their work.
+    #[error("cannot start the worker threads; try --threads 1")]
+    LayersThread(#[source] io::Error),
     /// Nor the one that checks.
     #[error("cannot start a thread to check the G-code; try --no-check")]
     CheckThread(#[source] io::Error),
@@ -330,55 +336,8 @@ fn write(
         Pacer::new(settings, rater),
     );
 
-    // As many slabs at a time as there are threads. A slab is the unit in
-    // which the field is walked, so the division must depend neither on them
-    // nor on the range.
-    let needed = stages.needed(&layers, spans.len());
-    let slab = stages.slab_layers();
-    let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
-    let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
-    let chunks: Vec<&[&[LayerSpan]]> =
-        slabs.chunks(pool.current_num_threads()).collect();
-    let make = |chunk: &[&[LayerSpan]]| -> Result<Vec<Shell>, FieldError> {
-        pool.install(|| {
-            let slabs: Result<Vec<Vec<Shell>>, FieldError> = chunk
-                .par_iter()
-                .map(|s| stages.shells(s, &needed))
-                .collect();
-            Ok(slabs?.into_iter().flatten().collect())
-        })
-    };
-    let mut window: VecDeque<Shell> = VecDeque::new();
-    let mut next = Some(match chunks.first() {
-        Some(chunk) => make(chunk),
-        None => Ok(Vec::new()),
-    });
-    for k in 0..chunks.len() {
-        let Some(shells) = next.take() else { break };
-        for mut shell in shells? {
-            // Also where one slab ends and the next begins.
-            if let Some(below) = window.back() {
-                shell.share(below);
-            }
-            window.push_back(shell);
-        }
-        let last = k + 1 == chunks.len();
-        let mut write =
-            || stages.write_ready(&pool, &mut window, last, &mut exit);
-        if last {
-            write()?;
-        } else if pool.current_num_threads() == 1 {
-            write()?;
-            next = Some(make(chunks[k + 1]));
-        } else {
-            let mut result = Ok(());
-            pool.in_place_scope(|scope| {
-                scope.spawn(|_| next = Some(make(chunks[k + 1])));
-                result = write();
-            });
-            result?;
-        }
-    }
+    Supply::new(&stages, &pool, spans, layers.clone())
+        .each(|ready| exit.layer(ready))?;
     let done = exit.finish()?;
     let (tally, mut warnings) = (done.tally, of_templates);
     warnings.extend(done.warnings);

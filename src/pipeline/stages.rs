@@ -4,7 +4,7 @@
 //! neighbours are known, its beads. Nothing here depends on the order in
 //! which layers are worked on.
 
-use super::exit::Exit;
+use super::shell::{Inside, Shell};
 use super::{BLOCK, SliceError};
 use crate::adhesion::{Skirt, brim};
 use crate::contour::{Detail, Outline, outlines};
@@ -24,11 +24,10 @@ use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::seam::Seams;
 use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
-use crate::units::{Mm, Mm2};
+use crate::units::Mm;
 use crate::vary::Surroundings;
 use crate::{skin, walls};
 use glam::DVec2;
-use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
@@ -37,99 +36,9 @@ use std::sync::Arc;
 /// outer wall's width.
 const PRINTABLE: f64 = 0.25;
 
-/// Layers are filled until their outlines have so many points, and then
-/// written: their beads take several times the memory of their outlines.
-const BATCH_POINTS: usize = 50_000;
-
 /// A high skirt stands round the outlines of so many layers, about: it keeps
 /// a distance that what is between them will not bridge.
 const SKIRT_SAMPLES: usize = 64;
-
-/// Heights closer than this differ by rounding only, mm.
-const SAME_HEIGHT: Mm = 1e-9;
-
-/// A layer whose outline is known. Layers that are the same as the one below,
-/// as those of a prism are, share all of it.
-pub(super) struct Shell {
-    pub span: LayerSpan,
-    pub outline: Arc<Outline>,
-    /// The true outline, if that is not the one to print.
-    truth: Option<Arc<Outline>>,
-    /// The outline again, for asking what is where.
-    pub solid: Arc<EdgeGrid>,
-    /// The outline as exact as skin needs it.
-    rough: Arc<Rough>,
-    /// The outlines of the offset fields, if walls are made of these.
-    offsets: Arc<Vec<Area>>,
-    /// What is inside, as long as a layer above may be the same.
-    inside: Option<Arc<Inside>>,
-}
-
-/// What a layer's outline encloses.
-struct Inside {
-    walls: Walls,
-    /// What sparse infill fits into.
-    roomy: Area,
-}
-
-impl Shell {
-    /// Points of the outline.
-    fn points(&self) -> usize {
-        self.outline.area.rings.iter().map(Vec::len).sum()
-    }
-
-    /// What it covers of its neighbours.
-    pub fn cover(&self) -> Cover<'_> {
-        Cover {
-            area: &self.outline.area,
-            grid: &self.solid,
-        }
-    }
-
-    /// As a neighbour of skin: what it leaves open may be rough, but lines
-    /// change their role right at its edge.
-    fn face(&self) -> Cover<'_> {
-        Cover {
-            area: &self.rough.area,
-            grid: &self.solid,
-        }
-    }
-
-    /// What the layer above will stand on, if that is not the outline: the
-    /// plastic goes where the elephant's foot was taken from.
-    pub fn squeezed(&self, settings: &Settings) -> Option<Area> {
-        let truth = self.truth.as_ref()?;
-        Compensation::new(&self.span, settings)?.squeezed(&truth.area)
-    }
-
-    /// Shares with the layer below what is the same.
-    pub fn share(&mut self, below: &Shell) {
-        if below.outline == self.outline && self.offsets.is_empty() {
-            self.outline = below.outline.clone();
-            self.solid = below.solid.clone();
-            self.rough = below.rough.clone();
-        }
-    }
-
-    /// True if the layer below has the same walls.
-    fn same(&self, below: &Shell) -> bool {
-        let dh = below.span.height() - self.span.height();
-        dh.abs() < SAME_HEIGHT
-            && Arc::ptr_eq(&self.outline, &below.outline)
-            && self.offsets.is_empty()
-    }
-}
-
-/// A layer that has been filled.
-pub(super) struct Filled {
-    pub beads: LayerBeads,
-    /// Where there is sparse infill.
-    pub sparse: Area,
-    /// Area of gaps that nothing fills.
-    pub gap: Mm2,
-    /// How far it is off, if it was measured.
-    pub figures: Option<LayerFigures>,
-}
 
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
@@ -245,12 +154,12 @@ impl<'a> Stages<'a> {
     }
 
     /// How many layers above a layer it has to know.
-    fn reach_above(&self) -> usize {
+    pub fn reach_above(&self) -> usize {
         slope_layers(self.top_layers).max(1)
     }
 
     /// How many layers below a layer it has to know.
-    fn reach_below(&self) -> usize {
+    pub fn reach_below(&self) -> usize {
         slope_layers(self.bottom_layers).max(1)
     }
 
@@ -329,7 +238,7 @@ impl<'a> Stages<'a> {
     }
 
     /// A layer's walls and what they leave.
-    fn inside(&self, shell: &Shell) -> Inside {
+    pub fn inside(&self, shell: &Shell) -> Inside {
         let height = shell.span.height();
         let walls = self.timings.time(Stage::Walls, || {
             let outline = &shell.outline.area;
@@ -347,113 +256,8 @@ impl<'a> Stages<'a> {
         Inside { walls, roomy }
     }
 
-    /// Fills, orders and writes the window's layers whose upper neighbours
-    /// are known, and drops those that no later layer looks at.
-    pub fn write_ready(
-        &self,
-        pool: &rayon::ThreadPool,
-        window: &mut VecDeque<Shell>,
-        last: bool,
-        exit: &mut Exit<'_, '_>,
-    ) -> Result<(), SliceError> {
-        // Roles look at the next layer, whatever the skin's thickness.
-        let hidden = if last { 0 } else { self.reach_above() };
-        let of_run = exit.layers();
-        loop {
-            // A few layers at a time: their beads take as much memory as
-            // their outlines.
-            let first = window.front().map_or(0, |s| s.span.index);
-            let from = exit.next() - first;
-            let end = window.len().saturating_sub(hidden);
-            let end = end.min(of_run.end.saturating_sub(first));
-            let mut points = 0;
-            let fits = |&i: &usize| {
-                let before = points;
-                points += window[i].points();
-                i < from + pool.current_num_threads() || before < BATCH_POINTS
-            };
-            let ready = from..from + (from..end).take_while(fits).count();
-            if ready.is_empty() {
-                return Ok(());
-            }
-            let filled = self.fill(pool, window, ready.clone(), &of_run)?;
-            for (i, filled) in ready.zip(filled) {
-                let below = i.checked_sub(1).and_then(|k| window.get(k));
-                exit.layer(&window[i], below, window.get(i + 1), filled)?;
-            }
-            let keep = exit.next().saturating_sub(self.reach_below());
-            while window.front().is_some_and(|s| s.span.index < keep) {
-                window.pop_front();
-            }
-        }
-    }
-
-    /// Fills some layers of the window.
-    fn fill(
-        &self,
-        pool: &rayon::ThreadPool,
-        window: &mut VecDeque<Shell>,
-        which: Range<usize>,
-        of_run: &Range<usize>,
-    ) -> Result<Vec<Filled>, SliceError> {
-        // Layers that are the same, together.
-        let mut groups: Vec<Range<usize>> = Vec::new();
-        for i in which {
-            match groups.last_mut() {
-                Some(group) if window[i].same(&window[i - 1]) => {
-                    group.end = i + 1;
-                }
-                _ => groups.push(i..i + 1),
-            }
-        }
-        let shells: &VecDeque<Shell> = window;
-        let fill = |i: usize, inside: &Inside| {
-            let figures = match of_run.contains(&shells[i].span.index) {
-                true => self.figures(
-                    &shells[i],
-                    &inside.walls,
-                    shells[i].span.index - of_run.start,
-                )?,
-                false => None,
-            };
-            let (beads, sparse) = self.beads(shells, i, inside)?;
-            Ok(Filled {
-                beads,
-                sparse,
-                gap: inside.walls.gap,
-                figures,
-            })
-        };
-        let fill_group = |group: &Range<usize>| {
-            let first = group.start;
-            let below = first
-                .checked_sub(1)
-                .map(|k| &shells[k])
-                .filter(|below| shells[first].same(below))
-                .and_then(|below| below.inside.clone());
-            let inside =
-                below.unwrap_or_else(|| Arc::new(self.inside(&shells[first])));
-            let filled = group.clone().into_par_iter();
-            let filled: Result<Vec<Filled>, SliceError> =
-                filled.map(|i| fill(i, &inside)).collect();
-            Ok((filled?, inside))
-        };
-        let done: Result<Vec<_>, SliceError> =
-            pool.install(|| groups.par_iter().map(fill_group).collect());
-        let mut all = Vec::new();
-        for (group, (filled, inside)) in groups.iter().zip(done?) {
-            all.extend(filled);
-            let last = group.end - 1;
-            let again = |above: &Shell| above.same(&window[last]);
-            if window.get(group.end).is_none_or(again) {
-                window[last].inside = Some(inside);
-            }
-        }
-        Ok(all)
-    }
-
     /// How far the `k`th layer of the run is off, if it is to be measured.
-    fn figures(
+    pub fn figures(
         &self,
         shell: &Shell,
         walls: &Walls,
@@ -472,7 +276,7 @@ impl<'a> Stages<'a> {
 
     /// Everything there is to print in layer `i` of the window, and where it
     /// has sparse infill.
-    fn beads(
+    pub fn beads(
         &self,
         window: &VecDeque<Shell>,
         i: usize,

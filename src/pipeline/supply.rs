@@ -1,0 +1,268 @@
+//! Filled layers from below, made ahead of those who write them.
+//!
+//! In: the slabs of a part. Out: its layers in order, a few at a time, each
+//! with the neighbours it looks at. What is kept is the window of layers that
+//! later ones look at, so memory does not grow with the part's height.
+
+use super::shell::{Filled, Inside, Ready, Shell};
+use super::stages::Stages;
+use super::{BLOCK, SliceError};
+use crate::field::FieldError;
+use crate::layers::LayerSpan;
+use crate::limits;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::mpsc::sync_channel;
+use std::thread;
+
+/// Layers are filled until their outlines have so many points, and then
+/// handed over: their beads take several times the memory of their outlines.
+const BATCH_POINTS: usize = 50_000;
+
+/// The layers of a run, in order.
+pub(super) struct Supply<'a> {
+    stages: &'a Stages<'a>,
+    pool: &'a ThreadPool,
+    /// What is still to be sampled, slab by slab.
+    slabs: VecDeque<&'a [LayerSpan]>,
+    /// Layers whose outlines are needed.
+    needed: Range<usize>,
+    /// The layers to be written.
+    layers: Range<usize>,
+    /// Layers that are still looked at.
+    window: VecDeque<Shell>,
+    /// Index of the layer that is filled next.
+    next: usize,
+}
+
+impl<'a> Supply<'a> {
+    /// Of the part's `spans`, `layers`, and those of the same block before
+    /// them.
+    pub fn new(
+        stages: &'a Stages<'a>,
+        pool: &'a ThreadPool,
+        spans: &'a [LayerSpan],
+        layers: Range<usize>,
+    ) -> Self {
+        // A slab is the unit in which the field is walked, so the division
+        // must depend neither on the threads nor on the range.
+        let needed = stages.needed(&layers, spans.len());
+        let slab = stages.slab_layers();
+        let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
+        let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
+        Supply {
+            stages,
+            pool,
+            slabs: slabs.iter().copied().collect(),
+            needed,
+            window: VecDeque::new(),
+            next: layers.start - layers.start % BLOCK,
+            layers,
+        }
+    }
+
+    /// Lets `write` have the layers: while it is at some of them, the next
+    /// ones are made, unless all is to be done by one thread.
+    ///
+    /// # Errors
+    /// The first one of either.
+    pub fn each(
+        self,
+        mut write: impl FnMut(Ready) -> Result<(), SliceError>,
+    ) -> Result<(), SliceError> {
+        let mut write_all = |batches: &mut dyn Iterator<Item = Batch>| {
+            for batch in batches {
+                batch?.into_iter().try_for_each(&mut write)?;
+            }
+            Ok(())
+        };
+        if self.pool.current_num_threads() == 1 {
+            let mut batches = self;
+            return write_all(&mut batches);
+        }
+        let watch = limits::current();
+        thread::scope(|scope| {
+            // As many as are written wait meanwhile, and no more.
+            let (hand, batches) = sync_channel(0);
+            let supply = thread::Builder::new().name("layers".into());
+            let supply = supply
+                .spawn_scoped(scope, move || {
+                    limits::work_under(watch.as_ref());
+                    for batch in self {
+                        let failed = batch.is_err();
+                        // Nobody takes it where writing has failed.
+                        if hand.send(batch).is_err() || failed {
+                            break;
+                        }
+                    }
+                })
+                .map_err(SliceError::LayersThread)?;
+            let written = write_all(&mut batches.into_iter());
+            match supply.join() {
+                Ok(()) => written,
+                Err(panic) => resume_unwind(panic),
+            }
+        })
+    }
+
+    /// The window's layers that can be filled: as few at a time as keep all
+    /// threads at work.
+    fn ready(&self) -> Range<usize> {
+        // Roles look at the next layer, whatever the skin's thickness.
+        let hidden = match self.slabs.is_empty() {
+            true => 0,
+            false => self.stages.reach_above(),
+        };
+        let Some(first) = self.window.front().map(|s| s.span.index) else {
+            return 0..0;
+        };
+        let from = self.next - first;
+        let end = self.window.len().saturating_sub(hidden);
+        let end = end.min(self.layers.end.saturating_sub(first));
+        let mut points = 0;
+        let fits = |&i: &usize| {
+            let before = points;
+            points += self.window[i].points();
+            i < from + self.pool.current_num_threads() || before < BATCH_POINTS
+        };
+        from..from + (from..end).take_while(fits).count()
+    }
+
+    /// Finds the outlines of the next slabs, one for each thread.
+    fn sample(&mut self) -> Result<(), FieldError> {
+        let count = self.pool.current_num_threads().min(self.slabs.len());
+        let slabs: Vec<&[LayerSpan]> = self.slabs.drain(..count).collect();
+        let (stages, needed) = (self.stages, &self.needed);
+        let made: Result<Vec<Vec<Shell>>, FieldError> =
+            self.pool.install(|| {
+                let slabs = slabs.par_iter();
+                slabs.map(|s| stages.shells(s, needed)).collect()
+            });
+        for mut shell in made?.into_iter().flatten() {
+            // Also where one slab ends and the next begins.
+            if let Some(below) = self.window.back() {
+                shell.share(below);
+            }
+            self.window.push_back(shell);
+        }
+        Ok(())
+    }
+
+    /// Fills some layers of the window, and drops those that no later layer
+    /// looks at.
+    fn fill(&mut self, which: Range<usize>) -> Batch {
+        let mut batch = Vec::with_capacity(which.len());
+        let filled = self.filled(which.clone())?;
+        let near = |i: usize| {
+            let shell = self.window.get(i)?;
+            let inside = None;
+            Some(Shell {
+                inside,
+                ..shell.clone()
+            })
+        };
+        for (i, filled) in which.zip(filled) {
+            let Some(shell) = near(i) else { break };
+            batch.push(Ready {
+                shell,
+                below: i.checked_sub(1).and_then(near),
+                above: near(i + 1),
+                filled,
+            });
+        }
+        self.next += batch.len();
+        let keep = self.next.saturating_sub(self.stages.reach_below());
+        while self.window.front().is_some_and(|s| s.span.index < keep) {
+            self.window.pop_front();
+        }
+        Ok(batch)
+    }
+
+    /// What there is to print in some layers of the window.
+    fn filled(
+        &mut self,
+        which: Range<usize>,
+    ) -> Result<Vec<Filled>, SliceError> {
+        let (stages, shells) = (self.stages, &self.window);
+        // Layers that are the same, together.
+        let mut groups: Vec<Range<usize>> = Vec::new();
+        for i in which {
+            match groups.last_mut() {
+                Some(group) if shells[i].same(&shells[i - 1]) => {
+                    group.end = i + 1;
+                }
+                _ => groups.push(i..i + 1),
+            }
+        }
+        let fill = |i: usize, inside: &Inside| {
+            let index = shells[i].span.index;
+            let figures = match self.layers.contains(&index) {
+                true => {
+                    let k = index - self.layers.start;
+                    stages.figures(&shells[i], &inside.walls, k)?
+                }
+                false => None,
+            };
+            let (beads, sparse) = stages.beads(shells, i, inside)?;
+            Ok(Filled {
+                beads,
+                sparse,
+                gap: inside.walls.gap,
+                figures,
+            })
+        };
+        let fill_group = |group: &Range<usize>| {
+            let first = group.start;
+            let below = first
+                .checked_sub(1)
+                .map(|k| &shells[k])
+                .filter(|below| shells[first].same(below))
+                .and_then(|below| below.inside.clone());
+            let inside = below
+                .unwrap_or_else(|| Arc::new(stages.inside(&shells[first])));
+            let filled = group.clone().into_par_iter();
+            let filled: Result<Vec<Filled>, SliceError> =
+                filled.map(|i| fill(i, &inside)).collect();
+            Ok((filled?, inside))
+        };
+        let done: Result<Vec<_>, SliceError> = self
+            .pool
+            .install(|| groups.par_iter().map(fill_group).collect());
+        let mut all = Vec::new();
+        for (group, (filled, inside)) in groups.iter().zip(done?) {
+            all.extend(filled);
+            let last = &self.window[group.end - 1];
+            let again = |above: &Shell| above.same(last);
+            if self.window.get(group.end).is_none_or(again) {
+                self.window[group.end - 1].inside = Some(inside);
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// Layers that are written together.
+type Batch = Result<Vec<Ready>, SliceError>;
+
+impl Iterator for Supply<'_> {
+    type Item = Batch;
+
+    fn next(&mut self) -> Option<Batch> {
+        loop {
+            let ready = self.ready();
+            if !ready.is_empty() {
+                return Some(self.fill(ready));
+            }
+            if self.slabs.is_empty() {
+                return None;
+            }
+            if let Err(error) = self.sample() {
+                return Some(Err(error.into()));
+            }
+        }
+    }
+}
