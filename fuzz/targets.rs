@@ -132,7 +132,8 @@ pub fn template(data: &[u8]) {
     let mut settings = Settings::default();
     settings.gcode.start = text.into();
     // Refused or not: it must come back.
-    let _ = Writer::new(&mut Vec::new(), &settings, &header).map(drop);
+    let _ =
+        Writer::new(&mut Vec::new(), &settings, &header, &mut |_| {}).map(drop);
 }
 
 /// A formula in a small box, sliced: whatever the field is, G-code or an

@@ -153,8 +153,9 @@ fn pacer(settings: &Settings) -> Pacer<'_> {
 fn written(settings: &Settings, job: Vec<LayerPath>) -> (String, Totals) {
     let mut out = Vec::new();
     let header = header(job.len());
-    let mut writer =
-        Writer::new(&mut out, settings, &header).expect("templates");
+    let mut nobody = |_: &[u8]| {};
+    let mut writer = Writer::new(&mut out, settings, &header, &mut nobody)
+        .expect("templates");
     let mut pacer = pacer(settings);
     for path in job {
         let paced = pacer.layer(path, None).expect("rates");
@@ -580,7 +581,8 @@ fn the_end_knows_what_the_print_took() {
 fn template_errors_name_place_and_remedy() {
     let mut s = settings();
     s.gcode.end = "M104 S0\nG1 Z{{ part_max }} F600".to_owned();
-    let error = Writer::new(Vec::new(), &s, &header(2)).map(|_| ());
+    let error =
+        Writer::new(Vec::new(), &s, &header(2), &mut |_| {}).map(|_| ());
     let text = error.expect_err("unknown placeholder").to_string();
     insta::assert_snapshot!(text);
 }
@@ -610,8 +612,9 @@ fn a_layers_own_temperature_has_the_last_word() {
 fn what_is_no_number_is_an_error() {
     let s = settings();
     for bad in [f64::NAN, f64::INFINITY, 1e200] {
-        let mut writer =
-            Writer::new(Vec::new(), &s, &header(1)).expect("templates");
+        let mut nobody = |_: &[u8]| {};
+        let mut writer = Writer::new(Vec::new(), &s, &header(1), &mut nobody)
+            .expect("templates");
         let paced = PacedLayer {
             span: layer(7, vec![]).span,
             moves: vec![PacedMove::Travel {
@@ -642,8 +645,9 @@ fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
         b.points[1].y = f64::NAN;
     }
     let paced = pacer(&s).layer(path, None).expect("rates");
-    let mut writer =
-        Writer::new(Vec::new(), &s, &header(1)).expect("templates");
+    let mut nobody = |_: &[u8]| {};
+    let mut writer = Writer::new(Vec::new(), &s, &header(1), &mut nobody)
+        .expect("templates");
     assert!(matches!(
         writer.layer(&paced),
         Err(WriteError::BadNumber { what: "y", .. })

@@ -1,15 +1,14 @@
 //! Checks G-code while it is written.
 //!
-//! What is written goes on at once, and a copy to a thread that reads it as
-//! any other file is read. So what is proven is proven of the very bytes, the
-//! verdict does not depend on timing, and memory stays bounded: where the
-//! checker is slower, the writer waits.
+//! A thread reads a copy of the text as any other file is read. So what is
+//! proven is proven of what is written, the verdict does not depend on timing,
+//! and memory stays bounded: where the checker is slower, the writer waits.
 
 use super::{Rules, Verdict, check};
 use crate::reader::ReadError;
 use crate::timings::Stopwatch;
 use crate::units::Seconds;
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Builder, JoinHandle};
 
@@ -19,20 +18,19 @@ const CHUNK: usize = 1 << 16;
 /// Chunks that may wait for the checker.
 const WAITING: usize = 8;
 
-/// Passes on what is written, and has it checked.
-pub struct Alongside<'a> {
-    out: &'a mut dyn Write,
+/// Has text checked as it comes.
+pub struct Alongside {
     chunk: Vec<u8>,
     chunks: SyncSender<Vec<u8>>,
     checker: JoinHandle<(Result<Verdict, ReadError>, Seconds)>,
 }
 
-impl<'a> Alongside<'a> {
-    /// Writes to `out` and checks by `rules`.
+impl Alongside {
+    /// Checks by `rules`.
     ///
     /// # Errors
     /// If no thread can be started.
-    pub fn new(out: &'a mut dyn Write, rules: Rules) -> io::Result<Self> {
+    pub fn new(rules: Rules) -> io::Result<Self> {
         let (chunks, written) = sync_channel(WAITING);
         let checker = Builder::new().name("check".into()).spawn(move || {
             let clock = Stopwatch::start();
@@ -40,15 +38,22 @@ impl<'a> Alongside<'a> {
             (verdict, clock.elapsed().as_secs_f64())
         })?;
         Ok(Alongside {
-            out,
             chunk: Vec::with_capacity(CHUNK),
             chunks,
             checker,
         })
     }
 
-    /// What is to be said of all that was written, and the processor time it
-    /// took to know.
+    /// Takes more of the text.
+    pub fn read(&mut self, text: &[u8]) {
+        self.chunk.extend_from_slice(text);
+        if self.chunk.len() >= CHUNK {
+            self.hand_over();
+        }
+    }
+
+    /// What is to be said of all of it, and the processor time it took to
+    /// know.
     ///
     /// # Errors
     /// If it is not G-code at all.
@@ -67,21 +72,6 @@ impl<'a> Alongside<'a> {
         let chunk = std::mem::replace(&mut self.chunk, next);
         // A checker that is gone has an error to tell at the end.
         let _ = self.chunks.send(chunk);
-    }
-}
-
-impl Write for Alongside<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.out.write(bytes)?;
-        self.chunk.extend_from_slice(&bytes[..written]);
-        if self.chunk.len() >= CHUNK {
-            self.hand_over();
-        }
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
     }
 }
 
@@ -134,43 +124,15 @@ mod tests {
         }
         text += "G1 X900\n";
         assert!(text.len() > (WAITING + 1) * CHUNK);
-        let mut copy = Vec::new();
-        let mut writer = Alongside::new(&mut copy, rules.clone()).unwrap();
+        let mut checker = Alongside::new(rules.clone()).unwrap();
         // In pieces that fit nothing.
         for piece in text.as_bytes().chunks(977) {
-            writer.write_all(piece).unwrap();
+            checker.read(piece);
         }
-        let (verdict, _) = writer.finish().unwrap();
-        assert_eq!(copy, text.as_bytes());
+        let (verdict, _) = checker.finish().unwrap();
         let expected = check(text.as_bytes(), &rules).unwrap();
         assert_eq!(verdict, expected);
         assert_eq!(verdict.lines, 60_005);
         assert!(!verdict.is_safe());
-    }
-
-    #[test]
-    fn what_cannot_be_written_is_not_checked() {
-        /// Takes a few bytes and fails.
-        struct Full(usize);
-        impl Write for Full {
-            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-                let taken = bytes.len().min(self.0);
-                self.0 -= taken;
-                match taken {
-                    0 => Err(io::ErrorKind::StorageFull.into()),
-                    _ => Ok(taken),
-                }
-            }
-            fn flush(&mut self) -> io::Result<()> {
-                Ok(())
-            }
-        }
-        let rules = Rules::new(&Settings::default());
-        let mut full = Full(8);
-        let mut writer = Alongside::new(&mut full, rules).unwrap();
-        let error = writer.write_all(b"G28\nG28\nG1 X-999\n").unwrap_err();
-        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
-        let (verdict, _) = writer.finish().unwrap();
-        assert_eq!(verdict.lines, 2);
     }
 }

@@ -20,6 +20,7 @@
 //! full.
 
 use super::number::text;
+use super::progress::Progress;
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, Percent, feed_rate};
 
@@ -246,7 +247,8 @@ pub(super) fn pwm(speed: Percent) -> i64 {
 }
 
 /// How far the print has come.
-pub(super) fn progress(flavour: Flavour, percent: u8, minutes: u64) -> String {
+pub(super) fn progress(flavour: Flavour, now: Progress) -> String {
+    let Progress { percent, minutes } = now;
     match flavour {
         // It counts the minutes itself.
         Flavour::Klipper => format!("M73 P{percent}"),

@@ -42,7 +42,7 @@ impl<W: Write> Writer<'_, W> {
             false => self.label.clone(),
         };
         let mut clock = Clock::new(layer);
-        self.mark(clock.time());
+        self.mark_if_due(clock.time());
         for (i, step) in layer.moves.iter().enumerate() {
             if i == labelled.start
                 && let Some(label) = &label

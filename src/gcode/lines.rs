@@ -81,9 +81,13 @@ impl<W: Write> Writer<'_, W> {
     }
 
     pub(super) fn flush(&mut self) -> Result<(), WriteError> {
+        let text = &self.buffer;
         match &mut self.waiting {
-            Some(waiting) => waiting.write(&self.buffer)?,
-            None => self.out.write_all(&self.buffer)?,
+            Some(waiting) => waiting.write(text, self.copy)?,
+            None => {
+                self.out.write_all(text)?;
+                (self.copy)(text);
+            }
         }
         self.buffer.clear();
         Ok(())

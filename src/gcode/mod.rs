@@ -153,9 +153,10 @@ pub enum WriteError {
 }
 
 /// Writes a print, layer by layer.
-#[derive(Debug)]
 pub struct Writer<'a, W: Write> {
     out: W,
+    /// Told of the text as soon as it is composed.
+    copy: &'a mut dyn FnMut(&[u8]),
     settings: &'a Settings,
     templates: Templates<'a>,
     label: Option<Label>,
@@ -187,7 +188,10 @@ pub struct Writer<'a, W: Write> {
 }
 
 impl<'a, W: Write> Writer<'a, W> {
-    /// Begins a file: header, start template, heating.
+    /// Begins a file: header, start template, heating. All text is handed to
+    /// `copy` as soon as it is composed, which may be long before it can be
+    /// written: lines that tell how far the print has come have other numbers
+    /// in the end, and nothing else has.
     ///
     /// # Errors
     /// If a template is wrong or the output cannot be written.
@@ -195,16 +199,18 @@ impl<'a, W: Write> Writer<'a, W> {
         out: W,
         settings: &'a Settings,
         header: &Header,
+        copy: &'a mut dyn FnMut(&[u8]),
     ) -> Result<Self, WriteError> {
         let templates = Templates::new(settings, header)?;
         let start = templates.start()?;
         let whole = header.layers == (0..header.layer_count);
         let waiting = match whole && tells_progress(settings) {
-            true => Some(Waiting::new()?),
+            true => Some(Waiting::new(settings.gcode.flavour)?),
             false => None,
         };
         let mut writer = Self {
             out,
+            copy,
             settings,
             templates,
             label: Label::new(settings, header),
@@ -321,9 +327,7 @@ impl<'a, W: Write> Writer<'a, W> {
         self.footer();
         self.flush()?;
         if let Some(waiting) = self.waiting.take() {
-            let flavour = self.settings.gcode.flavour;
-            let line = |p, m| flavour::progress(flavour, p, m);
-            waiting.release(&mut self.out, self.totals.time, line)?;
+            waiting.release(&mut self.out, self.totals.time)?;
         }
         self.out.flush()?;
         Ok(self.totals)

@@ -5,7 +5,7 @@
 //! Until then the text waits in a temporary file, so that memory does not
 //! grow with the part.
 
-use super::Writer;
+use super::{Writer, flavour};
 use crate::pace::{PacedLayer, PacedMove};
 use crate::settings::{Emit, Flavour, Settings};
 use crate::units::Seconds;
@@ -15,15 +15,15 @@ use std::io::{self, BufRead, BufReader, BufWriter, Seek, Write};
 /// Bytes that are written or read at a time.
 const BUFFER: usize = 1 << 18;
 
-/// Time between marks, at least: hosts show minutes.
-pub(super) const BETWEEN: Seconds = 20.0;
-
 /// A file's text that waits for its total time.
 #[derive(Debug)]
 pub(super) struct Waiting {
+    flavour: Flavour,
     text: BufWriter<File>,
     length: u64,
     marks: Vec<Mark>,
+    /// Marks within the text up to `length`.
+    passed: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -34,18 +34,67 @@ struct Mark {
     time: Seconds,
 }
 
+/// How far the print has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Progress {
+    /// Whole percents done.
+    pub percent: u8,
+    /// Whole minutes left.
+    pub minutes: u64,
+}
+
+impl Progress {
+    fn new(time: Seconds, total: Seconds) -> Self {
+        if total <= 0.0 || time >= total {
+            return Progress {
+                percent: 100,
+                minutes: 0,
+            };
+        }
+        Progress {
+            // Casts of floats saturate.
+            percent: (100.0 * time / total).floor() as u8,
+            minutes: ((total - time) / 60.0).round() as u64,
+        }
+    }
+}
+
 impl Waiting {
     /// An empty text.
-    pub(super) fn new() -> io::Result<Self> {
+    pub(super) fn new(flavour: Flavour) -> io::Result<Self> {
         Ok(Self {
+            flavour,
             text: BufWriter::with_capacity(BUFFER, tempfile::tempfile()?),
             length: 0,
             marks: Vec::new(),
+            passed: 0,
         })
     }
 
-    /// Adds to the text.
-    pub(super) fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+    fn line(&self, now: Progress) -> String {
+        let mut line = flavour::progress(self.flavour, now);
+        line.push('\n');
+        line
+    }
+
+    /// Adds to the text. `copy` gets it with a line at each mark that says
+    /// nothing yet.
+    pub(super) fn write(
+        &mut self,
+        bytes: &[u8],
+        copy: &mut dyn FnMut(&[u8]),
+    ) -> io::Result<()> {
+        let line = self.line(Progress::default());
+        let mut rest = bytes;
+        for mark in &self.marks[self.passed..] {
+            let done = self.length + (bytes.len() - rest.len()) as u64;
+            let (before, after) = rest.split_at((mark.at - done) as usize);
+            copy(before);
+            copy(line.as_bytes());
+            rest = after;
+        }
+        copy(rest);
+        self.passed = self.marks.len();
         self.length += bytes.len() as u64;
         self.text.write_all(bytes)
     }
@@ -56,32 +105,32 @@ impl Waiting {
         self.marks.push(Mark { at, time });
     }
 
-    /// When the last mark was.
-    pub(super) fn last(&self) -> Option<Seconds> {
-        self.marks.last().map(|m| m.time)
+    /// Whether that is worth it: hosts show minutes, and percents of short
+    /// prints.
+    pub(super) fn is_due(&self, time: Seconds) -> bool {
+        let last = self.marks.last().map_or(0.0, |m| m.time);
+        time - last >= (0.05 * time).clamp(10.0, 60.0)
     }
 
-    /// Hands the text on, with the `line` of percent and minutes left at each
-    /// mark where it differs from the one before.
+    /// Hands the text on, with a line at each mark.
     pub(super) fn release(
         self,
         out: &mut impl Write,
         total: Seconds,
-        line: impl Fn(u8, u64) -> String,
     ) -> io::Result<()> {
+        let lines = self.marks.iter().map(|mark| {
+            let line = self.line(Progress::new(mark.time, total));
+            (mark.at, line)
+        });
+        let lines: Vec<(u64, String)> = lines.collect();
         let mut file = self.text.into_inner().map_err(|e| e.into_error())?;
         file.rewind()?;
         let mut text = BufReader::with_capacity(BUFFER, file);
         let mut done = 0;
-        let mut said = None;
-        for mark in self.marks {
-            copy(&mut text, mark.at - done, out)?;
-            done = mark.at;
-            let now = figures(mark.time, total);
-            if said != Some(now) {
-                said = Some(now);
-                writeln!(out, "{}", line(now.0, now.1))?;
-            }
+        for (at, line) in lines {
+            copy(&mut text, at - done, out)?;
+            done = at;
+            out.write_all(line.as_bytes())?;
         }
         copy(&mut text, u64::MAX, out)
     }
@@ -111,16 +160,6 @@ fn copy(
     Ok(())
 }
 
-/// Whole percents done, whole minutes left.
-fn figures(time: Seconds, total: Seconds) -> (u8, u64) {
-    if total <= 0.0 || time >= total {
-        return (100, 0);
-    }
-    // Casts of floats saturate.
-    let percent = (100.0 * time / total).floor() as u8;
-    (percent, ((total - time) / 60.0).round() as u64)
-}
-
 impl<W: io::Write> Writer<'_, W> {
     /// Marks a place that tells how far the print has come; `time` is that
     /// since the layer's beginning.
@@ -133,9 +172,8 @@ impl<W: io::Write> Writer<'_, W> {
 
     /// The same, if the last one was long ago.
     pub(super) fn mark_if_due(&mut self, time: Seconds) {
-        let last = self.waiting.as_ref().and_then(Waiting::last);
-        let since = self.totals.time + time - last.unwrap_or(0.0);
-        if since >= BETWEEN {
+        let now = self.totals.time + time;
+        if self.waiting.as_ref().is_some_and(|w| w.is_due(now)) {
             self.mark(time);
         }
     }
@@ -195,23 +233,51 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_come_where_the_marks_are_and_only_if_they_change() {
-        let mut waiting = Waiting::new().unwrap();
+    fn lines_come_where_the_marks_are() {
+        let mut waiting = Waiting::new(Flavour::Marlin).unwrap();
+        let mut copied = String::new();
+        let mut copy = |text: &[u8]| {
+            copied += std::str::from_utf8(text).unwrap();
+        };
         waiting.mark(0, 0.0);
-        waiting.write(b"a\n").unwrap();
-        waiting.mark(2, 0.5);
-        waiting.mark(2, 300.0);
-        waiting.write(b"b\nc\n").unwrap();
+        waiting.write(b"a\n", &mut copy).unwrap();
+        waiting.mark(2, 150.0);
+        waiting.mark(4, 300.0);
+        waiting.write(b"b\nc\n", &mut copy).unwrap();
         waiting.mark(0, 600.0);
+        waiting.write(b"", &mut copy).unwrap();
         let mut out = Vec::new();
-        let line = |p, m| format!("{p} {m}");
-        waiting.release(&mut out, 600.0, line).unwrap();
+        waiting.release(&mut out, 600.0).unwrap();
         let text = String::from_utf8(out).unwrap();
-        assert_eq!(text, "0 10\na\nb\n50 5\nc\n100 0\n");
+        let lines = ["M73 P0 R10", "M73 P25 R8", "M73 P50 R5", "M73 P100 R0"];
+        let [a, b, c, d] = lines;
+        assert_eq!(text, format!("{a}\na\nb\n{b}\nc\n{c}\n{d}\n"));
+        // What was told ahead differs in the numbers only.
+        let nothing = "M73 P0 R0";
+        let blank = lines.iter().fold(text, |t, l| t.replace(l, nothing));
+        assert_eq!(copied, blank);
+    }
+
+    #[test]
+    fn long_prints_are_marked_every_minute_and_short_ones_more_often() {
+        let mut waiting = Waiting::new(Flavour::Marlin).unwrap();
+        for second in 0..36_000 {
+            let now = f64::from(second);
+            if waiting.is_due(now) {
+                waiting.mark(0, now);
+            }
+        }
+        let short = waiting.marks.iter().filter(|m| m.time <= 300.0);
+        assert!(short.count() >= 20);
+        assert!((600..700).contains(&waiting.marks.len()));
     }
 
     #[test]
     fn figures_stay_in_their_range() {
+        let figures = |time, total| {
+            let now = Progress::new(time, total);
+            (now.percent, now.minutes)
+        };
         assert_eq!(figures(0.0, 0.0), (100, 0));
         assert_eq!(figures(1.0, 3600.0), (0, 60));
         assert_eq!(figures(3599.0, 3600.0), (99, 0));

@@ -218,18 +218,25 @@ pub fn slice(
         spans: &spans,
         layers,
     };
-    if !options.check {
-        return write(&run, out);
+    let mut checker = None;
+    if options.check {
+        let rules = Rules {
+            // A range of layers goes on with what other files have printed.
+            base: spans.get(run.layers.start).map_or(0.0, |span| span.bottom),
+            ..Rules::new(settings)
+        };
+        checker = Some(Alongside::new(rules).map_err(SliceError::CheckThread)?);
     }
-    let rules = Rules {
-        // A range of layers goes on with what other files have printed.
-        base: spans.get(run.layers.start).map_or(0.0, |span| span.bottom),
-        ..Rules::new(settings)
+    let mut copy = |text: &[u8]| {
+        if let Some(checker) = &mut checker {
+            checker.read(text);
+        }
     };
-    let mut out =
-        Alongside::new(out, rules).map_err(SliceError::CheckThread)?;
-    let mut summary = write(&run, &mut out)?;
-    let (verdict, time) = out.finish()?;
+    let mut summary = write(&run, out, &mut copy)?;
+    let Some(checker) = checker else {
+        return Ok(summary);
+    };
+    let (verdict, time) = checker.finish()?;
     if !verdict.is_safe() {
         let faults = verdict.sentences("line", Severity::Fault);
         return Err(SliceError::Unsafe(faults));
@@ -261,10 +268,11 @@ struct Run<'a> {
     layers: Range<usize>,
 }
 
-/// Slices and writes.
+/// Slices and writes; `copy` gets the text as it is composed.
 fn write(
     run: &Run<'_>,
     out: &mut dyn io::Write,
+    copy: &mut dyn FnMut(&[u8]),
 ) -> Result<Summary, SliceError> {
     let Run {
         model,
@@ -324,7 +332,7 @@ fn write(
                 .map_err(|e| SliceError::Picture(dir.to_owned(), e))
         })
         .transpose()?;
-    let writer = Writer::new(out, settings, &header)?;
+    let writer = Writer::new(out, settings, &header, copy)?;
     let of_templates = writer.warnings().to_vec();
     let mut exit = Exit::new(
         &stages.timings,
