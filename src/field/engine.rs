@@ -1,9 +1,11 @@
 //! The walk over tiles, for either of fidget's evaluators.
 
 use super::axis::{Axis, Grouping, Level};
-use super::tapes::{Axes, Evaluable, Proof, Split, Tapes, Workspace, bug};
+use super::split::{Axes, Split};
+use super::tapes::{Evaluable, Tapes};
+use super::workspace::{Proof, Workspace};
 use super::{
-    Batch, Bound, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit,
+    Batch, Bound, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, bug,
 };
 use crate::model::Interval;
 use crate::plane::Rect;

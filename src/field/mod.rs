@@ -21,10 +21,11 @@
 //! Sums of exponentials, as smooth unions have, get branches that proofs can
 //! rule out (`blend`).
 //! What one coordinate alone decides, like sin(k·x), is taken out of the
-//! expression (`hoist`) and evaluated once per column, row or layer (`axis`);
-//! `ranges` proves, `lanes` interprets (`tape`), for many points (`wide`,
-//! `dual`) or boxes (`span`) at a time, `tapes` brings them together for the
-//! walk in `engine`. `sight` looks at the whole part from somewhere.
+//! expression (`hoist`, `split`) and evaluated once per column, row or layer
+//! (`axis`); `ranges` proves, `lanes` interprets (`tape`), for many points
+//! (`wide`, `dual`) or boxes (`span`) at a time, `tapes` compiles what is faster
+//! so, and `workspace` brings them together for the walk in `engine`. `sight`
+//! looks at the whole part from somewhere.
 //!
 //! This is the one place where `f64` millimetres become fidget's `f32`.
 
@@ -39,9 +40,11 @@ mod ranges;
 mod sight;
 mod slopes;
 mod span;
+mod split;
 mod tape;
 mod tapes;
 mod wide;
+mod workspace;
 
 pub use lattice::Lattice;
 pub use sight::{Grid, Hit, Sight};
@@ -54,8 +57,8 @@ use fidget::context::{Context, Tree};
 use fidget::eval::{Function, MathFunction};
 use fidget::jit::JitFunction;
 use fidget::vm::VmFunction;
+use split::Split;
 use std::sync::Arc;
-use tapes::{Split, bug};
 
 /// Cells along a leaf's side.
 pub const LEAF: usize = 8;
@@ -89,6 +92,11 @@ pub enum FieldError {
          isoslice: please report it with the model"
     )]
     Evaluator(String),
+}
+
+/// An error that only a mistake of ours or of fidget's can cause.
+fn bug(e: impl std::fmt::Display) -> FieldError {
+    FieldError::Evaluator(e.to_string())
 }
 
 /// A leaf of one layer whose nodes have been sampled.
@@ -186,9 +194,7 @@ impl Field {
         let root = blend::branched(&mut ctx, root);
         let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
         if f.vars().has_free_vars() {
-            return Err(FieldError::Evaluator(
-                "it has variables besides x, y and z".into(),
-            ));
+            return Err(bug("it has variables besides x, y and z"));
         }
         let plane = Arc::new(Plane::new(Split::new(&ctx, root)?, &lattice));
         let vm = FidgetEngine::<VmFunction>::new(plane.clone())?;

@@ -1,19 +1,12 @@
-//! Tapes of an expression and its simpler forms, and the memory to run them.
+//! A function and its tapes, compiled or interpreted, whichever suits it.
 
-use super::axis::{self, Axis, Level, Located};
-use super::hoist::{Hoisted, hoist};
-use super::lanes::{Lanes, Seed};
-use super::ranges::{Ranges, Readable, inputs};
-use super::slopes::{Bound, Slope, Slopes, coordinate, slope_of};
+use super::lanes::Lanes;
+use super::ranges::Readable;
 use super::tape::calls;
-use super::{FieldError, Leaf, NODES};
-use crate::model::Interval;
-use fidget::context::{Context, Node};
+use super::{FieldError, bug};
 use fidget::eval::{BulkEvaluator, Function, MathFunction};
 use fidget::jit::JitFunction;
-use fidget::var::Var;
 use fidget::vm::{VmFunction, VmTrace};
-use std::collections::HashMap;
 
 /// What fidget must offer of a back end.
 pub(super) trait Evaluable:
@@ -31,98 +24,18 @@ impl Evaluable for JitFunction {
     const COMPILED: bool = true;
 }
 
-type FloatTape<F> = <<F as Function>::FloatSliceEval as BulkEvaluator>::Tape;
-
-/// Leaves evaluated at once: what they need of memory fits a core's cache.
-const AT_ONCE: usize = 12;
-
-/// Where the value of a tape's input comes from.
-#[derive(Clone, Copy, Debug)]
-enum Source {
-    /// A coordinate.
-    Coordinate(usize),
-    /// A part that depends on one coordinate: the axis, its number there.
-    Part(usize, usize),
-}
-
-/// An expression split into what one coordinate decides and the rest.
-pub(super) struct Split {
-    /// Context and root of the rest.
-    pub context: Context,
-    pub root: Node,
-    /// The parts, by axis.
-    pub parts: [Vec<VmFunction>; 3],
-    sources: HashMap<Var, Source>,
-}
-
-impl Split {
-    /// Splits the expression `root`.
-    ///
-    /// # Errors
-    /// If fidget refuses a part, which is a bug.
-    pub(super) fn new(ctx: &Context, root: Node) -> Result<Split, FieldError> {
-        let Hoisted { tree, parts } = hoist(ctx, root);
-        let mut by_axis: [Vec<VmFunction>; 3] = Default::default();
-        let mut sources: HashMap<Var, Source> = [Var::X, Var::Y, Var::Z]
-            .into_iter()
-            .enumerate()
-            .map(|(axis, v)| (v, Source::Coordinate(axis)))
-            .collect();
-        for part in parts {
-            let f = VmFunction::new(ctx, &[part.node]).map_err(bug)?;
-            let of_axis = &mut by_axis[part.axis];
-            sources.insert(part.var, Source::Part(part.axis, of_axis.len()));
-            of_axis.push(f);
-        }
-        let mut context = Context::new();
-        let root = context.import(&tree);
-        Ok(Split {
-            context,
-            root,
-            parts: by_axis,
-            sources,
-        })
-    }
-}
-
-/// The axes of a slab: columns, rows, and its layers.
-#[derive(Clone, Copy)]
-pub(super) struct Axes<'a>(pub [&'a Axis; 3]);
-
-impl<'a> Axes<'a> {
-    /// What a source is at the nodes of its axis, which is number `.0`.
-    fn along(&self, source: Source) -> (usize, &'a [f32]) {
-        match source {
-            Source::Coordinate(a) => (a, self.0[a].nodes()),
-            Source::Part(a, p) => (a, self.0[a].values(p)),
-        }
-    }
-}
-
-impl Axes<'_> {
-    /// The range of a source over box number `at` of the `level`s.
-    fn over(
-        &self,
-        source: Option<&Source>,
-        level: Level,
-        at: [usize; 3],
-    ) -> Interval {
-        match source {
-            Some(&Source::Coordinate(a)) => self.0[a].extent(level, at[a]),
-            Some(&Source::Part(a, p)) => self.0[a].range(p, level, at[a]),
-            None => Interval::ANYTHING,
-        }
-    }
-}
+pub(super) type FloatTape<F> =
+    <<F as Function>::FloatSliceEval as BulkEvaluator>::Tape;
 
 /// A function and those of its tapes that were asked for.
 pub(super) struct Tapes<F: Function> {
     pub f: F,
-    float: Option<FloatTape<F>>,
+    /// Compiled, once that was asked for.
+    pub float: Option<FloatTape<F>>,
     /// Whether it calls functions, once known.
     calls: Option<bool>,
     /// The inputs it reads, once known.
-    inputs: Option<Vec<usize>>,
+    pub inputs: Option<Vec<usize>>,
 }
 
 impl<F: Function> Tapes<F> {
@@ -139,30 +52,29 @@ impl<F: Function> Tapes<F> {
 impl<F: Evaluable> Tapes<F> {
     /// Whether to run native code. Not where it would call functions: those
     /// of the system may round otherwise than ours, and it is slow there.
-    fn is_native(&mut self) -> bool {
+    pub(super) fn is_native(&mut self) -> bool {
         let calls = || calls(self.f.operations());
         F::COMPILED && !*self.calls.get_or_insert_with(calls)
     }
 }
 
-/// What interval arithmetic says of a box.
-pub(super) enum Proof<F: Function> {
-    /// No sign change in it.
-    Uniform,
-    /// May have one; the expression for use inside, if a simpler one exists.
-    Ambiguous(Option<Tapes<F>>),
-}
-
 /// Evaluates batches of points, one way or the other.
-struct Runner<F: Function> {
+pub(super) struct Runner<F: Function> {
     float: F::FloatSliceEval,
-    lanes: Lanes,
+    pub lanes: Lanes,
 }
 
 impl<F: Evaluable> Runner<F> {
+    pub(super) fn new() -> Self {
+        Runner {
+            float: F::new_float_slice_eval(),
+            lanes: Lanes::default(),
+        }
+    }
+
     /// Appends a function's values at `count` points to `out`; if it has to
     /// be compiled to `tape`, for its `native` code, `spare` is memory for it.
-    fn run(
+    pub(super) fn run(
         &mut self,
         (f, tape): (&F, &mut Option<FloatTape<F>>),
         native: bool,
@@ -182,339 +94,4 @@ impl<F: Evaluable> Runner<F> {
         out.extend_from_slice(&values[0]);
         Ok(())
     }
-}
-
-/// Evaluators and buffers of one thread.
-pub(super) struct Workspace<'a, F: Function> {
-    parts: &'a [Vec<VmFunction>; 3],
-    /// By input of the tapes. Simplified tapes keep the order.
-    sources: Vec<Source>,
-    ranges: Ranges,
-    /// By box, what is known of it.
-    found: Vec<Option<Interval>>,
-    bounder: Slopes,
-    /// By input, its bounds over each box.
-    bounds: Vec<Vec<Slope>>,
-    runner: Runner<F>,
-    simplify: F::Workspace,
-    axis: axis::Scratch,
-    /// Memory of functions and tapes that are done with: mapping executable
-    /// memory anew for each tile would cost more than using it.
-    functions: Vec<F::Storage>,
-    tapes: Vec<F::TapeStorage>,
-    /// By input: what it is at each point.
-    values: Vec<Vec<f32>>,
-    /// By input: its slope at each point.
-    slopes: Vec<Vec<f32>>,
-    /// By axis: the nodes the points are on.
-    located: [Located; 3],
-}
-
-impl<'a, F: Evaluable> Workspace<'a, F> {
-    pub(super) fn new(root: &F, split: &'a Split) -> Self {
-        let mut sources = vec![Source::Coordinate(0); root.vars().len()];
-        for (var, slot) in root.vars().iter() {
-            if let (Some(s), Some(known)) =
-                (sources.get_mut(slot), split.sources.get(&var))
-            {
-                *s = *known;
-            }
-        }
-        let slots = sources.len().max(1);
-        Workspace {
-            parts: &split.parts,
-            sources,
-            ranges: Ranges::default(),
-            found: Vec::new(),
-            bounder: Slopes::default(),
-            bounds: vec![Vec::new(); slots],
-            runner: Runner {
-                float: F::new_float_slice_eval(),
-                lanes: Lanes::default(),
-            },
-            simplify: Default::default(),
-            axis: axis::Scratch::default(),
-            functions: Vec::new(),
-            tapes: Vec::new(),
-            values: vec![Vec::new(); slots],
-            slopes: vec![Vec::new(); slots],
-            located: Default::default(),
-        }
-    }
-
-    /// Keeps of the boxes, numbers of the axes' `level`s, those in which the
-    /// field may change its sign.
-    pub(super) fn sift(
-        &mut self,
-        tapes: &Tapes<F>,
-        axes: Axes<'_>,
-        level: Level,
-        boxes: &mut Vec<[usize; 3]>,
-    ) -> Result<(), FieldError> {
-        let mut found = std::mem::take(&mut self.found);
-        found.clear();
-        let sources = &self.sources;
-        self.runner.lanes.ranges(
-            &tapes.f,
-            boxes.len(),
-            |slot, k| axes.over(sources.get(slot), level, boxes[k]),
-            &mut found,
-        );
-        let mut kept = 0;
-        for (k, range) in found.iter().enumerate() {
-            let at = boxes[k];
-            let uniform = match range {
-                Some(range) => range.lo >= 0.0 || range.hi < 0.0,
-                None => {
-                    let proof = self.prove(tapes, axes, level, at, false)?;
-                    matches!(proof, Proof::Uniform)
-                }
-            };
-            if !uniform {
-                boxes[kept] = at;
-                kept += 1;
-            }
-        }
-        boxes.truncate(kept);
-        self.found = found;
-        Ok(())
-    }
-
-    /// Evaluates over the box number `at` of the axes' `level`s and, if
-    /// wished, simplifies for it.
-    pub(super) fn prove(
-        &mut self,
-        tapes: &Tapes<F>,
-        axes: Axes<'_>,
-        level: Level,
-        at: [usize; 3],
-        simplify: bool,
-    ) -> Result<Proof<F>, FieldError> {
-        let sources = &self.sources;
-        let input = |slot: usize| axes.over(sources.get(slot), level, at);
-        let (range, trace) = self.ranges.eval(&tapes.f, input);
-        // A field that is nowhere below zero has no inside, even where it
-        // touches zero.
-        if !range.nan && (range.lo >= 0.0 || range.hi < 0.0) {
-            return Ok(Proof::Uniform);
-        }
-        let simpler = match trace {
-            Some(trace) if simplify => {
-                let storage = self.functions.pop().unwrap_or_default();
-                let f = tapes
-                    .f
-                    .simplify(trace, storage, &mut self.simplify)
-                    .map_err(bug)?;
-                Some(Tapes::new(f))
-            }
-            _ => None,
-        };
-        Ok(Proof::Ambiguous(simpler))
-    }
-
-    /// The field's bounds over any boxes, given by their extent along each
-    /// axis, written over `out`.
-    pub(super) fn bounds(
-        &mut self,
-        tapes: &mut Tapes<F>,
-        boxes: &[[Interval; 3]],
-        out: &mut Vec<Bound>,
-    ) {
-        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
-        let lanes = &mut self.runner.lanes;
-        let mut found = Vec::new();
-        for &slot in &*used {
-            let bounds = &mut self.bounds[slot];
-            bounds.clear();
-            match self.sources[slot] {
-                Source::Coordinate(a) => {
-                    bounds.extend(boxes.iter().map(|b| coordinate(b[a], a)));
-                }
-                Source::Part(a, p) => {
-                    let f = &self.parts[a][p];
-                    let over = |_: usize, k: usize| coordinate(boxes[k][a], a);
-                    found.clear();
-                    lanes.bounds(f, boxes.len(), over, &mut found);
-                    bounds.extend(boxes.iter().zip(&found).map(
-                        |(b, found)| {
-                            found.unwrap_or_else(|| slope_of(f, b[a], a))
-                        },
-                    ));
-                }
-            }
-        }
-        let bounds = &self.bounds;
-        let over = |slot: usize, k: usize| bounds[slot][k];
-        found.clear();
-        lanes.bounds(&tapes.f, boxes.len(), over, &mut found);
-        out.clear();
-        for (k, found) in found.into_iter().enumerate() {
-            let bounder = &mut self.bounder;
-            let alone = || bounder.eval(&tapes.f, |slot| over(slot, k));
-            out.push(Bound::new(found.unwrap_or_else(alone)));
-        }
-    }
-
-    /// The field at the nodes of leaves, written over `out`.
-    pub(super) fn leaves(
-        &mut self,
-        tapes: &mut Tapes<F>,
-        axes: Axes<'_>,
-        leaves: &[Leaf],
-        out: &mut Vec<f32>,
-    ) -> Result<(), FieldError> {
-        out.clear();
-        let native = tapes.is_native();
-        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
-        for leaves in leaves.chunks(AT_ONCE) {
-            let count = leaves.len() * NODES * NODES;
-            for &slot in &*used {
-                let (axis, nodes) = axes.along(self.sources[slot]);
-                let values = &mut self.values[slot];
-                values.clear();
-                for leaf in leaves {
-                    match axis {
-                        0 => {
-                            let row = &nodes[leaf.i..leaf.i + NODES];
-                            for _ in 0..NODES {
-                                values.extend_from_slice(row);
-                            }
-                        }
-                        1 => {
-                            for &y in &nodes[leaf.j..leaf.j + NODES] {
-                                values.extend([y; NODES]);
-                            }
-                        }
-                        _ => values.extend([nodes[leaf.layer]; NODES * NODES]),
-                    }
-                }
-            }
-            // Inputs that are not read may be anything of the right length.
-            let any = used.first().copied().unwrap_or(0);
-            if used.is_empty() {
-                self.values[0].resize(count, 0.0);
-            }
-            let mut vars: Vec<&[f32]> =
-                vec![&self.values[any][..count]; self.values.len()];
-            for &slot in &*used {
-                vars[slot] = &self.values[slot];
-            }
-            self.runner.run(
-                (&tapes.f, &mut tapes.float),
-                native,
-                &vars,
-                count,
-                &mut self.tapes,
-                out,
-            )?;
-        }
-        Ok(())
-    }
-
-    /// Which nodes the points are on, for the axes that have parts.
-    fn locate(&mut self, used: &[usize], axes: Axes<'_>, points: [&[f32]; 3]) {
-        let found = self.located.iter_mut().zip(points).enumerate();
-        for (a, (located, points)) in found {
-            let of_axis = |s: &usize| matches!(self.sources[*s], Source::Part(b, _) if a == b);
-            if used.iter().any(of_axis) {
-                axes.0[a].locate(points, located);
-            }
-        }
-    }
-
-    /// The field at any points, written over `out`.
-    pub(super) fn values(
-        &mut self,
-        tapes: &mut Tapes<F>,
-        axes: Axes<'_>,
-        points: [&[f32]; 3],
-        out: &mut Vec<f32>,
-    ) -> Result<(), FieldError> {
-        let native = tapes.is_native();
-        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
-        self.locate(used, axes, points);
-        for &slot in &*used {
-            if let Source::Part(a, p) = self.sources[slot] {
-                axes.0[a].values_at(
-                    p,
-                    &self.parts[a][p],
-                    &self.located[a],
-                    &mut self.axis,
-                    &mut self.values[slot],
-                );
-            }
-        }
-        let mut vars: Vec<&[f32]> = vec![points[0]; self.values.len()];
-        for &slot in &*used {
-            vars[slot] = match self.sources[slot] {
-                Source::Coordinate(a) => points[a],
-                Source::Part(..) => &self.values[slot],
-            };
-        }
-        out.clear();
-        let count = points[0].len();
-        self.runner.run(
-            (&tapes.f, &mut tapes.float),
-            native,
-            &vars,
-            count,
-            &mut self.tapes,
-            out,
-        )
-    }
-
-    /// Value and in-plane slopes at any points, written over `out`.
-    pub(super) fn slopes(
-        &mut self,
-        tapes: &mut Tapes<F>,
-        axes: Axes<'_>,
-        points: [&[f32]; 3],
-        out: &mut Vec<[f32; 3]>,
-    ) {
-        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
-        self.locate(used, axes, points);
-        for &slot in &*used {
-            if let Source::Part(a, p) = self.sources[slot] {
-                axes.0[a].slopes_at(
-                    p,
-                    &self.parts[a][p],
-                    &self.located[a],
-                    &mut self.axis,
-                    &mut self.values[slot],
-                    &mut self.slopes[slot],
-                );
-            }
-        }
-        let seed = |values, slopes, axis| Seed {
-            values,
-            slopes,
-            axis,
-        };
-        // Inputs that are not read may be anything.
-        let mut seeds = vec![seed(points[0], None, 0); self.values.len()];
-        for &slot in &*used {
-            seeds[slot] = match self.sources[slot] {
-                Source::Coordinate(a) => seed(points[a], None, a),
-                Source::Part(a, _) => {
-                    let slopes = Some(&self.slopes[slot][..]);
-                    seed(&self.values[slot], slopes, a)
-                }
-            };
-        }
-        out.clear();
-        let lanes = &mut self.runner.lanes;
-        lanes.slopes(&tapes.f, &seeds, points[0].len(), out);
-    }
-
-    /// Takes back the memory of tapes that are done with.
-    pub(super) fn recycle(&mut self, tapes: Tapes<F>) {
-        use fidget::eval::Tape;
-        self.tapes.extend(tapes.float.and_then(Tape::recycle));
-        self.functions.extend(tapes.f.recycle());
-    }
-}
-
-/// An error that only a mistake of ours or of fidget's can cause.
-pub(super) fn bug(e: impl std::fmt::Display) -> FieldError {
-    FieldError::Evaluator(e.to_string())
 }

@@ -8,7 +8,7 @@
 //!   (fidget's text), `formula` (one expression), `expression` (of settings), `param` (`-D name=value`)
 //! - `expand`: bounds on what an expression may grow to
 //! - `bounds`: the tight box of {f < 0} by interval arithmetic, on top of
-//!   `program` (the expression over boxes) and `interval`
+//!   `program` (the expression over boxes, each a `cell`) and `interval`
 //! - `placement`: scale, rotation, position
 //!
 //! Guarantees: whatever the input, an error or a model within bounded time
@@ -19,6 +19,7 @@
 //! Not guaranteed: that the model is printable, or one body.
 
 mod bounds;
+mod cell;
 mod error;
 mod expand;
 mod expression;

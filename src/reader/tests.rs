@@ -1,3 +1,4 @@
+use super::parser::other;
 use super::*;
 use crate::units::filament_area;
 use glam::DVec3;

@@ -1,11 +1,12 @@
 //! The table of settings: the macro that declares it and the rows it makes.
 //!
-//! In: the rows in `settings/mod.rs`. Out: the structs with their defaults,
+//! In: the rows in `rows`. Out: the structs with their defaults,
 //! and [`keys`], one [`Key`] per setting with everything that can be said
 //! about it. A setting cannot exist without a row, nor a row without a
 //! setting.
 
 use super::Settings;
+use super::rows::{GROUPS, KEYS};
 use super::value::{Kind, Value};
 
 /// Least and greatest allowed value, both inclusive.
@@ -48,7 +49,7 @@ impl Key {
 
     /// Heading under which the setting is listed.
     pub fn section(&self) -> String {
-        super::GROUPS
+        GROUPS
             .iter()
             .find(|(group, _)| *group == self.group())
             .map_or_else(|| self.section.to_owned(), |(_, doc)| tidy(doc))
@@ -163,7 +164,7 @@ impl Key {
 
 /// Every setting, in the order in which they are listed.
 pub fn keys() -> &'static [Key] {
-    super::KEYS
+    KEYS
 }
 
 /// The key of that name.
@@ -342,11 +343,12 @@ macro_rules! settings {
         )+
 
         /// Descriptions of the groups, by name.
-        static GROUPS: &[(&str, &str)] = &[
+        pub(super) static GROUPS: &[(&str, &str)] = &[
             $((stringify!($group), concat!($($group_doc, "\n"),+)),)+
         ];
 
-        static KEYS: &[$crate::settings::Key] = &[
+        /// All rows, in their order.
+        pub(super) static KEYS: &[$crate::settings::Key] = &[
             $($($crate::settings::Key {
                 name: stringify!($field),
                 section: $section,

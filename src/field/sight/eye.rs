@@ -1,128 +1,22 @@
-//! What is met first along parallel lines of samples: a part as it is seen.
-//!
-//! In: an expression, a grid of samples in front of a viewer. Out: for each
-//! line of samples towards the viewer the nearest one inside, with the place
-//! of the surface before it and the gradient there.
-//!
-//! ```text
-//!   viewer ◄── a line of samples        tile   64 × 64 × 64 samples
-//!   ┌───────┬───────┬───────┐           block  16 × 16 × 16
-//!   │ empty │   ?   │ full  │           box     4 ×  4 ×  4
-//!   └───────┴───────┴───────┘
-//!     what interval arithmetic proves need not be sampled, and for what it
-//!     does not prove the expression is simplified; nothing is asked behind
-//!     what is met
-//! ```
-//!
-//! The result is that of sampling everything, but for rounding: what lies
-//! between the samples is missed. It depends neither on the number of threads
-//! nor on the processor.
+//! Looks along the lines of one column of tiles: tiles, blocks, boxes,
+//! samples, each only where the larger one leaves it open.
 
-use super::FieldError;
-use super::blend::branched;
-use super::lanes::{Lanes, Seed};
-use super::ranges::Ranges;
-use super::tapes::bug;
+use super::{Grid, Hit, Sight};
+use crate::field::lanes::{Lanes, Seed};
+use crate::field::ranges::Ranges;
+use crate::field::{FieldError, bug};
 use crate::limits;
 use crate::model::Interval;
-use fidget::context::{Context, Tree};
-use fidget::eval::{Function, MathFunction};
-use fidget::var::Var;
+use fidget::eval::Function;
 use fidget::vm::VmFunction;
-use glam::{DVec3, Vec3};
-use rayon::prelude::*;
+use glam::Vec3;
 
 /// Samples along the side of a tile.
-const TILE: usize = 64;
+pub(super) const TILE: usize = 64;
 /// Samples along the side of a block.
 const BLOCK: usize = 16;
 /// Samples along the side of a box: those of one are a pass of [`Lanes`].
 const BOX: usize = 4;
-
-/// Samples in front of a viewer: columns, rows, and along each line of sight
-/// towards the viewer.
-#[derive(Clone, Copy, Debug)]
-pub struct Grid {
-    /// The first sample of the first column and row: the farthest one, mm.
-    pub origin: DVec3,
-    /// From one column, row or sample to the next, mm.
-    pub steps: [DVec3; 3],
-    /// Columns, rows, samples along a line.
-    pub size: [usize; 3],
-}
-
-/// Where a line of sight meets the part.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// How far along the line, in samples.
-    pub depth: f32,
-    /// The field's gradient there, along x, y and z.
-    pub gradient: Vec3,
-}
-
-/// A part to be looked at.
-pub struct Sight {
-    f: VmFunction,
-    /// By input of the function, its coordinate.
-    axes: Vec<usize>,
-}
-
-impl Sight {
-    /// Prepares an expression of x, y and z.
-    ///
-    /// # Errors
-    /// If fidget refuses it.
-    pub fn new(tree: &Tree) -> Result<Sight, FieldError> {
-        let mut ctx = Context::new();
-        let root = ctx.import(tree);
-        let root = branched(&mut ctx, root);
-        let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
-        let mut axes = vec![0; f.vars().len()];
-        for (var, slot) in f.vars().iter() {
-            let axis = match var {
-                Var::X => 0,
-                Var::Y => 1,
-                Var::Z => 2,
-                Var::V(_) => {
-                    return Err(bug("it has variables besides x, y and z"));
-                }
-            };
-            if let Some(known) = axes.get_mut(slot) {
-                *known = axis;
-            }
-        }
-        Ok(Sight { f, axes })
-    }
-
-    /// What each line of sight meets, row by row.
-    ///
-    /// # Errors
-    /// If the evaluator fails, which is a bug.
-    pub fn look(&self, grid: &Grid) -> Result<Vec<Option<Hit>>, FieldError> {
-        let [width, height, _] = grid.size;
-        let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
-        let tiles: Result<Vec<Vec<Option<Hit>>>, FieldError> = (0..columns
-            * rows)
-            .into_par_iter()
-            .map(|n| {
-                let mut eye = Eye::new(self, grid);
-                eye.column([n % columns * TILE, n / columns * TILE])?;
-                Ok(eye.hits)
-            })
-            .collect();
-        let tiles = tiles?;
-        let mut out = Vec::with_capacity(width * height);
-        for j in 0..height {
-            for i in 0..columns {
-                let tile = &tiles[j / TILE * columns + i];
-                let count = TILE.min(width - i * TILE);
-                let from = j % TILE * TILE;
-                out.extend_from_slice(&tile[from..from + count]);
-            }
-        }
-        Ok(out)
-    }
-}
 
 /// What is known of a cube of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,12 +27,13 @@ enum Known {
 }
 
 /// Looks along the lines of one column of tiles.
-struct Eye<'a> {
+pub(super) struct Eye<'a> {
     sight: &'a Sight,
     grid: &'a Grid,
     /// The column's first line.
     at: [usize; 2],
-    hits: Vec<Option<Hit>>,
+    /// What the lines meet, row by row of the tile.
+    pub hits: Vec<Option<Hit>>,
     /// Lines that have just met something, at which sample.
     fresh: Vec<(usize, usize)>,
     ranges: Ranges,
@@ -153,7 +48,7 @@ struct Eye<'a> {
 }
 
 impl<'a> Eye<'a> {
-    fn new(sight: &'a Sight, grid: &'a Grid) -> Self {
+    pub(super) fn new(sight: &'a Sight, grid: &'a Grid) -> Self {
         Eye {
             sight,
             grid,
@@ -172,7 +67,7 @@ impl<'a> Eye<'a> {
     }
 
     /// The tiles behind each other that begin with line `at`, nearest first.
-    fn column(&mut self, at: [usize; 2]) -> Result<(), FieldError> {
+    pub(super) fn column(&mut self, at: [usize; 2]) -> Result<(), FieldError> {
         self.at = at;
         let sight = self.sight;
         let f = &sight.f;
@@ -417,113 +312,5 @@ impl<'a> Eye<'a> {
         }
         self.fresh = fresh;
         self.fresh.clear();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Everything sampled.
-    fn dense(tree: &Tree, grid: &Grid) -> Vec<Option<usize>> {
-        let mut ctx = Context::new();
-        let root = ctx.import(tree);
-        let [width, height, depth] = grid.size;
-        let inside = |i: usize, j: usize, k: usize| {
-            let [x, y, z] = (grid.origin
-                + grid.steps[0] * i as f64
-                + grid.steps[1] * j as f64
-                + grid.steps[2] * k as f64)
-                .to_array()
-                .map(|c| c as f32);
-            ctx.eval_xyz(root, x, y, z).unwrap() < 0.0
-        };
-        (0..width * height)
-            .map(|n| {
-                (0..depth).rev().find(|&k| inside(n % width, n / width, k))
-            })
-            .collect()
-    }
-
-    #[test]
-    fn what_is_met_is_what_all_samples_say() {
-        let (x, y, z) = Tree::axes();
-        let wave = x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos();
-        let ball = x.square() + y.square() + z.square() - 30.0;
-        let nowhere = x.clone() * 0.0 - (x.clone() - 9.0).sqrt();
-        let shapes = [
-            wave.max(ball.clone()),
-            ball.clone().max(nowhere.neg()),
-            // Not a number in half of space.
-            ball.clone().max(x.sqrt().neg()),
-            Tree::constant(-1.0),
-            Tree::constant(1.0),
-        ];
-        let turn = glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2);
-        let steps =
-            turn.to_cols_array_2d().map(|c| DVec3::from_array(c) * 0.19);
-        // Neither whole tiles nor whole boxes.
-        let size = [69, 75, 90];
-        let half: DVec3 =
-            (0..3).map(|a| steps[a] * (0.5 * size[a] as f64)).sum();
-        let grid = Grid {
-            origin: -half,
-            steps,
-            size,
-        };
-        for (n, tree) in shapes.iter().enumerate() {
-            let found = Sight::new(tree).unwrap().look(&grid).unwrap();
-            let expected = dense(tree, &grid);
-            assert_eq!(found.len(), expected.len());
-            let mut other = 0;
-            for (hit, sample) in found.iter().zip(&expected) {
-                let same = match (hit, sample) {
-                    (None, None) => true,
-                    (Some(h), Some(k)) => {
-                        let k = *k as f32;
-                        (k..=k + 1.0).contains(&h.depth)
-                    }
-                    _ => false,
-                };
-                other += usize::from(!same);
-            }
-            // Sines may differ in the last bit.
-            assert!(other <= 2, "shape {n}: {other}");
-        }
-    }
-
-    /// On a ball the surface is known, and so is its gradient.
-    #[test]
-    fn surfaces_are_found_between_the_samples() {
-        let (x, y, z) = Tree::axes();
-        let ball = (x.square() + y.square() + z.square()).sqrt() - 5.0;
-        let step = 0.25;
-        let n = 50;
-        let grid = Grid {
-            origin: DVec3::splat(-0.5 * step * n as f64 + 0.01),
-            steps: [DVec3::X * step, DVec3::Z * step, DVec3::NEG_Y * step],
-            size: [n, n, n],
-        };
-        let grid = Grid {
-            origin: grid.origin + DVec3::Y * (step * n as f64),
-            ..grid
-        };
-        let found = Sight::new(&ball).unwrap().look(&grid).unwrap();
-        let mut count = 0;
-        for (line, hit) in found.iter().enumerate() {
-            let Some(hit) = hit else { continue };
-            let p = grid.origin
-                + grid.steps[0] * (line % n) as f64
-                + grid.steps[1] * (line / n) as f64
-                + grid.steps[2] * f64::from(hit.depth);
-            // Where it is not seen too flat.
-            if p.y < -2.5 {
-                assert!((p.length() - 5.0).abs() < 0.01, "{p}");
-                let off = hit.gradient.as_dvec3() - p / 5.0;
-                assert!(off.length() < 0.06, "{off} at {p}");
-                count += 1;
-            }
-        }
-        assert!(count > 800, "{count}");
     }
 }

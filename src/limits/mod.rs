@@ -23,8 +23,13 @@
 //! is not bounded where the system does not tell it. A single allocation that
 //! the system refuses ends the process.
 
+mod stopped;
+#[cfg(test)]
+mod tests;
+
+pub use stopped::{Activity, Reason, Stopped};
+
 use std::cell::{Cell, RefCell};
-use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -40,117 +45,6 @@ pub struct Limits {
     pub time: Option<Duration>,
     /// Memory of the whole process, bytes; none for what the machine has.
     pub memory_bytes: Option<u64>,
-}
-
-/// Why work was stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
-    /// The time was up.
-    Time,
-    /// The memory was used up.
-    Memory,
-    /// Somebody called [`Watch::cancel`].
-    Cancelled,
-}
-
-impl Reason {
-    const ALL: [Reason; 3] = [Reason::Time, Reason::Memory, Reason::Cancelled];
-
-    /// As the flag holds it; 0 is for work that may go on.
-    fn number(self) -> u8 {
-        match self {
-            Reason::Time => 1,
-            Reason::Memory => 2,
-            Reason::Cancelled => 3,
-        }
-    }
-}
-
-/// What a run did until now, for people.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Activity {
-    /// What is being done, by name, with its share of the time up to now;
-    /// the largest first.
-    pub shares: Vec<(&'static str, f64)>,
-    /// What most threads are doing now.
-    pub now: Option<&'static str>,
-    /// Layers written, and how many there are, once that is known.
-    pub layers: Option<(usize, usize)>,
-}
-
-/// Work that was stopped before it was done.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub struct Stopped {
-    /// Why.
-    pub reason: Reason,
-    /// The limits it had.
-    pub limits: Limits,
-    /// How far it had come.
-    pub activity: Activity,
-}
-
-impl fmt::Display for Stopped {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.reason, self.limits.time, self.limits.memory_bytes) {
-            (Reason::Time, Some(time), _) => write!(
-                f,
-                "stopped after {} s, the time limit (--time-limit)",
-                time.as_secs_f64()
-            )?,
-            (Reason::Memory, _, Some(bytes)) => write!(
-                f,
-                "stopped at {} MB of memory, the limit (--memory-limit)",
-                bytes >> 20
-            )?,
-            _ => write!(f, "stopped")?,
-        }
-        if let Some((done, all)) = self.activity.layers {
-            write!(f, ", with {done} of {all} layers done")?;
-        }
-        let mut slow: Option<&'static str> = None;
-        for (name, share) in self.activity.shares.iter().take(2) {
-            let percent = 100.0 * share;
-            if slow.is_none() {
-                write!(f, "; {percent:.0} % of the time went into {name}")?;
-                slow = Some(name);
-            } else if percent >= 10.0 {
-                write!(f, ", {percent:.0} % into {name}")?;
-            }
-        }
-        if self.reason == Reason::Cancelled {
-            return Ok(());
-        }
-        write!(f, ". {}, or raise the limit", remedy(slow))
-    }
-}
-
-/// What makes a stage cheaper.
-fn remedy(stage: Option<&str>) -> &'static str {
-    match stage {
-        Some("script") => "Build fewer parts in loops",
-        Some("bounds") => "Give the model's box with --bounds",
-        Some("picture") => {
-            "Draw fewer pixels (--pixels, or gcode.thumbnails), or make the \
-             expression simpler"
-        }
-        Some("reading") => "Give it a shorter file",
-        Some("field" | "contour") => {
-            "Slice some layers at a time (--layers), raise sample_spacing, \
-             or make the expression simpler"
-        }
-        Some("infill") => {
-            "Slice some layers at a time (--layers), or lower infill_density \
-             or take another pattern of infill"
-        }
-        Some("travel") => {
-            "Slice some layers at a time (--layers), or set \
-             travel.combing=off"
-        }
-        _ => {
-            "Slice some layers at a time (--layers), or make the part, or \
-             its details, fewer"
-        }
-    }
 }
 
 /// Watches over work, on as many threads as take part in it.
@@ -434,118 +328,4 @@ pub fn layers_done(done: usize, all: usize) {
 /// Memory of this process that is in use, where the system tells.
 pub fn resident_bytes() -> Option<u64> {
     memory_stats::memory_stats().map(|stats| stats.physical_mem as u64)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Works until it is stopped.
-    fn endless() {
-        loop {
-            check();
-            std::thread::sleep(Duration::from_millis(1));
-        }
-    }
-
-    fn within(milliseconds: u64) -> Watch {
-        Watch::new(Limits {
-            time: Some(Duration::from_millis(milliseconds)),
-            memory_bytes: None,
-        })
-    }
-
-    #[test]
-    fn work_that_is_done_in_time_has_its_result() {
-        assert_eq!(within(60_000).run(|| 7), Ok(7));
-        // Nothing is left of the watch.
-        check();
-        assert!(current().is_none());
-    }
-
-    #[test]
-    fn work_without_end_is_stopped_and_says_what_it_was_at() {
-        let stopped = within(100)
-            .run(|| {
-                layers_done(3, 40);
-                doing("infill", endless);
-            })
-            .unwrap_err();
-        assert_eq!(stopped.reason, Reason::Time);
-        let text = stopped.to_string();
-        assert!(text.contains("0.1 s"), "{text}");
-        assert!(text.contains("3 of 40 layers"), "{text}");
-        assert!(
-            text.contains("100 % of the time went into infill"),
-            "{text}"
-        );
-        assert!(text.contains("infill_density"), "{text}");
-    }
-
-    #[test]
-    fn threads_of_a_pool_stop_with_it() {
-        use rayon::prelude::*;
-        let stopped = within(100).run(|| {
-            let watch = current();
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(3)
-                .start_handler(move |_| work_under(watch.as_ref()))
-                .build()
-                .unwrap();
-            pool.install(|| {
-                (0..8).into_par_iter().for_each(|_| doing("walls", endless));
-            });
-        });
-        assert_eq!(stopped.unwrap_err().reason, Reason::Time);
-    }
-
-    #[test]
-    fn too_much_memory_stops_it() {
-        let watch = Watch::new(Limits {
-            time: Some(Duration::from_secs(60)),
-            memory_bytes: Some(1),
-        });
-        let stopped = watch.run(endless).unwrap_err();
-        if resident_bytes().is_some() {
-            assert_eq!(stopped.reason, Reason::Memory);
-            assert!(stopped.to_string().contains("--memory-limit"));
-        }
-    }
-
-    #[test]
-    fn another_thread_can_stop_it() {
-        let watch = within(60_000);
-        let other = watch.clone();
-        let stopper = std::thread::spawn(move || {
-            std::thread::sleep(Duration::from_millis(50));
-            other.cancel();
-        });
-        let stopped = watch.run(endless).unwrap_err();
-        assert_eq!(stopped.reason, Reason::Cancelled);
-        stopper.join().unwrap();
-    }
-
-    #[test]
-    fn the_last_resort_comes_when_nothing_looks() {
-        let (sender, receiver) = std::sync::mpsc::channel();
-        let sender = Mutex::new(sender);
-        let resort = |stopped: &Stopped| {
-            sender.lock().unwrap().send(stopped.reason).unwrap();
-        };
-        // Waits for the resort without ever looking.
-        let result =
-            within(50).last_resort(Duration::from_millis(50), &resort, || {
-                receiver.recv_timeout(Duration::from_secs(60))
-            });
-        assert_eq!(result, Ok(Ok(Reason::Time)));
-    }
-
-    #[test]
-    fn a_real_panic_stays_one() {
-        let watch = within(60_000);
-        let result = catch_unwind(AssertUnwindSafe(|| {
-            let _ = watch.run(|| resume_unwind(Box::new(5_i32)));
-        }));
-        assert_eq!(result.unwrap_err().downcast_ref(), Some(&5_i32));
-    }
 }

@@ -1,0 +1,100 @@
+use super::*;
+
+/// Everything sampled.
+fn dense(tree: &Tree, grid: &Grid) -> Vec<Option<usize>> {
+    let mut ctx = Context::new();
+    let root = ctx.import(tree);
+    let [width, height, depth] = grid.size;
+    let inside = |i: usize, j: usize, k: usize| {
+        let [x, y, z] = (grid.origin
+            + grid.steps[0] * i as f64
+            + grid.steps[1] * j as f64
+            + grid.steps[2] * k as f64)
+            .to_array()
+            .map(|c| c as f32);
+        ctx.eval_xyz(root, x, y, z).unwrap() < 0.0
+    };
+    (0..width * height)
+        .map(|n| (0..depth).rev().find(|&k| inside(n % width, n / width, k)))
+        .collect()
+}
+
+#[test]
+fn what_is_met_is_what_all_samples_say() {
+    let (x, y, z) = Tree::axes();
+    let wave = x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos();
+    let ball = x.square() + y.square() + z.square() - 30.0;
+    let nowhere = x.clone() * 0.0 - (x.clone() - 9.0).sqrt();
+    let shapes = [
+        wave.max(ball.clone()),
+        ball.clone().max(nowhere.neg()),
+        // Not a number in half of space.
+        ball.clone().max(x.sqrt().neg()),
+        Tree::constant(-1.0),
+        Tree::constant(1.0),
+    ];
+    let turn = glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2);
+    let steps = turn.to_cols_array_2d().map(|c| DVec3::from_array(c) * 0.19);
+    // Neither whole tiles nor whole boxes.
+    let size = [69, 75, 90];
+    let half: DVec3 = (0..3).map(|a| steps[a] * (0.5 * size[a] as f64)).sum();
+    let grid = Grid {
+        origin: -half,
+        steps,
+        size,
+    };
+    for (n, tree) in shapes.iter().enumerate() {
+        let found = Sight::new(tree).unwrap().look(&grid).unwrap();
+        let expected = dense(tree, &grid);
+        assert_eq!(found.len(), expected.len());
+        let mut other = 0;
+        for (hit, sample) in found.iter().zip(&expected) {
+            let same = match (hit, sample) {
+                (None, None) => true,
+                (Some(h), Some(k)) => {
+                    let k = *k as f32;
+                    (k..=k + 1.0).contains(&h.depth)
+                }
+                _ => false,
+            };
+            other += usize::from(!same);
+        }
+        // Sines may differ in the last bit.
+        assert!(other <= 2, "shape {n}: {other}");
+    }
+}
+
+/// On a ball the surface is known, and so is its gradient.
+#[test]
+fn surfaces_are_found_between_the_samples() {
+    let (x, y, z) = Tree::axes();
+    let ball = (x.square() + y.square() + z.square()).sqrt() - 5.0;
+    let step = 0.25;
+    let n = 50;
+    let grid = Grid {
+        origin: DVec3::splat(-0.5 * step * n as f64 + 0.01),
+        steps: [DVec3::X * step, DVec3::Z * step, DVec3::NEG_Y * step],
+        size: [n, n, n],
+    };
+    let grid = Grid {
+        origin: grid.origin + DVec3::Y * (step * n as f64),
+        ..grid
+    };
+    let found = Sight::new(&ball).unwrap().look(&grid).unwrap();
+    let mut count = 0;
+    for (line, hit) in found.iter().enumerate() {
+        let Some(hit) = hit else { continue };
+        let p = grid.origin
+            + grid.steps[0] * (line % n) as f64
+            + grid.steps[1] * (line / n) as f64
+            + grid.steps[2] * f64::from(hit.depth);
+        // Where it is not seen too flat.
+        if p.y < -2.5 {
+            assert!((p.length() - 5.0).abs() < 0.01, "{p}");
+            let off = hit.gradient.as_dvec3() - p / 5.0;
+            assert!(off.length() < 0.06, "{off} at {p}");
+            count += 1;
+        }
+    }
+    assert!(count > 800, "{count}");
+}

@@ -1,0 +1,110 @@
+//! What is wrong with a template, where, and what was meant.
+
+use super::{END, LAYER};
+use crate::gcode::PLACEHOLDERS;
+use crate::gcode::bounded::GivenUp;
+use crate::gcode::placeholders::{self, Scope};
+use minijinja::{Error, ErrorKind};
+
+/// Why a template cannot be filled in.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{template}, line {line}, column {column}: {message}")]
+pub struct TemplateError {
+    /// The setting that holds the template.
+    pub template: &'static str,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// What is wrong, and the remedy.
+    pub message: String,
+}
+
+/// What to say about a name that is not known.
+pub(super) fn unknown_name(name: &str, scope: Scope) -> String {
+    let elsewhere = PLACEHOLDERS
+        .iter()
+        .find(|p| p.name == name && p.scope != scope);
+    match elsewhere.map(|p| p.scope) {
+        Some(Scope::Layer) => {
+            return format!("{name} is known in {LAYER} only");
+        }
+        Some(Scope::End) => {
+            return format!("{name} is known in {END} only");
+        }
+        _ => {}
+    }
+    // Below this two names have little more than a letter in common.
+    const NEAR: f64 = 0.8;
+    let like = |known: &str| {
+        // The right name in the wrong group is near, too.
+        let leaf = known.rsplit('.').next().unwrap_or(known);
+        let own = name.rsplit('.').next().unwrap_or(name);
+        let whole = strsim::jaro_winkler(name, known);
+        whole.max(0.95 * strsim::jaro_winkler(own, leaf))
+    };
+    let hint = placeholders::names(scope)
+        .map(|known| (like(known), known))
+        .filter(|(likeness, _)| *likeness >= NEAR)
+        // The first of several that are as near.
+        .fold(None::<(f64, &str)>, |best, this| match best {
+            Some(best) if best.0 >= this.0 => Some(best),
+            _ => Some(this),
+        })
+        .map(|(_, known)| format!(", did you mean {{{{ {known} }}}}?"))
+        .unwrap_or_default();
+    let all: Vec<&str> = PLACEHOLDERS
+        .iter()
+        .filter(|p| p.scope == Scope::All || p.scope == scope)
+        .map(|p| p.name)
+        .collect();
+    format!(
+        "there is no placeholder {{{{ {name} }}}}{hint}; there are {}, and \
+         every setting by its name",
+        all.join(", ")
+    )
+}
+
+/// An error of the engine's in our words.
+pub(super) fn failure(
+    template: &'static str,
+    source: &str,
+    failed: &Error,
+) -> TemplateError {
+    let start = failed.range().map(|r| r.start);
+    let mut message = match failed.kind() {
+        ErrorKind::OutOfFuel => GivenUp::Time.to_string(),
+        ErrorKind::UndefinedError => "this has no value".to_owned(),
+        kind => kind.to_string(),
+    };
+    if let Some(detail) = failed.detail() {
+        message = format!("{message}: {detail}");
+    }
+    match start {
+        Some(at) => error(template, source, at, message),
+        None => TemplateError {
+            template,
+            line: failed.line().unwrap_or(1),
+            column: 1,
+            message,
+        },
+    }
+}
+
+/// A mistake at a place in the source, in bytes.
+pub(super) fn error(
+    template: &'static str,
+    source: &str,
+    at: usize,
+    message: String,
+) -> TemplateError {
+    let before = source.get(..at).unwrap_or(source);
+    let line = before.matches('\n').count() + 1;
+    let start = before.rfind('\n').map_or(0, |i| i + 1);
+    TemplateError {
+        template,
+        line,
+        column: before[start..].chars().count() + 1,
+        message,
+    }
+}

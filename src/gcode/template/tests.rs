@@ -1,0 +1,175 @@
+use super::*;
+use glam::DVec3;
+
+fn header() -> Header {
+    Header {
+        model_name: "gyroid\nball".to_owned(),
+        layer_count: 12,
+        layers: 0..12,
+        timestamp: None,
+        nozzle_temperature: 210.0,
+        part_min: DVec3::new(95.0, 95.0, 0.0),
+        part_max: DVec3::new(125.0, 125.0, 30.0),
+        outline: Vec::new(),
+        thumbnails: Vec::new(),
+    }
+}
+
+fn filled(source: &str) -> Result<String, String> {
+    let mut s = Settings::default();
+    s.gcode.start = source.to_owned();
+    let start = Templates::new(&s, &header()).and_then(|t| t.start());
+    start.map_err(|e| {
+        let s = e.to_string();
+        s.split("; ").next().unwrap_or("").to_owned()
+    })
+}
+
+#[track_caller]
+fn assert_filled(source: &str, expected: &str) {
+    assert_eq!(filled(source).as_deref(), Ok(expected));
+}
+
+#[test]
+fn placeholders_are_filled_in() {
+    assert_filled(
+        "M104 S{{ nozzle_temperature }} \r\nG1 Z{{park_z}}",
+        "M104 S210\nG1 Z40\n",
+    );
+    assert_filled("M117 {{ '{' }}{{ model_name }}}", "M117 {gyroid ball}\n");
+    assert_filled("M117 {% raw %}{a}{% endraw %}", "M117 {a}\n");
+    assert_filled("{{ speed.travel }} {{ printer.model }}", "150\n");
+}
+
+#[test]
+fn expressions_are_computed_and_written_plainly() {
+    assert_filled("{{ (layer_height * 2) | round(2) }}", "0.4\n");
+    assert_filled("{{ layer_height / 3 }} {{ 1/2 }}", "0.06667 0.5\n");
+    assert_filled("{{ bed_temperature / 2 }}", "30\n");
+    assert_filled("{{ 1e-9 }} {{ -layer_height }}", "0 -0.2\n");
+    assert_filled(
+        "G28\n{% if bed_temperature > 50 %}\nM190 S{{ bed_temperature }}\n\
+         {% else %}\nG4 P1\n{% endif %}\nG29",
+        "G28\nM190 S60\nG29\n",
+    );
+    assert_filled("{{ [part_max_x + 5, bed_x] | min }}", "130\n");
+}
+
+#[test]
+fn every_placeholder_has_a_value_and_its_own_name() {
+    let all = crate::gcode::PLACEHOLDERS;
+    for p in all {
+        assert_eq!(all.iter().filter(|q| q.name == p.name).count(), 1);
+        let mut s = Settings::default();
+        let text = format!("{{{{ {} }}}}", p.name);
+        match p.scope {
+            Scope::All => s.gcode.start = text,
+            Scope::Layer => s.gcode.layer = text,
+            Scope::End => s.gcode.end = text,
+        }
+        assert!(Templates::new(&s, &header()).is_ok(), "{}", p.name);
+    }
+    // All settings but the templates.
+    for key in crate::settings::keys() {
+        let template = key.name.starts_with("gcode.")
+            && ["start", "end", "layer"].contains(&&key.name[6..]);
+        let used = filled(&format!("{{{{ {} }}}}", key.name));
+        assert_eq!(used.is_ok(), !template, "{}", key.name);
+    }
+}
+
+#[track_caller]
+fn assert_refused(source: &str, expected: &str) {
+    assert_eq!(filled(source), Err(format!("gcode.start, {expected}")));
+}
+
+#[test]
+fn errors_say_where() {
+    assert_refused(
+        "G28\nM104 Sé{{ nozle_temp }}",
+        "line 2, column 11: there is no placeholder {{ nozle_temp }}, did \
+         you mean {{ nozzle_temperature }}?",
+    );
+    // Also where it would not be reached.
+    assert_refused(
+        "{% if false %}\n{{ 1 + bed_q }}{% endif %}",
+        "line 2, column 8: there is no placeholder {{ bed_q }}, did you \
+         mean {{ bed_x }}?",
+    );
+    assert_refused(
+        "{{ filament.diametre }}",
+        "line 1, column 4: there is no placeholder \
+         {{ filament.diametre }}, did you mean {{ filament.diameter }}?",
+    );
+    assert_refused(
+        "{{ layer }}",
+        "line 1, column 4: layer is known in gcode.layer only",
+    );
+    assert_refused(
+        "G28\n\nM190 S{bed_temperature}",
+        "line 3, column 7: {bed_temperature} would reach the printer as \
+         it is",
+    );
+    assert_refused(
+        "M190 S[bed_temperature]",
+        "line 1, column 7: [bed_temperature] would reach the printer as \
+         it is",
+    );
+    for broken in ["G28 {{ bed_x", "G28 {{ bed_x + }}", "{% if true %}"] {
+        let error = filled(broken).unwrap_err();
+        assert!(error.contains("line 1, column"), "{error}");
+        assert!(error.contains("syntax error"), "{error}");
+    }
+    for wrong in ["G28\n{{ 1 // 0 }}", "G28\n{{ 1 / 0 }}", "\n{{ x.y }}"] {
+        let error = filled(wrong).unwrap_err();
+        assert!(error.contains("line 2, column 4"), "{error}");
+    }
+}
+
+#[test]
+fn text_that_only_looks_like_a_placeholder_is_left_alone() {
+    let plain = "G1 X1 ; {any} [thing]\nM117 [100] {1} [hi]\n";
+    assert_filled(plain, plain);
+}
+
+#[test]
+fn a_template_that_goes_on_for_ever_is_stopped() {
+    let bomb = "{% for i in range(9999) %}{% for j in range(9999) %}G4\n\
+                {% endfor %}{% endfor %}";
+    assert!(filled(bomb).unwrap_err().contains("too long"));
+}
+
+#[test]
+fn a_template_that_grows_without_end_is_refused() {
+    let doubled = "{% set ns = namespace(s='aaaaaaaaaaaaaaaa') %}\
+        {% for i in range(60) %}{% set ns.s = ns.s ~ ns.s %}{% endfor %}";
+    for (source, words) in [
+        (doubled, "too much memory"),
+        ("{{ 'a' * 9999999 }}", "more than 1 MB"),
+        ("{{ '%999999999999999d' | format(3) }}", "two digits"),
+        ("{{ '%.999999999999999f' | format(3.5) }}", "two digits"),
+        ("{{ '%(\u{6c2}99' | format(5) }}", "no conversion"),
+        ("{{ '5 %' | format(5) }}", "no conversion"),
+        (
+            "{{ 'a' | indent(999999999999999, true) }}",
+            "unknown filter",
+        ),
+        ("{{ [1] | batch(999999999999999, 0) }}", "unknown filter"),
+        ("{{ [1] | slice(999999999999999, 0) }}", "unknown filter"),
+    ] {
+        let error = filled(source).unwrap_err();
+        assert!(error.contains(words), "{source}: {error}");
+    }
+    assert_filled("{{ '%03d' | format(7) }}", "007\n");
+    assert_filled("{{ '%+.1f %d%%' | format(2.25, 7) }}", "+2.2 7%\n");
+}
+
+/// Some have no end: their elements are made as they are asked for.
+#[test]
+fn a_list_is_not_written() {
+    for list in ["[0] * 99999999999999", "[1, 2]", "{'a': 1}", "range(3)"] {
+        let error = filled(&format!("{{{{ {list} }}}}")).unwrap_err();
+        assert!(error.contains("a list"), "{error}");
+    }
+    assert_filled("{{ [1, 2] | join(' ') }}", "1 2\n");
+}

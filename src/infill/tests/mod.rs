@@ -1,0 +1,135 @@
+//! What the tests of infill share: areas, layers, and how much is in them.
+
+mod density;
+mod islands;
+mod place;
+mod shapes;
+
+use super::*;
+use crate::model::{self, BuildVolume, Model, Placement, SourceKind, load};
+use crate::settings::Varying;
+
+fn square(half: f64) -> Area {
+    let ring = [(-half, -half), (half, -half), (half, half), (-half, half)]
+        .map(|(x, y)| DVec2::new(x, y))
+        .to_vec();
+    Area { rings: vec![ring] }
+}
+
+const ALL: [InfillPattern; 11] = [
+    InfillPattern::Rectilinear,
+    InfillPattern::Grid,
+    InfillPattern::Triangles,
+    InfillPattern::Hexagons,
+    InfillPattern::Cubic,
+    InfillPattern::Concentric,
+    InfillPattern::Gyroid,
+    InfillPattern::SchwarzP,
+    InfillPattern::Diamond,
+    InfillPattern::Neovius,
+    InfillPattern::Lidinoid,
+];
+
+fn settings(pattern: InfillPattern, density: f64) -> Settings {
+    Settings {
+        infill_density: density.into(),
+        infill: settings::Infill::Pattern(pattern),
+        ..Settings::default()
+    }
+}
+
+/// Settings whose density is an expression.
+fn graded(pattern: InfillPattern, density: &str) -> Settings {
+    Settings {
+        infill_density: Varying::Expression(density.into()),
+        ..settings(pattern, 15.0)
+    }
+}
+
+/// A box of 100 mm on the bed.
+fn block() -> Model {
+    let source = Source::Text {
+        name: "block".into(),
+        kind: SourceKind::Formula,
+        text: "max(max(abs(x), abs(y)), abs(z)) - 50".into(),
+    };
+    let volume = BuildVolume {
+        x: 220.0,
+        y: 220.0,
+        z: 250.0,
+    };
+    let loaded = load(&source, &[]).unwrap();
+    model::place(&loaded, &Placement::default(), volume).unwrap()
+}
+
+const HERE: Site = Site {
+    part: Rect {
+        min: DVec2::splat(-50.0),
+        max: DVec2::splat(50.0),
+    },
+    height: 100.0,
+    bed: DVec2::ZERO,
+};
+
+/// Beads of layers of an area.
+fn lay(
+    settings: &Settings,
+    site: Site,
+    area: &Area,
+    places: impl IntoIterator<Item = Place>,
+) -> Vec<Vec<Bead>> {
+    let block = block();
+    let around = Surroundings::new(&block);
+    let infill = Infill::new(settings, &around, site).unwrap();
+    let layers = places.into_iter();
+    layers
+        .map(|p| infill.beads(area, p, None).unwrap())
+        .collect()
+}
+
+fn layer(number: usize) -> Place {
+    Place {
+        number,
+        z: 0.2 * number as f64 + 0.1,
+        height: 0.2,
+    }
+}
+
+/// A layer at one of the heights spread evenly, and out of step with any
+/// period, over so many periods that their number need not be whole.
+fn spread(number: usize) -> Place {
+    Place {
+        z: 3000.0 * (0.618_034 * number as f64).fract(),
+        ..layer(number)
+    }
+}
+
+/// Length of what the beads of some layers have inside a box.
+fn length_within(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let window = Area {
+        rings: vec![
+            corners
+                .map(|(x, y)| middle + half * DVec2::new(x, y))
+                .to_vec(),
+        ],
+    };
+    let border = Border::new(&window);
+    let mut cutter = crate::plane::border::Cutter::new(&border);
+    for bead in layers.iter().flatten() {
+        cutter.line(&bead.points, bead.closed);
+    }
+    let pieces = cutter.finish();
+    let lengths = pieces.iter();
+    lengths
+        .map(|p| crate::plane::path_length(&p.points, p.closed))
+        .sum()
+}
+
+/// Percentage of the volume of some layers, in such a box, that is in beads.
+fn share_at(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
+    let volume = length_within(layers, middle, half)
+        * crate::bead::cross_section(0.45, 0.2);
+    let whole = 4.0 * half.x * half.y * 0.2 * layers.len() as f64;
+    100.0 * volume / whole
+}

@@ -1,0 +1,116 @@
+//! Work that was stopped: why, how far it had come, and what to do about it.
+
+use super::Limits;
+use std::fmt;
+
+/// Why work was stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The time was up.
+    Time,
+    /// The memory was used up.
+    Memory,
+    /// Somebody called [`Watch::cancel`](super::Watch::cancel).
+    Cancelled,
+}
+
+impl Reason {
+    pub(super) const ALL: [Reason; 3] =
+        [Reason::Time, Reason::Memory, Reason::Cancelled];
+
+    /// As the flag holds it; 0 is for work that may go on.
+    pub(super) fn number(self) -> u8 {
+        match self {
+            Reason::Time => 1,
+            Reason::Memory => 2,
+            Reason::Cancelled => 3,
+        }
+    }
+}
+
+/// What a run did until now, for people.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Activity {
+    /// What is being done, by name, with its share of the time up to now;
+    /// the largest first.
+    pub shares: Vec<(&'static str, f64)>,
+    /// What most threads are doing now.
+    pub now: Option<&'static str>,
+    /// Layers written, and how many there are, once that is known.
+    pub layers: Option<(usize, usize)>,
+}
+
+/// Work that was stopped before it was done.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub struct Stopped {
+    /// Why.
+    pub reason: Reason,
+    /// The limits it had.
+    pub limits: Limits,
+    /// How far it had come.
+    pub activity: Activity,
+}
+
+impl fmt::Display for Stopped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.reason, self.limits.time, self.limits.memory_bytes) {
+            (Reason::Time, Some(time), _) => write!(
+                f,
+                "stopped after {} s, the time limit (--time-limit)",
+                time.as_secs_f64()
+            )?,
+            (Reason::Memory, _, Some(bytes)) => write!(
+                f,
+                "stopped at {} MB of memory, the limit (--memory-limit)",
+                bytes >> 20
+            )?,
+            _ => write!(f, "stopped")?,
+        }
+        if let Some((done, all)) = self.activity.layers {
+            write!(f, ", with {done} of {all} layers done")?;
+        }
+        let mut slow: Option<&'static str> = None;
+        for (name, share) in self.activity.shares.iter().take(2) {
+            let percent = 100.0 * share;
+            if slow.is_none() {
+                write!(f, "; {percent:.0} % of the time went into {name}")?;
+                slow = Some(name);
+            } else if percent >= 10.0 {
+                write!(f, ", {percent:.0} % into {name}")?;
+            }
+        }
+        if self.reason == Reason::Cancelled {
+            return Ok(());
+        }
+        write!(f, ". {}, or raise the limit", remedy(slow))
+    }
+}
+
+/// What makes a stage cheaper.
+fn remedy(stage: Option<&str>) -> &'static str {
+    match stage {
+        Some("script") => "Build fewer parts in loops",
+        Some("bounds") => "Give the model's box with --bounds",
+        Some("picture") => {
+            "Draw fewer pixels (--pixels, or gcode.thumbnails), or make the \
+             expression simpler"
+        }
+        Some("reading") => "Give it a shorter file",
+        Some("field" | "contour") => {
+            "Slice some layers at a time (--layers), raise sample_spacing, \
+             or make the expression simpler"
+        }
+        Some("infill") => {
+            "Slice some layers at a time (--layers), or lower infill_density \
+             or take another pattern of infill"
+        }
+        Some("travel") => {
+            "Slice some layers at a time (--layers), or set \
+             travel.combing=off"
+        }
+        _ => {
+            "Slice some layers at a time (--layers), or make the part, or \
+             its details, fewer"
+        }
+    }
+}

@@ -1,0 +1,110 @@
+use super::*;
+
+/// Works until it is stopped.
+fn endless() {
+    loop {
+        check();
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn within(milliseconds: u64) -> Watch {
+    Watch::new(Limits {
+        time: Some(Duration::from_millis(milliseconds)),
+        memory_bytes: None,
+    })
+}
+
+#[test]
+fn work_that_is_done_in_time_has_its_result() {
+    assert_eq!(within(60_000).run(|| 7), Ok(7));
+    // Nothing is left of the watch.
+    check();
+    assert!(current().is_none());
+}
+
+#[test]
+fn work_without_end_is_stopped_and_says_what_it_was_at() {
+    let stopped = within(100)
+        .run(|| {
+            layers_done(3, 40);
+            doing("infill", endless);
+        })
+        .unwrap_err();
+    assert_eq!(stopped.reason, Reason::Time);
+    let text = stopped.to_string();
+    assert!(text.contains("0.1 s"), "{text}");
+    assert!(text.contains("3 of 40 layers"), "{text}");
+    assert!(
+        text.contains("100 % of the time went into infill"),
+        "{text}"
+    );
+    assert!(text.contains("infill_density"), "{text}");
+}
+
+#[test]
+fn threads_of_a_pool_stop_with_it() {
+    use rayon::prelude::*;
+    let stopped = within(100).run(|| {
+        let watch = current();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(3)
+            .start_handler(move |_| work_under(watch.as_ref()))
+            .build()
+            .unwrap();
+        pool.install(|| {
+            (0..8).into_par_iter().for_each(|_| doing("walls", endless));
+        });
+    });
+    assert_eq!(stopped.unwrap_err().reason, Reason::Time);
+}
+
+#[test]
+fn too_much_memory_stops_it() {
+    let watch = Watch::new(Limits {
+        time: Some(Duration::from_secs(60)),
+        memory_bytes: Some(1),
+    });
+    let stopped = watch.run(endless).unwrap_err();
+    if resident_bytes().is_some() {
+        assert_eq!(stopped.reason, Reason::Memory);
+        assert!(stopped.to_string().contains("--memory-limit"));
+    }
+}
+
+#[test]
+fn another_thread_can_stop_it() {
+    let watch = within(60_000);
+    let other = watch.clone();
+    let stopper = std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_millis(50));
+        other.cancel();
+    });
+    let stopped = watch.run(endless).unwrap_err();
+    assert_eq!(stopped.reason, Reason::Cancelled);
+    stopper.join().unwrap();
+}
+
+#[test]
+fn the_last_resort_comes_when_nothing_looks() {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let sender = Mutex::new(sender);
+    let resort = |stopped: &Stopped| {
+        sender.lock().unwrap().send(stopped.reason).unwrap();
+    };
+    // Waits for the resort without ever looking.
+    let result =
+        within(50).last_resort(Duration::from_millis(50), &resort, || {
+            receiver.recv_timeout(Duration::from_secs(60))
+        });
+    assert_eq!(result, Ok(Ok(Reason::Time)));
+}
+
+#[test]
+fn a_real_panic_stays_one() {
+    let watch = within(60_000);
+    let result = catch_unwind(AssertUnwindSafe(|| {
+        let _ = watch.run(|| resume_unwind(Box::new(5_i32)));
+    }));
+    assert_eq!(result.unwrap_err().downcast_ref(), Some(&5_i32));
+}

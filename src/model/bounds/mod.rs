@@ -1,0 +1,204 @@
+//! The tight axis-aligned box of {f < 0}, found without being told where to
+//! look.
+//!
+//! In: an expression. Out: a box outside of which the field is proved not to
+//! be negative, each side within `tolerance` of a point that is inside.
+//!
+//! How: the region in which f can be negative is narrowed from ±1000 m by
+//! proofs over a coarse grid (`search`); then each side is found by best-first
+//! branch and bound (`reach`). The box that reaches furthest out is looked at
+//! first: if intervals prove it empty it is dropped, if its centre is inside
+//! the known extent grows to the surface above that centre, else it is cut
+//! across the axis along which f changes most (`cut`).
+//!
+//! Guarantees: deterministic (the budget counts operations, not time), no
+//! recursion, memory bounded by the budget. A side that the budget does not
+//! allow to finish is returned on the safe side, and `slack_mm` says how far
+//! it may be off.
+//!
+//! Not guaranteed: features thinner than `tolerance / 16` may be left out
+//! (surfaces of no thickness are common: the shared face of a difference).
+//! Arithmetic is f64; fidget's f32 evaluation may see the surface a few f32
+//! roundings elsewhere (3·10⁻⁵ mm at 300 mm). NaN counts as outside.
+
+mod cut;
+mod reach;
+mod search;
+mod side;
+
+use super::expand::{ExpandError, expand};
+use super::program::Program;
+use fidget::context::Tree;
+use glam::DVec3;
+use search::Search;
+use std::rc::Rc;
+
+/// An axis-aligned box, in millimetres of the model's own frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lower corner.
+    pub min: DVec3,
+    /// Upper corner.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// Extent along each axis.
+    pub fn size(&self) -> DVec3 {
+        self.max - self.min
+    }
+
+    /// The middle.
+    pub fn centre(&self) -> DVec3 {
+        0.5 * (self.min + self.max)
+    }
+}
+
+/// How to search.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchOptions {
+    /// The model must lie within ± this. Default: 10⁶ mm, beyond which f32
+    /// coordinates are coarser than a nozzle.
+    pub limit_mm: f64,
+    /// Look only within this box; the part is what of f lies inside it.
+    /// Default: none.
+    pub within: Option<Bounds>,
+    /// Largest error of a side as a share of the model's size (never above
+    /// 10⁻⁴ mm). Default: 10⁻⁶.
+    pub tolerance: f64,
+    /// Budget, in interval operations. Default: 4·10⁷, a few seconds; a
+    /// bear of 600 operations needs a sixth of it.
+    pub max_work: u64,
+}
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self {
+            limit_mm: 1e6,
+            within: None,
+            tolerance: 1e-6,
+            max_work: 40_000_000,
+        }
+    }
+}
+
+/// Bounds and how sure they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundBounds {
+    /// The box.
+    pub bounds: Bounds,
+    /// Largest distance from a side of the box to a point known to be inside
+    /// the model. Above the tolerance (10⁻⁴ mm) only if the budget ended.
+    pub slack_mm: f64,
+}
+
+/// Why there are no bounds.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum BoundsError {
+    /// The inside goes on to the edge of the search.
+    #[error(
+        "the model is unbounded: it goes on along {direction} at {at_mm} mm; \
+         intersect it with a box or a ball, or cut it with \
+         --bounds x0,y0,z0:x1,y1,z1{}",
+        if *.flipped {
+            " (its outside is bounded: is the sign flipped? f must be \
+             negative inside)"
+        } else {
+            ""
+        }
+    )]
+    Unbounded {
+        /// `+x`, `-x`, `+y`, …
+        direction: &'static str,
+        /// How far out the model was still found to be solid.
+        at_mm: f64,
+        /// Whether -f would be a bounded model.
+        flipped: bool,
+    },
+    /// f is nowhere negative.
+    #[error(
+        "the model is empty: f is nowhere negative within {searched}; \
+         f must be negative inside the part (an unsigned distance needs a \
+         thickness subtracted)"
+    )]
+    Empty {
+        /// What was searched.
+        searched: String,
+    },
+    /// f is negative everywhere.
+    #[error(
+        "everything is inside: f is negative all the way to ±{limit_mm} mm; \
+         f must be positive outside the part (is the sign flipped?), or cut \
+         it with --bounds x0,y0,z0:x1,y1,z1"
+    )]
+    EverythingInside {
+        /// The searched extent.
+        limit_mm: f64,
+    },
+    /// The budget ended before the field's extent was known.
+    #[error(
+        "the model's bounds were not found: the ranges of f along \
+         {direction} say too little (NaN, infinite or wildly overestimated \
+         values); give them with --bounds x0,y0,z0:x1,y1,z1"
+    )]
+    Undecided {
+        /// `+x`, `-x`, `+y`, …
+        direction: &'static str,
+    },
+    /// `--bounds` is not a box.
+    #[error(
+        "the given bounds are no box: every lower number must be finite and \
+         less than its upper one (--bounds x0,y0,z0:x1,y1,z1), \
+         got {min}:{max}"
+    )]
+    NoBox {
+        /// Lower corner.
+        min: DVec3,
+        /// Upper corner.
+        max: DVec3,
+    },
+    /// The expression itself is unusable.
+    #[error(transparent)]
+    Expression(#[from] ExpandError),
+}
+
+/// Finds the box of {f < 0}.
+pub fn find_bounds(
+    tree: &Tree,
+    options: &SearchOptions,
+) -> Result<FoundBounds, BoundsError> {
+    crate::limits::doing("bounds", || search(tree, options))
+}
+
+fn search(
+    tree: &Tree,
+    options: &SearchOptions,
+) -> Result<FoundBounds, BoundsError> {
+    let program = flattened(tree)?;
+    match Search::new(options)?.run(program) {
+        Err(BoundsError::Unbounded {
+            direction, at_mm, ..
+        }) => {
+            // A closed model whose sign is flipped is solid at infinity.
+            let mirrored = SearchOptions {
+                max_work: options.max_work / 10,
+                ..*options
+            };
+            let negated = flattened(&-tree.clone())?;
+            let flipped =
+                Search::new(&mirrored).is_ok_and(|s| s.run(negated).is_ok());
+            Err(BoundsError::Unbounded {
+                direction,
+                at_mm,
+                flipped,
+            })
+        }
+        other => other,
+    }
+}
+
+fn flattened(tree: &Tree) -> Result<Rc<Program>, ExpandError> {
+    let (context, root) = expand(tree)?;
+    let program = Program::new(&context, root);
+    Ok(Rc::new(program.map_err(|_| ExpandError::FreeVariable)?))
+}

@@ -1,0 +1,41 @@
+//! An axis-aligned box, in f64: what the search for bounds cuts space into.
+
+/// An axis-aligned box, perhaps a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cell {
+    pub lo: [f64; 3],
+    pub hi: [f64; 3],
+}
+
+impl Cell {
+    pub fn width(&self, axis: usize) -> f64 {
+        self.hi[axis] - self.lo[axis]
+    }
+
+    pub fn centre(&self) -> [f64; 3] {
+        // Halved before the sum: no overflow, whatever the box.
+        std::array::from_fn(|i| 0.5 * self.lo[i] + 0.5 * self.hi[i])
+    }
+
+    /// Cuts in two across `axis`.
+    pub fn split(&self, axis: usize) -> [Self; 2] {
+        let (mut a, mut b) = (*self, *self);
+        let middle = self.centre()[axis];
+        a.hi[axis] = middle;
+        b.lo[axis] = middle;
+        [a, b]
+    }
+
+    /// The box of two boxes.
+    pub fn joined(&self, other: &Self) -> Self {
+        Self {
+            lo: std::array::from_fn(|i| self.lo[i].min(other.lo[i])),
+            hi: std::array::from_fn(|i| self.hi[i].max(other.hi[i])),
+        }
+    }
+
+    /// Its extent along the axis of the largest.
+    pub fn largest_side(&self) -> f64 {
+        (0..3).map(|i| self.width(i)).fold(0.0, f64::max)
+    }
+}

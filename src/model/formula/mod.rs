@@ -1,0 +1,59 @@
+//! One formula of x, y and z, as given on the command line.
+//!
+//! In: text such as `sqrt(x^2 + y^2 + z^2) - 15`. Out: an expression tree, or
+//! an error with the column.
+//!
+//! ```text
+//! sum     = product { ("+" | "-") product }
+//! product = sign { ("*" | "/" | "%") sign }
+//! sign    = ("+" | "-") sign | power
+//! power   = atom [ ("^" | "**") sign ]
+//! atom    = number | name | name "(" sum { "," sum } ")" | "(" sum ")"
+//! ```
+//!
+//! As in mathematics, `^` binds tighter than a sign before it and groups to
+//! the right: -x^2 = -(x²), 2^3^2 = 2^9. Nesting is limited, so that hostile
+//! input cannot overflow the stack. Constant parts are computed in f64.
+
+mod names;
+mod parser;
+#[cfg(test)]
+mod tests;
+mod token;
+mod value;
+
+use fidget::context::Tree;
+use parser::parse;
+use value::Value;
+
+/// Why a formula is not one.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("column {column}: {message}")]
+pub struct FormulaError {
+    /// Column of the mistake, in characters from 1.
+    pub column: usize,
+    /// What is wrong, and the remedy.
+    pub message: String,
+}
+
+/// Parses the formula of a shape.
+pub fn parse_formula(text: &str) -> Result<Tree, FormulaError> {
+    match parse(text, None)? {
+        Value::Field(tree) => Ok(tree),
+        Value::Number(v) => Err(FormulaError {
+            column: 1,
+            message: format!(
+                "the formula is the constant {v}; a shape needs at least \
+                 one of x, y, z"
+            ),
+        }),
+    }
+}
+
+/// Parses a formula that may be a constant, in which `d` stands for `depth`.
+pub(super) fn parse_with_depth(
+    text: &str,
+    depth: Tree,
+) -> Result<Tree, FormulaError> {
+    parse(text, Some(depth)).map(Value::tree)
+}

@@ -1,0 +1,96 @@
+//! A formula's text as numbers, names and symbols.
+
+use super::FormulaError;
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Token {
+    Number(f64),
+    Name(String),
+    Symbol(&'static str),
+}
+
+impl std::fmt::Display for Token {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(v) => write!(f, "`{v}`"),
+            Self::Name(n) => write!(f, "`{n}`"),
+            Self::Symbol(s) => write!(f, "`{s}`"),
+        }
+    }
+}
+
+/// The tokens of a text, each with its column.
+pub(super) fn tokens(text: &str) -> Result<Vec<(Token, usize)>, FormulaError> {
+    let chars: Vec<char> = text.chars().collect();
+    let mut out = Vec::new();
+    let mut i = 0;
+    while let Some(&c) = chars.get(i) {
+        let column = i + 1;
+        let is = |j: usize, f: fn(&char) -> bool| chars.get(j).is_some_and(f);
+        if c.is_whitespace() {
+            i += 1;
+        } else if c.is_ascii_digit()
+            || (c == '.' && is(i + 1, char::is_ascii_digit))
+        {
+            let start = i;
+            while is(i, |c| c.is_ascii_digit() || *c == '.') {
+                i += 1;
+            }
+            // An exponent only if digits follow: `2e` is 2 and the name e.
+            if is(i, |c| matches!(c, 'e' | 'E')) {
+                let sign = usize::from(is(i + 1, |c| matches!(c, '+' | '-')));
+                if is(i + 1 + sign, char::is_ascii_digit) {
+                    i += 1 + sign;
+                    while is(i, char::is_ascii_digit) {
+                        i += 1;
+                    }
+                }
+            }
+            let digits: String = chars[start..i].iter().collect();
+            let value = digits
+                .parse::<f64>()
+                .ok()
+                .filter(|v| v.abs() <= f64::from(f32::MAX));
+            let Some(value) = value else {
+                return Err(FormulaError {
+                    column,
+                    message: format!("`{digits}` is not a number in range"),
+                });
+            };
+            out.push((Token::Number(value), column));
+        } else if c.is_alphabetic() || c == '_' {
+            let start = i;
+            while is(i, |c| c.is_alphanumeric() || *c == '_') {
+                i += 1;
+            }
+            let name = chars[start..i].iter().collect();
+            out.push((Token::Name(name), column));
+        } else {
+            let power = c == '*' && is(i + 1, |c| *c == '*');
+            let symbol = match c {
+                _ if power => "^",
+                '+' => "+",
+                '-' | '\u{2212}' => "-",
+                '*' | '\u{b7}' | '\u{d7}' => "*",
+                '/' => "/",
+                '%' => "%",
+                '^' => "^",
+                '(' => "(",
+                ')' => ")",
+                ',' => ",",
+                other => {
+                    return Err(FormulaError {
+                        column,
+                        message: format!(
+                            "unexpected character `{}`",
+                            other.escape_default()
+                        ),
+                    });
+                }
+            };
+            i += if power { 2 } else { 1 };
+            out.push((Token::Symbol(symbol), column));
+        }
+    }
+    Ok(out)
+}

@@ -1,0 +1,114 @@
+//! Interval arithmetic in f64, for the search for bounds and for proofs.
+//!
+//! In: boxes of values. Out: an interval that holds every number the
+//! operation can return, and whether it can return NaN.
+//!
+//! Guarantees: no operation panics, whatever its operands (fidget's own
+//! intervals do, and abort the process from compiled code, when one end
+//! becomes NaN); NaN is a flag beside the numbers, so `sqrt(x)` over
+//! [-1, 4] is "[0, 2] or NaN" and not "anything".
+//!
+//! Not guaranteed: outward rounding. The ends are rounded to nearest, so a
+//! bound may be wrong by a few parts in 10^16, ten orders of magnitude below
+//! the tolerance of the search.
+
+mod binary;
+#[cfg(test)]
+mod tests;
+mod unary;
+
+/// A closed range of numbers, and whether NaN is possible beside them.
+///
+/// `lo > hi` (`EMPTY`) means that no number is possible.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Interval {
+    pub lo: f64,
+    pub hi: f64,
+    pub nan: bool,
+}
+
+impl Interval {
+    /// Every number, and NaN: nothing is known.
+    pub const ANYTHING: Self = Self {
+        lo: f64::NEG_INFINITY,
+        hi: f64::INFINITY,
+        nan: true,
+    };
+
+    /// No number: certainly NaN.
+    pub const EMPTY: Self = Self {
+        lo: f64::INFINITY,
+        hi: f64::NEG_INFINITY,
+        nan: true,
+    };
+
+    /// Every number, but never NaN.
+    pub const REALS: Self = Self {
+        lo: f64::NEG_INFINITY,
+        hi: f64::INFINITY,
+        nan: false,
+    };
+
+    pub const ZERO: Self = Self {
+        lo: 0.0,
+        hi: 0.0,
+        nan: false,
+    };
+
+    pub fn point(v: f64) -> Self {
+        if v.is_nan() {
+            return Self::EMPTY;
+        }
+        Self {
+            lo: v,
+            hi: v,
+            nan: false,
+        }
+    }
+
+    pub fn new(lo: f64, hi: f64) -> Self {
+        Self { lo, hi, nan: false }
+    }
+
+    /// The interval with ends that arithmetic may have made NaN.
+    fn sane(lo: f64, hi: f64, nan: bool) -> Self {
+        let lost = lo.is_nan() || hi.is_nan();
+        Self {
+            lo: if lo.is_nan() { f64::NEG_INFINITY } else { lo },
+            hi: if hi.is_nan() { f64::INFINITY } else { hi },
+            nan: nan || lost,
+        }
+    }
+
+    pub fn is_empty(self) -> bool {
+        self.lo > self.hi
+    }
+
+    pub fn is_finite(self) -> bool {
+        self.lo.is_finite() && self.hi.is_finite()
+    }
+
+    pub fn contains(self, v: f64) -> bool {
+        self.lo <= v && v <= self.hi
+    }
+
+    /// Largest absolute value.
+    pub fn magnitude(self) -> f64 {
+        self.lo.abs().max(self.hi.abs())
+    }
+
+    pub fn hull(self, other: Self) -> Self {
+        Self {
+            lo: self.lo.min(other.lo),
+            hi: self.hi.max(other.hi),
+            nan: self.nan || other.nan,
+        }
+    }
+
+    pub fn or_nan(self, nan: bool) -> Self {
+        Self {
+            nan: self.nan || nan,
+            ..self
+        }
+    }
+}

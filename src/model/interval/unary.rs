@@ -1,0 +1,182 @@
+//! Functions of one interval.
+
+use super::Interval;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+impl Interval {
+    /// A monotone rising function applied to both ends.
+    fn rising(self, f: impl Fn(f64) -> f64) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        Self::sane(f(self.lo), f(self.hi), self.nan)
+    }
+
+    pub fn neg(self) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        Self {
+            lo: -self.hi,
+            hi: -self.lo,
+            nan: self.nan,
+        }
+    }
+
+    pub fn abs(self) -> Self {
+        if self.is_empty() || self.lo >= 0.0 {
+            self
+        } else if self.hi <= 0.0 {
+            self.neg()
+        } else {
+            Self {
+                lo: 0.0,
+                hi: self.magnitude(),
+                nan: self.nan,
+            }
+        }
+    }
+
+    pub fn square(self) -> Self {
+        let a = self.abs();
+        a.rising(|v| v * v)
+    }
+
+    pub fn recip(self) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        let (lo, hi) = (self.lo, self.hi);
+        if lo > 0.0 || hi < 0.0 {
+            Self::sane(1.0 / hi, 1.0 / lo, self.nan)
+        } else if lo == 0.0 && hi > 0.0 {
+            // 1/-0 is -inf, but an infinite value is never a surface.
+            Self::sane(1.0 / hi, f64::INFINITY, self.nan)
+        } else if hi == 0.0 && lo < 0.0 {
+            Self::sane(f64::NEG_INFINITY, 1.0 / lo, self.nan)
+        } else {
+            Self::REALS.or_nan(self.nan)
+        }
+    }
+
+    pub fn sqrt(self) -> Self {
+        if self.hi < 0.0 || self.is_empty() {
+            return Self::EMPTY;
+        }
+        Self::sane(
+            self.lo.max(0.0).sqrt(),
+            self.hi.sqrt(),
+            self.nan || self.lo < 0.0,
+        )
+    }
+
+    pub fn ln(self) -> Self {
+        if self.hi < 0.0 || self.is_empty() {
+            return Self::EMPTY;
+        }
+        Self::sane(
+            self.lo.max(0.0).ln(),
+            self.hi.ln(),
+            self.nan || self.lo < 0.0,
+        )
+    }
+
+    pub fn exp(self) -> Self {
+        self.rising(f64::exp)
+    }
+
+    pub fn atan(self) -> Self {
+        self.rising(f64::atan)
+    }
+
+    pub fn floor(self) -> Self {
+        self.rising(f64::floor)
+    }
+
+    pub fn ceil(self) -> Self {
+        self.rising(f64::ceil)
+    }
+
+    pub fn round(self) -> Self {
+        self.rising(f64::round)
+    }
+
+    /// The part of the interval within [-1, 1], for asin and acos.
+    fn unit_domain(self) -> Self {
+        if self.is_empty() || self.lo > 1.0 || self.hi < -1.0 {
+            return Self::EMPTY;
+        }
+        Self {
+            lo: self.lo.max(-1.0),
+            hi: self.hi.min(1.0),
+            nan: self.nan || self.lo < -1.0 || self.hi > 1.0,
+        }
+    }
+
+    pub fn asin(self) -> Self {
+        self.unit_domain().rising(f64::asin)
+    }
+
+    pub fn acos(self) -> Self {
+        // acos falls: negate the argument, and pi - acos(-v) = acos(v).
+        let d = self.unit_domain();
+        if d.is_empty() {
+            return d;
+        }
+        Self::sane(d.hi.acos(), d.lo.acos(), d.nan)
+    }
+
+    pub fn sin(self) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        // The sine of an infinity is NaN.
+        let nan = self.nan || !self.is_finite();
+        // Negated so that an infinite or NaN width is a full turn as well.
+        let within_a_turn = self.hi - self.lo < TAU;
+        if !within_a_turn {
+            return Self::new(-1.0, 1.0).or_nan(nan);
+        }
+        let (a, b) = (self.lo.sin(), self.hi.sin());
+        // Is there a k with `peak` + k·TAU inside?
+        let reaches = |peak: f64| {
+            let k = ((self.lo - peak) / TAU).ceil();
+            peak + k * TAU <= self.hi
+        };
+        let hi = if reaches(FRAC_PI_2) { 1.0 } else { a.max(b) };
+        let lo = if reaches(-FRAC_PI_2) { -1.0 } else { a.min(b) };
+        Self::sane(lo, hi, nan)
+    }
+
+    pub fn cos(self) -> Self {
+        self.add(Self::point(FRAC_PI_2)).sin()
+    }
+
+    pub fn tan(self) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        let branch = |v: f64| ((v + FRAC_PI_2) / PI).floor();
+        if self.is_finite() && branch(self.lo) == branch(self.hi) {
+            let (a, b) = (self.lo.tan(), self.hi.tan());
+            if a <= b {
+                return Self::sane(a, b, self.nan);
+            }
+        }
+        Self::REALS.or_nan(self.nan || !self.is_finite())
+    }
+
+    pub fn not(self) -> Self {
+        if self.is_empty() || self.nan {
+            // fidget's `not` of NaN is 0.
+            return Self::new(0.0, 1.0);
+        }
+        if !self.contains(0.0) {
+            Self::ZERO
+        } else if self.lo == 0.0 && self.hi == 0.0 {
+            Self::point(1.0)
+        } else {
+            Self::new(0.0, 1.0)
+        }
+    }
+}

@@ -1,0 +1,100 @@
+use super::*;
+use fidget::context::Tree;
+
+fn program(tree: &Tree) -> Program {
+    let mut context = Context::new();
+    let root = context.import(tree);
+    Program::new(&context, root).unwrap()
+}
+
+/// A field that uses every kind of operation with a slope.
+fn mixture() -> Tree {
+    let (x, y, z) = Tree::axes();
+    let ball = (x.square() + y.square() + z.square()).sqrt() - 3.0;
+    let wave = (x.clone() * 2.0).sin() * y.cos() + z.atan();
+    let smooth = (ball.clone() * -2.0).exp() + (wave.clone()).exp();
+    let angle = y.atan2(x.clone() + 10.0);
+    let cells = (x.clone() + 0.3).modulo(1.5) + (y.clone() / 7.0).tan();
+    ball.max(wave.abs() - 0.4)
+        .min(smooth.ln() / (z.abs() + 1.0))
+        .max(angle - cells.recip())
+}
+
+#[test]
+fn enclosures_hold_samples_of_value() {
+    let p = program(&mixture());
+    let mut scratch = Scratch::default();
+    let mut seed = 7u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    for _ in 0..500 {
+        let size = 4.0 * random() * random();
+        let lo: [f64; 3] = std::array::from_fn(|_| 8.0 * random() - 4.0);
+        let hi = lo.map(|v| v + size);
+        let cell = Cell { lo, hi };
+        let all = p.enclose(&cell, &mut scratch);
+        let simple = p.simplify(&scratch);
+        for _ in 0..20 {
+            let point: [f64; 3] =
+                std::array::from_fn(|i| lo[i] + random() * size);
+            let v = p.value(point, &mut scratch);
+            if let Some(simple) = &simple {
+                let w = simple.value(point, &mut scratch);
+                assert!(v == w || v.is_nan() && w.is_nan());
+            }
+            if v.is_nan() {
+                assert!(all.range.nan);
+            } else {
+                assert!(
+                    all.range.lo - 1e-9 <= v && v <= all.range.hi + 1e-9,
+                    "{v} is not in {all:?} over {cell:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_turned_plane_is_enclosed_exactly() {
+    let (x, y, _) = Tree::axes();
+    let p = program(&(x * 0.5 + y * 0.25));
+    let cell = Cell {
+        lo: [0.0; 3],
+        hi: [1.0; 3],
+    };
+    let all = p.enclose(&cell, &mut Scratch::default());
+    assert_eq!((all.range.lo, all.range.hi), (0.0, 0.75));
+    assert_eq!(all.steepness, [0.5, 0.25, 0.0]);
+}
+
+#[test]
+fn the_centred_form_shrinks_with_the_square_of_the_box() {
+    // x·x - 2x + 1 = (x - 1)², whose natural range is linear in the box.
+    let (x, _, _) = Tree::axes();
+    let p = program(&(x.clone() * x.clone() - x * 2.0 + 1.0));
+    let cell = Cell {
+        lo: [0.999, 0.0, 0.0],
+        hi: [1.001, 0.0, 0.0],
+    };
+    let all = p.enclose(&cell, &mut Scratch::default());
+    assert!(all.range.lo > -1e-5, "{:?}", all.range);
+}
+
+#[test]
+fn simplify_drops_the_far_body() {
+    let (x, y, z) = Tree::axes();
+    let r = y.square() + z.square();
+    let near = ((x.clone() + 10.0).square() + r.clone()).sqrt() - 1.0;
+    let far = ((x - 10.0).square() + r).sqrt() - 1.0;
+    let p = program(&near.min(far));
+    let mut scratch = Scratch::default();
+    let cell = Cell {
+        lo: [-12.0, -1.0, -1.0],
+        hi: [-8.0, 1.0, 1.0],
+    };
+    p.enclose(&cell, &mut scratch);
+    let simple = p.simplify(&scratch).unwrap();
+    assert!(simple.len() < p.len());
+}

@@ -1,0 +1,157 @@
+//! Why a script gives no model: the interpreter's errors in our words.
+
+use super::limits::{
+    MAX_ARRAY, MAX_CALLS, MAX_MAP, MAX_STRING, ScriptLimits, Stop,
+};
+use crate::model::param::ParamError;
+use rhai::{EvalAltResult, Position};
+
+/// Why a script gives no model.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ScriptError {
+    /// rhai's own errors, and those of functions called.
+    #[error("{}{message}", place(*.line, *.column))]
+    Failed {
+        /// Line from 1, if known.
+        line: Option<usize>,
+        /// Column from 1, if known.
+        column: Option<usize>,
+        /// What went wrong.
+        message: String,
+    },
+    /// A limit was reached.
+    #[error("{}the script {what}", place(*.line, None))]
+    Limit {
+        /// Line from 1, if known.
+        line: Option<usize>,
+        /// Which limit, and the remedy.
+        what: String,
+    },
+    /// The script ran, but made no shape.
+    #[error(
+        "the script gives no model: its last value is {found} and it never \
+         calls draw(); end it with an expression of x, y, z (without a `;` \
+         after it), such as `sphere(10)`, or pass the shape to draw(shape)"
+    )]
+    NoModel {
+        /// What the last value is.
+        found: String,
+    },
+    /// A parameter is wrong.
+    #[error("{}{error}", place(*.line, None))]
+    Param {
+        /// Line from 1, if it is the script's call that failed.
+        line: Option<usize>,
+        /// What is wrong.
+        error: ParamError,
+    },
+    /// The interpreter itself broke.
+    #[error(
+        "the script made the interpreter fail ({message}); this is a bug: \
+         please report it with the script"
+    )]
+    Bug {
+        /// What is known.
+        message: String,
+    },
+}
+
+fn place(line: Option<usize>, column: Option<usize>) -> String {
+    match (line, column) {
+        (Some(l), Some(c)) => format!("line {l}, column {c}: "),
+        (Some(l), None) => format!("line {l}: "),
+        _ => String::new(),
+    }
+}
+
+/// What a function that scripts call returns.
+pub(super) type Outcome<T> = Result<T, Box<EvalAltResult>>;
+
+/// Turns rhai's error into ours.
+pub(super) fn explain(
+    error: &EvalAltResult,
+    parameter: Option<ParamError>,
+    limits: &ScriptLimits,
+) -> ScriptError {
+    let innermost = unwrapped(error);
+    let position = innermost.position();
+    let position = if position.is_none() {
+        error.position()
+    } else {
+        position
+    };
+    let line = position.line();
+    if let Some(error) = parameter {
+        return ScriptError::Param { line, error };
+    }
+    let limit = |what: String| ScriptError::Limit { line, what };
+    let failed = |message: String| ScriptError::Failed {
+        line,
+        column: position.position(),
+        message: shortened(message),
+    };
+    match innermost {
+        EvalAltResult::ErrorTerminated(token, _) => {
+            let why = token.clone().try_cast::<Stop>();
+            limit(why.unwrap_or(Stop::Operations).describe(limits))
+        }
+        EvalAltResult::ErrorDataTooLarge(what, _) => limit(format!(
+            "made something too large ({what}); at most {MAX_ARRAY} array \
+             elements, {MAX_MAP} map entries and {MAX_STRING} bytes of text"
+        )),
+        EvalAltResult::ErrorStackOverflow(_) => limit(format!(
+            "calls functions more than {MAX_CALLS} deep; use a loop instead \
+             of recursion"
+        )),
+        EvalAltResult::ErrorTooManyModules(_)
+        | EvalAltResult::ErrorModuleNotFound(..) => failed(
+            "models cannot import other files; copy the functions into the \
+             script"
+                .to_owned(),
+        ),
+        EvalAltResult::ErrorRuntime(value, _) => failed(value.to_string()),
+        other => {
+            let mut plain = rhai_message(other);
+            for (symbol, remedy) in [
+                ("'import'", "; models cannot import other files"),
+                ("'eval'", "; models cannot run text as code"),
+            ] {
+                if plain.contains(symbol) {
+                    plain.push_str(remedy);
+                }
+            }
+            failed(plain)
+        }
+    }
+}
+
+/// No longer than people read: it may quote a text of a million letters.
+fn shortened(mut message: String) -> String {
+    const LONGEST: usize = 400;
+    if let Some((end, _)) = message.char_indices().nth(LONGEST) {
+        message.truncate(end);
+        message.push('…');
+    }
+    message
+}
+
+/// The error inside of function-call wrappers.
+fn unwrapped(mut error: &EvalAltResult) -> &EvalAltResult {
+    while let EvalAltResult::ErrorInFunctionCall(_, _, inner, _) = error {
+        error = inner;
+    }
+    error
+}
+
+/// rhai's message without its position, which we print in front.
+fn rhai_message(error: &EvalAltResult) -> String {
+    let text = error.to_string();
+    let position = error.position();
+    if position == Position::NONE {
+        return text;
+    }
+    match text.strip_suffix(&format!(" ({position})")) {
+        Some(bare) => bare.to_owned(),
+        None => text,
+    }
+}

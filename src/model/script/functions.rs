@@ -1,0 +1,129 @@
+//! The functions that scripts have beside fidget's: powers, `draw`, `param`.
+
+use super::error::Outcome;
+use super::shape::{describe, shape};
+use crate::model::param::{ParamError, Table, Value};
+use crate::model::power::{power, power_of};
+use fidget::context::Tree;
+use rhai::{Dynamic, Engine, ImmutableString};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What a script hands out while it runs.
+#[derive(Default)]
+pub(super) struct Shared {
+    /// What was passed to `draw`.
+    pub drawn: Vec<Tree>,
+    /// What was passed to `param`.
+    pub parameters: Table,
+    /// What was wrong with a parameter: rhai keeps its text only.
+    pub error: Option<ParamError>,
+}
+
+/// `**` and `pow` of fields; `^` is refused.
+pub(super) fn add_powers(engine: &mut Engine) {
+    for name in ["**", "pow"] {
+        engine
+            .register_fn(name, |a: Tree, b: i64| power(&a, b as f64))
+            .register_fn(name, |a: Tree, b: f64| power(&a, b))
+            .register_fn(name, |a: Tree, b: Tree| power_of(&a, &b))
+            .register_fn(name, |a: f64, b: Tree| {
+                power_of(&Tree::constant(a as f32), &b)
+            })
+            .register_fn(name, |a: i64, b: Tree| {
+                power_of(&Tree::constant(a as f32), &b)
+            });
+    }
+    engine
+        .register_fn("^", not_a_power::<Tree, i64>)
+        .register_fn("^", not_a_power::<Tree, f64>)
+        .register_fn("^", not_a_power::<Tree, Tree>)
+        .register_fn("^", not_a_power::<f64, Tree>)
+        .register_fn("^", not_a_power::<i64, Tree>);
+}
+
+fn not_a_power<A, B>(_: A, _: B) -> Outcome<Tree> {
+    const REMEDY: &str = "`^` is not a power in scripts (it would bind \
+                          weaker than `+`): write x ** 2 or square(x)";
+    Err(REMEDY.into())
+}
+
+/// `draw(shape)`, also of an array of shapes.
+pub(super) fn add_draw(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
+    /// Shapes drawn at most: keeps a `draw` in an endless loop small.
+    const MAX_DRAWN: usize = 100_000;
+    let shared = shared.clone();
+    engine.register_fn("draw", move |value: Dynamic| -> Outcome<()> {
+        let Some(tree) = shape(&value) else {
+            return Err(format!(
+                "draw() takes a shape or an array of shapes, not {}",
+                describe(&value)
+            )
+            .into());
+        };
+        let mut state = shared.lock().unwrap_or_else(PoisonError::into_inner);
+        if state.drawn.len() >= MAX_DRAWN {
+            return Err(format!(
+                "draw() was called more than {MAX_DRAWN} times"
+            )
+            .into());
+        }
+        state.drawn.push(tree);
+        Ok(())
+    });
+}
+
+/// `param(name, default)`, also with a description.
+pub(super) fn add_param(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
+    let declare = {
+        let shared = shared.clone();
+        move |name: &str, default: &Dynamic, text: &str| -> Outcome<Dynamic> {
+            let value = if let Ok(v) = default.as_int() {
+                Value::Int(v)
+            } else if let Ok(v) = default.as_float() {
+                Value::Float(v)
+            } else if let Ok(v) = default.as_bool() {
+                Value::Bool(v)
+            } else {
+                return Err(format!(
+                    "the default of the parameter `{name}` must be a number, \
+                     true or false, not {}",
+                    describe(default)
+                )
+                .into());
+            };
+            let mut state =
+                shared.lock().unwrap_or_else(PoisonError::into_inner);
+            match state.parameters.declare(name, value, text) {
+                Ok(Value::Int(v)) => Ok(v.into()),
+                Ok(Value::Float(v)) => Ok(v.into()),
+                Ok(Value::Bool(v)) => Ok(v.into()),
+                Err(error) => {
+                    let message = error.to_string();
+                    state.error = Some(error);
+                    Err(message.into())
+                }
+            }
+        }
+    };
+    let with_text = declare.clone();
+    engine.register_fn(
+        "param",
+        move |name: ImmutableString, default: Dynamic| {
+            declare(&name, &default, "")
+        },
+    );
+    engine.register_fn(
+        "param",
+        move |name: ImmutableString,
+              default: Dynamic,
+              text: ImmutableString| {
+            with_text(&name, &default, &text)
+        },
+    );
+    // The likeliest mistakes with these two, said plainly.
+    engine.register_fn("param", |_: ImmutableString| -> Outcome<Dynamic> {
+        Err("param() needs a default: param(\"name\", 10.0, \
+                 \"description\")"
+            .into())
+    });
+}

@@ -1,0 +1,181 @@
+//! Models as rhai scripts, run where they can do nothing but describe a shape.
+//!
+//! In: the text of a script and the `-D` definitions. Out: an expression tree
+//! and the script's parameters.
+//!
+//! The engine is fidget's, with all its shapes and transforms, and four
+//! additions: `param`, `draw`, the power operator `**` (also `pow`), and
+//! limits. The model is the union of what is passed to `draw`; without a
+//! `draw`, the script's last value.
+//!
+//! `^` is not a power here: rhai binds it weaker than `+`, so `2*x^2` would
+//! silently be (2x)². It is an error that says to write `**`. (rhai's `**`
+//! binds weaker than a sign before it: `-x ** 2` is (-x)², write `-(x ** 2)`.)
+//!
+//! Guarantees, for any script: no file, network, environment or clock; no
+//! `import` and no `eval`; operations, time, call depth, nesting and the sizes
+//! of strings, arrays and maps are bounded; where the system tells it, memory
+//! as well. The script runs on a thread of its own with a stack that its
+//! bounded depth cannot exhaust.
+//!
+//! Not guaranteed: a script that is within a single long operation when its
+//! time is up (or not even parsed) is not waited for, but its thread goes on
+//! until that is done; so does what the operation takes of memory.
+
+mod error;
+mod functions;
+mod limits;
+mod sandbox;
+mod shape;
+#[cfg(test)]
+mod tests;
+
+pub use error::ScriptError;
+pub use limits::ScriptLimits;
+
+use super::param::{Parameter, Table};
+use crate::limits::{check, doing, resident_bytes};
+use error::explain;
+use fidget::context::Tree;
+use functions::{Shared, add_draw, add_param, add_powers};
+use limits::{GO_ON, Stop};
+use rhai::Dynamic;
+use sandbox::{add_limits, add_replace};
+use shape::{describe, shape, union};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Stack of the script's thread: reserved, not used, unless a script nests to
+/// the limits (arrays of arrays are freed recursively: `MAX_ARRAY` levels).
+const STACK_BYTES: usize = 512 << 20;
+
+/// Time between looks at the clock and the memory: some MB at the rate at
+/// which a script can fill them.
+const EVERY: Duration = Duration::from_millis(2);
+
+/// Time that a script has to notice that it was stopped. One that is within a
+/// single long operation then, or still being parsed, is left to itself: its
+/// thread ends when that is done.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// What a script describes.
+#[derive(Debug)]
+pub(super) struct Script {
+    pub tree: Tree,
+    pub parameters: Vec<Parameter>,
+}
+
+/// Runs a script.
+pub(super) fn run_script(
+    text: &str,
+    defines: &[(String, String)],
+    limits: &ScriptLimits,
+) -> Result<Script, ScriptError> {
+    let bug = |message: &str| ScriptError::Bug {
+        message: message.to_owned(),
+    };
+    let stop = Arc::new(AtomicU8::new(GO_ON));
+    let (sender, receiver) = channel();
+    let work = {
+        let (text, defines) = (text.to_owned(), defines.to_vec());
+        let (limits, stop) = (*limits, stop.clone());
+        move || {
+            let result = run_here(&text, &defines, &limits, &stop);
+            // Nobody listens any more if it took too long.
+            let _ = sender.send(result);
+        }
+    };
+    // Before the thread, whose stack is part of what it takes.
+    let before = resident_bytes();
+    std::thread::Builder::new()
+        .name("script".to_owned())
+        .stack_size(STACK_BYTES)
+        .spawn(work)
+        .map_err(|e| bug(&format!("no thread: {e}")))?;
+    /// Stops the script also if this thread is stopped.
+    struct Leave<'a>(&'a AtomicU8);
+    impl Drop for Leave<'_> {
+        fn drop(&mut self) {
+            self.0.store(Stop::Time.number(), Ordering::Relaxed);
+        }
+    }
+    let _leave = Leave(&stop);
+    let start = Instant::now();
+    let mut stopped: Option<(Stop, Instant)> = None;
+    doing("script", || {
+        loop {
+            match receiver.recv_timeout(EVERY) {
+                Ok(result) => return result,
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(bug("it panicked"));
+                }
+                Err(RecvTimeoutError::Timeout) => check(),
+            }
+            if let Some((why, since)) = stopped {
+                if since.elapsed() > GRACE {
+                    return Err(ScriptError::Limit {
+                        line: None,
+                        what: why.describe(limits),
+                    });
+                }
+                continue;
+            }
+            let grown =
+                |before| resident_bytes().map(|now| now.saturating_sub(before));
+            let why = if start.elapsed() > limits.time {
+                Stop::Time
+            } else if before
+                .and_then(grown)
+                .is_some_and(|grown| grown > limits.memory_bytes)
+            {
+                Stop::Memory
+            } else {
+                continue;
+            };
+            stop.store(why.number(), Ordering::Relaxed);
+            stopped = Some((why, Instant::now()));
+        }
+    })
+}
+
+/// Runs a script on this thread.
+fn run_here(
+    text: &str,
+    defines: &[(String, String)],
+    limits: &ScriptLimits,
+    stop: &Arc<AtomicU8>,
+) -> Result<Script, ScriptError> {
+    let shared = Arc::new(Mutex::new(Shared {
+        parameters: Table::new(defines),
+        ..Shared::default()
+    }));
+    let mut engine = fidget::rhai::engine();
+    add_limits(&mut engine, limits.operations, stop.clone());
+    add_replace(&mut engine);
+    add_powers(&mut engine);
+    add_draw(&mut engine, &shared);
+    add_param(&mut engine, &shared);
+
+    let result = engine.eval::<Dynamic>(text);
+    let mut state = shared.lock().unwrap_or_else(PoisonError::into_inner);
+    let last = match result {
+        Ok(value) => value,
+        Err(error) => {
+            return Err(explain(&error, state.error.take(), limits));
+        }
+    };
+    let drawn = std::mem::take(&mut state.drawn);
+    // An unknown -D explains a missing model better than the reverse.
+    let parameters = std::mem::take(&mut state.parameters)
+        .finish()
+        .map_err(|error| ScriptError::Param { line: None, error })?;
+    let tree = match union(drawn) {
+        Some(tree) => tree,
+        None => shape(&last).ok_or_else(|| ScriptError::NoModel {
+            found: describe(&last),
+        })?,
+    };
+    Ok(Script { tree, parameters })
+}

@@ -1,0 +1,359 @@
+//! What lines do: commands and comments become events.
+
+use super::USUAL_FILAMENT;
+use super::arc::Arc;
+use super::comments::{Tag, tag};
+use super::event::{Event, Heater, Move};
+use super::info::Info;
+use super::layering::Layering;
+use super::lines::Line;
+use super::machine::{Machine, Target};
+use super::problem::{Problem, Problems};
+use super::role::Role;
+use super::words::{Command, Words, parse};
+use crate::units::{Celsius, Mm};
+use glam::DVec2;
+use std::collections::VecDeque;
+
+/// Everything but the bytes themselves.
+#[derive(Debug)]
+pub(super) struct Parser {
+    line: u64,
+    pub words: Words,
+    pub machine: Machine,
+    layering: Layering,
+    role: Role,
+    wipe: bool,
+    pub filament_diameter: Option<Mm>,
+    pub info: Info,
+    pub problems: Problems,
+    /// Events of the line read last.
+    pending: VecDeque<Event>,
+    /// Arcs lie in the plane of x and y (G17).
+    flat_arcs: bool,
+    /// An arc on its way, and the filament of each of its moves.
+    arc: Option<(Arc, Mm)>,
+}
+
+impl Parser {
+    /// Before the first line.
+    pub(super) fn new() -> Self {
+        Self {
+            line: 0,
+            words: Words::default(),
+            machine: Machine::new(),
+            layering: Layering::new(),
+            role: Role::Unknown,
+            wipe: false,
+            filament_diameter: None,
+            info: Info::default(),
+            problems: Problems::default(),
+            pending: VecDeque::new(),
+            flat_arcs: true,
+            arc: None,
+        }
+    }
+
+    /// The next event of the line taken last, if there are any left.
+    pub(super) fn next_pending(&mut self) -> Option<Event> {
+        let event = self.pending.pop_front();
+        if event.is_some() || self.arc.is_none() {
+            return event;
+        }
+        let (arc, filament) = self.arc.as_mut()?;
+        let (next, filament) = (arc.next(), *filament);
+        match next {
+            Some(to) => self.step(Target { to, filament }),
+            None => self.arc = None,
+        }
+        self.pending.pop_front()
+    }
+
+    /// Takes the line of that number.
+    pub(super) fn take(&mut self, number: u64, line: &Line<'_>) {
+        self.line = number;
+        let parsed = parse(line.text, &mut self.words);
+        match parsed.command {
+            Command::Blank => {}
+            Command::Text => {
+                if line.text.starts_with(b"SET_VELOCITY_LIMIT") {
+                    self.machine.set_velocity_limit(line.text);
+                }
+                self.pending.push_back(Event::Macro { line: self.line });
+            }
+            Command::Code(letter, tenths) => {
+                if !line.whole {
+                    self.problem(Problem::LongLine);
+                }
+                self.command(letter, tenths, parsed.stray);
+            }
+        }
+        if let (Command::Blank, Some(at)) = (parsed.command, parsed.comment) {
+            self.comment(&line.text[at..]);
+        }
+    }
+
+    fn comment(&mut self, comment: &[u8]) {
+        match tag(comment) {
+            Some(Tag::Role(role)) => self.role = role,
+            Some(Tag::Wipe(wipe)) => self.wipe = wipe,
+            Some(Tag::Volumetric) => {
+                let diameter = self.diameter();
+                self.machine.set_volumetric(diameter);
+            }
+            Some(tag) => {
+                if self.layering.tag(tag) {
+                    self.begin_layer();
+                }
+            }
+            None => self.info.comment(comment),
+        }
+    }
+
+    fn begin_layer(&mut self) {
+        self.pending.push_back(Event::Layer {
+            line: self.line,
+            number: self.layering.number,
+        });
+    }
+
+    fn problem(&mut self, problem: Problem) {
+        let line = self.line;
+        self.problems.count(problem, line);
+        self.pending.push_back(Event::Problem { line, problem });
+    }
+
+    fn command(&mut self, letter: u8, tenths: u32, stray: bool) {
+        let line = self.line;
+        let event = match (letter, tenths) {
+            (b'G', 0 | 10) => {
+                self.check(b"XYZEF", stray);
+                return self.go();
+            }
+            (b'G', 20 | 30) => {
+                self.check(b"XYZEFIJR", stray);
+                return self.arc(tenths == 20);
+            }
+            (b'G', 40) => {
+                let milliseconds = self.words.get(b'P').unwrap_or(0.0);
+                let seconds = self.words.get(b'S').unwrap_or(0.0);
+                let time = (seconds + 1e-3 * milliseconds).max(0.0);
+                Event::Dwell { line, time }
+            }
+            // RepRapFirmware sets a tool's temperatures and offsets with it.
+            (b'G', 100) if self.sets_a_tool() => self.tool_heating(tenths),
+            (b'M', 5680) => self.tool_heating(tenths),
+            (b'M', 1160) => Event::WaitForHeat { line },
+            (b'G', 170..=190) if tenths.is_multiple_of(10) => {
+                self.flat_arcs = tenths == 170;
+                other(line, letter, tenths)
+            }
+            (b'M', 2000) => {
+                let diameter = self.words.get(b'D').unwrap_or(0.0);
+                let off = self.words.get(b'S') == Some(0.0);
+                let diameter = if off { 0.0 } else { diameter };
+                self.machine.set_volumetric(diameter);
+                other(line, letter, tenths)
+            }
+            (b'G', 100 | 110) => {
+                let back = tenths == 100;
+                self.machine.state.firmware_retracted = back;
+                Event::FirmwareRetract { line, back }
+            }
+            (b'G', 200 | 210) => {
+                self.machine.set_inches(tenths == 200);
+                other(line, letter, tenths)
+            }
+            (b'G', 280) => {
+                self.machine.home(&self.words);
+                Event::Home { line }
+            }
+            (b'G', 900 | 910) => {
+                self.machine.set_relative(tenths == 910);
+                other(line, letter, tenths)
+            }
+            (b'G', 920) => {
+                self.check(b"XYZE", stray);
+                self.machine.set_position(&self.words);
+                other(line, letter, tenths)
+            }
+            (b'M', 820 | 830) => {
+                self.machine.set_relative_e(tenths == 830);
+                other(line, letter, tenths)
+            }
+            (b'M', 1040 | 1090 | 1400 | 1900) => self.heating(tenths),
+            (b'M', 1060 | 1070) => {
+                let fan = self.words.get(b'P').unwrap_or(0.0) as u32;
+                let speed = match tenths {
+                    1060 => Machine::fan_speed(&self.words),
+                    _ => 0.0,
+                };
+                if fan == 0 {
+                    self.machine.state.fan = speed;
+                }
+                Event::Fan { line, fan, speed }
+            }
+            (b'M', 2040) => {
+                self.machine.set_acceleration(&self.words);
+                other(line, letter, tenths)
+            }
+            (b'T', _) if tenths.is_multiple_of(10) => {
+                let tool = tenths / 10;
+                self.machine.state.tool = tool;
+                Event::Tool { line, tool }
+            }
+            _ => other(line, letter, tenths),
+        };
+        self.pending.push_back(event);
+    }
+
+    /// Says what is wrong with a command that has these letters.
+    fn check(&mut self, letters: &[u8], stray: bool) {
+        if let Some(bare) = self.words.bare_among(letters) {
+            self.problem(Problem::MissingNumber(char::from(bare)));
+        }
+        if stray {
+            self.problem(Problem::Stray);
+        }
+    }
+
+    fn heating(&mut self, tenths: u32) -> Event {
+        let (heater, wait) = match tenths {
+            1040 | 1090 => {
+                let tool = self.words.get(b'T').map(|t| t as u32);
+                (Heater::Nozzle(tool), tenths == 1090)
+            }
+            _ => (Heater::Bed, tenths == 1900),
+        };
+        // R waits for cooling, too.
+        let to = self.words.get(b'S').or_else(|| self.words.get(b'R'));
+        match to {
+            Some(to) => self.heat(heater, to, wait),
+            None => other(self.line, b'M', tenths),
+        }
+    }
+
+    /// Is a G10 about a tool, and not a retraction? With S, a retraction may
+    /// say 0 or 1: whether it is a long one.
+    fn sets_a_tool(&self) -> bool {
+        let words = &self.words;
+        words.has(b'P')
+            || words.has(b'R')
+            || words.get(b'S').is_some_and(|s| s > 1.0)
+    }
+
+    /// RepRapFirmware's G10 and M568: the temperature of a tool.
+    fn tool_heating(&mut self, tenths: u32) -> Event {
+        let tool = self.words.get(b'P').map(|t| t as u32);
+        match self.words.get(b'S') {
+            Some(to) => self.heat(Heater::Nozzle(tool), to, false),
+            None if tenths == 100 => other(self.line, b'G', tenths),
+            None => other(self.line, b'M', tenths),
+        }
+    }
+
+    fn heat(&mut self, heater: Heater, to: Celsius, wait: bool) -> Event {
+        let state = &mut self.machine.state;
+        match heater {
+            Heater::Bed => state.bed = Some(to),
+            Heater::Nozzle(tool) => {
+                if tool.is_none_or(|t| t == state.tool) {
+                    state.nozzle = Some(to);
+                }
+            }
+        }
+        Event::Heat {
+            line: self.line,
+            heater,
+            to,
+            wait,
+        }
+    }
+
+    /// Diameter of the filament.
+    fn diameter(&self) -> Mm {
+        self.filament_diameter
+            .or(self.info.filament_diameter)
+            .unwrap_or(USUAL_FILAMENT)
+    }
+
+    fn go(&mut self) {
+        match self.machine.aim(&self.words) {
+            Some(target) => self.step(target),
+            None => self.problem(Problem::OutOfReach),
+        }
+    }
+
+    fn arc(&mut self, clockwise: bool) {
+        let from = self.machine.state.position;
+        let Some(target) = self.machine.aim(&self.words) else {
+            return self.problem(Problem::OutOfReach);
+        };
+        if !self.flat_arcs {
+            self.problem(Problem::UprightArc);
+            return self.step(target);
+        }
+        let length = |letter| self.machine.length(&self.words, letter);
+        let arc = match length(b'R') {
+            Some(radius) => {
+                Arc::with_radius(from, target.to, radius, clockwise)
+            }
+            None => {
+                let offset = DVec2::new(
+                    length(b'I').unwrap_or(0.0),
+                    length(b'J').unwrap_or(0.0),
+                );
+                Arc::around(from, target.to, offset, clockwise)
+            }
+        };
+        match arc {
+            Some(arc) => {
+                let filament = target.filament * arc.share();
+                self.arc = Some((arc, filament));
+            }
+            None => {
+                self.problem(Problem::BadArc);
+                self.step(target);
+            }
+        }
+    }
+
+    /// A straight move to where it says.
+    fn step(&mut self, target: Target) {
+        let Target { to, filament } = target;
+        let from = self.machine.state.position;
+        let mut step = Move {
+            line: self.line,
+            from,
+            to,
+            filament,
+            speed: self.machine.state.speed,
+            role: self.role,
+            layer: self.layering.number,
+            width: 0.0,
+            height: 0.0,
+            tool: self.machine.state.tool,
+            wipe: self.wipe,
+        };
+        if step.prints() {
+            if self.layering.print(from, to) {
+                self.begin_layer();
+            }
+            let diameter = self.diameter();
+            step.layer = self.layering.number;
+            step.width = self.layering.width(step.area(diameter));
+            step.height = self.layering.height();
+        }
+        self.machine.state.position = to;
+        self.pending.push_back(Event::Move(step));
+    }
+}
+
+/// A command that means nothing to us.
+pub(super) fn other(line: u64, letter: u8, tenths: u32) -> Event {
+    Event::Other {
+        line,
+        letter: char::from(letter),
+        tenths,
+    }
+}

@@ -1,0 +1,143 @@
+//! Heights and widths that a nozzle can print, and samples that see them.
+
+use super::{Conflict, conflict, round};
+use crate::settings::Settings;
+use crate::units::Mm;
+
+/// A layer must fit under the nozzle.
+pub(super) fn heights(
+    s: &Settings,
+    warnings: &mut Vec<String>,
+) -> Result<(), Conflict> {
+    let nozzle = s.printer.nozzle_diameter;
+    for (key, height) in layer_heights(s) {
+        if height > nozzle {
+            return Err(conflict(
+                [key, "printer.nozzle_diameter"],
+                format!(
+                    "{key} = {height} mm is more than printer.nozzle_diameter \
+                     = {nozzle} mm: the bead would not touch what is below; \
+                     use at most {} mm",
+                    round(0.8 * nozzle),
+                ),
+            ));
+        }
+        // Room for rounding: 0.8 × 0.4 is not 0.32 in binary.
+        if height > 0.8 * nozzle + 1e-9 {
+            warnings.push(format!(
+                "{key} = {height} mm is more than 0.8 × \
+                 printer.nozzle_diameter = {nozzle} mm: layers will bond \
+                 badly; use at most {} mm",
+                round(0.8 * nozzle),
+            ));
+        }
+        if height > s.printer.height {
+            return Err(conflict(
+                [key, "printer.height"],
+                format!(
+                    "{key} = {height} mm is more than printer.height = {} mm; \
+                     nothing can be printed",
+                    s.printer.height,
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// A line's width is bounded by the nozzle that squeezes it, and a bead with
+/// round ends must be wider than high.
+pub(super) fn widths(
+    s: &Settings,
+    warnings: &mut Vec<String>,
+) -> Result<(), Conflict> {
+    let nozzle = s.printer.nozzle_diameter;
+    for (key, width) in line_widths(s) {
+        if !(0.3 * nozzle..=5.0 * nozzle).contains(&width) {
+            return Err(conflict(
+                [key, "printer.nozzle_diameter"],
+                format!(
+                    "{key} = {width} mm cannot come out of a nozzle of \
+                     printer.nozzle_diameter = {nozzle} mm: {} to {} mm can; \
+                     use about {} mm",
+                    round(0.3 * nozzle),
+                    round(5.0 * nozzle),
+                    round(1.1 * nozzle),
+                ),
+            ));
+        }
+        if !(0.5 * nozzle..=2.5 * nozzle).contains(&width) {
+            warnings.push(format!(
+                "{key} = {width} mm is hard to print with a nozzle of \
+                 printer.nozzle_diameter = {nozzle} mm: better stay within \
+                 {} to {} mm",
+                round(0.5 * nozzle),
+                round(2.5 * nozzle),
+            ));
+        }
+        for (height_key, height) in layer_heights(s) {
+            if width <= height {
+                return Err(conflict(
+                    [key, height_key],
+                    format!(
+                        "{key} = {width} mm is not more than {height_key} = \
+                         {height} mm, but a bead must be wider than high; \
+                         raise {key} or lower {height_key}"
+                    ),
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn layer_heights(s: &Settings) -> [(&'static str, Mm); 2] {
+    [
+        ("layer_height", s.layer_height),
+        ("first_layer_height", s.first_layer_height),
+    ]
+}
+
+fn line_widths(
+    s: &Settings,
+) -> impl Iterator<Item = (&'static str, Mm)> + use<> {
+    let own = [
+        ("outer_wall_width", s.outer_wall_width),
+        ("inner_wall_width", s.inner_wall_width),
+        ("skin_width", s.skin_width),
+        ("infill_width", s.infill_width),
+    ];
+    let auto = [
+        ("top_skin_width", s.top_skin_width),
+        ("bottom_skin_width", s.bottom_skin_width),
+    ];
+    let given = auto.into_iter().filter_map(|(key, w)| Some((key, w?)));
+    own.into_iter().chain(given)
+}
+
+/// The lattice must be coarser than the accuracy asked of its vertices, and
+/// should be finer than what is printed.
+pub(super) fn sampling(
+    s: &Settings,
+    warnings: &mut Vec<String>,
+) -> Result<(), Conflict> {
+    if s.accuracy >= s.sample_spacing {
+        return Err(conflict(
+            ["accuracy", "sample_spacing"],
+            format!(
+                "accuracy = {} mm is not finer than sample_spacing = {} mm, \
+                 which outlines are refined from; lower accuracy or raise \
+                 sample_spacing",
+                s.accuracy, s.sample_spacing,
+            ),
+        ));
+    }
+    if s.sample_spacing > s.outer_wall_width {
+        warnings.push(format!(
+            "sample_spacing = {} mm is coarser than outer_wall_width = {} mm: \
+             details that could be printed may be missed; lower it",
+            s.sample_spacing, s.outer_wall_width,
+        ));
+    }
+    Ok(())
+}

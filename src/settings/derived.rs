@@ -1,0 +1,128 @@
+//! What several settings amount to together.
+
+use super::{Acceleration, Settings, check};
+use crate::units::{Mm, MmPerSec, MmPerSec2};
+
+impl Settings {
+    /// Solid layers below an upward face: `top_layers` if set, else what
+    /// fits into `top_thickness`.
+    pub fn top_layers(&self) -> u32 {
+        self.top_layers
+            .unwrap_or_else(|| layers_in(self.top_thickness, self.layer_height))
+    }
+
+    /// Width of the lines of skin that faces upwards.
+    pub fn top_skin_width(&self) -> Mm {
+        self.top_skin_width.unwrap_or(self.skin_width)
+    }
+
+    /// Width of the lines of skin that faces downwards, and of bridges.
+    pub fn bottom_skin_width(&self) -> Mm {
+        self.bottom_skin_width.unwrap_or(self.skin_width)
+    }
+
+    /// Speed of moves that do not print.
+    pub fn travel_speed(&self) -> MmPerSec {
+        self.speed.travel.min(self.printer.max_speed)
+    }
+
+    /// Acceleration of moves that do not print.
+    pub fn travel_acceleration(&self) -> MmPerSec2 {
+        match self.acceleration.travel > 0.0 {
+            true => self.acceleration.travel,
+            false => self.printer.travel_acceleration,
+        }
+    }
+
+    /// Acceleration of moves up and down.
+    pub fn z_acceleration(&self) -> MmPerSec2 {
+        self.travel_acceleration()
+            .min(self.printer.max_acceleration_z)
+    }
+
+    /// How far outer walls reach beyond the part, in the plane. Fuzzy skin
+    /// that is an expression is not counted.
+    pub fn reach(&self) -> Mm {
+        let fuzzy = self.fuzzy.thickness.constant().unwrap_or(0.0);
+        (self.xy_compensation + fuzzy).max(0.0)
+    }
+
+    /// What the settings lead to without anybody's having asked for it: the
+    /// speeds that `filament.max_flow` and `printer.max_speed` do not allow,
+    /// and those instead.
+    pub fn notes(&self) -> Vec<String> {
+        let notes = [check::flow_note(self), check::speed_note(self)];
+        notes.into_iter().flatten().collect()
+    }
+
+    /// Solid layers above a downward face: `bottom_layers` if set, else what
+    /// fits into `bottom_thickness`.
+    pub fn bottom_layers(&self) -> u32 {
+        self.bottom_layers.unwrap_or_else(|| {
+            layers_in(self.bottom_thickness, self.layer_height)
+        })
+    }
+}
+
+impl Acceleration {
+    /// True if some beads have an acceleration of their own.
+    pub fn by_role(&self) -> bool {
+        [
+            self.outer_wall,
+            self.inner_wall,
+            self.sparse_infill,
+            self.internal_skin,
+            self.top_skin,
+            self.bottom_skin,
+            self.bridge,
+            self.overhang,
+            self.first_layer,
+        ]
+        .iter()
+        .any(|a| *a > 0.0)
+    }
+}
+
+/// Whole layers in a thickness; any thickness at all asks for one layer.
+fn layers_in(thickness: Mm, layer_height: Mm) -> u32 {
+    // 0.6 / 0.2 is 2.9999999999999996.
+    const SLACK: f64 = 1e-4;
+    if thickness > 0.0 {
+        ((thickness / layer_height + SLACK).floor() as u32).max(1)
+    } else {
+        0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(height: Mm, top: Mm) -> Settings {
+        Settings {
+            layer_height: height,
+            top_thickness: top,
+            ..Settings::default()
+        }
+    }
+
+    #[test]
+    fn thickness_becomes_whole_layers() {
+        assert_eq!(Settings::default().top_layers(), 4);
+        assert_eq!(Settings::default().bottom_layers(), 3);
+        assert_eq!(settings(0.2, 0.79).top_layers(), 3);
+        assert_eq!(settings(0.3, 0.9).top_layers(), 3);
+        assert_eq!(settings(0.2, 0.01).top_layers(), 1);
+        assert_eq!(settings(0.2, 0.0).top_layers(), 0);
+    }
+
+    #[test]
+    fn a_count_wins_over_a_thickness() {
+        let s = Settings {
+            top_layers: Some(0),
+            bottom_layers: Some(7),
+            ..Settings::default()
+        };
+        assert_eq!((s.top_layers(), s.bottom_layers()), (0, 7));
+    }
+}

@@ -1,0 +1,454 @@
+//! Every setting: its default, its range and what it means.
+//!
+//! A row is
+//!
+//! ```text
+//! /// Description.
+//! name: Type = default, in least..=greatest;
+//! ```
+//!
+//! and the unit is the type's. The structs, the names in files and on the
+//! command line, reading and writing all follow from it: `table`.
+
+use super::table;
+use super::words::*;
+use super::{Infill, Seam, Sizes, Varying};
+use crate::units::*;
+
+table::settings! {
+    /// Everything a print depends on besides the model.
+    Settings {
+        ["Layers"]
+        /// Height of every layer above the first.
+        layer_height: Mm = 0.2, in 0.02..=2.0;
+        /// Height of the first layer.
+        first_layer_height: Mm = 0.2, in 0.02..=2.0;
+
+        ["Outlines"]
+        /// Greatest distance between an outline and the true surface.
+        accuracy: Mm = 0.005, in 0.0005..=0.1;
+        /// Spacing of the lattice on which the field is sampled to find the
+        /// outlines. Details smaller than this may be missed, and curves
+        /// tighter than a few times this lose accuracy.
+        sample_spacing: Mm = 0.1, in 0.01..=2.0;
+
+        ["Walls"]
+        /// Number of walls around each island and hole.
+        walls: u32 = 2, in 0..=1000;
+        /// Line width of the outer wall.
+        outer_wall_width: Mm = 0.45, in 0.05..=10.0;
+        /// Line width of the walls behind the outer wall.
+        inner_wall_width: Mm = 0.45, in 0.05..=10.0;
+        /// Narrowest bead for places too thin for whole walls, as a share of
+        /// the wall's width; what is thinner still is left out.
+        thin_min: Percent = 60.0, in 10.0..=100.0;
+        /// Widest single bead for such places, as a share of the wall's
+        /// width; what is wider gets two walls.
+        thin_max: Percent = 180.0, in 100.0..=300.0;
+        /// Which walls of an island are printed first.
+        wall_order: WallOrder = WallOrder::InnerFirst;
+        /// How walls are offset: by distance in the layer's plane, right for
+        /// every field, or by the field's own value, right only where the
+        /// field is that distance.
+        wall_offset: WallOffset = WallOffset::Distance;
+        /// How far outlines are moved outwards before anything else is made
+        /// of them (inwards, if negative), for plastic that shrinks or
+        /// spreads.
+        xy_compensation: Mm = 0.0, in -5.0..=5.0;
+        /// How much the first layer is drawn in on all sides, to make up for
+        /// being squeezed; places as thin as two walls keep their width.
+        elephant_foot: Mm = 0.0, in 0.0..=2.0;
+        /// Number of layers, from the bed, that are drawn in, each less than
+        /// the one below.
+        elephant_foot_layers: u32 = 1, in 1..=1000;
+        /// Where outer walls begin and end; an expression puts the seam where
+        /// it is least along each.
+        seam: Seam = Seam::Rule(SeamRule::Aligned);
+        /// How far before its beginning an outer wall ends.
+        seam_gap: Mm = 0.0, in 0.0..=5.0;
+        /// Length over which an outer wall begins with growing flow, and is
+        /// overlapped with shrinking flow by its end; 0 for a plain seam.
+        seam_scarf: Mm = 0.0, in 0.0..=200.0;
+        /// How far the nozzle moves inwards, without printing, from the end
+        /// of an outer wall before it goes elsewhere.
+        seam_wipe: Mm = 0.3, in 0.0..=5.0;
+
+        ["Skin: the solid top and bottom"]
+        /// Thickness of solid material below each upward face.
+        top_thickness: Mm = 0.8, in 0.0..=1000.0;
+        /// Thickness of solid material above each downward face.
+        bottom_thickness: Mm = 0.6, in 0.0..=1000.0;
+        /// Number of solid layers below each upward face; auto takes it from
+        /// top_thickness.
+        top_layers: Option<u32> = None, in 0..=50_000;
+        /// Number of solid layers above each downward face; auto takes it
+        /// from bottom_thickness.
+        bottom_layers: Option<u32> = None, in 0..=50_000;
+        /// Line width of skin, the rings around it included.
+        skin_width: Mm = 0.45, in 0.05..=10.0;
+        /// Width of the lines of skin that faces upwards; auto takes
+        /// skin_width.
+        top_skin_width: Option<Mm> = None, in 0.05..=10.0;
+        /// Width of the lines of skin that faces downwards, and of bridges;
+        /// auto takes skin_width.
+        bottom_skin_width: Option<Mm> = None, in 0.05..=10.0;
+        /// Pattern of skin that faces upwards.
+        top_skin_pattern: SkinPattern = SkinPattern::Lines;
+        /// Pattern of skin that faces downwards.
+        bottom_skin_pattern: SkinPattern = SkinPattern::Lines;
+        /// Pattern of skin that the layers above and below cover.
+        internal_skin_pattern: SkinPattern = SkinPattern::Lines;
+        /// Order of the lines of skin that faces upwards.
+        top_skin_order: SkinOrder = SkinOrder::Monotonic;
+        /// Direction of skin lines on even layers, counter-clockwise from
+        /// the x axis; odd layers are turned by a right angle.
+        skin_angle: Degrees = 45.0, in -360.0..=360.0;
+        /// How far skin reaches into the sparse infill beside it, so that
+        /// its lines are anchored.
+        skin_overlap: Mm = 0.6, in 0.0..=20.0;
+        /// Pieces of sparse area smaller than this are filled solid, as
+        /// skin.
+        skin_min_area: Mm2 = 2.0, in 0.0..=1000.0;
+
+        ["Ironing: a second pass over tops"]
+        /// Whether to go over each top once more, with next to no material,
+        /// to make it smooth.
+        ironing: bool = false;
+        /// Distance between the lines of that pass.
+        ironing_spacing: Mm = 0.1, in 0.02..=2.0;
+        /// Material for that pass, as a share of what would fill its layer.
+        ironing_flow: Percent = 10.0, in 0.0..=100.0;
+
+        ["Bridges and overhangs"]
+        /// Whether skin over nothing gets lines across the gap, from support
+        /// to support.
+        bridges: bool = true;
+        /// How far a bridge's lines reach onto what holds them.
+        bridge_anchor: Mm = 1.5, in 0.0..=20.0;
+        /// Material of bridges, as a share of what skin would get.
+        bridge_flow: Percent = 100.0, in 10.0..=300.0;
+        /// Share of its width by which a wall may hang over the layer below
+        /// before it is printed as an overhang; 100 makes no wall one.
+        overhang_share: Percent = 50.0, in 0.0..=100.0;
+
+        ["Sparse infill"]
+        /// Share of the inside that is printed; 0 leaves it hollow. Infill
+        /// that is an expression is as dense as the expression makes it.
+        infill_density: Varying<Percent> = Varying::Constant(15.0),
+            in 0.0..=100.0;
+        /// Pattern of the sparse infill.
+        /// An expression, or the path of a script, is a pattern of one's own:
+        /// beads on its zero set, or a shape that is negative inside
+        /// (infill_mode).
+        infill: Infill = Infill::Pattern(InfillPattern::Rectilinear);
+        /// What an expression of infill is: a surface to lay beads on, or a
+        /// solid to print like a part of its own.
+        infill_mode: InfillMode = InfillMode::Surface;
+        /// Number of walls of infill that is a solid.
+        infill_walls: u32 = 1, in 0..=1000;
+        /// Line width of sparse infill.
+        infill_width: Mm = 0.45, in 0.05..=10.0;
+        /// Direction of infill lines, counter-clockwise from the x axis.
+        infill_angle: Degrees = 45.0, in -360.0..=360.0;
+        /// How far the pattern is moved along its repeat.
+        infill_phase: Percent = 0.0, in 0.0..=100.0;
+        /// What the pattern is laid out from: parts on the same bed continue
+        /// each other's pattern if it is the bed.
+        infill_centre: InfillCentre = InfillCentre::Object;
+        /// How far sparse infill reaches into the wall or skin around it, as
+        /// a share of its line width.
+        infill_overlap: Percent = 25.0, in 0.0..=100.0;
+
+        ["Flow"]
+        /// Material extruded, as a share of the beads' volume; multiplies
+        /// filament.flow.
+        flow: Varying<Percent> = Varying::Constant(100.0),
+            in 10.0..=300.0;
+        /// Width of the beads of the part, as a share of their line width.
+        /// Their centre lines stay where they are.
+        bead_width: Varying<Percent> = Varying::Constant(100.0),
+            in 50.0..=180.0;
+    }
+    /// Fuzzy skin: a rough texture on the walls one sees.
+    fuzzy: FuzzySkin {
+        /// Greatest distance by which an outer wall is moved outwards or
+        /// inwards; 0 leaves it smooth.
+        thickness: Varying<Mm> = Varying::Constant(0.0), in 0.0..=5.0;
+        /// Size of the bumps.
+        grain: Mm = 0.8, in 0.1..=100.0;
+        /// The walls of holes as well.
+        holes: bool = false;
+    }
+    /// Speeds of the nozzle.
+    speed: Speed {
+        /// Speed of outer walls.
+        outer_wall: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
+        /// Speed of the walls behind the outer wall.
+        inner_wall: Varying<MmPerSec> = Varying::Constant(60.0),
+            in 0.1..=2000.0;
+        /// Speed of the beads that fill gaps between walls.
+        gap_fill: Varying<MmPerSec> = Varying::Constant(30.0),
+            in 0.1..=2000.0;
+        /// Speed of sparse infill.
+        sparse_infill: Varying<MmPerSec> = Varying::Constant(80.0),
+            in 0.1..=2000.0;
+        /// Speed of solid layers that are covered from both sides.
+        internal_skin: Varying<MmPerSec> = Varying::Constant(60.0),
+            in 0.1..=2000.0;
+        /// Greatest speed of closed walls shorter than
+        /// small_perimeter_length: around thin pins and small holes.
+        small_perimeter: MmPerSec = 25.0, in 0.1..=2000.0;
+        /// Length of wall below which small_perimeter holds; 0 for none.
+        small_perimeter_length: Mm = 20.0, in 0.0..=1000.0;
+        /// Speed of skin that faces upwards.
+        top_skin: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
+        /// Speed of skin that faces downwards.
+        bottom_skin: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
+        /// Speed of bridges.
+        bridge: Varying<MmPerSec> = Varying::Constant(30.0),
+            in 0.1..=2000.0;
+        /// Speed of walls that hang over the layer below.
+        overhang: Varying<MmPerSec> = Varying::Constant(20.0),
+            in 0.1..=2000.0;
+        /// Speed of ironing.
+        ironing: Varying<MmPerSec> = Varying::Constant(20.0),
+            in 0.1..=2000.0;
+        /// Speed of the skirt and the brim.
+        skirt: MmPerSec = 30.0, in 0.1..=2000.0;
+        /// Greatest printing speed on the first layer.
+        first_layer: MmPerSec = 20.0, in 0.1..=2000.0;
+        /// Speed of moves that do not print.
+        travel: MmPerSec = 150.0, in 0.1..=2000.0;
+    }
+    /// Accelerations of the nozzle by what is printed; 0 takes the printer's
+    /// own, printer.acceleration.
+    acceleration: Acceleration {
+        /// Acceleration of outer walls.
+        outer_wall: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of the walls behind the outer wall, and of the beads
+        /// that fill gaps between walls.
+        inner_wall: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of sparse infill.
+        sparse_infill: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of solid layers that are covered from both sides.
+        internal_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of skin that faces upwards, and of ironing.
+        top_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of skin that faces downwards.
+        bottom_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of bridges.
+        bridge: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of walls that hang over the layer below.
+        overhang: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Greatest acceleration of whatever is printed on the first layer;
+        /// 0 for none of its own.
+        first_layer: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+        /// Acceleration of moves that do not print; 0 takes
+        /// printer.travel_acceleration.
+        travel: MmPerSec2 = 0.0, in 0.0..=100_000.0;
+    }
+    /// The way between beads.
+    travel: Travel {
+        /// Whether travels go round what is in their way, and where they may
+        /// lead: nowhere but straight, anywhere inside the part, anywhere but
+        /// over what is seen from above, or over sparse infill only. From one
+        /// island to another they leave and enter square to the border.
+        combing: Combing = Combing::NotOverTopSkin;
+        /// Travels that would become longer by more than this go straight,
+        /// retracted.
+        max_detour: Mm = 30.0, in 0.0..=10_000.0;
+    }
+    /// Pulling back the filament before a travel.
+    retract: Retract {
+        /// Retract only on travels that cross something: that leave what
+        /// hides their ooze (hidden), or cross a wall. If false, on all that
+        /// are not shorter than min_travel.
+        when_crossing: bool = true;
+        /// Walls count as crossed, also where a travel only comes nearer to
+        /// one than half a line's width.
+        check_walls: bool = true;
+        /// What hides the ooze of travels: sparse infill alone, or whatever
+        /// is inside the part and no top skin. The latter retracts far less
+        /// often in lattices, which have little sparse infill.
+        hidden: Hidden = Hidden::SparseInfill;
+        /// Length of filament pulled back; 0 turns retraction off.
+        length: Mm = 0.8, in 0.0..=50.0;
+        /// Speed of pulling back.
+        speed: MmPerSec = 35.0, in 0.1..=500.0;
+        /// Speed of pushing forward again.
+        prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
+        /// Travels shorter than this never retract.
+        min_travel: Mm = 1.5, in 0.0..=1000.0;
+        /// Travels longer than this ooze too much: even where that would be
+        /// hidden they retract, or prime what ooze_prime says.
+        max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
+        /// Length of filament pushed forward after such a travel, where it
+        /// is hidden, instead of a retraction; 0 retracts.
+        ooze_prime: Mm = 0.0, in 0.0..=5.0;
+        /// Length of filament pushed forward beyond what was pulled back, to
+        /// make up for what oozed; negative for less.
+        extra_prime: Mm = 0.0, in -5.0..=5.0;
+        /// How far the nozzle goes on along the bead just printed while it
+        /// retracts: round a closed one, back along an open one; 0 for no
+        /// wiping.
+        wipe: Mm = 0.0, in 0.0..=100.0;
+        /// Share of the retraction that is done before the wipe; the rest is
+        /// spread over it.
+        before_wipe: Percent = 0.0, in 0.0..=100.0;
+        /// How far the nozzle is lifted during a retracted travel.
+        z_hop: Mm = 0.0, in 0.0..=10.0;
+        /// Which retracted travels are lifted.
+        z_hop_when: HopWhen = HopWhen::Crossing;
+        /// Whether the firmware retracts (G10 and G11), by the lengths and
+        /// speeds set here, which the start of the file tells it.
+        firmware: bool = false;
+    }
+    /// Loops around the part that start the flow before the part does.
+    skirt: Skirt {
+        /// Number of loops; 0 for no skirt.
+        loops: u32 = 1, in 0..=1000;
+        /// Gap between the part, or its brim, and the innermost loop.
+        distance: Mm = 6.0, in 0.0..=1000.0;
+        /// Number of layers, from the bed, that have a skirt.
+        layers: u32 = 1, in 0..=50_000;
+    }
+    /// Loops beside the first layer that hold the part down.
+    brim: Brim {
+        /// Where: around the part, in its holes, or both.
+        place: BrimPlace = BrimPlace::None;
+        /// Width of all loops together.
+        width: Mm = 5.0, in 0.1..=200.0;
+        /// Gap between the part and the first loop; the wider, the easier
+        /// it comes off.
+        gap: Mm = 0.1, in 0.0..=20.0;
+    }
+    /// Fan, and slowing down for small layers.
+    cooling: Cooling {
+        /// Speed of the part's fan.
+        fan_speed: Varying<Percent> = Varying::Constant(100.0),
+            in 0.0..=100.0;
+        /// Speed of the part's fan while bridges are printed.
+        bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speed of the part's fan while overhanging walls are printed.
+        overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Number of layers, from the bed, printed without the fan.
+        fan_off_layers: u32 = 1, in 0..=50_000;
+        /// Layer, from the bed, whose fan first runs at its full speed; on
+        /// the layers between fan_off_layers and this one it gets there in
+        /// even steps. 0 for no steps.
+        full_fan_layer: u32 = 0, in 0..=50_000;
+        /// Speed of the part's fan on layers that take only
+        /// min_layer_time, if that is more than fan_speed; between it and
+        /// long_layer_time, in proportion. auto is fan_speed.
+        short_layer_fan_speed: Option<Percent> = None, in 0.0..=100.0;
+        /// A layer that takes at least this long has fan_speed.
+        long_layer_time: Seconds = 30.0, in 0.0..=3600.0;
+        /// A layer that would take less time than this is printed slower.
+        min_layer_time: Seconds = 8.0, in 0.0..=3600.0;
+        /// Least speed that slowing down for min_layer_time leads to.
+        min_speed: MmPerSec = 10.0, in 0.1..=2000.0;
+    }
+    /// The material.
+    filament: Filament {
+        /// Diameter of the filament.
+        diameter: Mm = 1.75, in 0.5..=10.0;
+        /// What it is made of: PLA, PETG, ABS. Hosts show it, and warn if
+        /// another one is loaded.
+        material: String = String::from("PLA");
+        /// Density of the material, for the mass in the summary.
+        density: GramsPerCm3 = 1.24, in 0.1..=25.0;
+        /// Price of a kilogram, in whatever currency, for the summary; 0 to
+        /// leave it out.
+        cost: PricePerKg = 25.0, in 0.0..=100_000.0;
+        /// Material extruded, as a share of the beads' volume; multiplies
+        /// flow.
+        flow: Percent = 100.0, in 10.0..=300.0;
+        /// Greatest volume of plastic the hot end melts per second; faster
+        /// moves are slowed down to it.
+        max_flow: Mm3PerSec = 12.0, in 0.1..=500.0;
+        /// Pressure advance (linear advance): how long the filament's push
+        /// runs ahead of the nozzle; auto leaves it as the firmware has it.
+        pressure_advance: Option<Seconds> = None, in 0.0..=5.0;
+        /// Temperature of the nozzle above the first layer; an expression of
+        /// it may depend on z only, and holds for whole layers.
+        nozzle_temperature: Varying<Celsius> = Varying::Constant(210.0),
+            in 1.0..=600.0;
+        /// Temperature of the nozzle on the first layer.
+        first_layer_nozzle_temperature: Celsius = 215.0, in 1.0..=600.0;
+        /// Temperature of the bed above the first layer; 0 for no heating.
+        bed_temperature: Celsius = 60.0, in 0.0..=250.0;
+        /// Temperature of the bed on the first layer; 0 for no heating.
+        first_layer_bed_temperature: Celsius = 60.0, in 0.0..=250.0;
+    }
+    /// The machine.
+    printer: Printer {
+        /// What a Prusa printer calls itself (MK3S, MINI, MK4, XL): its
+        /// firmware then checks that the file is for it. Empty for no check.
+        model: String = String::new();
+        /// Width of the bed; x runs from 0 to this.
+        bed_x: Mm = 220.0, in 1.0..=10_000.0;
+        /// Depth of the bed; y runs from 0 to this.
+        bed_y: Mm = 220.0, in 1.0..=10_000.0;
+        /// Greatest height of a print.
+        height: Mm = 250.0, in 1.0..=10_000.0;
+        /// Diameter of the nozzle's hole.
+        nozzle_diameter: Mm = 0.4, in 0.05..=5.0;
+        /// Greatest temperature that the hot end bears; settings beyond it
+        /// are warned of. auto if it is not known.
+        max_nozzle_temperature: Option<Celsius> = None, in 1.0..=600.0;
+        /// Greatest temperature that the bed reaches; settings beyond it are
+        /// warned of. auto if it is not known.
+        max_bed_temperature: Option<Celsius> = None, in 1.0..=250.0;
+        /// Acceleration of printing moves, where the group acceleration has
+        /// no other.
+        acceleration: MmPerSec2 = 1000.0, in 1.0..=100_000.0;
+        /// Acceleration of moves that do not print, where
+        /// acceleration.travel is 0.
+        travel_acceleration: MmPerSec2 = 1500.0, in 1.0..=100_000.0;
+        /// Speed at which a right-angled corner is passed.
+        square_corner_velocity: MmPerSec = 5.0, in 0.0..=200.0;
+        /// Greatest speed in the plane: nothing is asked to be faster.
+        max_speed: MmPerSec = 500.0, in 1.0..=5000.0;
+        /// Greatest speed of the z axis.
+        max_speed_z: MmPerSec = 10.0, in 0.1..=1000.0;
+        /// Greatest acceleration of the z axis, for the estimate of the time
+        /// only: the printer keeps its own.
+        max_acceleration_z: MmPerSec2 = 100.0, in 1.0..=100_000.0;
+    }
+    /// The text that is written. Templates are text with placeholders such
+    /// as {{ nozzle_temperature }}; docs/gcode.md lists them.
+    gcode: Gcode {
+        /// Firmware that will read the G-code.
+        flavour: Flavour = Flavour::Marlin;
+        /// Whose words the comments use, for viewers and hosts.
+        comments: Comments = Comments::Prusa;
+        /// Extruder positions relative to the last one instead of absolute.
+        relative_e: bool = false;
+        /// Template for the start of the print; empty for homing and no
+        /// more. Temperatures that it does not set are set before it, and
+        /// waited for after it.
+        start: String = String::new();
+        /// Template for the end of the print; the fan is already off. Empty
+        /// for heaters off, off the part and aside, motors off.
+        end: String = String::new();
+        /// Template for the beginning of every layer; it must leave the
+        /// filament as it was, but may move the head.
+        layer: String = String::new();
+        /// Whether the start sets the printer's accelerations and its speed
+        /// through corners. If false, they only count for the estimate.
+        set_limits: bool = true;
+        /// Whether layers tell how far the print has come, and the minutes
+        /// left (M73); auto does for Marlin and Prusa's firmware. Only files
+        /// of a whole part can tell.
+        progress: Emit = Emit::Auto;
+        /// Whether the part has a label, which hosts show and can exclude;
+        /// auto labels for firmware that is sure to know the words.
+        labels: Emit = Emit::Auto;
+        /// Sizes of the pictures in the file's head that hosts and printers
+        /// show, such as "32x32, 300x300"; empty for none.
+        thumbnails: Sizes = Sizes::thumbnails();
+    }
+}

@@ -1,0 +1,194 @@
+//! Settings that are one of a few words.
+
+use super::value;
+
+value::words! {
+    /// Firmware that reads the G-code.
+    Flavour {
+        /// Marlin 2.
+        Marlin = "marlin",
+        /// Klipper.
+        Klipper = "klipper",
+        /// RepRapFirmware 3, of Duet boards.
+        Rrf = "rrf",
+        /// Prusa's firmware.
+        Prusa = "prusa",
+    }
+}
+
+value::words! {
+    /// Whose words comments use.
+    Comments {
+        /// PrusaSlicer's, which most viewers and hosts know.
+        Prusa = "prusa",
+        /// OrcaSlicer's.
+        Orca = "orca",
+        /// Cura's.
+        Cura = "cura",
+        /// None but the file's first line and its pictures.
+        None = "none",
+    }
+}
+
+value::words! {
+    /// Whether some lines are written.
+    Emit {
+        /// As suits the firmware.
+        Auto = "auto",
+        /// Always.
+        On = "on",
+        /// Never.
+        Off = "off",
+    }
+}
+
+value::words! {
+    /// Order in which the walls of an island are printed.
+    WallOrder {
+        /// Inner walls first: the outer one has something to lean on.
+        InnerFirst = "inner-first",
+        /// Outer wall first: its place does not depend on the others.
+        OuterFirst = "outer-first",
+    }
+}
+
+value::words! {
+    /// Where a brim is.
+    BrimPlace {
+        /// Nowhere.
+        None = "none",
+        /// Around the part.
+        Outer = "outer",
+        /// In the part's holes.
+        Inner = "inner",
+        /// Around the part and in its holes.
+        Both = "both",
+    }
+}
+
+value::words! {
+    /// How walls are offset.
+    WallOffset {
+        /// By distance in the layer's plane.
+        Distance = "distance",
+        /// By the field's own value.
+        Field = "field",
+    }
+}
+
+value::words! {
+    /// Where closed walls begin and end.
+    SeamRule {
+        /// In one line up the part, in a corner where there is one.
+        Aligned = "aligned",
+        /// At the back, greatest y.
+        Rear = "rear",
+        /// Nearest to where the nozzle comes from.
+        Nearest = "nearest",
+        /// Anywhere, in every layer elsewhere.
+        Random = "random",
+    }
+}
+
+value::words! {
+    /// Where travels go round what is in their way.
+    Combing {
+        /// Nowhere: travels are straight.
+        Off = "off",
+        /// Everywhere inside an island.
+        Everywhere = "everywhere",
+        /// The same, but round what is seen from above, if there is a way.
+        NotOverTopSkin = "not-over-top-skin",
+        /// Only where all of the way is over sparse infill.
+        WithinInfill = "within-infill",
+    }
+}
+
+value::words! {
+    /// What hides the ooze of travels.
+    Hidden {
+        /// Sparse infill.
+        SparseInfill = "sparse-infill",
+        /// Whatever is inside the part and not a top skin.
+        Covered = "covered",
+    }
+}
+
+value::words! {
+    /// Which retracted travels are lifted.
+    HopWhen {
+        /// All of them.
+        Always = "always",
+        /// Those out of the part, over walls or over top skins.
+        Crossing = "crossing",
+    }
+}
+
+value::words! {
+    /// Pattern of skin.
+    SkinPattern {
+        /// Parallel lines, turned by a right angle every layer.
+        Lines = "lines",
+        /// Rings inside one another, from the border inwards.
+        Concentric = "concentric",
+    }
+}
+
+value::words! {
+    /// Order of a skin's lines.
+    SkinOrder {
+        /// Swept one way: no line is printed between two older ones, so that
+        /// a surface shines evenly.
+        Monotonic = "monotonic",
+        /// Nearest first.
+        Nearest = "nearest",
+    }
+}
+
+value::words! {
+    /// Pattern of the sparse infill.
+    InfillPattern {
+        /// Parallel lines, turned by a right angle every layer.
+        Rectilinear = "rectilinear",
+        /// Both directions in every layer.
+        Grid = "grid",
+        /// Three directions in every layer.
+        Triangles = "triangles",
+        /// A honeycomb, without crossings.
+        Hexagons = "hexagons",
+        /// Cubes that stand on a corner.
+        Cubic = "cubic",
+        /// Rings along the walls.
+        Concentric = "concentric",
+        /// The gyroid: waves in all directions, without crossings.
+        Gyroid = "gyroid",
+        /// Schwarz' P surface.
+        SchwarzP = "schwarz-p",
+        /// Schwarz' D surface.
+        Diamond = "diamond",
+        /// Neovius' surface.
+        Neovius = "neovius",
+        /// The lidinoid.
+        Lidinoid = "lidinoid",
+    }
+}
+
+value::words! {
+    /// What an expression of infill is.
+    InfillMode {
+        /// Its zero set is a surface to lay beads on.
+        Surface = "surface",
+        /// Where it is negative is solid, with walls of its own.
+        Solid = "solid",
+    }
+}
+
+value::words! {
+    /// What infill is laid out from.
+    InfillCentre {
+        /// The middle of the part.
+        Object = "object",
+        /// The middle of the bed.
+        Bed = "bed",
+    }
+}
