@@ -268,6 +268,9 @@ impl Chains {
             if let Some(&(c, start)) = starts.get(at)
                 && c == crossing
             {
+                // Found twice, perhaps not to the same nanometre.
+                self.links[start as usize].point =
+                    self.links[end as usize].point;
                 self.connect(end, start);
             }
         }

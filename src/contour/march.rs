@@ -17,9 +17,10 @@
 
 use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
+use super::edges::Edges;
 use super::hidden::hidden;
 use super::link::{Chains, Crossing, NONE};
-use super::refine::{Bracket, refine};
+use super::settle::{Order, settle};
 use super::trace::{Chord, End, Look, Traced, look, trace};
 use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use crate::plane::Rect;
@@ -28,8 +29,6 @@ use glam::DVec2;
 
 /// Nodes of a leaf.
 const COUNT: usize = NODES * NODES;
-/// Edges of a leaf: the horizontal ones, then the vertical ones.
-const EDGES: usize = 2 * LEAF * NODES;
 
 const S: u8 = 0;
 const E: u8 = 1;
@@ -129,14 +128,8 @@ pub(super) struct Marcher<'a> {
     precision: Precision,
     z: Vec<f32>,
     nan: Vec<usize>,
-    /// Rows of inside bits of the batch's leaves.
-    rows: Vec<[u16; NODES]>,
-    /// Edges with a sign change, leaf by leaf.
-    brackets: Vec<Bracket>,
-    edges: Vec<u32>,
-    layers: Vec<usize>,
-    /// Batch-wide vertex number of each of a leaf's edges.
-    slots: Vec<[u32; EDGES]>,
+    edges: Edges,
+    /// Where the outlines cross the edges.
     vertices: Vec<Vertex>,
     segments: Vec<Segment>,
     /// Ambiguous cells: (leaf, cell in the leaf), centre inside.
@@ -181,11 +174,7 @@ impl<'a> Marcher<'a> {
             precision,
             z: z.iter().map(|&z| z as f32).collect(),
             nan: vec![0; z.len()],
-            rows: Vec::new(),
-            brackets: Vec::new(),
-            edges: Vec::new(),
-            layers: Vec::new(),
-            slots: Vec::new(),
+            edges: Edges::default(),
             vertices: Vec::new(),
             segments: Vec::new(),
             saddles: Vec::new(),
@@ -213,7 +202,6 @@ impl<'a> Marcher<'a> {
             self.nan[leaf.layer] += nan;
         }
         self.vertices(&mut batch)?;
-        self.find_segments(batch.leaves);
         let (chords, traced) = self.trace(&mut *batch.sampler)?;
         let mut divide = doubts(
             batch.leaves,
@@ -256,24 +244,27 @@ impl<'a> Marcher<'a> {
         Ok(())
     }
 
-    /// Finds the batch's vertices.
+    /// Finds the batch's vertices and how they are connected.
     fn vertices(&mut self, batch: &mut Batch<'_>) -> Result<(), FieldError> {
-        self.find_edges(batch);
+        self.edges.find(batch, self.lattice);
         self.decide_saddles(batch.leaves, &mut *batch.sampler)?;
-        let heights: Vec<f32> =
-            self.layers.iter().map(|&k| self.z[k]).collect();
-        let (sampler, scratch) = (&mut *batch.sampler, &mut self.scratch);
-        let gradients = refine(&mut self.brackets, &heights, sampler, scratch)?;
+        self.find_segments(batch.leaves);
+        let edges = &self.edges.all;
+        let pieces = self.segments.iter().map(|s| (s.from, s.to, s.saddle));
+        let found = settle(
+            edges,
+            &Order::new(edges.len(), pieces),
+            &self.z,
+            self.precision.chord,
+            &mut *batch.sampler,
+            &mut self.scratch,
+        )?;
         self.vertices.clear();
-        let found = self.brackets.iter().zip(&self.edges).zip(gradients);
-        self.vertices
-            .extend(found.map(|((b, &edge), gradient)| Vertex {
-                end: End {
-                    point: b.point(),
-                    gradient,
-                },
-                crossing: Crossing::whole(edge),
-            }));
+        let found = found.into_iter().zip(edges);
+        self.vertices.extend(found.map(|(end, edge)| Vertex {
+            end,
+            crossing: Crossing::whole(edge.number),
+        }));
         Ok(())
     }
 
@@ -404,70 +395,13 @@ impl<'a> Marcher<'a> {
 
     /// A cell with what the lattice knows of it.
     fn cell(&self, leaves: &[Leaf], (n, [i, j]): (usize, [usize; 2])) -> Cell {
-        let slots = &self.slots[n];
-        let vertical = NODES * LEAF + j * NODES + i;
-        let sides = [j * LEAF + i, vertical + 1, (j + 1) * LEAF + i, vertical];
         Cell {
             layer: leaves[n].layer,
             at: [leaves[n].i + i, leaves[n].j + j],
-            vertices: sides.map(|slot| match slots[slot] {
+            vertices: self.edges.of_cell(n, i, j).map(|edge| match edge {
                 NONE => None,
                 v => Some(self.vertices[v as usize]),
             }),
-        }
-    }
-
-    /// Finds the edges with a sign change and numbers their vertices.
-    fn find_edges(&mut self, batch: &Batch<'_>) {
-        self.rows.clear();
-        self.brackets.clear();
-        self.edges.clear();
-        self.layers.clear();
-        self.slots.clear();
-        let width = self.lattice.width() + 1;
-        for (n, leaf) in batch.leaves.iter().enumerate() {
-            let values = &batch.values[n * COUNT..(n + 1) * COUNT];
-            let x = &self.lattice.x[leaf.i..leaf.i + NODES];
-            let y = &self.lattice.y[leaf.j..leaf.j + NODES];
-            let corner = leaf.j * width + leaf.i;
-            let mut rows = [0u16; NODES];
-            for (row, v) in rows.iter_mut().zip(values.chunks_exact(NODES)) {
-                for (i, &f) in v.iter().enumerate() {
-                    *row |= u16::from(f < 0.0) << i;
-                }
-            }
-            let mut slots = [NONE; EDGES];
-            let mut add = |i: usize, j: usize, dir: usize| {
-                let number = self.brackets.len() as u32;
-                let (a, b) = (j * NODES + i, (j + dir) * NODES + i + 1 - dir);
-                let at = |i: usize, j: usize| {
-                    DVec2::new(f64::from(x[i]), f64::from(y[j]))
-                };
-                let (pa, pb) = (at(i, j), at(i + 1 - dir, j + dir));
-                let (fa, fb) = (values[a], values[b]);
-                let ((inside, outside), (f, g)) = match fa < 0.0 {
-                    true => ((pa, pb), (fa, fb)),
-                    false => ((pb, pa), (fb, fa)),
-                };
-                self.brackets.push(Bracket::new(inside, outside, f, g));
-                let node = corner + j * width + i;
-                self.edges.push((2 * node + dir) as u32);
-                self.layers.push(leaf.layer);
-                number
-            };
-            for j in 0..NODES {
-                let across = (rows[j] ^ (rows[j] >> 1)) & 0xff;
-                for i in bits(across) {
-                    slots[j * LEAF + i] = add(i, j, 0);
-                }
-                if j < LEAF {
-                    for i in bits(rows[j] ^ rows[j + 1]) {
-                        slots[NODES * LEAF + j * NODES + i] = add(i, j, 1);
-                    }
-                }
-            }
-            self.rows.push(rows);
-            self.slots.push(slots);
         }
     }
 
@@ -479,9 +413,9 @@ impl<'a> Marcher<'a> {
     ) -> Result<(), FieldError> {
         self.saddles.clear();
         self.scratch.clear();
-        for (n, rows) in self.rows.iter().enumerate() {
+        for n in 0..leaves.len() {
             for j in 0..LEAF {
-                let (low, high) = (rows[j], rows[j + 1]);
+                let [low, high] = self.edges.row(n, j);
                 // Opposite corners alike, neighbours not.
                 let mask = (low ^ (low >> 1))
                     & (high ^ (high >> 1))
@@ -515,9 +449,8 @@ impl<'a> Marcher<'a> {
         self.segments.clear();
         let mut saddles = self.saddles.iter().peekable();
         for (n, leaf) in leaves.iter().enumerate() {
-            let (rows, slots) = (&self.rows[n], &self.slots[n]);
             for j in 0..LEAF {
-                let (low, high) = (rows[j], rows[j + 1]);
+                let [low, high] = self.edges.row(n, j);
                 let mixed =
                     ((low ^ (low >> 1)) | (high ^ (high >> 1)) | (low ^ high))
                         & 0xff;
@@ -536,13 +469,8 @@ impl<'a> Marcher<'a> {
                             list = if case == 5 { JOINED_5 } else { JOINED_10 };
                         }
                     }
-                    let vertical = NODES * LEAF + j * NODES + i;
-                    let slot = |edge: u8| match edge {
-                        S => slots[j * LEAF + i],
-                        N => slots[(j + 1) * LEAF + i],
-                        W => slots[vertical],
-                        _ => slots[vertical + 1],
-                    };
+                    let sides = self.edges.of_cell(n, i, j);
+                    let slot = |side: u8| sides[usize::from(side)];
                     for &(from, to) in list {
                         self.segments.push(Segment {
                             layer: leaf.layer,
@@ -577,8 +505,11 @@ impl<'a> Marcher<'a> {
         let own: Vec<u32> = self
             .vertices
             .iter()
-            .zip(&self.layers)
-            .map(|(v, &k)| layers[k].add(v.end.point, v.crossing, true))
+            .zip(&self.edges.all)
+            .map(|(v, edge)| {
+                let chains = &mut layers[edge.layer as usize];
+                chains.add(v.end.point, v.crossing, true)
+            })
             .collect();
         let mut traced = chords.iter().zip(traced).peekable();
         let mut bends = self.bends.iter().peekable();

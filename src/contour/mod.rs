@@ -4,8 +4,8 @@
 //! outer rings counter-clockwise, holes clockwise, as polygons within
 //! `accuracy` of the field's zero set.
 //!
-//! The lattice only finds the topology (`march`). Each vertex is then moved
-//! along its lattice edge onto f = 0 (`refine`), the outline followed between
+//! The lattice only finds the topology (`edges`, `march`). The vertices are then
+//! moved along their lattice edges onto f = 0 (`settle`, `refine`), the outline followed between
 //! them where it bends or has a corner (`trace`), and cells that this does not
 //! explain, or that may hide what is thinner than the lattice is wide (by its
 //! nodes: `doubt`; on coarse lattices by proof: `hidden`), are sampled more
@@ -26,10 +26,12 @@
 
 mod divide;
 mod doubt;
+mod edges;
 mod hidden;
 mod link;
 mod march;
 mod refine;
+mod settle;
 mod small;
 mod trace;
 mod untangle;

@@ -16,7 +16,7 @@ use std::time::Instant;
 /// Cells along the side of a slab's tiles; they span all layers of the slab.
 const TILE: usize = 64;
 /// Cells along the side of a tile's blocks.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
 /// Layers of a block.
 const BLOCK_LAYERS: usize = 8;
 

@@ -1,0 +1,180 @@
+//! The lattice edges that the outlines of a batch of leaves cross.
+//!
+//! An edge on the border of two leaves of the batch is found once; which side
+//! of the outline a node is on is kept as bits, a row of a leaf in a number.
+
+use super::link::NONE;
+use super::march::bits;
+use super::refine::Bracket;
+use crate::field::{Batch, LEAF, Lattice, Leaf, NODES};
+use glam::DVec2;
+
+/// Nodes of a leaf.
+const COUNT: usize = NODES * NODES;
+/// Edges of a leaf: the horizontal ones, then the vertical ones.
+const EDGES: usize = 2 * LEAF * NODES;
+
+/// The last edge of a row or a column.
+const LAST: usize = LEAF - 1;
+
+/// Place of a leaf's horizontal edge that begins at a node, among its edges.
+fn horizontal(i: usize, j: usize) -> usize {
+    j * LEAF + i
+}
+
+/// The same of a vertical one.
+fn vertical(i: usize, j: usize) -> usize {
+    NODES * LEAF + j * NODES + i
+}
+
+/// An edge at whose ends the field has different signs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    pub inside: DVec2,
+    pub outside: DVec2,
+    /// Field at both.
+    pub field: [f32; 2],
+    /// Its second difference along the edge's line, there or nearby.
+    pub bend: f32,
+    /// Its number in the lattice.
+    pub number: u32,
+    /// Layer of the slab.
+    pub layer: u32,
+}
+
+impl Edge {
+    pub(super) fn bracket(&self) -> Bracket {
+        let [f, g] = self.field;
+        Bracket::new(self.inside, self.outside, f, g)
+    }
+
+    /// Where the field is zero if that difference is the same all along: what
+    /// the line between its values leaves out is t (1 − t) / 2 of it.
+    pub(super) fn guess(&self) -> DVec2 {
+        let [f, g] = self.field.map(f64::from);
+        let t = f / (f - g);
+        let bow = 0.5 * t * (1.0 - t) * f64::from(self.bend);
+        self.inside.lerp(self.outside, t + bow / (g - f))
+    }
+}
+
+/// The edges of a batch of leaves.
+#[derive(Default)]
+pub(super) struct Edges {
+    /// All of them; vertices have the same numbers.
+    pub all: Vec<Edge>,
+    /// Rows of inside bits of each leaf.
+    rows: Vec<[u16; NODES]>,
+    /// Numbers of each leaf's edges.
+    slots: Vec<[u32; EDGES]>,
+}
+
+impl Edges {
+    /// Finds those of a batch.
+    pub(super) fn find(&mut self, batch: &Batch<'_>, lattice: &Lattice) {
+        self.all.clear();
+        self.rows.clear();
+        self.slots.clear();
+        for n in 0..batch.leaves.len() {
+            self.leaf(batch, n, lattice);
+        }
+    }
+
+    fn leaf(&mut self, batch: &Batch<'_>, n: usize, lattice: &Lattice) {
+        let leaf = &batch.leaves[n];
+        let values = &batch.values[n * COUNT..(n + 1) * COUNT];
+        let mut rows = [0u16; NODES];
+        for (row, v) in rows.iter_mut().zip(values.chunks_exact(NODES)) {
+            for (i, &f) in v.iter().enumerate() {
+                *row |= u16::from(f < 0.0) << i;
+            }
+        }
+        let mut slots = [NONE; EDGES];
+        let beside = |di: usize, dj: usize| {
+            let (i, j) = (leaf.i.checked_sub(di)?, leaf.j.checked_sub(dj)?);
+            let known = &batch.leaves[..n];
+            let place = |l: &Leaf| (l.layer, l.j, l.i);
+            // Batches are in this order; of one that is not, some leaves are
+            // not found, and their edges are theirs.
+            known.binary_search_by_key(&(leaf.layer, j, i), place).ok()
+        };
+        if let Some(left) = beside(LEAF, 0) {
+            for j in 0..LEAF {
+                slots[vertical(0, j)] = self.slots[left][vertical(LEAF, j)];
+            }
+        }
+        if let Some(below) = beside(0, LEAF) {
+            for i in 0..LEAF {
+                slots[horizontal(i, 0)] =
+                    self.slots[below][horizontal(i, LEAF)];
+            }
+        }
+        let width = lattice.width() + 1;
+        let corner = leaf.j * width + leaf.i;
+        let x = &lattice.x[leaf.i..leaf.i + NODES];
+        let y = &lattice.y[leaf.j..leaf.j + NODES];
+        let at =
+            |i: usize, j: usize| DVec2::new(f64::from(x[i]), f64::from(y[j]));
+        let all = &mut self.all;
+        let mut add = |slot: usize, [i, j]: [usize; 2], [k, l]: [usize; 2]| {
+            if slots[slot] != NONE {
+                return;
+            }
+            slots[slot] = all.len() as u32;
+            let (f, g) = (values[j * NODES + i], values[l * NODES + k]);
+            let (inside, outside, field) = match f < 0.0 {
+                true => (at(i, j), at(k, l), [f, g]),
+                false => (at(k, l), at(i, j), [g, f]),
+            };
+            let node = corner + j * width + i;
+            // From the leaf's own nodes: the two sides' mean, or one of them.
+            let (a, step) = (j * NODES + i, (l - j) * NODES + k - i);
+            let along = if l > j { j } else { i };
+            let bend = |a: usize| {
+                let [p, q, r] = [a, a + step, a + 2 * step].map(|n| values[n]);
+                p - 2.0 * q + r
+            };
+            let bend = match along {
+                0 => bend(a),
+                LAST => bend(a - step),
+                _ => 0.5 * (bend(a - step) + bend(a)),
+            };
+            all.push(Edge {
+                inside,
+                outside,
+                field,
+                bend,
+                number: (2 * node + l - j) as u32,
+                layer: leaf.layer as u32,
+            });
+        };
+        for j in 0..NODES {
+            let across = (rows[j] ^ (rows[j] >> 1)) & 0xff;
+            for i in bits(across) {
+                add(horizontal(i, j), [i, j], [i + 1, j]);
+            }
+            if j < LEAF {
+                for i in bits(rows[j] ^ rows[j + 1]) {
+                    add(vertical(i, j), [i, j], [i, j + 1]);
+                }
+            }
+        }
+        self.rows.push(rows);
+        self.slots.push(slots);
+    }
+
+    /// Inside bits of the lower and the upper nodes of a row of cells.
+    pub(super) fn row(&self, leaf: usize, j: usize) -> [u16; 2] {
+        let rows = &self.rows[leaf];
+        [rows[j], rows[j + 1]]
+    }
+
+    /// Numbers of a cell's edges, south, east, north and west.
+    pub(super) fn of_cell(&self, leaf: usize, i: usize, j: usize) -> [u32; 4] {
+        let slots = &self.slots[leaf];
+        let south = slots[horizontal(i, j)];
+        let north = slots[horizontal(i, j + 1)];
+        let west = slots[vertical(i, j)];
+        [south, slots[vertical(i + 1, j)], north, west]
+    }
+}
