@@ -396,16 +396,19 @@ impl EdgeGrid {
         // is near may settle all others.
         let (low, high) = (self.row(p.y - reach), self.row(p.y + reach));
         let own = self.row(p.y);
-        found.look(self, own, 0.0);
+        // The same columns of all rows: a root for each to have fewer of them
+        // takes longer than to look at the edges in the others.
+        let columns = (self.column(p.x - reach), self.column(p.x + reach) + 1);
+        found.look(self, own, columns, 0.0);
         // What is outside the grid belongs to the cells at its edge.
         let side = |row: usize| self.origin.y + row as f64 * self.cell;
         for row in own + 1..=high {
-            if !found.look(self, row, side(row) - p.y) {
+            if !found.look(self, row, columns, side(row) - p.y) {
                 break;
             }
         }
         for row in (low..own).rev() {
-            if !found.look(self, row, p.y - side(row + 1)) {
+            if !found.look(self, row, columns, p.y - side(row + 1)) {
                 break;
             }
         }
@@ -527,17 +530,21 @@ impl Nearest {
 
     /// Looks at a row of a grid that is `off` away; false if that is too far,
     /// as are then all beyond it.
-    fn look(&mut self, grid: &EdgeGrid, row: usize, off: Mm) -> bool {
-        let p = self.p;
+    #[inline]
+    fn look(
+        &mut self,
+        grid: &EdgeGrid,
+        row: usize,
+        columns: (usize, usize),
+        off: Mm,
+    ) -> bool {
         // A hair more: the cells' sides are rounded.
-        let wide = self.limit + 1e-9 - off * off;
-        if wide < 0.0 {
+        if off * off > self.limit + 1e-9 {
             return false;
         }
-        let wide = wide.sqrt();
-        let from = row * grid.columns + grid.column(p.x - wide);
-        let to = row * grid.columns + grid.column(p.x + wide) + 1;
-        let (from, to) = (grid.starts[from], grid.starts[to]);
+        let first = row * grid.columns;
+        let from = grid.starts[first + columns.0];
+        let to = grid.starts[first + columns.1];
         for &m in &grid.members[from as usize..to as usize] {
             self.ask(grid, m);
         }
