@@ -4,6 +4,7 @@
 //! Cheaper to build than a tree (two passes over the edges), and as fast to
 //! ask where the edges are spread evenly, as a layer's are.
 
+use super::sieve::{LANES, Place, Sieve, each};
 use super::{Area, Rect, Ring};
 use crate::units::Mm;
 use glam::DVec2;
@@ -29,6 +30,8 @@ pub struct EdgeGrid {
     /// Where each cell's edges begin in `members`; one more than cells.
     starts: Vec<u32>,
     members: Vec<u32>,
+    /// Tells which of them may be near to a point.
+    sieve: Sieve,
 }
 
 /// At most so many cells per edge: beyond that a finer grid costs memory and
@@ -121,6 +124,7 @@ impl EdgeGrid {
             rows,
             starts: Vec::new(),
             members: Vec::new(),
+            sieve: Sieve::default(),
         };
         // Count, sum up, then fill from the back of each cell's share.
         let mut starts = vec![0; columns * rows + 1];
@@ -135,6 +139,8 @@ impl EdgeGrid {
             members[next[c] as usize] = i;
             next[c] += 1;
         });
+        let edges = members.iter().map(|&m| grid.edge(m as usize));
+        grid.sieve = Sieve::new(edges, members.len(), origin, size);
         grid.starts = starts;
         grid.members = members;
         grid
@@ -323,6 +329,13 @@ impl EdgeGrid {
         let (first, last) = (self.row(lo.y), self.row(hi.y));
         // In some row there may be fewer columns, if the segment is long.
         let long = (high.x - low.x).abs() > self.cell && last > first;
+        // Around a short segment a circle is as good as a box.
+        let half = 0.5 * a.distance(b);
+        let short = half < distance;
+        let around = distance + half;
+        let place = self.sieve.place(a.midpoint(b), around);
+        let around = around * around;
+        let frame = (!short).then(|| self.sieve.frame(lo, hi));
         let slope = (high.x - low.x) / (high.y - low.y);
         let columns = |row: usize| {
             // The stretch of the segment that is near this row; rows at the
@@ -345,13 +358,17 @@ impl EdgeGrid {
             let (c0, c1) = if long { columns(row) } else { all };
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
-            for &m in &self.members[from..to] {
-                let (c, d) = self.edge(m as usize);
-                let beside = (c.x > hi.x && d.x > hi.x)
-                    || (c.x < lo.x && d.x < lo.x)
-                    || (c.y > hi.y && d.y > hi.y)
-                    || (c.y < lo.y && d.y < lo.y);
-                if !beside && closer(a, b, c, d, limit) && !visit(m as usize) {
+            let mut visit = |i: usize| {
+                let m = self.members[i] as usize;
+                let (c, d) = self.edge(m);
+                !closer(a, b, c, d, limit) || visit(m)
+            };
+            for k in (from..to).step_by(LANES) {
+                let near = match &frame {
+                    None => self.sieve.near(k, &place, around),
+                    Some(frame) => self.sieve.meets(k, frame),
+                };
+                if !each(near, k, to, &mut visit) {
                     return;
                 }
             }
@@ -392,20 +409,24 @@ impl EdgeGrid {
             return None;
         }
         let mut found = Nearest::new(p, reach);
+        let place = self.sieve.place(p, reach);
         // The row with the point first, then those on either side of it: what
         // is near may settle all others.
         let (low, high) = (self.row(p.y - reach), self.row(p.y + reach));
         let own = self.row(p.y);
-        found.look(self, own, 0.0);
+        // The same columns of all rows: a root for each to have fewer of them
+        // takes longer than to look at the edges in the others.
+        let columns = (self.column(p.x - reach), self.column(p.x + reach) + 1);
+        found.look(self, &place, own, columns, 0.0);
         // What is outside the grid belongs to the cells at its edge.
         let side = |row: usize| self.origin.y + row as f64 * self.cell;
         for row in own + 1..=high {
-            if !found.look(self, row, side(row) - p.y) {
+            if !found.look(self, &place, row, columns, side(row) - p.y) {
                 break;
             }
         }
         for row in (low..own).rev() {
-            if !found.look(self, row, p.y - side(row + 1)) {
+            if !found.look(self, &place, row, columns, p.y - side(row + 1)) {
                 break;
             }
         }
@@ -470,16 +491,22 @@ impl EdgeGrid {
             return false;
         }
         let (c0, c1) = (self.column(lo.x), self.column(hi.x));
+        let frame = self.sieve.frame(lo, hi);
         for row in self.row(lo.y)..=self.row(hi.y) {
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
-            for &m in &self.members[from..to] {
-                let (c, d) = self.edge(m as usize);
+            let mut goes_on = |i: usize| {
+                let m = self.members[i] as usize;
+                let (c, d) = self.edge(m);
                 let meets = (c.x <= hi.x || d.x <= hi.x)
                     && (c.x >= lo.x || d.x >= lo.x)
                     && (c.y <= hi.y || d.y <= hi.y)
                     && (c.y >= lo.y || d.y >= lo.y);
-                if meets && test(m as usize) {
+                !(meets && test(m))
+            };
+            for k in (from..to).step_by(LANES) {
+                let near = self.sieve.meets(k, &frame);
+                if !each(near, k, to, &mut goes_on) {
                     return true;
                 }
             }
@@ -527,19 +554,29 @@ impl Nearest {
 
     /// Looks at a row of a grid that is `off` away; false if that is too far,
     /// as are then all beyond it.
-    fn look(&mut self, grid: &EdgeGrid, row: usize, off: Mm) -> bool {
-        let p = self.p;
+    #[inline]
+    fn look(
+        &mut self,
+        grid: &EdgeGrid,
+        place: &Place,
+        row: usize,
+        columns: (usize, usize),
+        off: Mm,
+    ) -> bool {
         // A hair more: the cells' sides are rounded.
-        let wide = self.limit + 1e-9 - off * off;
-        if wide < 0.0 {
+        if off * off > self.limit + 1e-9 {
             return false;
         }
-        let wide = wide.sqrt();
-        let from = row * grid.columns + grid.column(p.x - wide);
-        let to = row * grid.columns + grid.column(p.x + wide) + 1;
-        let (from, to) = (grid.starts[from], grid.starts[to]);
-        for &m in &grid.members[from as usize..to as usize] {
-            self.ask(grid, m);
+        let first = row * grid.columns;
+        let from = grid.starts[first + columns.0];
+        let to = grid.starts[first + columns.1];
+        let (from, to) = (from as usize, to as usize);
+        for k in (from..to).step_by(LANES) {
+            let near = grid.sieve.near(k, place, self.limit);
+            each(near, k, to, |i| {
+                self.ask(grid, grid.members[i]);
+                true
+            });
         }
         true
     }

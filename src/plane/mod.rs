@@ -13,6 +13,7 @@ pub mod hatch;
 pub mod nest;
 pub mod offset;
 pub mod places;
+mod sieve;
 pub mod simplify;
 mod trim;
 

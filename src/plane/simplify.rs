@@ -25,6 +25,8 @@ struct Piece {
     shift: f64,
     /// The piece begins at a corner, which stays where it is.
     corner: bool,
+    /// It begins where its line meets that of the piece before.
+    met: bool,
 }
 
 /// The points of a ring, the first again at the end.
@@ -75,10 +77,10 @@ pub fn simplify_but(
         steps: &steps,
     };
     let mut pieces = split(points, tolerance, stays);
-    let mut out = corners(points.all, &pieces);
+    let mut out = corners(points.all, &mut pieces);
     while let Some(finer) = halve_misfits(points, &pieces, &out, tolerance) {
         pieces = finer;
-        out = corners(points.all, &pieces);
+        out = corners(points.all, &mut pieces);
     }
     drop_straight(&mut out);
     // A sliver thinner than the tolerance may fold over.
@@ -125,6 +127,7 @@ fn split(
                 end,
                 shift,
                 corner,
+                met: false,
             });
             (start, corner) = (end, false);
         }
@@ -232,6 +235,11 @@ fn halve_misfits(
         }
         let next = if i + 1 == out.len() { 0 } else { i + 1 };
         let (a, b) = (out[i], out[next]);
+        // Both on the piece's own line, which fits: so it is nearly always.
+        let apart = a.distance_squared(b) > tolerance * tolerance;
+        if p.met && pieces[next].met && apart {
+            return false;
+        }
         let off = |along: DVec2| {
             let all = &points.all[p.start..=p.end];
             all.iter().any(|&q| along.perp_dot(q - a).abs() > limit)
@@ -255,6 +263,7 @@ fn halve_misfits(
                 end,
                 shift: shift.unwrap_or(0.0),
                 corner,
+                met: false,
             });
         }
     }
@@ -292,7 +301,7 @@ fn drop_straight(ring: &mut Ring) {
 }
 
 /// The points where the lines of neighbouring pieces meet.
-fn corners(points: &[DVec2], pieces: &[Piece]) -> Ring {
+fn corners(points: &[DVec2], pieces: &mut [Piece]) -> Ring {
     let line = |p: &Piece| {
         let (a, b) = (points[p.start], points[p.end]);
         let along = (b - a).normalize_or_zero();
@@ -317,10 +326,10 @@ fn corners(points: &[DVec2], pieces: &[Piece]) -> Ring {
         let meet = du + u * ((dv - du).perp_dot(v) / sine);
         let limit = 2.0 * shift_before.abs().max(shift.abs());
         // Nearly parallel lines meet far away: take the middle instead.
-        let by = if sine.abs() > 1e-9 && meet.length() <= limit {
-            meet
-        } else {
-            0.5 * (du + dv)
+        piece.met = sine.abs() > 1e-9 && meet.length() <= limit;
+        let by = match piece.met {
+            true => meet,
+            false => 0.5 * (du + dv),
         };
         out.push(p + by);
     }

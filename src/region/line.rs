@@ -128,15 +128,19 @@ impl<'a> RidgeIndex<'a> {
         found.is_empty()
     }
 
+    /// Segments with all those that come closer than `reach` to that from `a`
+    /// to `b`, and a few more.
+    fn beside(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
+        found.clear();
+        let (lo, hi) = (a.min(b) - reach, a.max(b) + reach);
+        self.grid.visit_box(lo, hi, |edge| note(edge, found));
+    }
+
     /// The segments that come closer than `reach` to that from `a` to `b`.
     fn around(&self, a: DVec2, b: DVec2, reach: Mm, found: &mut Vec<u32>) {
         found.clear();
-        self.grid.visit_edges_near(a, b, reach, |edge| {
-            let edge = edge as u32;
-            if !found.contains(&edge) {
-                found.push(edge);
-            }
-        });
+        self.grid
+            .visit_edges_near(a, b, reach, |edge| note(edge, found));
     }
 
     /// Like [`RidgeIndex::nearest`], among some segments.
@@ -172,6 +176,15 @@ impl<'a> RidgeIndex<'a> {
     pub(super) fn nearest(&self, p: DVec2, reach: Mm) -> Option<(DVec2, Mm)> {
         let (edge, q) = self.grid.nearest_edge(p, reach)?;
         Some((q, self.thickness(edge, q)))
+    }
+}
+
+/// Adds an edge to those found, unless it is one of them.
+#[inline]
+fn note(edge: usize, found: &mut Vec<u32>) {
+    let edge = edge as u32;
+    if !found.contains(&edge) {
+        found.push(edge);
     }
 }
 
@@ -231,7 +244,14 @@ pub(super) fn cut(
                 _ => b,
             };
             let count = count as usize;
-            if index.clear_of(a, b, reach, count, &mut near) {
+            let clear = if count > STRETCH {
+                index.clear(a, b, reach)
+            } else {
+                // What may be near is looked at for each place anyway.
+                index.beside(a, b, reach, &mut near);
+                near.is_empty()
+            };
+            if clear {
                 at_b = Some(true);
                 all.push((a, true));
                 continue;
