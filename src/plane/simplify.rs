@@ -21,12 +21,30 @@ use glam::DVec2;
 struct Piece {
     start: usize,
     end: usize,
-    /// Deviation of the line from the chord, along the chord's left normal.
-    shift: f64,
+    line: Line,
     /// The piece begins at a corner, which stays where it is.
     corner: bool,
     /// It begins where its line meets that of the piece before.
     met: bool,
+}
+
+/// A line along a chord.
+#[derive(Clone, Copy)]
+struct Line {
+    /// The chord's direction; zero if it has none.
+    along: DVec2,
+    /// Deviation of the line from the chord, along the chord's left normal.
+    shift: f64,
+}
+
+impl Line {
+    /// Along the chord itself.
+    fn chord(a: DVec2, b: DVec2) -> Line {
+        Line {
+            along: (b - a).normalize_or_zero(),
+            shift: 0.0,
+        }
+    }
 }
 
 /// The points of a ring, the first again at the end.
@@ -119,13 +137,14 @@ fn split(
     while start < n {
         let last = (start + 1..n).find(|&k| is_corner(k)).unwrap_or(n);
         while start < last {
-            let (end, shift) =
+            let (end, line) =
                 longest(points, start, last, tolerance, corner, like);
+            let chord = || Line::chord(all[start], all[end]);
             like = end - start;
             pieces.push(Piece {
                 start,
                 end,
-                shift,
+                line: line.unwrap_or_else(chord),
                 corner,
                 met: false,
             });
@@ -139,6 +158,7 @@ fn split(
 /// The farthest end, up to `last`, of a piece that begins at `start`: found
 /// by lengthening the piece in growing steps until it no longer fits, then
 /// halving the rest. The first try is as long as the piece before, `like`.
+/// With it, its line; none if it has but two points.
 fn longest(
     points: Points<'_>,
     start: usize,
@@ -146,14 +166,14 @@ fn longest(
     tolerance: Mm,
     corner: bool,
     like: usize,
-) -> (usize, f64) {
-    let mut best = (start + 1, 0.0);
+) -> (usize, Option<Line>) {
+    let mut best = (start + 1, None);
     let mut bad = last + 1;
     let (mut end, mut step) = (start + like.max(2), 1);
     while best.0 < last {
         end = end.min(last);
         match fit(points, start, end, tolerance, corner) {
-            Some(shift) => best = (end, shift),
+            Some(line) => best = (end, Some(line)),
             None => {
                 bad = end;
                 break;
@@ -165,16 +185,16 @@ fn longest(
     while bad - best.0 > 1 && best.0 < last {
         let middle = best.0 + (bad - best.0) / 2;
         match fit(points, start, middle, tolerance, corner) {
-            Some(shift) => best = (middle, shift),
+            Some(line) => best = (middle, Some(line)),
             None => bad = middle,
         }
     }
     best
 }
 
-/// How far the chord from point `i` to point `j` is to be shifted to lie at
-/// the mean of the points between; `None` if some are then still farther
-/// from it than the tolerance. At a corner the line cannot be shifted: the
+/// The chord from point `i` to point `j`, shifted to lie at the mean of the
+/// points between; `None` if some are then still farther from it than the
+/// tolerance. At a corner the line cannot be shifted: the
 /// chord itself must fit.
 fn fit(
     points: Points<'_>,
@@ -182,7 +202,7 @@ fn fit(
     j: usize,
     tolerance: Mm,
     corner: bool,
-) -> Option<f64> {
+) -> Option<Line> {
     let (piece, steps) = (points.all.get(i..=j)?, points.steps.get(i..j)?);
     let (&first, &last) = (piece.first()?, piece.last()?);
     let chord = (last - first).try_normalize()?;
@@ -214,7 +234,10 @@ fn fit(
     let mean = if length > 0.0 { sum / length } else { 0.0 };
     let error = (hi - mean).max(mean - lo);
     let chord_error = if corner { hi.max(-lo) } else { 0.0 };
-    (error.max(chord_error) <= tolerance).then_some(mean)
+    (error.max(chord_error) <= tolerance).then_some(Line {
+        along: chord,
+        shift: mean,
+    })
 }
 
 /// The pieces, with those halved whose points are not within the tolerance of
@@ -257,11 +280,12 @@ fn halve_misfits(
         let middle = p.start + (p.end - p.start) / 2;
         for (start, end) in [(p.start, middle), (middle, p.end)] {
             let corner = p.corner && start == p.start;
-            let shift = fit(points, start, end, tolerance, corner);
+            let line = fit(points, start, end, tolerance, corner);
+            let chord = || Line::chord(points.all[start], points.all[end]);
             finer.push(Piece {
                 start,
                 end,
-                shift: shift.unwrap_or(0.0),
+                line: line.unwrap_or_else(chord),
                 corner,
                 met: false,
             });
@@ -303,9 +327,8 @@ fn drop_straight(ring: &mut Ring) {
 /// The points where the lines of neighbouring pieces meet.
 fn corners(points: &[DVec2], pieces: &mut [Piece]) -> Ring {
     let line = |p: &Piece| {
-        let (a, b) = (points[p.start], points[p.end]);
-        let along = (b - a).normalize_or_zero();
-        (along, along.perp() * p.shift, p.shift)
+        let Line { along, shift } = p.line;
+        (along, along.perp() * shift, shift)
     };
     let mut out = Ring::with_capacity(pieces.len());
     let Some(last) = pieces.last() else {
@@ -326,7 +349,7 @@ fn corners(points: &[DVec2], pieces: &mut [Piece]) -> Ring {
         let meet = du + u * ((dv - du).perp_dot(v) / sine);
         let limit = 2.0 * shift_before.abs().max(shift.abs());
         // Nearly parallel lines meet far away: take the middle instead.
-        piece.met = sine.abs() > 1e-9 && meet.length() <= limit;
+        piece.met = sine.abs() > 1e-9 && meet.length_squared() <= limit * limit;
         let by = match piece.met {
             true => meet,
             false => 0.5 * (du + dv),
