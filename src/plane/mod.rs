@@ -13,7 +13,6 @@ pub mod hatch;
 pub mod nest;
 pub mod offset;
 pub mod places;
-mod sieve;
 pub mod simplify;
 mod trim;
 

@@ -162,7 +162,7 @@ impl Sieve {
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::nearest_on;
+    use super::super::nearest_on;
     use super::*;
 
     /// Edges of all lengths, far from the origin, and one without length.

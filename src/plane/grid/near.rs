@@ -1,0 +1,169 @@
+//! Which edges come close to a segment, or meet a box.
+
+use super::EdgeGrid;
+use super::segment::closer;
+use super::sieve::{LANES, each};
+use crate::plane::Rect;
+use crate::units::Mm;
+use glam::DVec2;
+
+impl EdgeGrid {
+    /// Calls `visit` with the number of every edge that comes closer than
+    /// `distance` to the segment; the same one may come more than once.
+    pub fn visit_edges_near(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        distance: Mm,
+        mut visit: impl FnMut(usize),
+    ) {
+        self.near(a, b, distance, |edge| {
+            visit(edge);
+            true
+        });
+    }
+
+    /// Calls `visit` with every edge that comes closer than `distance` to the
+    /// segment, as long as it returns true.
+    pub(in crate::plane) fn near(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        distance: Mm,
+        mut visit: impl FnMut(usize) -> bool,
+    ) {
+        if self.members.is_empty() {
+            return;
+        }
+        let limit = distance * distance;
+        let (lo, hi) = (a.min(b) - distance, a.max(b) + distance);
+        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let all = (self.column(lo.x), self.column(hi.x));
+        let (first, last) = (self.row(lo.y), self.row(hi.y));
+        // In some row there may be fewer columns, if the segment is long.
+        let long = (high.x - low.x).abs() > self.cell && last > first;
+        // Around a short segment a circle is as good as a box.
+        let half = 0.5 * a.distance(b);
+        let short = half < distance;
+        let around = distance + half;
+        let place = self.sieve.place(a.midpoint(b), around);
+        let around = around * around;
+        let frame = (!short).then(|| self.sieve.frame(lo, hi));
+        let slope = (high.x - low.x) / (high.y - low.y);
+        let columns = |row: usize| {
+            // The stretch of the segment that is near this row; rows at the
+            // grid's edge have all that is beyond them.
+            let bottom = self.origin.y + row as f64 * self.cell - distance;
+            let top = bottom + self.cell + 2.0 * distance;
+            let at = |y: f64, end: DVec2, open: bool| match open {
+                true => end.x,
+                false => {
+                    let x = low.x + slope * (y - low.y);
+                    x.clamp(low.x.min(high.x), low.x.max(high.x))
+                }
+            };
+            let x0 = at(bottom, low, bottom <= low.y || row == 0);
+            let x1 = at(top, high, top >= high.y || row + 1 == self.rows);
+            let c0 = self.column(x0.min(x1) - distance);
+            (c0, self.column(x0.max(x1) + distance))
+        };
+        for row in first..=last {
+            let (c0, c1) = if long { columns(row) } else { all };
+            let from = self.starts[row * self.columns + c0] as usize;
+            let to = self.starts[row * self.columns + c1 + 1] as usize;
+            let mut visit = |i: usize| {
+                let m = self.members[i] as usize;
+                let (c, d) = self.edge(m);
+                !closer(a, b, c, d, limit) || visit(m)
+            };
+            for k in (from..to).step_by(LANES) {
+                let near = match &frame {
+                    None => self.sieve.near(k, &place, around),
+                    Some(frame) => self.sieve.meets(k, frame),
+                };
+                if !each(near, k, to, &mut visit) {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` with the ring's number of every edge that comes closer
+    /// than `distance` to the segment; the same one may come more than once.
+    pub fn visit_near(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        distance: Mm,
+        mut visit: impl FnMut(usize),
+    ) {
+        self.near(a, b, distance, |edge| {
+            visit(self.owner(edge));
+            true
+        });
+    }
+
+    /// True if the box around some edge meets the box.
+    pub fn meets(&self, rect: Rect) -> bool {
+        self.any_in_box(rect.min, rect.max, |_| true)
+    }
+
+    /// Calls `visit` with the number of every edge whose box meets that from
+    /// `lo` to `hi`; the same one may come more than once.
+    pub fn visit_box(
+        &self,
+        lo: DVec2,
+        hi: DVec2,
+        mut visit: impl FnMut(usize),
+    ) {
+        self.any_in_box(lo, hi, |edge| {
+            visit(edge);
+            false
+        });
+    }
+
+    /// Looks for an edge whose box meets that from `lo` to `hi` and for which
+    /// `test` is true.
+    fn any_in_box(
+        &self,
+        lo: DVec2,
+        hi: DVec2,
+        mut test: impl FnMut(usize) -> bool,
+    ) -> bool {
+        if self.members.is_empty() {
+            return false;
+        }
+        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
+        let frame = self.sieve.frame(lo, hi);
+        for row in self.row(lo.y)..=self.row(hi.y) {
+            let from = self.starts[row * self.columns + c0] as usize;
+            let to = self.starts[row * self.columns + c1 + 1] as usize;
+            let mut goes_on = |i: usize| {
+                let m = self.members[i] as usize;
+                let (c, d) = self.edge(m);
+                let meets = (c.x <= hi.x || d.x <= hi.x)
+                    && (c.x >= lo.x || d.x >= lo.x)
+                    && (c.y <= hi.y || d.y <= hi.y)
+                    && (c.y >= lo.y || d.y >= lo.y);
+                !(meets && test(m))
+            };
+            for k in (from..to).step_by(LANES) {
+                let near = self.sieve.meets(k, &frame);
+                if !each(near, k, to, &mut goes_on) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// True if no edge comes closer than `distance` to the segment.
+    pub fn clear(&self, a: DVec2, b: DVec2, distance: Mm) -> bool {
+        let mut clear = true;
+        self.near(a, b, distance, |_| {
+            clear = false;
+            false
+        });
+        clear
+    }
+}
