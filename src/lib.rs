@@ -21,7 +21,7 @@
 //! 3. [`field`] evaluates it there: interval arithmetic proves most tiles full
 //!    or empty, many layers at a time, and simplifies the expression for the
 //!    rest, which is sampled on a lattice.
-//! 4. [`contour`] makes closed rings of the samples, moves each vertex onto
+//! 4. [`contour`] makes closed rings of the samples, moves vertices onto
 //!    f = 0, puts back the corners and thins the rings: the layer's outline.
 //!    The lattice only finds out what is connected; how accurate the outline
 //!    is does not depend on it.

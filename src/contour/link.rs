@@ -1,9 +1,9 @@
 //! Joins the leaves' pieces of outline into closed rings.
 //!
-//! Within a leaf the pieces are connected as they are found. A vertex on the
-//! border of two leaves exists once in each, at the same place (both refined
-//! it on the same lattice edge): where one leaf's chain ends, the other's
-//! goes on. So it is between a cell that was divided (`divide`) and the next:
+//! Within a batch of leaves the pieces are connected as they are found. A vertex
+//! on the border of two batches exists once in each, at the same place (both
+//! brought it onto f = 0 on the same lattice edge): where one batch's chain
+//! ends, the other's goes on. So it is between a cell that was divided (`divide`) and the next:
 //! a crossing has the number of its lattice edge, and one that only a divided
 //! cell knows of has the number of the edge's part besides.
 
@@ -268,7 +268,8 @@ impl Chains {
             if let Some(&(c, start)) = starts.get(at)
                 && c == crossing
             {
-                // Found twice, perhaps not to the same nanometre.
+                // Where leaves were sampled again, perhaps once found, and
+                // once put between others.
                 self.links[start as usize].point =
                     self.links[end as usize].point;
                 self.connect(end, start);

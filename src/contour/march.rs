@@ -13,7 +13,8 @@
 //!
 //! Where the straight pieces do not explain the outline, it is followed within
 //! its cell (`trace`); where that fails, where a saddle's pieces bend, and
-//! where a cell may hide something (`doubt`, `hidden`), the cell is divided (`divide`).
+//! where a cell may hide something (`doubt`, `hidden`), the cell is divided
+//! (`divide`).
 
 use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
@@ -413,7 +414,7 @@ impl<'a> Marcher<'a> {
     ) -> Result<(), FieldError> {
         self.saddles.clear();
         self.scratch.clear();
-        for n in 0..leaves.len() {
+        for (n, leaf) in leaves.iter().enumerate() {
             for j in 0..LEAF {
                 let [low, high] = self.edges.row(n, j);
                 // Opposite corners alike, neighbours not.
@@ -423,13 +424,13 @@ impl<'a> Marcher<'a> {
                     & 0xff;
                 for i in bits(mask) {
                     self.saddles.push((n, j * LEAF + i, false));
-                    let (ci, cj) = (leaves[n].i + i, leaves[n].j + j);
+                    let (ci, cj) = (leaf.i + i, leaf.j + j);
                     let l = self.lattice;
                     let centre = DVec2::new(
                         0.5 * (f64::from(l.x[ci]) + f64::from(l.x[ci + 1])),
                         0.5 * (f64::from(l.y[cj]) + f64::from(l.y[cj + 1])),
                     );
-                    self.scratch.push(centre, self.z[leaves[n].layer]);
+                    self.scratch.push(centre, self.z[leaf.layer]);
                 }
             }
         }

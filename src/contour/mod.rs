@@ -4,14 +4,14 @@
 //! outer rings counter-clockwise, holes clockwise, as polygons within
 //! `accuracy` of the field's zero set.
 //!
-//! The lattice only finds the topology (`edges`, `march`). The vertices are then
-//! moved along their lattice edges onto f = 0 (`settle`, `refine`), the outline followed between
-//! them where it bends or has a corner (`trace`), and cells that this does not
-//! explain, or that may hide what is thinner than the lattice is wide (by its
-//! nodes: `doubt`; on coarse lattices by proof: `hidden`), are sampled more
-//! finely (`divide`). The pieces are joined at shared lattice edges (`link`),
-//! what is too small is left out (`small`), and last the rings are thinned so
-//! that they do not cross (`untangle`).
+//! The lattice only finds the topology (`edges`, `march`). The vertices are
+//! then moved along their lattice edges onto f = 0 (`settle`, `refine`), the
+//! outline followed between them where it bends or has a corner (`trace`), and
+//! cells that this does not explain, or that may hide what is thinner than the
+//! lattice is wide (by its nodes: `doubt`; on coarse lattices by proof:
+//! `hidden`), are sampled more finely (`divide`). The pieces are joined at
+//! shared lattice edges (`link`), what is too small is left out (`small`), and
+//! last the rings are thinned so that they do not cross (`untangle`).
 //!
 //! Inside is f < 0; a NaN is outside. Where the field jumps from one to the
 //! other, that is the outline. Rings smaller than a given size are left out

@@ -5,12 +5,15 @@
 //!     ╱ ╲p          brought onto f = 0 (`refine`). The cubic through two of
 //!    ╱   ╲q         them, with the directions of their gradients, then says
 //!   ╱     ╲         where those between them are; the field's values at
-//!  ╱       b        their edges' ends say so, too, by a straight line.
+//!  ╱       b        their edges' ends say so, too, by a parabola.
 //! ```
 //!
 //! Where the two agree to the tolerance of chords, the cubic is believed, and
-//! where they do not, the field is asked. What they could both be wrong about
-//! would have to leave no trace at any node, nor at `a` and `b`.
+//! where they do not, the field is asked.
+//!
+//! Not guaranteed: that a dent is found that leaves no trace at any node, nor
+//! at `a` and `b`. It is narrower than the lattice, and less than can be
+//! printed.
 //!
 //! What is on the border of the batch is always brought onto f = 0: other
 //! batches have it, too, and have to come to the same.

@@ -7,11 +7,11 @@
 //! ```
 //!
 //! While some layers are ordered and written, the next ones are made. What is
-//! kept is the window and nothing of what has been written,
-//! so memory does not grow with the part's height. The result does not depend
-//! on the number of threads: every layer is computed the same way whoever
-//! does it, and everything that passes from layer to layer (the head's place,
-//! seams, filament) does so in the ordered stages.
+//! kept is the window and nothing of what has been written, so memory does not
+//! grow with the part's height. The result does not depend on the number of
+//! threads: every layer is computed the same way whoever does it, and
+//! everything that passes from layer to layer (the head's place, seams,
+//! filament) does so in the ordered stages.
 //!
 //! Nor does a layer's text depend on which layers a run is asked for: what
 //! passes from layer to layer is forgotten at the beginning of every block of

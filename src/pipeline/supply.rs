@@ -7,7 +7,6 @@
 use super::shell::{Filled, Inside, Ready, Shell};
 use super::stages::Stages;
 use super::{BLOCK, SliceError};
-use crate::field::FieldError;
 use crate::layers::LayerSpan;
 use crate::limits;
 use rayon::ThreadPool;
@@ -133,16 +132,15 @@ impl<'a> Supply<'a> {
     }
 
     /// Finds the outlines of the next slabs, one for each thread.
-    fn sample(&mut self) -> Result<(), FieldError> {
+    fn sample(&mut self) -> Result<(), SliceError> {
         let count = self.pool.current_num_threads().min(self.slabs.len());
         let slabs: Vec<&[LayerSpan]> = self.slabs.drain(..count).collect();
         let (stages, needed) = (self.stages, &self.needed);
-        let made: Result<Vec<Vec<Shell>>, FieldError> =
-            self.pool.install(|| {
-                let slabs = slabs.par_iter();
-                slabs.map(|s| stages.shells(s, needed)).collect()
-            });
-        for mut shell in made?.into_iter().flatten() {
+        let made = self.pool.install(|| {
+            let slabs = slabs.par_iter();
+            slabs.map(|s| Ok(stages.shells(s, needed)?)).collect()
+        });
+        for mut shell in all_or_first(made)?.into_iter().flatten() {
             // Also where one slab ends and the next begins.
             if let Some(below) = self.window.back() {
                 shell.share(below);
@@ -225,15 +223,15 @@ impl<'a> Supply<'a> {
             let inside = below
                 .unwrap_or_else(|| Arc::new(stages.inside(&shells[first])));
             let filled = group.clone().into_par_iter();
-            let filled: Result<Vec<Filled>, SliceError> =
-                filled.map(|i| fill(i, &inside)).collect();
-            Ok((filled?, inside))
+            let filled = filled.map(|i| fill(i, &inside)).collect();
+            Ok((all_or_first(filled)?, inside))
         };
-        let done: Result<Vec<_>, SliceError> = self
+        let done = self
             .pool
             .install(|| groups.par_iter().map(fill_group).collect());
         let mut all = Vec::new();
-        for (group, (filled, inside)) in groups.iter().zip(done?) {
+        for (group, (filled, inside)) in groups.iter().zip(all_or_first(done)?)
+        {
             all.extend(filled);
             let last = &self.window[group.end - 1];
             let again = |above: &Shell| above.same(last);
@@ -243,6 +241,13 @@ impl<'a> Supply<'a> {
         }
         Ok(all)
     }
+}
+
+/// All results, or the lowest layer's error: not that of the fastest thread.
+fn all_or_first<T>(
+    results: Vec<Result<T, SliceError>>,
+) -> Result<Vec<T>, SliceError> {
+    results.into_iter().collect()
 }
 
 /// Layers that are written together.
@@ -261,7 +266,7 @@ impl Iterator for Supply<'_> {
                 return None;
             }
             if let Err(error) = self.sample() {
-                return Some(Err(error.into()));
+                return Some(Err(error));
             }
         }
     }

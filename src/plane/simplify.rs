@@ -22,6 +22,8 @@ struct Piece {
     start: usize,
     end: usize,
     line: Line,
+    /// All points between are as near to it as they have to be.
+    fits: bool,
     /// The piece begins at a corner, which stays where it is.
     corner: bool,
     /// It begins where its line meets that of the piece before.
@@ -144,6 +146,8 @@ fn split(
             pieces.push(Piece {
                 start,
                 end,
+                // A piece of two points has none between.
+                fits: true,
                 line: line.unwrap_or_else(chord),
                 corner,
                 met: false,
@@ -258,9 +262,9 @@ fn halve_misfits(
         }
         let next = if i + 1 == out.len() { 0 } else { i + 1 };
         let (a, b) = (out[i], out[next]);
-        // Both on the piece's own line, which fits: so it is nearly always.
+        // Both on the piece's own line: so it is nearly always.
         let apart = a.distance_squared(b) > tolerance * tolerance;
-        if p.met && pieces[next].met && apart {
+        if p.fits && p.met && pieces[next].met && apart {
             return false;
         }
         let off = |along: DVec2| {
@@ -285,6 +289,7 @@ fn halve_misfits(
             finer.push(Piece {
                 start,
                 end,
+                fits: line.is_some(),
                 line: line.unwrap_or_else(chord),
                 corner,
                 met: false,

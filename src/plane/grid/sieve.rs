@@ -120,7 +120,9 @@ impl Sieve {
     pub fn meets(&self, k: usize, frame: &Frame) -> u32 {
         let lanes = |all: &[f32]| Vec4::from_slice(&all[k..k + LANES]);
         let beside = |a: Vec4, b: Vec4, lo: Vec4, hi: Vec4| {
-            a.min(b).cmpgt(hi) | a.max(b).cmplt(lo)
+            // Not by the lesser and the greater of them: what is no number
+            // would be neither.
+            (a.cmpgt(hi) & b.cmpgt(hi)) | (a.cmplt(lo) & b.cmplt(lo))
         };
         let (lo, hi) = (frame.lo, frame.hi);
         let x = beside(lanes(&self.ax), lanes(&self.bx), lo[0], hi[0]);
