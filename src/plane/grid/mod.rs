@@ -24,6 +24,7 @@ use crate::units::Mm;
 use glam::DVec2;
 use segment::{crossing, is_left};
 use sieve::Sieve;
+use std::sync::OnceLock;
 
 /// Edges by the cells they pass through.
 ///
@@ -46,8 +47,8 @@ pub struct EdgeGrid {
     /// Where each cell's edges begin in `members`; one more than cells.
     starts: Vec<u32>,
     members: Vec<u32>,
-    /// Tells which of them may be near to a point.
-    sieve: Sieve,
+    /// Made when it is first asked: many grids never are.
+    sieve: OnceLock<Sieve>,
 }
 
 /// At most so many cells per edge: beyond that a finer grid costs memory and
@@ -140,7 +141,7 @@ impl EdgeGrid {
             rows,
             starts: Vec::new(),
             members: Vec::new(),
-            sieve: Sieve::default(),
+            sieve: OnceLock::new(),
         };
         // Count, sum up, then fill from the back of each cell's share.
         let mut starts = vec![0; columns * rows + 1];
@@ -155,11 +156,19 @@ impl EdgeGrid {
             members[next[c] as usize] = i;
             next[c] += 1;
         });
-        let edges = members.iter().map(|&m| grid.edge(m as usize));
-        grid.sieve = Sieve::new(edges, members.len(), origin, size);
         grid.starts = starts;
         grid.members = members;
         grid
+    }
+
+    /// Tells which edges need not be looked at.
+    fn sieve(&self) -> &Sieve {
+        self.sieve.get_or_init(|| {
+            let edges = self.members.iter().map(|&m| self.edge(m as usize));
+            let size = DVec2::new(self.columns as f64, self.rows as f64);
+            let count = self.members.len();
+            Sieve::new(edges, count, self.origin, self.cell * size)
+        })
     }
 
     /// The cells of all edges, with the edges' numbers.

@@ -46,9 +46,10 @@ impl EdgeGrid {
         let half = 0.5 * a.distance(b);
         let short = half < distance;
         let around = distance + half;
-        let place = self.sieve.place(a.midpoint(b), around);
+        let sieve = self.sieve();
+        let place = sieve.place(a.midpoint(b), around);
         let around = around * around;
-        let frame = (!short).then(|| self.sieve.frame(lo, hi));
+        let frame = (!short).then(|| sieve.frame(lo, hi));
         let slope = (high.x - low.x) / (high.y - low.y);
         let columns = |row: usize| {
             // The stretch of the segment that is near this row; rows at the
@@ -78,8 +79,8 @@ impl EdgeGrid {
             };
             for k in (from..to).step_by(LANES) {
                 let near = match &frame {
-                    None => self.sieve.near(k, &place, around),
-                    Some(frame) => self.sieve.meets(k, frame),
+                    None => sieve.near(k, &place, around),
+                    Some(frame) => sieve.meets(k, frame),
                 };
                 if !each(near, k, to, &mut visit) {
                     return;
@@ -134,7 +135,8 @@ impl EdgeGrid {
             return false;
         }
         let (c0, c1) = (self.column(lo.x), self.column(hi.x));
-        let frame = self.sieve.frame(lo, hi);
+        let sieve = self.sieve();
+        let frame = sieve.frame(lo, hi);
         for row in self.row(lo.y)..=self.row(hi.y) {
             let from = self.starts[row * self.columns + c0] as usize;
             let to = self.starts[row * self.columns + c1 + 1] as usize;
@@ -148,7 +150,7 @@ impl EdgeGrid {
                 !(meets && test(m))
             };
             for k in (from..to).step_by(LANES) {
-                let near = self.sieve.meets(k, &frame);
+                let near = sieve.meets(k, &frame);
                 if !each(near, k, to, &mut goes_on) {
                     return true;
                 }

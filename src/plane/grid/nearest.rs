@@ -41,7 +41,7 @@ impl EdgeGrid {
             return None;
         }
         let mut found = Nearest::new(p, reach);
-        let place = self.sieve.place(p, reach);
+        let place = self.sieve().place(p, reach);
         // The row with the point first, then those on either side of it: what
         // is near may settle all others.
         let (low, high) = (self.row(p.y - reach), self.row(p.y + reach));
@@ -124,8 +124,9 @@ impl Nearest {
         let from = grid.starts[first + columns.0];
         let to = grid.starts[first + columns.1];
         let (from, to) = (from as usize, to as usize);
+        let sieve = grid.sieve();
         for k in (from..to).step_by(LANES) {
-            let near = grid.sieve.near(k, place, self.limit);
+            let near = sieve.near(k, place, self.limit);
             each(near, k, to, |i| {
                 self.ask(grid, grid.members[i]);
                 true

@@ -77,7 +77,7 @@ impl Sieve {
         size: DVec2,
     ) -> Sieve {
         // Some beyond the last, for the last few to be taken as many.
-        let lane = || Vec::with_capacity(count + LANES);
+        let lane = || vec![0.0; count + LANES];
         let mut sieve = Sieve {
             ax: lane(),
             ay: lane(),
@@ -86,13 +86,13 @@ impl Sieve {
             origin,
             extent: size.max_element(),
         };
-        let all = edges.map(|(a, b)| (a - origin, b - origin));
-        let beyond = std::iter::repeat_n((DVec2::ZERO, DVec2::ZERO), LANES);
-        for (a, b) in all.chain(beyond) {
-            sieve.ax.push(a.x as f32);
-            sieve.ay.push(a.y as f32);
-            sieve.bx.push(b.x as f32);
-            sieve.by.push(b.y as f32);
+        let ends = [&mut sieve.ax, &mut sieve.ay, &mut sieve.bx, &mut sieve.by];
+        let [ax, ay, bx, by] = ends.map(|lane| lane.iter_mut());
+        let lanes = ax.zip(ay).zip(bx.zip(by));
+        for ((a, b), ((ax, ay), (bx, by))) in edges.zip(lanes) {
+            let (a, b) = (a - origin, b - origin);
+            (*ax, *ay) = (a.x as f32, a.y as f32);
+            (*bx, *by) = (b.x as f32, b.y as f32);
         }
         sieve
     }
