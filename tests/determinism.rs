@@ -111,6 +111,30 @@ examples! {
     weekend "weekend" "gcode.relative_e=true" "fuzzy.thickness=0.2",
 }
 
+/// In every layer above the middle something is wrong: it is the lowest one of
+/// them that is told of, not the one of the fastest thread.
+#[test]
+fn an_error_is_the_same_on_any_number_of_threads() {
+    let settings = common::settings(&["infill_density=expr: sqrt(20 - z)"]);
+    let text = "max(max(abs(x), abs(y)) - 8, abs(z) - 20)";
+    let model = common::formula(text, &settings);
+    let error = |threads| {
+        let options = Options {
+            threads: Some(threads),
+            ..Options::default()
+        };
+        let mut bytes = Vec::new();
+        pipeline::slice(&model, &settings, &options, &mut bytes)
+            .unwrap_err()
+            .to_string()
+    };
+    let one = error(1);
+    assert!(one.contains("20."), "{one}");
+    for threads in [2, 8, 8, 8] {
+        assert_eq!(error(threads), one);
+    }
+}
+
 /// The program itself: where it runs and what it writes to must not show.
 #[cfg(unix)]
 mod program {
