@@ -113,15 +113,20 @@ fn replacing_in_texts_works_as_ever() {
 
 #[test]
 fn single_operations_that_take_for_ever_are_not_waited_for() {
-    // Looking for a function by all mixtures of its arguments' types.
+    // Looking for a function by all mixtures of its arguments' types, which the
+    // engine's filter of names, whose seed is random, may or may not rule out.
     let call = format!("f({}x)", "x,".repeat(DEEP));
-    assert!(refusal_within(1, &call).contains("1 s"));
+    let error = refusal_within(1, &call);
+    let refused = error.contains("1 s") || error.contains("not found");
+    assert!(refused, "{error}");
+    assert!(error.chars().count() < 1000, "{error}");
     let mut cases = String::from("switch 1 {");
     for i in 0..2 * DEEP {
         write!(cases, "{i}=>x,").unwrap();
     }
     cases.push('}');
-    assert!(refusal_within(1, &cases).contains("1 s"));
+    let error = refusal_within(1, &cases);
+    assert!(error.contains("1 s"), "{error}");
     for text in [
         "let a = []; a.pad(49000, 1); loop { a.contains(2); }",
         "let a = []; a.pad(49000, 1); let b = a; loop { a == b; }",
