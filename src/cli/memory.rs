@@ -16,7 +16,7 @@ const LARGE: i32 = 4 << 20;
 
 /// Bytes that a heap may have free at its end.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-const ROOM: i32 = 16 << 20;
+const ROOM: i32 = 4 << 20;
 
 /// Keeps the allocator from learning otherwise.
 #[cfg_attr(
