@@ -8,8 +8,8 @@
 //!  ╱       b        their edges' ends say so, too, by a parabola.
 //! ```
 //!
-//! Where the two agree to the tolerance of chords, the cubic is believed, and
-//! where they do not, the field is asked.
+//! Where the two agree to half the tolerance of chords, the cubic is believed,
+//! and where they do not, the field is asked.
 //!
 //! Not guaranteed: that a dent is found that leaves no trace at any node, nor
 //! at `a` and `b`. It is narrower than the lattice, and less than can be
@@ -37,7 +37,6 @@ const AGREE: f64 = 0.5;
 const STEEP: f64 = 0.3;
 
 /// How the vertices follow each other.
-#[derive(Default)]
 pub(super) struct Order {
     next: Vec<u32>,
     /// Whether another one comes before.

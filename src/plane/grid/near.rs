@@ -98,10 +98,7 @@ impl EdgeGrid {
         distance: Mm,
         mut visit: impl FnMut(usize),
     ) {
-        self.near(a, b, distance, |edge| {
-            visit(self.owner(edge));
-            true
-        });
+        self.visit_edges_near(a, b, distance, |edge| visit(self.owner(edge)));
     }
 
     /// True if the box around some edge meets the box.
