@@ -23,7 +23,13 @@
         pkgs.rustPlatform.buildRustPackage {
           pname = manifest.name;
           version = manifest.version;
-          src = self;
+          # Says so before anything is built, if a pinned nixpkgs is too old.
+          src =
+            assert pkgs.lib.assertMsg (pkgs.lib.versionAtLeast pkgs.rustc.version manifest.rust-version)
+              "isoslice needs Rust ${manifest.rust-version}, and this nixpkgs has ${pkgs.rustc.version}: nix flake update";
+            self;
+          # Every crate comes from the lock file with its checksum: the build
+          # itself needs no network.
           cargoLock.lockFile = ./Cargo.lock;
           # The tests are a check of their own.
           doCheck = false;
@@ -76,8 +82,8 @@
         fmt = check pkgs "fmt" [ pkgs.rustfmt ] "cargo fmt --all --check";
         clippy =
           check pkgs "clippy" [ pkgs.clippy ]
-            "cargo clippy --offline --all-targets -- -D warnings";
-        test = check pkgs "test" [ ] "cargo test --offline";
+            "cargo clippy --offline --locked --all-targets -- -D warnings";
+        test = check pkgs "test" [ ] "cargo test --release --offline --locked";
       });
     };
 }
