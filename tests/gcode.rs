@@ -142,6 +142,7 @@ fn header(layer_count: usize) -> Header {
         part_max: DVec3::new(112.0, 110.0, 0.2 * layer_count as f64),
         outline: Vec::new(),
         thumbnails: Vec::new(),
+        format: isoslice::gcode::Format::Text,
     }
 }
 
