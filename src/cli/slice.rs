@@ -109,10 +109,10 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let gathered = args.settings.gather()?;
     let settings = &gathered.settings;
     let path = args.output_path();
-    let format = format_of(&path)?;
     // Before the work, so that a mistaken name costs none.
     let inputs = args.model.inputs(&gathered);
     let mut output = Output::create(&path, &inputs)?;
+    let format = format_of(&path)?;
     let report = args.report_output(&path, &inputs)?;
     let model = args.model.load(settings)?;
     if let Some(folder) = &args.svg {

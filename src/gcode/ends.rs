@@ -190,14 +190,15 @@ impl<W: Write> Writer<'_, W> {
             return;
         }
         self.line("; times are without heating and homing");
-        for Fact { key, value, .. } in facts {
-            self.line(&format!("; {key} = {value}"));
-        }
         // The part's height, which Moonraker and RepRapFirmware would take
-        // the last move upwards for, were it not in these words.
+        // the last move upwards for, were it not in these words. The second
+        // one finds it only if there is more text behind it.
         let top = text(self.totals.height, XYZ);
         self.line(&format!(";BEFORE_LAYER_CHANGE\n;{top}"));
         self.line(&format!("; END_LAYER_OBJECT z={top}"));
+        for Fact { key, value, .. } in facts {
+            self.line(&format!("; {key} = {value}"));
+        }
     }
 
     fn lines(&mut self, lines: &[String]) {
