@@ -282,6 +282,20 @@ fn moonraker_knows_who_made_a_file_without_a_clock() {
     }
 }
 
+/// Whoever releases a version writes its day into the first line, too.
+#[test]
+fn the_day_in_the_first_line_is_that_of_the_version() {
+    let changes = include_str!("../CHANGELOG.md");
+    let version = concat!("## [", env!("CARGO_PKG_VERSION"), "] - ");
+    let released = changes.lines().find_map(|l| l.strip_prefix(version));
+    let (gcode, _) = sliced(&[]);
+    let day = gcode.split_once(" on ").unwrap().1.get(..10).unwrap();
+    match released {
+        Some(released) => assert_eq!(day, released),
+        None => assert!(changes.contains("\n## [Unreleased]\n")),
+    }
+}
+
 /// The end of a print moves the head up, which is not the part's height.
 #[test]
 fn the_height_is_that_of_the_part() {
