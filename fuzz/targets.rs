@@ -128,6 +128,7 @@ pub fn template(data: &[u8]) {
         part_max: DVec3::splat(5.0),
         outline: Vec::new(),
         thumbnails: Vec::new(),
+        format: isoslice::gcode::Format::Text,
     };
     let mut settings = Settings::default();
     settings.gcode.start = text.into();

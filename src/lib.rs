@@ -36,8 +36,9 @@
 //! 8. [`travel`] connects them, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, slower where the hot end
 //!    or the cooling could not follow, and adds up the time.
-//! 10. [`gcode`] writes it down; [`preview`] draws it; [`report`] measures how
-//!     far it is from f = 0. [`reader`] reads G-code back, whoever wrote it.
+//! 10. [`gcode`] writes it down, [`bgcode`] packs it for Prusa's printers;
+//!     [`preview`] draws it; [`report`] measures how far it is from f = 0.
+//!     [`reader`] reads G-code back, whoever wrote it.
 //!
 //! Settings that are expressions get their values from [`vary`].
 //!
@@ -134,6 +135,7 @@
 
 pub mod adhesion;
 pub mod bead;
+pub mod bgcode;
 pub mod check;
 pub mod contour;
 pub mod field;

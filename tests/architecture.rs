@@ -43,6 +43,8 @@ const ORDER: &[&[&str]] = &[
     &["order"],
     &["travel"],
     &["pace"],
+    // G-code's binary form: text in, bytes out, and back.
+    &["bgcode"],
     &["gcode", "report"],
     // G-code of any slicer, back to moves.
     &["reader"],

@@ -6,6 +6,7 @@
 
 mod args;
 mod check;
+mod formats;
 mod info;
 mod limits;
 mod manual;

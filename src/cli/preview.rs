@@ -6,6 +6,7 @@ use super::output::Output;
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::{Args, FromArgMatches};
+use isoslice::gcode::Format;
 use isoslice::layers::LayerRange;
 use isoslice::limits::{self, Watch};
 use isoslice::pipeline::{self, Options};
@@ -192,6 +193,7 @@ impl PreviewArgs {
             // What is looked at need not be fit to print.
             check: false,
             timestamp: None,
+            format: Format::Text,
             backend: None,
             on_layer: &|done, total| {
                 bar.set_length(total as u64);

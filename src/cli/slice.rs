@@ -1,15 +1,18 @@
 //! `isoslice slice`: from a model to a G-code file, and a summary.
 
 use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource, is_stream};
+use super::formats::format_of;
 use super::limits::{LimitArgs, watched};
 use super::output::{Output, same_file};
 use super::summary::{Sums, describe};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
+use isoslice::gcode::Format;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
+use isoslice::settings::Flavour;
 use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -38,8 +41,9 @@ pub(super) struct SliceArgs {
     #[command(flatten)]
     settings: SettingsSource,
 
-    /// G-code file to write, - for standard output [default: the model's
-    /// name with .gcode, beside it; formula.gcode for -e]
+    /// G-code file to write, - for standard output; binary if its name ends
+    /// in .bgcode [default: the model's name with .gcode, beside it;
+    /// formula.gcode for -e]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
 
@@ -108,6 +112,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     // Before the work, so that a mistaken name costs none.
     let inputs = args.model.inputs(&gathered);
     let mut output = Output::create(&path, &inputs)?;
+    let format = format_of(&path)?;
     let report = args.report_output(&path, &inputs)?;
     let model = args.model.load(settings)?;
     if let Some(folder) = &args.svg {
@@ -124,6 +129,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         report: report.is_some(),
         check: !args.no_check,
         timestamp: args.timestamp.then(now).transpose()?,
+        format,
         backend: None,
         on_layer: &|done, total| {
             bar.set_length(total as u64);
@@ -157,7 +163,15 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
 
-    let of_print = [&model.warnings[..], &summary.warnings].concat();
+    let mut of_print = [&model.warnings[..], &summary.warnings].concat();
+    let flavour = settings.gcode.flavour;
+    if format == Format::Binary && flavour != Flavour::Prusa {
+        of_print.push(
+            "binary G-code is for Prusa's printers from the MINI and MK3.5 \
+             on, but gcode.flavour is not \"prusa\""
+                .into(),
+        );
+    }
     terminal::warn(&of_print);
     let sums = Sums {
         model: &model.name,

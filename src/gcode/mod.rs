@@ -28,7 +28,8 @@
 //! |---|---|
 //! | `flavour` | what differs between firmwares |
 //! | `comments` | the words that viewers and hosts read |
-//! | `ends` | the file's head and foot |
+//! | `ends` | the file's head and foot; `facts`, what the foot says |
+//! | `sink` | text, or the binary form of it |
 //! | `layer` | what a layer's text consists of |
 //! | `moves` | moves, as lines that say only what changes; `filament`, how far it has been fed; `lines`, `number`, how they are written |
 //! | `thumbnail` | the pictures in the head |
@@ -39,6 +40,7 @@
 mod bounded;
 mod comments;
 mod ends;
+mod facts;
 mod filament;
 mod flavour;
 mod label;
@@ -50,6 +52,7 @@ mod number;
 mod placeholders;
 mod progress;
 mod scan;
+mod sink;
 mod template;
 mod thumbnail;
 
@@ -69,6 +72,7 @@ use glam::{DVec2, DVec3};
 use label::Label;
 use number::text;
 use progress::{Waiting, tells_progress};
+use sink::Sink;
 use std::io::Write;
 use std::ops::Range;
 use std::time::SystemTime;
@@ -88,6 +92,16 @@ const MICRON: f64 = 1e-3;
 /// Text after which the buffer is emptied, bytes: a large layer's is many
 /// times that.
 const FULL: usize = 1 << 16;
+
+/// What a file is written as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Format {
+    /// Text, which every printer reads.
+    #[default]
+    Text,
+    /// Binary G-code: the same text, packed, for Prusa's printers.
+    Binary,
+}
 
 /// What the file's start says about the print.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,6 +125,8 @@ pub struct Header {
     pub outline: Vec<DVec2>,
     /// Pictures of it.
     pub thumbnails: Vec<Thumbnail>,
+    /// What the file is written as.
+    pub format: Format,
 }
 
 /// What a print takes.
@@ -126,6 +142,8 @@ pub struct Totals {
     pub time: Seconds,
     /// Number of layers written.
     pub layers: usize,
+    /// Upper face of the highest of them.
+    pub height: Mm,
 }
 
 /// Why a file could not be written.
@@ -154,7 +172,10 @@ pub enum WriteError {
 
 /// Writes a print, layer by layer.
 pub struct Writer<'a, W: Write> {
-    out: W,
+    out: Sink<W>,
+    /// What the head says of the file, for the binary form, which has it in
+    /// tables.
+    said: Option<ends::Said>,
     /// Told of the text as soon as it is composed.
     copy: &'a mut dyn FnMut(&[u8]),
     settings: &'a Settings,
@@ -209,7 +230,8 @@ impl<'a, W: Write> Writer<'a, W> {
             false => None,
         };
         let mut writer = Self {
-            out,
+            out: Sink::new(out, header.format)?,
+            said: ends::said(header),
             copy,
             settings,
             templates,
@@ -261,6 +283,7 @@ impl<'a, W: Write> Writer<'a, W> {
         self.totals.filament_length += fed;
         self.totals.time += layer.time;
         self.totals.layers += 1;
+        self.totals.height = layer.span.top;
         self.flush()
     }
 
@@ -324,12 +347,14 @@ impl<'a, W: Write> Writer<'a, W> {
         let end = self.templates.end(self.totals)?;
         self.buffer.extend_from_slice(end.as_bytes());
         self.mark(0.0);
-        self.footer();
+        let facts = facts::facts(self.settings, &self.totals);
+        self.footer(&facts);
         self.flush()?;
         if let Some(waiting) = self.waiting.take() {
             waiting.release(&mut self.out, self.totals.time)?;
         }
-        self.out.flush()?;
+        let said = self.said.take();
+        self.out.finish(|| ends::about(said, &facts))?;
         Ok(self.totals)
     }
 }

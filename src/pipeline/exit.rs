@@ -59,7 +59,7 @@ pub(super) struct Exit<'a, 'w> {
 
 /// What came of it.
 pub(super) struct Done {
-    /// Beads printed.
+    /// Beads of the part printed: a skirt alone is nothing.
     pub beads: usize,
     /// What was counted.
     pub tally: Tally,
@@ -138,9 +138,6 @@ impl<'a, 'w> Exit<'a, 'w> {
                 self.left_out += left_out;
             }
         }
-        if written {
-            self.tally.add(&shell.outline, gap);
-        }
         if written && let Some(below) = below {
             self.look_for_floating(shell, below);
         }
@@ -154,7 +151,12 @@ impl<'a, 'w> Exit<'a, 'w> {
         let path = self.timings.time(Stage::Travel, || {
             let (beads, wipes) = self.overhangs(ended, shell, below);
             if written {
-                self.beads += beads.len();
+                let of_part = beads
+                    .iter()
+                    .filter(|b| !matches!(b.role, Role::Skirt | Role::Brim));
+                let count = of_part.count();
+                self.beads += count;
+                self.tally.add(&shell.outline, gap, count == 0);
             }
             let mut path = connect(
                 shell.span,

@@ -35,7 +35,9 @@ mod tally;
 
 use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
 use crate::field::{Backend, FieldError, SLAB};
-use crate::gcode::{Header, Thumbnail, WriteError, Writer, needs_outline};
+use crate::gcode::{
+    Format, Header, Thumbnail, WriteError, Writer, needs_outline,
+};
 use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
 use crate::limits;
@@ -73,6 +75,8 @@ pub struct Options<'a> {
     /// When the file is written, for its first line, which otherwise says
     /// nothing of it.
     pub timestamp: Option<SystemTime>,
+    /// What the file is written as.
+    pub format: Format,
     /// Check the G-code while it is written; what could hurt the printer is
     /// then an error.
     pub check: bool,
@@ -93,6 +97,7 @@ impl Default for Options<'_> {
             report: false,
             check: true,
             timestamp: None,
+            format: Format::Text,
             backend: None,
             on_layer: &|_, _| {},
         }
@@ -156,10 +161,16 @@ pub enum SliceError {
     Write(#[from] WriteError),
     /// No layer has anything in it that a nozzle could print.
     #[error(
-        "nothing to print: the part is thinner than a line everywhere; scale \
-         it up with --size or --scale, or lower outer_wall_width"
+        "nothing to print: in each of the {layers} layers the part is \
+         thinner than any line ({line:.2} mm wide); scale it up with --size \
+         or --scale, or lower outer_wall_width or thin_min"
     )]
-    NothingToPrint,
+    NothingToPrint {
+        /// How many layers were looked at.
+        layers: usize,
+        /// Width of the outer wall, mm.
+        line: Mm,
+    },
     /// The layers' pictures cannot be written.
     #[error("cannot write the pictures in {}", .0.display())]
     Picture(PathBuf, #[source] io::Error),
@@ -287,7 +298,6 @@ fn write(
         spans,
         ref layers,
     } = *run;
-    let layers = layers.clone();
     let bounds = model.bounds;
     let reach = DVec3::new(settings.reach(), settings.reach(), 0.0);
     let low = bounds.min + model.offset - reach;
@@ -301,6 +311,15 @@ fn write(
     let around = Surroundings::new(model);
     let stages =
         Stages::new(model, settings, &around, gauge, options.backend, spans)?;
+    let printed = stages.printed(&pool, spans)?;
+    if printed == 0 {
+        return Err(SliceError::NothingToPrint {
+            layers: spans.len(),
+            line: settings.outer_wall_width,
+        });
+    }
+    let spans = &spans[..printed];
+    let layers = options.layers.indices(printed)?;
     let rater = Rater::new(settings, model, &around)?;
     // Before hours of work, not after them.
     for span in &spans[layers.clone()] {
@@ -330,6 +349,7 @@ fn write(
                 .timings
                 .time(Stage::Picture, || pictures_of(model, settings))
         })?,
+        format: options.format,
     };
     let frame = Rect {
         min: low.truncate(),
@@ -359,10 +379,6 @@ fn write(
     let done = exit.finish()?;
     let (tally, mut warnings) = (done.tally, of_templates);
     warnings.extend(done.warnings);
-    let all = layers == (0..spans.len());
-    if done.beads == 0 && all {
-        return Err(SliceError::NothingToPrint);
-    }
     if done.beads == 0 {
         warnings.push("there is nothing to print in these layers".into());
     }
@@ -425,6 +441,6 @@ fn pictures_of(
     let files = thumbnails(model, sizes)?;
     let pictures = sizes.iter().zip(files);
     Ok(pictures
-        .map(|(&size, png)| Thumbnail { size, png })
+        .map(|(&size, file)| Thumbnail { size, file })
         .collect())
 }

@@ -12,6 +12,7 @@ use crate::field::{Backend, Field, FieldError};
 use crate::fuzzy::Fuzzy;
 use crate::infill::{self, Infill};
 use crate::layers::LayerSpan;
+use crate::limits;
 use crate::model::Model;
 use crate::order::LayerBeads;
 use crate::plane::grid::EdgeGrid;
@@ -28,6 +29,8 @@ use crate::units::Mm;
 use crate::vary::Surroundings;
 use crate::{skin, walls};
 use glam::DVec2;
+use rayon::ThreadPool;
+use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
@@ -441,5 +444,42 @@ impl<'a> Stages<'a> {
             skin,
         };
         Ok((beads, areas.sparse))
+    }
+    /// How many of the part's layers there are up to the highest one that
+    /// has something to print. The bounds may reach higher than the part, and
+    /// what is thinner than any line is left out.
+    pub fn printed(
+        &self,
+        pool: &ThreadPool,
+        spans: &[LayerSpan],
+    ) -> Result<usize, SliceError> {
+        // Mostly it is the last one. If it is not, slab by slab.
+        let (below, last) = spans.split_at(spans.len().saturating_sub(1));
+        let slabs = below.rchunks(self.slab_layers());
+        for slab in std::iter::once(last).chain(slabs) {
+            limits::check();
+            let prints = pool.install(|| self.prints(slab))?;
+            if let Some(highest) = prints.iter().rposition(|p| *p) {
+                return Ok(slab.first().map_or(0, |s| s.index) + highest + 1);
+            }
+        }
+        Ok(0)
+    }
+
+    /// Which of some layers have something to print.
+    fn prints(&self, spans: &[LayerSpan]) -> Result<Vec<bool>, SliceError> {
+        let shells = self.shells(spans, &(0..usize::MAX))?.into_par_iter();
+        let prints = |shell: Shell| {
+            if shell.outline.area.is_empty() {
+                return Ok(false);
+            }
+            let inside = self.inside(&shell);
+            let window = VecDeque::from([shell]);
+            let (beads, _) = self.beads(&window, 0, &inside)?;
+            Ok(!(beads.walls.is_empty()
+                && beads.infill.is_empty()
+                && beads.skin.is_empty()))
+        };
+        shells.map(prints).collect()
     }
 }

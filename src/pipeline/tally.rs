@@ -21,8 +21,9 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Counts a layer with gaps of this area.
-    pub fn add(&mut self, outline: &Outline, gap: Mm2) {
+    /// Counts a layer with gaps of this area; `empty` if nothing of the part
+    /// is printed in it.
+    pub fn add(&mut self, outline: &Outline, gap: Mm2, empty: bool) {
         self.gap += gap;
         self.solid += outline.area.content();
         self.nan_samples += outline.nan_samples;
@@ -30,7 +31,7 @@ impl Tally {
         self.forced_rings += outline.forced_rings;
         self.dropped_rings += outline.dropped_rings;
         self.layers += 1;
-        if outline.area.is_empty() {
+        if empty {
             self.empty += 1;
         } else {
             self.bridged += std::mem::take(&mut self.empty);
@@ -40,8 +41,9 @@ impl Tally {
     pub fn warn(&self, warnings: &mut Vec<String>) {
         if self.bridged > 0 {
             warnings.push(format!(
-                "{} of {} layers are empty and others follow above them: the \
-                 part is not in one piece, or does not stand on the bed",
+                "{} of {} layers have nothing to print and others follow \
+                 above them: the part is not in one piece, thinner than any \
+                 line there, or does not stand on the bed",
                 self.bridged, self.layers
             ));
         }

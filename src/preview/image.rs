@@ -1,6 +1,13 @@
-//! Pictures made of pixels, and PNG files of them.
+//! Pictures made of pixels, and files of them.
 
 use super::raster::PictureError;
+use crate::settings::ImageFormat;
+
+/// What is behind a part where a format has no transparency, sRGB: hosts that
+/// show such pictures are dark.
+const BEHIND: [u8; 3] = [32, 34, 38];
+/// Quality of JPG files, of 100: the edges of a small part stay clean.
+const QUALITY: u8 = 92;
 
 /// A picture: colours in linear light, multiplied by their opacity.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,16 +74,51 @@ impl Picture {
         }
     }
 
+    /// The picture as a file.
+    ///
+    /// # Errors
+    /// If a side is zero or beyond what the format holds.
+    pub fn file(self, format: ImageFormat) -> Result<Vec<u8>, PictureError> {
+        match format {
+            ImageFormat::Png => self.png(),
+            ImageFormat::Qoi => self.qoi(),
+            ImageFormat::Jpg => self.over(BEHIND).jpg(),
+        }
+    }
+
+    /// Red, green, blue and opacity of the pixels, as files have them.
+    fn bytes(&self) -> Vec<u8> {
+        self.pixels.iter().flat_map(|p| srgb(*p)).collect()
+    }
+
+    fn sides(&self) -> (u32, u32) {
+        let side = |n: usize| u32::try_from(n).unwrap_or(0);
+        (side(self.width), side(self.height))
+    }
+
+    fn qoi(&self) -> Result<Vec<u8>, PictureError> {
+        let (width, height) = self.sides();
+        Ok(qoi::encode_to_vec(self.bytes(), width, height)?)
+    }
+
+    fn jpg(&self) -> Result<Vec<u8>, PictureError> {
+        let side = |n: usize| u16::try_from(n).unwrap_or(0);
+        let (width, height) = (side(self.width), side(self.height));
+        let mut file = Vec::new();
+        let encoder = jpeg_encoder::Encoder::new(&mut file, QUALITY);
+        let colours = jpeg_encoder::ColorType::Rgba;
+        encoder.encode(&self.bytes(), width, height, colours)?;
+        Ok(file)
+    }
+
     /// The picture as a PNG file.
     ///
     /// # Errors
     /// If a side is zero or beyond what PNG holds.
     pub fn png(&self) -> Result<Vec<u8>, PictureError> {
-        let bytes: Vec<u8> =
-            self.pixels.iter().flat_map(|p| srgb(*p)).collect();
+        let bytes = self.bytes();
         let mut file = Vec::new();
-        let side = |n: usize| u32::try_from(n).unwrap_or(0);
-        let (width, height) = (side(self.width), side(self.height));
+        let (width, height) = self.sides();
         let mut encoder = png::Encoder::new(&mut file, width, height);
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Eight);

@@ -10,6 +10,7 @@ use super::image::Picture;
 use super::raster::{PictureError, Subject, View};
 use super::shade::{KEY_FROM, shade};
 use crate::model::Model;
+use crate::settings::PictureSize;
 
 /// Pixels that are looked at for one of the picture, along each side, up to
 /// [`SMOOTHED`]: smooth edges cost the square of it.
@@ -52,26 +53,27 @@ fn drawn(
     Ok(shade(&seen, &lit, block))
 }
 
-/// Pictures of a model in several sizes, as PNG files: the largest is drawn
-/// and the others are made of it.
+/// Pictures of a model in several sizes, as files: the largest is drawn and
+/// the others are made of it.
 ///
 /// # Errors
 /// If fidget refuses the model's expression.
 pub fn thumbnails(
     model: &Model,
-    sizes: &[[u32; 2]],
+    sizes: &[PictureSize],
 ) -> Result<Vec<Vec<u8>>, PictureError> {
-    let whole: Vec<[usize; 2]> =
-        sizes.iter().map(|s| s.map(|n| n as usize)).collect();
-    let Some(&largest) = whole.iter().max_by_key(|[w, h]| w * h) else {
+    let whole = |size: &PictureSize| size.pixels.map(|n| n as usize);
+    let largest = sizes.iter().map(whole).max_by_key(|[w, h]| w * h);
+    let Some(largest) = largest else {
         return Ok(Vec::new());
     };
     let longest = largest[0].max(largest[1]) as f64;
     let finer = THUMBNAIL.max(LEAST / longest);
     let size = largest.map(|n| (finer * n as f64).ceil() as usize);
     let drawn = drawn(model, View::THUMBNAIL, size, 1)?;
-    whole
-        .into_iter()
-        .map(|[width, height]| drawn.shrunk(width, height).png())
-        .collect()
+    let file = |size: &PictureSize| {
+        let [width, height] = whole(size);
+        drawn.shrunk(width, height).file(size.format)
+    };
+    sizes.iter().map(file).collect()
 }

@@ -91,6 +91,12 @@ pub enum PictureError {
     /// The PNG cannot be made.
     #[error("the picture cannot be written as PNG")]
     Png(#[from] png::EncodingError),
+    /// The QOI cannot be made.
+    #[error("the picture cannot be written as QOI")]
+    Qoi(#[from] qoi::Error),
+    /// The JPG cannot be made.
+    #[error("the picture cannot be written as JPG")]
+    Jpg(#[from] jpeg_encoder::EncodingError),
 }
 
 /// Depths and normals of what is seen.

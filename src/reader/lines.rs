@@ -6,6 +6,7 @@
 //! the buffer is cut off there and marked; nothing is assumed about the text,
 //! which may be any bytes at all.
 
+use crate::bgcode::Unpacked;
 use std::io::{self, Read};
 
 /// Longest line that is read whole, bytes. Slicers write their templates into
@@ -15,7 +16,7 @@ const LONGEST: usize = 1 << 18;
 /// Reads lines.
 #[derive(Debug)]
 pub(super) struct Lines<R> {
-    input: R,
+    input: Unpacked<R>,
     buffer: Vec<u8>,
     /// Where the bytes not yet handed out begin and end.
     start: usize,
@@ -54,7 +55,7 @@ pub(super) enum LineEnd {
 impl<R: Read> Lines<R> {
     pub fn new(input: R) -> Self {
         Self {
-            input,
+            input: Unpacked::new(input),
             buffer: vec![0; LONGEST],
             start: 0,
             end: 0,
@@ -65,9 +66,10 @@ impl<R: Read> Lines<R> {
         }
     }
 
-    /// Number of the line handed out last; the first is 1.
+    /// Number of the line handed out last; the first is 1. What binary G-code
+    /// says of itself before its text does not count.
     pub fn number(&self) -> u64 {
-        self.number
+        self.number.saturating_sub(self.input.preface())
     }
 
     /// The next line, or nothing at the end.

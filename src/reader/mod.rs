@@ -12,6 +12,9 @@
 //! of PrusaSlicer, OrcaSlicer, BambuStudio and Cura. Every other command is
 //! an event, too.
 //!
+//! Binary G-code is unpacked ([`crate::bgcode`]); its lines count from the first
+//! one of the text.
+//!
 //! Guarantees:
 //! - any bytes can be read: a line that makes no sense is passed over, said
 //!   so ([`Event::Problem`]) and counted ([`Reader::problems`]);
@@ -74,6 +77,7 @@ pub use problem::{Problem, Problems};
 pub use role::Role;
 pub use words::Words;
 
+use crate::bgcode::Damaged;
 use crate::units::Mm;
 use lines::Lines;
 use parser::Parser;
@@ -94,12 +98,9 @@ pub enum ReadError {
         /// Why.
         source: io::Error,
     },
-    /// PrusaSlicer's binary format.
-    #[error(
-        "this is binary G-code; turn off \"Supports binary G-code\" in the \
-         slicer, or convert the file to text with it"
-    )]
-    Binary,
+    /// It is binary G-code, but not whole.
+    #[error("the binary G-code cannot be read: {0}")]
+    Binary(Damaged),
 }
 
 /// Reads a file, event by event.
@@ -176,16 +177,17 @@ impl<R: Read> Reader<R> {
                 return Ok(Some(event));
             }
             let number = self.lines.number();
-            let line = self.lines.next().map_err(|source| ReadError::Io {
-                line: number,
-                source,
-            })?;
+            let failed = |source: io::Error| match source.downcast() {
+                Ok(damaged) => ReadError::Binary(damaged),
+                Err(source) => ReadError::Io {
+                    line: number,
+                    source,
+                },
+            };
+            let line = self.lines.next().map_err(failed)?;
             let Some(line) = line else {
                 return Ok(None);
             };
-            if number == 0 && line.text.starts_with(b"GCDE") {
-                return Err(ReadError::Binary);
-            }
             self.parser.take(number + 1, &line);
         }
     }

@@ -257,11 +257,49 @@ fn what_makes_no_sense_is_counted_with_its_line() {
     );
 }
 
+/// Two blocks without compression or checksums: keys, and text.
+fn binary(keys: &str, text: &str) -> Vec<u8> {
+    let mut file = b"GCDE\x01\0\0\0\0\0".to_vec();
+    for (kind, data) in [(3, keys), (1, text)] {
+        file.extend([kind, 0, 0, 0]);
+        file.extend((data.len() as u32).to_le_bytes());
+        file.extend([0, 0]);
+        file.extend(data.as_bytes());
+    }
+    file
+}
+
 #[test]
-fn binary_files_say_what_to_do() {
+fn binary_files_are_read_and_their_lines_counted_from_the_text() {
+    let keys = "Producer=Slicer 1.2\nfilament_diameter=2.85\n";
+    let file = binary(keys, "G28\nG1 X5 E1 F600\n");
+    let mut reader = Reader::new(&file[..]);
+    let lines: Vec<u64> = reader
+        .by_ref()
+        .filter_map(|event| match event.unwrap() {
+            Event::Move(step) => Some(step.line),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(lines, [2]);
+    assert_eq!(reader.lines(), 2);
+    let info = reader.info();
+    assert_eq!(info.generator.as_deref(), Some("Slicer 1.2"));
+    assert_eq!(info.filament_diameter, Some(2.85));
+}
+
+#[test]
+fn damaged_binary_files_say_what_to_do() {
+    let file = binary("", "G28\n");
     let read: Result<Vec<_>, _> =
-        Reader::new(&b"GCDE\x01\x00\x00"[..]).collect();
-    assert!(matches!(read, Err(ReadError::Binary)));
+        Reader::new(&file[..file.len() - 1]).collect();
+    let error = read.unwrap_err();
+    assert!(matches!(error, ReadError::Binary(_)));
+    assert_eq!(
+        error.to_string(),
+        "the binary G-code cannot be read: it is cut off in block 2; copy it \
+         again, or slice again"
+    );
 }
 
 #[test]

@@ -56,7 +56,7 @@ pub use rows::{
     Settings, Skirt, Speed, Travel,
 };
 pub use seam::Seam;
-pub use sizes::Sizes;
+pub use sizes::{ImageFormat, PictureSize, Sizes};
 pub use table::{Key, Range, keys};
 pub use value::Varying;
 pub use words::{

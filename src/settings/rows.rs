@@ -465,7 +465,8 @@ table::settings! {
         /// auto labels for firmware that is sure to know the words.
         labels: Emit = Emit::Auto;
         /// Sizes of the pictures in the file's head that hosts and printers
-        /// show, such as "32x32, 300x300"; empty for none.
+        /// show, such as "32x32, 300x300"; empty for none. Each is a PNG
+        /// unless the size says /QOI or /JPG.
         thumbnails: Sizes = Sizes::thumbnails();
     }
 }

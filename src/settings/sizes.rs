@@ -1,4 +1,4 @@
-//! Sizes of pictures: `32x32, 300x300`.
+//! Pictures in a file's head: `32x32, 300x300/QOI`.
 
 use super::Key;
 use super::value::{Kind, Raw, Refused, Value};
@@ -11,21 +11,68 @@ const GREATEST: u32 = 1024;
 const MOST: usize = 8;
 
 /// What may be assigned.
-pub(super) const EXPECTED: &str = "sizes in pixels, width x height, such as \
-    \"32x32, 300x300\" (up to 8, each side from 1 to 1024), or \"\" for none";
+pub(super) const EXPECTED: &str = "sizes in pixels, width x height, and \
+    formats (PNG, if none is given, QOI or JPG), such as \"32x32, \
+    300x300/QOI\" (up to 8, each side from 1 to 1024), or \"\" for none";
 
-/// Sizes of pictures, in pixels: width, height.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Sizes(Vec<[u32; 2]>);
+/// How a picture is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// What hosts and web pages show.
+    #[default]
+    Png,
+    /// Small, without transparency.
+    Jpg,
+    /// What small processors can read: Prusa's screens, Duet's PanelDue.
+    Qoi,
+}
 
-impl Sizes {
-    /// What hosts and printers' screens show.
-    pub(super) fn thumbnails() -> Self {
-        Sizes(vec![[32, 32], [300, 300]])
+impl ImageFormat {
+    /// Its name in settings and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            ImageFormat::Png => "PNG",
+            ImageFormat::Jpg => "JPG",
+            ImageFormat::Qoi => "QOI",
+        }
     }
 
-    /// The sizes, in the order given.
-    pub fn all(&self) -> &[[u32; 2]] {
+    fn read(text: &str) -> Option<Self> {
+        let all = [ImageFormat::Png, ImageFormat::Jpg, ImageFormat::Qoi];
+        let text = text.trim();
+        if text.eq_ignore_ascii_case("jpeg") {
+            return Some(ImageFormat::Jpg);
+        }
+        all.into_iter()
+            .find(|f| f.name().eq_ignore_ascii_case(text))
+    }
+}
+
+/// A picture that a file is to have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureSize {
+    /// Width and height, pixels.
+    pub pixels: [u32; 2],
+    /// How it is written.
+    pub format: ImageFormat,
+}
+
+/// Sizes and formats of pictures.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sizes(Vec<PictureSize>);
+
+impl Sizes {
+    /// What hosts show.
+    pub(super) fn thumbnails() -> Self {
+        let png = |side: u32| PictureSize {
+            pixels: [side; 2],
+            format: ImageFormat::Png,
+        };
+        Sizes(vec![png(32), png(300)])
+    }
+
+    /// The pictures, in the order given.
+    pub fn all(&self) -> &[PictureSize] {
         &self.0
     }
 
@@ -33,18 +80,25 @@ impl Sizes {
         if text.trim().is_empty() {
             return Some(Sizes::default());
         }
-        let sizes: Option<Vec<[u32; 2]>> = text.split(',').map(size).collect();
+        let sizes: Option<Vec<_>> = text.split(',').map(picture).collect();
         sizes.filter(|all| all.len() <= MOST).map(Sizes)
     }
 }
 
-fn size(text: &str) -> Option<[u32; 2]> {
-    let (width, height) = text.trim().split_once(['x', 'X', '×'])?;
+fn picture(text: &str) -> Option<PictureSize> {
+    let (size, format) = match text.split_once('/') {
+        Some((size, format)) => (size, ImageFormat::read(format)?),
+        None => (text, ImageFormat::default()),
+    };
+    let (width, height) = size.trim().split_once(['x', 'X', '×'])?;
     let side = |text: &str| -> Option<u32> {
         let side = text.trim().parse().ok()?;
         (1..=GREATEST).contains(&side).then_some(side)
     };
-    Some([side(width)?, side(height)?])
+    Some(PictureSize {
+        pixels: [side(width)?, side(height)?],
+        format,
+    })
 }
 
 impl Value for Sizes {
@@ -59,7 +113,13 @@ impl Value for Sizes {
     }
 
     fn to_toml(&self) -> String {
-        let sizes = self.0.iter().map(|[w, h]| format!("{w}x{h}"));
+        let sizes = self.0.iter().map(|PictureSize { pixels, format }| {
+            let [w, h] = pixels;
+            match format {
+                ImageFormat::Png => format!("{w}x{h}"),
+                _ => format!("{w}x{h}/{}", format.name()),
+            }
+        });
         format!("\"{}\"", sizes.collect::<Vec<_>>().join(", "))
     }
 
@@ -77,13 +137,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_are_read_and_refused() {
+    fn sizes_and_formats_are_read_and_refused() {
+        let written = |text: &str| Sizes::read(text).map(|s| s.to_toml());
         assert_eq!(
-            Sizes::read(" 16x16 ,220X124").map(|s| s.0),
-            Some(vec![[16, 16], [220, 124]])
+            written(" 16x16 /png,220X124, 640 x 480/jpeg,313x173/QOI"),
+            Some("\"16x16, 220x124, 640x480/JPG, 313x173/QOI\"".into())
         );
-        assert_eq!(Sizes::read(" ").map(|s| s.0), Some(vec![]));
-        for bad in ["16", "16x", "0x16", "16x1025", "16x16,", "-1x1", "axb"] {
+        assert_eq!(written(" "), Some("\"\"".into()));
+        for bad in [
+            "16",
+            "16x",
+            "0x16",
+            "16x1025",
+            "16x16,",
+            "-1x1",
+            "axb",
+            "16x16/",
+            "16x16/gif",
+            "16x16/QOI/PNG",
+            "/QOI",
+        ] {
             assert_eq!(Sizes::read(bad), None, "{bad}");
         }
         assert_eq!(Sizes::read(&["8x8"; 9].join(",")), None);

@@ -126,6 +126,7 @@ impl<'a> Templates<'a> {
             filament_mass_g: 3.0,
             time: 600.0,
             layers: self.header.layer_count.max(1),
+            height: 1.0,
         })
     }
 

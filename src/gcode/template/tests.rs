@@ -12,6 +12,7 @@ fn header() -> Header {
         part_max: DVec3::new(125.0, 125.0, 30.0),
         outline: Vec::new(),
         thumbnails: Vec::new(),
+        format: crate::gcode::Format::Text,
     }
 }
 

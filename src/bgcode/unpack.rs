@@ -1,0 +1,287 @@
+//! From a file of blocks to text.
+//!
+//! In: any bytes. Out: as they are, unless they begin as binary G-code does;
+//! then its text, behind comments with what the file says about itself, in
+//! the words of PrusaSlicer. Everything is checked before it is used, and no
+//! block may be larger than [`LARGEST`].
+
+use super::{BLOCK, Compression, Kind, MAGIC, VERSION, heatshrink, meatpack};
+use flate2::read::ZlibDecoder;
+use std::io::{self, Read};
+
+/// Greatest length of a block, compressed or not, bytes. Slicers write some
+/// ten kilobytes.
+const LARGEST: u32 = 1 << 24;
+
+/// Times that a block may become longer: a few megabytes must not become
+/// gigabytes that take minutes to read.
+const LIKELY: u64 = 64;
+
+/// Why binary G-code cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Damaged {
+    /// Bytes are missing at its end.
+    #[error("it is cut off in block {0}; copy it again, or slice again")]
+    CutOff(u64),
+    /// Bytes have changed.
+    #[error(
+        "the checksum of block {0} is not that of its contents; copy it \
+         again, or slice again"
+    )]
+    Checksum(u64),
+    /// The file is not as the format has it.
+    #[error("block {block} is not as the format has it: {what}")]
+    Format {
+        /// Number of the block, from 1; 0 is the head.
+        block: u64,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// There is no text.
+    #[error("there is no G-code in it")]
+    Empty,
+}
+
+impl From<Damaged> for io::Error {
+    fn from(why: Damaged) -> io::Error {
+        io::Error::new(io::ErrorKind::InvalidData, why)
+    }
+}
+
+/// Reads G-code as text, whether it is binary or not.
+#[derive(Debug)]
+pub struct Unpacked<R> {
+    input: R,
+    form: Form,
+    /// Text that was not yet handed out, from `at` on.
+    ready: Vec<u8>,
+    at: usize,
+    /// Blocks begun so far.
+    blocks: u64,
+    /// Lines that stand before the text.
+    preface: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Unknown,
+    Text,
+    Binary { checksums: bool, has_text: bool },
+}
+
+impl<R: Read> Unpacked<R> {
+    /// Reads from `input`.
+    pub fn new(input: R) -> Self {
+        Unpacked {
+            input,
+            form: Form::Unknown,
+            ready: Vec::new(),
+            at: 0,
+            blocks: 0,
+            preface: 0,
+        }
+    }
+
+    /// How many lines were put before those of the text.
+    pub fn preface(&self) -> u64 {
+        self.preface
+    }
+
+    /// Text or binary, by the first bytes.
+    fn begin(&mut self) -> io::Result<()> {
+        let first = self.up_to(MAGIC.len())?;
+        if first != MAGIC {
+            self.form = Form::Text;
+            self.ready = first;
+            return Ok(());
+        }
+        let head = self.exactly(6)?;
+        let version = u32::from_le_bytes([head[0], head[1], head[2], head[3]]);
+        let format = |what| Damaged::Format { block: 0, what };
+        if version > VERSION {
+            return Err(format("it has a newer version than 1").into());
+        }
+        let checksums = match u16::from_le_bytes([head[4], head[5]]) {
+            0 => false,
+            1 => true,
+            _ => return Err(format("its checksums are not CRC32").into()),
+        };
+        self.form = Form::Binary {
+            checksums,
+            has_text: false,
+        };
+        Ok(())
+    }
+
+    /// Makes the next block ready; false at the end.
+    fn block(&mut self, checksums: bool, has_text: bool) -> io::Result<bool> {
+        crate::limits::check();
+        self.blocks += 1;
+        let block = self.blocks;
+        let format = |what| Damaged::Format { block, what };
+        let mut bytes = self.up_to(8)?;
+        if bytes.is_empty() {
+            return match has_text {
+                true => Ok(false),
+                false => Err(Damaged::Empty.into()),
+            };
+        }
+        if bytes.len() < 8 {
+            return Err(Damaged::CutOff(block).into());
+        }
+        let word = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+        let kind = Kind::of(word(0)).ok_or(format("its kind is unknown"))?;
+        let compression = Compression::of(word(2))
+            .ok_or(format("it is compressed in an unknown way"))?;
+        let size = |b: &[u8]| match b {
+            &[a, b, c, d] => u32::from_le_bytes([a, b, c, d]),
+            _ => u32::MAX,
+        };
+        let whole = size(&bytes[4..8]);
+        let mut length = whole;
+        if compression != Compression::None {
+            bytes.extend(self.exactly(4)?);
+            length = size(&bytes[8..12]);
+        }
+        if whole.max(length) > LARGEST {
+            return Err(format("it has more than 16 MB").into());
+        }
+        if u64::from(whole) > LIKELY * u64::from(length) + BLOCK as u64 {
+            return Err(format("it says to be far longer than it is").into());
+        }
+        let start = bytes.len() + kind.parameters();
+        bytes.extend(self.exactly(kind.parameters() + length as usize)?);
+        if checksums && size(&self.exactly(4)?) != crc32fast::hash(&bytes) {
+            return Err(Damaged::Checksum(block).into());
+        }
+        let encoding = match &bytes[start - kind.parameters()..] {
+            &[low, high, ..] => u16::from_le_bytes([low, high]),
+            _ => u16::MAX,
+        };
+        // Pictures are for screens; keys behind the text, for nobody.
+        if kind == Kind::Thumbnail || (kind != Kind::Gcode && has_text) {
+            return Ok(true);
+        }
+        let text = decompressed(&bytes[start..], compression, whole as usize)
+            .ok_or(format("its contents cannot be decompressed"))?;
+        self.at = 0;
+        self.ready = match (kind, encoding) {
+            (Kind::Gcode, 0) => text,
+            (Kind::Gcode, 1 | 2) => meatpack::unpacked(&text),
+            (Kind::Gcode, _) => {
+                return Err(format("its text has an unknown encoding").into());
+            }
+            // Newer PrusaSlicers tell their settings a second time.
+            (_, 0) => comments(&text),
+            _ => Vec::new(),
+        };
+        match kind {
+            Kind::Gcode => {
+                let has_text = true;
+                self.form = Form::Binary {
+                    checksums,
+                    has_text,
+                };
+            }
+            _ => {
+                let lines = memchr::memchr_iter(b'\n', &self.ready);
+                self.preface += lines.count() as u64;
+            }
+        }
+        Ok(true)
+    }
+
+    /// So many bytes, or what is left.
+    fn up_to(&mut self, count: usize) -> io::Result<Vec<u8>> {
+        // Grows with what there is, whatever the file says.
+        let mut bytes = Vec::new();
+        let mut input = self.input.by_ref().take(count as u64);
+        input.read_to_end(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    fn exactly(&mut self, count: usize) -> io::Result<Vec<u8>> {
+        let bytes = self.up_to(count)?;
+        match bytes.len() == count {
+            true => Ok(bytes),
+            false => Err(Damaged::CutOff(self.blocks).into()),
+        }
+    }
+}
+
+impl<R: Read> Read for Unpacked<R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        loop {
+            let ready = &self.ready[self.at..];
+            if !ready.is_empty() {
+                let n = ready.len().min(out.len());
+                out[..n].copy_from_slice(&ready[..n]);
+                self.at += n;
+                return Ok(n);
+            }
+            match self.form {
+                Form::Unknown => self.begin()?,
+                Form::Text => return self.input.read(out),
+                Form::Binary {
+                    checksums,
+                    has_text,
+                } => {
+                    if !self.block(checksums, has_text)? {
+                        return Ok(0);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A block's contents, `count` bytes of them.
+fn decompressed(
+    data: &[u8],
+    compression: Compression,
+    count: usize,
+) -> Option<Vec<u8>> {
+    let text = match compression {
+        Compression::None => data.to_vec(),
+        Compression::Deflate => {
+            let mut text = Vec::new();
+            // One more than there may be: then it is too much.
+            ZlibDecoder::new(data)
+                .take(count as u64 + 1)
+                .read_to_end(&mut text)
+                .ok()?;
+            text
+        }
+        Compression::Heatshrink11 => {
+            heatshrink::decompressed(data, 11, 4, count)?
+        }
+        Compression::Heatshrink12 => {
+            heatshrink::decompressed(data, 12, 4, count)?
+        }
+    };
+    (text.len() == count).then_some(text)
+}
+
+/// Lines of `key=value` as comments; the maker's name as in a text's head.
+fn comments(keys: &[u8]) -> Vec<u8> {
+    let mut text = Vec::with_capacity(keys.len() + 64);
+    for line in keys.split(|b| *b == b'\n') {
+        let line = line.trim_ascii();
+        let Some(at) = memchr::memchr(b'=', line) else {
+            continue;
+        };
+        let (key, value) = (line[..at].trim_ascii(), &line[at + 1..]);
+        match key {
+            b"Producer" => text.extend(b"; generated by "),
+            _ => {
+                text.extend(b"; ");
+                text.extend(key);
+                text.extend(b" = ");
+            }
+        }
+        // A carriage return would end the comment for some.
+        text.extend(value.iter().filter(|b| !b.is_ascii_control()));
+        text.push(b'\n');
+    }
+    text
+}

@@ -1,0 +1,74 @@
+//! What a file is written as, by its name.
+
+use super::args::is_stream;
+use anyhow::bail;
+use isoslice::gcode::Format;
+use std::ffi::OsStr;
+use std::path::Path;
+
+/// Names' ends of files that are not G-code, and what to do instead.
+const OTHERS: &[(&[&str], &str)] = &[
+    (
+        &[
+            "stl", "3mf", "obj", "ply", "amf", "off", "step", "stp", "iges",
+        ],
+        "that is a mesh or a drawing, and isoslice makes none",
+    ),
+    (
+        &["png", "jpg", "jpeg", "qoi", "webp", "gif"],
+        "that is a picture: isoslice render MODEL -o FILE.png draws one",
+    ),
+    (
+        &["svg"],
+        "that is a picture: --svg FOLDER draws every layer",
+    ),
+    (
+        &["html", "htm"],
+        "that is a page: isoslice preview MODEL -o FILE.html makes one",
+    ),
+    (
+        &["rhai", "vm"],
+        "that is a model, which is read and not written",
+    ),
+    (&["toml", "ini", "json"], "that is for settings or reports"),
+    (
+        &["ufp", "x3g", "s3g", "makerbot", "gx", "g3drem", "3w", "dlp"],
+        "isoslice does not write this format: write .gcode and convert it \
+         with your printer's own program",
+    ),
+    (
+        &[
+            "sl1", "sl1s", "ctb", "cbddlp", "photon", "goo", "lys", "pwmx",
+        ],
+        "that is for printers with resin, which isoslice does not know",
+    ),
+    (
+        &["gz", "zip", "xz", "bz2", "zst", "7z"],
+        "isoslice does not compress: -o - writes to standard output, for a \
+         program that does",
+    ),
+];
+
+/// What to write into a file of this name.
+///
+/// # Errors
+/// If the name promises something that is not G-code.
+pub(super) fn format_of(path: &Path) -> anyhow::Result<Format> {
+    if is_stream(path) {
+        return Ok(Format::Text);
+    }
+    let end = path.extension().and_then(OsStr::to_str).unwrap_or("");
+    let end = end.to_ascii_lowercase();
+    if end == "bgcode" {
+        return Ok(Format::Binary);
+    }
+    let is = |(ends, _): &&(&[&str], _)| ends.contains(&end.as_str());
+    if let Some((_, what)) = OTHERS.iter().find(is) {
+        bail!(
+            "cannot write {}: {what}; slice writes G-code, as text (.gcode) \
+             or binary (.bgcode)",
+            path.display()
+        );
+    }
+    Ok(Format::Text)
+}

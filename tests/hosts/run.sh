@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# What hosts make of our files: the real parsers of Moonraker, OctoPrint and
+# PrusaLink, from PyPI, read them.
+#
+#     tests/hosts/run.sh [ISOSLICE]       the program, default target/release/isoslice
+#
+# Needs python3 with venv, and PyPI. Where one of them cannot be had, it says
+# so, leaves the test out and exits with 0; with ISOSLICE_HOSTS=required that
+# is an error. VENV names a folder in which the parsers stay for the next time.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+isoslice=$(realpath "${1:-${CARGO_TARGET_DIR:-$root/target}/release/isoslice}")
+# Their own dependencies are not needed to read a file; Pillow makes small
+# pictures of large ones.
+parsers=(moonraker==0.11.0 OctoPrint==1.11.8 py-gcode-metadata==0.2.0 pillow)
+
+skip() {
+    printf 'SKIPPED: what hosts read: %s\n' "$*"
+    [ "${ISOSLICE_HOSTS:-}" != required ] || exit 1
+    exit 0
+}
+
+[ -x "$isoslice" ] || { echo "no $isoslice; build it first" >&2; exit 1; }
+command -v python3 >/dev/null || skip "there is no python3"
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+venv=${VENV:-$work/venv}
+[ -x "$venv/bin/pip" ] || python3 -m venv "$venv" >"$work/log" 2>&1 \
+    || skip "python3 cannot make an environment (apt-get install python3-venv)"
+"$venv/bin/pip" install --quiet --disable-pip-version-check --no-deps \
+    "${parsers[@]}" >"$work/log" 2>&1 \
+    || skip "pip cannot get ${parsers[*]}"
+
+"$venv/bin/python" "$here/hosts.py" "$isoslice" "$work"
