@@ -9,6 +9,8 @@ use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
 use crate::bead::{Bead, Role};
 use crate::gcode::{Totals, Writer};
+use crate::hang::foot::Foot;
+use crate::hang::{self, Hanging, Look};
 use crate::layers::LayerSpan;
 use crate::limits;
 use crate::order::{Head, LayerBeads, order};
@@ -16,14 +18,13 @@ use crate::pace::Pacer;
 use crate::plane::Rect;
 use crate::plane::grid::EdgeGrid;
 use crate::preview::Pictures;
-use crate::region::floating::floating;
 use crate::report;
 use crate::seam::ending::{Ended, endings};
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Ground, Move, connect};
 use crate::walls::Support;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use std::io;
 use std::ops::Range;
 use std::sync::Arc;
@@ -46,9 +47,9 @@ pub(super) struct Exit<'a, 'w> {
     beads: usize,
     tally: Tally,
     warnings: Vec<String>,
-    /// Where islands inside the part begin in the air: how often, and where
-    /// first.
-    floating: (usize, Option<DVec3>),
+    hanging: hang::Tracker,
+    /// What the part stands on, if the first layer is written.
+    foot: Option<Foot>,
     figures: report::Tally,
 }
 
@@ -60,6 +61,10 @@ pub(super) struct Done {
     pub tally: Tally,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// What hangs.
+    pub hanging: Hanging,
+    /// What the part stands on, if that is written.
+    pub foot: Option<Foot>,
     /// What the print takes.
     pub totals: Totals,
     /// How far it is off.
@@ -92,7 +97,8 @@ impl<'a, 'w> Exit<'a, 'w> {
             beads: 0,
             tally: Tally::default(),
             warnings: Vec::new(),
-            floating: (0, None),
+            hanging: hang::Tracker::default(),
+            foot: None,
             figures: report::Tally::default(),
         }
     }
@@ -105,6 +111,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             mut beads,
             sparse,
             gap,
+            look,
             figures,
         } = ready.filled;
         let index = shell.span.index;
@@ -116,9 +123,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         if written {
             self.tally.add(&shell.outline, gap);
         }
-        if written && let Some(below) = below {
-            self.look_for_floating(shell, below);
-        }
+        self.follow_hanging(shell, look.as_ref(), written);
         let from = self.head.at;
         let outline = &shell.outline.area;
         let ended = self.timings.time(Stage::Order, || {
@@ -215,49 +220,43 @@ impl<'a, 'w> Exit<'a, 'w> {
         (beads, wipes)
     }
 
-    /// Counts the islands in cavities that begin in this layer.
-    fn look_for_floating(&mut self, shell: &Shell, below: &Shell) {
-        if Arc::ptr_eq(&below.outline, &shell.outline) {
-            return;
+    /// Follows what hangs.
+    fn follow_hanging(
+        &mut self,
+        shell: &Shell,
+        look: Option<&Look>,
+        written: bool,
+    ) {
+        let (offset, span) = (self.offset, shell.span);
+        let place = |p: DVec2| (p + offset).extend(span.bottom);
+        let tracker = &mut self.hanging;
+        self.timings.time(Stage::Hang, || match look {
+            Some(look) => tracker.layer(look, written, place),
+            None => tracker.same(span.height(), self.settings),
+        });
+        if span.index == 0 && written {
+            let outline = &shell.outline.area;
+            self.foot = Foot::new(outline, span.height(), self.settings);
         }
-        for at in floating(&shell.outline.area, &below.cover()) {
-            let at = (at + self.offset).extend(shell.span.bottom);
-            self.floating.0 += 1;
-            self.floating.1.get_or_insert(at);
-        }
-    }
-
-    /// What to say about them.
-    fn floating_warning(&self) -> Option<String> {
-        let (count, first) = self.floating;
-        let p = first?;
-        let others = match count {
-            1 => String::new(),
-            n => format!(" (and {} more like it)", n - 1),
-        };
-        Some(format!(
-            "what begins at x = {:.1}, y = {:.1}, z = {:.1} on the bed hangs \
-             in a cavity of the part{others}: nothing holds it while it is \
-             printed, and a support could hardly be taken out",
-            p.x, p.y, p.z
-        ))
     }
 
     /// Forgets what the layers below have left, so that what follows depends
     /// on nothing but the part. It costs a travel from wherever the head is.
     fn restart(&mut self, span: &LayerSpan) {
         self.head = Head::default();
+        self.hanging.restart();
         self.pacer.restart(span.bottom);
         self.writer.restart();
     }
 
     /// Ends the file.
-    pub fn finish(mut self) -> Result<Done, SliceError> {
-        self.warnings.extend(self.floating_warning());
+    pub fn finish(self) -> Result<Done, SliceError> {
         Ok(Done {
             beads: self.beads,
             tally: self.tally,
             warnings: self.warnings,
+            hanging: self.hanging.finish(),
+            foot: self.foot,
             totals: self.writer.finish()?,
             figures: self.figures,
         })

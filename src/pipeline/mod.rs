@@ -36,6 +36,7 @@ mod tally;
 use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
 use crate::field::{Backend, FieldError, SLAB};
 use crate::gcode::{Header, Thumbnail, WriteError, Writer, needs_outline};
+use crate::hang::Hanging;
 use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
 use crate::limits;
@@ -121,6 +122,8 @@ pub struct Summary {
     /// Islands and holes left out because they are smaller than a quarter of
     /// the outer wall's width.
     pub dropped_rings: usize,
+    /// What nothing holds while it is printed.
+    pub hanging: Hanging,
     /// Distance of the outlines from f = 0, µm, if there are any; of a few
     /// points, unless there is a report.
     pub outline_error: Option<Figures>,
@@ -282,6 +285,7 @@ fn write(
         ref layers,
     } = *run;
     let layers = layers.clone();
+    let top = spans.last().map_or(0.0, |span| span.top);
     let bounds = model.bounds;
     let reach = DVec3::new(settings.reach(), settings.reach(), 0.0);
     let low = bounds.min + model.offset - reach;
@@ -349,6 +353,9 @@ fn write(
     let done = exit.finish()?;
     let (tally, mut warnings) = (done.tally, of_templates);
     warnings.extend(done.warnings);
+    let mut hanging = done.hanging;
+    hanging.foot = done.foot.filter(|foot| top > foot.holds);
+    warnings.extend(hanging.warnings(top, settings));
     let all = layers == (0..spans.len());
     if done.beads == 0 && all {
         return Err(SliceError::NothingToPrint);
@@ -384,6 +391,7 @@ fn write(
         unfilled_area: tally.gap,
         solid_area: tally.solid,
         dropped_rings: tally.dropped_rings,
+        hanging,
         outline_error,
         wall_error,
         report,

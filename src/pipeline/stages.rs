@@ -10,6 +10,7 @@ use crate::adhesion::{Skirt, brim};
 use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Backend, Field, FieldError};
 use crate::fuzzy::Fuzzy;
+use crate::hang::{Look, tip_layers};
 use crate::infill::{self, Infill};
 use crate::layers::LayerSpan;
 use crate::model::Model;
@@ -155,7 +156,7 @@ impl<'a> Stages<'a> {
 
     /// How many layers above a layer it has to know.
     pub fn reach_above(&self) -> usize {
-        slope_layers(self.top_layers).max(1)
+        slope_layers(self.top_layers).max(tip_layers(self.settings))
     }
 
     /// How many layers below a layer it has to know.
@@ -272,6 +273,27 @@ impl<'a> Stages<'a> {
         };
         self.timings
             .time(Stage::Report, || self.gauge.layer(parts, k))
+    }
+
+    /// How layer `i` of the window lies over the one below, unless they are
+    /// the same or it is the first.
+    pub fn look(&self, window: &VecDeque<Shell>, i: usize) -> Option<Look> {
+        let (here, below) = (&window[i], window.get(i.checked_sub(1)?)?);
+        if Arc::ptr_eq(&here.outline, &below.outline) {
+            return None;
+        }
+        let span = here.span;
+        let tips = tip_layers(self.settings);
+        Some(self.timings.time(Stage::Hang, || {
+            Look::new(
+                here.cover(),
+                below.cover(),
+                window.iter().skip(i + 1).take(tips).map(Shell::cover),
+                span.index,
+                span.height(),
+                self.settings,
+            )
+        }))
     }
 
     /// Everything there is to print in layer `i` of the window, and where it
