@@ -92,7 +92,11 @@ impl Moments {
 impl Foot {
     /// The foot of a part whose first layer, `height` high, has this outline;
     /// none if nothing lies on the bed.
-    pub fn new(outline: &Area, height: Mm, settings: &Settings) -> Option<Foot> {
+    pub fn new(
+        outline: &Area,
+        height: Mm,
+        settings: &Settings,
+    ) -> Option<Foot> {
         let origin = *outline.rings.first()?.first()?;
         let mut moments = Moments::default();
         for (a, b) in outline.rings.iter().flat_map(|r| edges(r)) {
@@ -119,9 +123,8 @@ impl Foot {
         let modulus = (0..AXES).map(|k| {
             let turn = std::f64::consts::PI * f64::from(k) / f64::from(AXES);
             let n = DVec2::from_angle(turn);
-            let away = |(p, half): &(DVec2, Mm)| {
-                (*p - middle).dot(n).abs() + half
-            };
+            let away =
+                |(p, half): &(DVec2, Mm)| (*p - middle).dot(n).abs() + half;
             let farthest = rim.iter().map(away).fold(0.0, f64::max);
             moments.about(middle, n) / farthest.max(1e-9)
         });

@@ -59,8 +59,7 @@ pub(super) fn gaps(
         };
         let under = crop(&below.area.rings, wide);
         let open = difference(&crop(&here.area.rings, rect), &under);
-        let beyond =
-            difference(&open, &offset(&under, limits.held, TOLERANCE));
+        let beyond = difference(&open, &offset(&under, limits.held, TOLERANCE));
         let beyond = Area {
             rings: beyond
                 .islands()

@@ -10,7 +10,7 @@ use super::gap::{Gap, gaps};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, Ring, edges, signed_area};
 use crate::region::cover::Cover;
-use crate::region::floating::{Floating, floating, joins};
+use crate::region::floating::{Floating, floating};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
@@ -28,6 +28,8 @@ pub(super) struct Limits {
 #[derive(Clone, Debug)]
 pub struct Look {
     pub(super) limits: Limits,
+    /// Height of the layer.
+    pub(super) height: Mm,
     /// Islands that begin on nothing.
     pub(super) begins: Vec<Floating>,
     /// What sticks out by more than a lip in this layer alone.
@@ -93,12 +95,10 @@ impl Limits {
 }
 
 impl Look {
-    /// Looks at layer `number` of some height, `here`, over `below`; `above`
-    /// are the next ones, as many as [`tip_layers`](super::tip_layers) says.
-    pub fn new<'a>(
-        here: Cover<'a>,
-        below: Cover<'a>,
-        above: impl Iterator<Item = Cover<'a>> + Clone,
+    /// Looks at layer `number` of some height, `here`, over `below`.
+    pub fn new(
+        here: Cover<'_>,
+        below: Cover<'_>,
         number: usize,
         height: Mm,
         settings: &Settings,
@@ -113,6 +113,7 @@ impl Look {
         };
         let mut look = Look {
             limits,
+            height,
             begins: Vec::new(),
             gaps: Vec::new(),
             rim: Vec::new(),
@@ -141,8 +142,6 @@ impl Look {
             look.settle_ledges();
         }
         look.begins = begins;
-        look.begins
-            .retain(|f| !joins(&f.island, here, above.clone()));
         look
     }
 

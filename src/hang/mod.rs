@@ -25,7 +25,7 @@
 //! without harm: a bead laid beside one that is held sticks to it, and so
 //! does the next. So lips, small holes and the undersides of most lattices
 //! carry themselves and are not told of. Nor are the tips of a lattice that begin
-//! on nothing and are one with it a millimetre higher.
+//! on nothing and soon are one with it ([`tip`]).
 //!
 //! Bridges are those that the skin's lines make: straight lines across a gap,
 //! in the direction that the [`skin`](crate::skin) has for them, held at both
@@ -41,25 +41,15 @@
 pub mod foot;
 mod gap;
 mod look;
+mod tip;
 mod track;
 mod words;
 
 pub use look::Look;
 pub use track::Tracker;
 
-use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec3;
-
-/// Height within which a tip that begins on nothing must be one with what
-/// stands beside it to be none of these: what is laid in the air sinks by a few
-/// layers, and is caught then, mm.
-const TIP: Mm = 1.0;
-
-/// How many layers above a layer tell whether what begins in it is such a tip.
-pub fn tip_layers(settings: &Settings) -> usize {
-    (TIP / settings.layer_height).ceil() as usize
-}
 
 /// What hangs in some layers, of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

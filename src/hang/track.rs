@@ -1,7 +1,8 @@
 //! What hangs, added up from layer to layer.
 
-use super::look::{Ledge, Limits, Look, Place};
 use super::Hanging;
+use super::look::{Ledge, Limits, Look, Place};
+use super::tip::{Island, Tips};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::{DVec2, DVec3};
@@ -12,6 +13,8 @@ pub struct Tracker {
     /// What is known of the layer below, place by place; nothing, if all of
     /// it is held.
     rim: Vec<(Place, State)>,
+    /// Islands that have begun on nothing.
+    tips: Tips,
     sums: Hanging,
 }
 
@@ -37,8 +40,13 @@ struct Slope {
 }
 
 impl Tracker {
-    /// Forgets the layers below: what follows is taken to be held.
-    pub fn restart(&mut self) {
+    /// Forgets all layers so far: what follows is taken to be held. Islands
+    /// of which it is not known what becomes of them count, if that is asked.
+    pub fn restart(&mut self, count: bool) {
+        let begins = self.tips.rest();
+        if count {
+            self.count(begins);
+        }
         self.rim.clear();
     }
 
@@ -51,17 +59,12 @@ impl Tracker {
         place: impl Fn(DVec2) -> DVec3,
     ) {
         let found = self.follow(look);
+        let begins = self.tips.layer(look, &place);
         if !count {
             return;
         }
+        self.count(begins);
         let sums = &mut self.sums;
-        for island in &look.begins {
-            let (area, at) = (island.island.content(), place(island.at));
-            sums.begins.add(area, area, 0.0, at);
-            if island.in_cavity {
-                sums.in_cavity.add(area, area, 0.0, at);
-            }
-        }
         for gap in &look.gaps {
             if gap.leans > 0.0 {
                 let at = place(gap.at);
@@ -191,9 +194,28 @@ impl Tracker {
         }
     }
 
+    fn count(&mut self, begins: Vec<Island>) {
+        for Island {
+            area,
+            at,
+            in_cavity,
+            ..
+        } in begins
+        {
+            self.sums.begins.add(area, area, 0.0, at);
+            if in_cavity {
+                self.sums.in_cavity.add(area, area, 0.0, at);
+            }
+        }
+    }
+
     /// A layer that is the same as the one below, this high: rims come nearer to
     /// what is held.
-    pub fn same(&mut self, height: Mm, settings: &Settings) {
+    pub fn same(&mut self, height: Mm, count: bool, settings: &Settings) {
+        let begins = self.tips.same(height);
+        if count {
+            self.count(begins);
+        }
         let held = Limits::new(height, settings).held;
         let mut any = false;
         for (_, state) in &mut self.rim {

@@ -41,6 +41,8 @@ pub(super) struct Exit<'a, 'w> {
     writer: Writer<'a, &'w mut dyn io::Write>,
     /// The layers to be written.
     layers: Range<usize>,
+    /// How many the part has.
+    layer_count: usize,
     /// The one that comes next.
     next: usize,
     timings: &'a Timings,
@@ -72,12 +74,13 @@ pub(super) struct Done {
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
-    /// For writing `layers`; those of the same block before them have to be
+    /// For writing `layers` of a part's `layer_count`; those of the same block before them have to be
     /// given, too.
     pub fn new(
         timings: &'a Timings,
         offset: DVec2,
         layers: Range<usize>,
+        layer_count: usize,
         options: &'a Options<'a>,
         pictures: Option<Pictures>,
         writer: Writer<'a, &'w mut dyn io::Write>,
@@ -93,6 +96,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             writer,
             next: layers.start - layers.start % BLOCK,
             layers,
+            layer_count,
             timings,
             beads: 0,
             tally: Tally::default(),
@@ -232,8 +236,13 @@ impl<'a, 'w> Exit<'a, 'w> {
         let tracker = &mut self.hanging;
         self.timings.time(Stage::Hang, || match look {
             Some(look) => tracker.layer(look, written, place),
-            None => tracker.same(span.height(), self.settings),
+            None => tracker.same(span.height(), written, self.settings),
         });
+        // With the block, or with the part.
+        let next = span.index + 1;
+        if next.is_multiple_of(BLOCK) || next == self.layer_count {
+            tracker.restart(written);
+        }
         if span.index == 0 && written {
             let outline = &shell.outline.area;
             self.foot = Foot::new(outline, span.height(), self.settings);
@@ -244,7 +253,6 @@ impl<'a, 'w> Exit<'a, 'w> {
     /// on nothing but the part. It costs a travel from wherever the head is.
     fn restart(&mut self, span: &LayerSpan) {
         self.head = Head::default();
-        self.hanging.restart();
         self.pacer.restart(span.bottom);
         self.writer.restart();
     }

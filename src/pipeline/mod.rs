@@ -342,6 +342,7 @@ fn write(
         &stages.timings,
         model.offset.truncate(),
         layers.clone(),
+        spans.len(),
         options,
         pictures,
         writer,

@@ -10,7 +10,7 @@ use crate::adhesion::{Skirt, brim};
 use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Backend, Field, FieldError};
 use crate::fuzzy::Fuzzy;
-use crate::hang::{Look, tip_layers};
+use crate::hang::Look;
 use crate::infill::{self, Infill};
 use crate::layers::LayerSpan;
 use crate::model::Model;
@@ -156,7 +156,7 @@ impl<'a> Stages<'a> {
 
     /// How many layers above a layer it has to know.
     pub fn reach_above(&self) -> usize {
-        slope_layers(self.top_layers).max(tip_layers(self.settings))
+        slope_layers(self.top_layers).max(1)
     }
 
     /// How many layers below a layer it has to know.
@@ -283,12 +283,10 @@ impl<'a> Stages<'a> {
             return None;
         }
         let span = here.span;
-        let tips = tip_layers(self.settings);
         Some(self.timings.time(Stage::Hang, || {
             Look::new(
                 here.cover(),
                 below.cover(),
-                window.iter().skip(i + 1).take(tips).map(Shell::cover),
                 span.index,
                 span.height(),
                 self.settings,

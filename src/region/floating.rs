@@ -5,13 +5,10 @@
 //! whether it is inside the part, with solid around it: what hangs from the
 //! roof of a cavity, where supports could not be taken out.
 //!
-//! Tips that the layers right above join to what stands beside them are told
-//! apart ([`joins`]): a lattice cut by a slanted surface is full of them.
-//!
 //! Not looked for: whether the cavity is closed above and below.
 
 use super::cover::{Cover, Covered, Islands};
-use crate::plane::{Area, ring_contains};
+use crate::plane::Area;
 use crate::plane::nest::Nest;
 use glam::DVec2;
 
@@ -53,38 +50,6 @@ pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<Floating> {
         .collect()
 }
 
-/// True if what begins as `island` in the layer `here` is one with something
-/// else of it in one of the layers `above`, nearest first.
-pub fn joins<'a>(
-    island: &Area,
-    here: Cover<'a>,
-    above: impl Iterator<Item = Cover<'a>>,
-) -> bool {
-    let Some(mut own) = island.rings.first().cloned() else {
-        return false;
-    };
-    let mut below = here;
-    for cover in above {
-        let Some(&p) = own.iter().find(|&&p| cover.grid.contains(p)) else {
-            return false;
-        };
-        let rings = &cover.area.rings;
-        let Some(i) = Nest::new(rings.iter()).around(p) else {
-            return false;
-        };
-        // The island above: what of it has solid below that is not this one?
-        let stands = |&&q: &&DVec2| {
-            below.grid.contains(q) && !ring_contains(&own, q)
-        };
-        if rings[i].iter().any(|q| stands(&q)) {
-            return true;
-        }
-        own.clone_from(&rings[i]);
-        below = cover;
-    }
-    false
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,31 +58,6 @@ mod tests {
 
     fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Area {
         crate::plane::rect(x0, low, x1, high)
-    }
-
-    #[test]
-    fn a_tip_joins_what_stands_beside_it() {
-        let tip = rect(0.0, 1.0, 0.0, 1.0);
-        let post = rect(2.0, 5.0, 0.0, 5.0);
-        let both = |tip: &Area| Area {
-            rings: [tip.rings.clone(), post.rings.clone()].concat(),
-        };
-        let wide = both(&rect(-0.5, 1.5, 0.0, 1.5));
-        let one = rect(-0.7, 5.0, -0.1, 4.9);
-        let layers = [both(&tip), wide.clone(), one];
-        let grids: Vec<EdgeGrid> =
-            layers.iter().map(|a| EdgeGrid::new(a, 1.0)).collect();
-        let all = layers.iter().zip(&grids);
-        let all: Vec<Cover<'_>> =
-            all.map(|(area, grid)| Cover { area, grid }).collect();
-        let joined = |n: usize| {
-            joins(&tip, all[0], all[1..n].iter().copied())
-        };
-        assert!(!joined(1) && !joined(2));
-        assert!(joined(3));
-        // A wall that only rises beside it is another's.
-        let beside = [all[1], all[1], all[1]];
-        assert!(!joins(&tip, all[0], beside.into_iter()));
     }
 
     #[test]
