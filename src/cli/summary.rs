@@ -262,9 +262,9 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     if let Some(verdict) = &summary.verdict {
         let moves = verdict.moves;
         writeln!(text, "  checked     {moves} moves, safe for this printer")?;
-        // Small things, then, that the part's islands do not explain.
-        if summary.hanging.begins.is_none()
-            && let Some((count, first)) = in_the_air(verdict)
+        // More than the part's islands explain: tips, and bits of infill.
+        if let Some((count, first)) = in_the_air(verdict)
+            && count > summary.hanging.begins.count as u64
         {
             writeln!(
                 text,

@@ -14,6 +14,7 @@
 //! In: the rims of layers, from below. Out: the islands that count.
 
 use super::look::{Look, Place};
+use crate::plane::grid::EdgeGrid;
 use crate::plane::signed_area;
 use crate::units::{Mm, Mm2};
 use glam::{DVec2, DVec3};
@@ -33,8 +34,10 @@ pub(super) struct Island {
     pub in_cavity: bool,
     /// How high it is by now.
     height: Mm,
-    /// Its ring in the layer below the next one: the numbers of its edges.
+    /// Its ring in the layer below the next one: the numbers of its edges,
+    /// and a point.
     ring: (f64, f64),
+    now: DVec2,
 }
 
 /// The islands of which it is not known yet.
@@ -42,10 +45,11 @@ pub(super) struct Island {
 pub(super) struct Tips(Vec<Island>);
 
 impl Tips {
-    /// Takes the next layer; gives the islands that count from now on.
+    /// Takes the next layer, `here`; gives the islands that count from now on.
     pub fn layer(
         &mut self,
         look: &Look,
+        here: &EdgeGrid,
         place: impl Fn(DVec2) -> DVec3,
     ) -> Vec<Island> {
         if self.0.is_empty() && look.begins.is_empty() {
@@ -55,19 +59,26 @@ impl Tips {
         let below = std::mem::take(&mut self.0);
         let rings: Vec<&[Place]> =
             look.rim.chunk_by(|a, b| a.ring == b.ring).collect();
-        for mut island in below.iter().cloned() {
-            let on_it = |p: &Place| p.foot.is_some_and(|on| island.carries(on));
-            // Where it ends, it was never held.
-            let Some(above) = rings.iter().find(|r| r.iter().any(on_it)) else {
-                counts.push(island);
-                continue;
-            };
-            // Two that meet still stand on nothing.
-            let hangs = |on: f64| below.iter().any(|i| i.carries(on));
-            if above.iter().filter_map(|p| p.foot).all(hangs) {
-                island.ring = above[0].ring;
-                island.height += look.height;
-                self.keep(island, above, &mut counts);
+        let above = ringed(&below, &rings);
+        for (mut island, above) in below.into_iter().zip(above) {
+            match above {
+                Above::Stands => {}
+                Above::Hangs(k) => {
+                    island.ring = rings[k][0].ring;
+                    island.now = rings[k][0].at;
+                    island.height += look.height;
+                    self.keep(island, rings[k], &mut counts);
+                }
+                Above::Nothing => {
+                    // Under solid whose rim is far away, or beside it, it is
+                    // caught. Where it just ends, it was never held.
+                    let (p, lip) = (island.now, look.limits.lip);
+                    let caught =
+                        here.contains(p) || here.nearest_edge(p, lip).is_some();
+                    if !caught {
+                        counts.push(island);
+                    }
+                }
             }
         }
         for begins in &look.begins {
@@ -82,9 +93,12 @@ impl Tips {
                 in_cavity: begins.in_cavity,
                 height: look.height,
                 ring: ring[0].ring,
+                now: begins.at,
             };
             self.keep(island, ring, &mut counts);
         }
+        // By place, for the next layer to find them.
+        self.0.sort_by(|a, b| a.ring.0.total_cmp(&b.ring.0));
         counts
     }
 
@@ -110,9 +124,38 @@ impl Tips {
     }
 }
 
-impl Island {
-    /// True if a place on the rings below is one of its own.
-    fn carries(&self, on: f64) -> bool {
-        on >= self.ring.0 && on <= self.ring.1
+/// What lies on an island.
+#[derive(Clone, Copy, Debug)]
+enum Above {
+    /// No rim that is near to its own.
+    Nothing,
+    /// The ring of this number, and that on nothing else that stands.
+    Hangs(usize),
+    /// A ring that stands on something else as well.
+    Stands,
+}
+
+/// What lies on each of some islands, which are in the order of their rings.
+fn ringed(islands: &[Island], rings: &[&[Place]]) -> Vec<Above> {
+    let find = |on: f64| {
+        let next = islands.partition_point(|i| i.ring.0 <= on);
+        let k = next.checked_sub(1)?;
+        (on <= islands[k].ring.1).then_some(k)
+    };
+    let mut above = vec![Above::Nothing; islands.len()];
+    for (r, ring) in rings.iter().enumerate() {
+        let feet = ring.iter().filter_map(|p| p.foot);
+        let on: Vec<Option<usize>> = feet.map(find).collect();
+        // Two islands that meet still stand on nothing.
+        let stands = on.contains(&None);
+        for k in on.into_iter().flatten() {
+            match (stands, above[k]) {
+                (false, Above::Hangs(_)) => {}
+                (false, _) => above[k] = Above::Hangs(r),
+                (true, Above::Nothing) => above[k] = Above::Stands,
+                (true, _) => {}
+            }
+        }
     }
+    above
 }

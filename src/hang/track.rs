@@ -3,6 +3,7 @@
 use super::Hanging;
 use super::look::{Ledge, Limits, Look, Place};
 use super::tip::{Island, Tips};
+use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::{DVec2, DVec3};
@@ -50,16 +51,17 @@ impl Tracker {
         self.rim.clear();
     }
 
-    /// Takes the next layer, and counts what hangs in it, if it is asked to;
+    /// Takes the next layer, `here`, and counts what hangs in it, if it is asked to;
     /// `place` makes a point of the layer one of the bed.
     pub fn layer(
         &mut self,
         look: &Look,
+        here: &EdgeGrid,
         count: bool,
         place: impl Fn(DVec2) -> DVec3,
     ) {
         let found = self.follow(look);
-        let begins = self.tips.layer(look, &place);
+        let begins = self.tips.layer(look, here, &place);
         if !count {
             return;
         }

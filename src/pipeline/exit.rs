@@ -235,7 +235,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         let place = |p: DVec2| (p + offset).extend(span.bottom);
         let tracker = &mut self.hanging;
         self.timings.time(Stage::Hang, || match look {
-            Some(look) => tracker.layer(look, written, place),
+            Some(look) => tracker.layer(look, &shell.solid, written, place),
             None => tracker.same(span.height(), written, self.settings),
         });
         // With the block, or with the part.
