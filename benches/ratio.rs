@@ -24,7 +24,10 @@ const BALL: &str = "examples/gyroid-ball.rhai";
 
 fn load(path: &str, size: Option<f64>) -> Result<model::Model, Box<dyn Error>> {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let loaded = model::load(&Source::File(root.join(path)), &[])?;
+    // The whole ball, as ever, to compare with earlier figures.
+    let whole = [("flat".to_owned(), "0".to_owned())];
+    let defines = if path == BALL { &whole[..] } else { &[] };
+    let loaded = model::load(&Source::File(root.join(path)), defines)?;
     let placement = Placement {
         size,
         ..Placement::default()

@@ -30,7 +30,8 @@
 //!    or below do not cover it, and the rest. [`plane`] has the geometry,
 //!    [`bead`] the cross-section that says how far apart lines lie.
 //! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of that,
-//!    and [`fuzzy`] a texture. From here on beads are all there is.
+//!    and [`fuzzy`] a texture. From here on beads are all there is. [`hang`]
+//!    finds what nothing below holds while it is printed.
 //! 7. [`seam`] says where loops may begin, and [`order`] puts all beads in a
 //!    short order, one island at a time, and begins them there.
 //! 8. [`travel`] connects them, and decides where to retract.
@@ -94,6 +95,7 @@
 //! | first layer | the layer on the bed |
 //! | flow | material extruded, as a share of the beads' volume |
 //! | gap fill | bead as wide as the thin place that it fills |
+//! | hanging | not held by what is below, while it is printed |
 //! | hole | closed ring inside an island, outside of the part |
 //! | infill | sparse lines where skin is not needed |
 //! | island | connected piece of a layer, with its holes |
@@ -103,6 +105,7 @@
 //! | outline | border of the part in a layer: where f = 0 |
 //! | overhang | wall that the layer below does not hold |
 //! | prime | push forward what retraction has pulled back |
+//! | reach | how far what hangs is from what holds it |
 //! | retraction | pulling filament back, lest it ooze on a travel |
 //! | ring | closed line, counter-clockwise round a part, clockwise round a hole |
 //! | role | what a bead is for: outer wall, skin, … |
@@ -141,6 +144,7 @@ pub mod contour;
 pub mod field;
 pub mod fuzzy;
 pub mod gcode;
+pub mod hang;
 pub mod infill;
 pub mod layers;
 pub mod limits;

@@ -44,6 +44,8 @@ pub enum Stage {
     Skin,
     /// Sparse infill.
     Infill,
+    /// What hangs.
+    Hang,
     /// Order and seams.
     Order,
     /// Travels.
@@ -60,13 +62,14 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the pipeline.
-    pub const ALL: [Stage; 12] = [
+    pub const ALL: [Stage; 13] = [
         Stage::Picture,
         Stage::Field,
         Stage::Contour,
         Stage::Walls,
         Stage::Skin,
         Stage::Infill,
+        Stage::Hang,
         Stage::Order,
         Stage::Travel,
         Stage::Pace,
@@ -84,6 +87,7 @@ impl Stage {
             Stage::Walls => "walls",
             Stage::Skin => "skin",
             Stage::Infill => "infill",
+            Stage::Hang => "hanging",
             Stage::Order => "order",
             Stage::Travel => "travel",
             Stage::Pace => "pace",

@@ -38,6 +38,8 @@ const ORDER: &[&[&str]] = &[
     &["bead"],
     &["region"],
     &["walls", "fuzzy", "skin", "infill", "adhesion"],
+    // What hangs, but for what the skin's bridges hold.
+    &["hang"],
     // Where loops begin follows from the walls as they are before fuzzy skin.
     &["seam"],
     &["order"],

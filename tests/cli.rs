@@ -1178,13 +1178,18 @@ fn a_summary_tells_what_begins_in_the_air() {
     let slice = ["slice", "-e", model, "-o", "pin.gcode"];
     isoslice(&folder).args(slice).assert().success().stdout(
         contains("safe for this printer")
-            .and(contains("1 island begins on nothing"))
-            .and(contains("z = 2.20 mm")),
+            .and(contains("16.0 mm² in 1 island that begins on nothing"))
+            .and(contains("z = 2.00 mm")),
     );
     let text = stdout(isoslice(&folder).args(slice).arg("--json"));
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json["checked"], true);
     assert_eq!(json["islands_in_air"], 1);
+    let begins = &json["hanging"]["begins_on_nothing"];
+    assert_eq!(begins["count"], 1);
+    assert_eq!(begins["first_mm"][2], 2.0);
+    assert_eq!(json["hanging"]["leans"]["area_mm2"], 0.0);
+    assert!(json["hanging"]["small_foot"].is_null());
     // The upper half alone goes on with the lower one.
     let upper = ["--layers", "20..", "--json"];
     let text = stdout(isoslice(&folder).args(slice).args(upper));

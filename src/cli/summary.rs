@@ -4,6 +4,7 @@ use super::args::is_stream;
 use super::info::dimensions;
 use glam::DVec3;
 use isoslice::check::{Finding, Kind, Verdict};
+use isoslice::hang::{Hanging, Sum};
 use isoslice::pipeline::Summary;
 use isoslice::report::Figures;
 use isoslice::settings::Settings;
@@ -60,6 +61,7 @@ impl Sums<'_> {
             islands_in_air: summary.verdict.as_ref().map(|verdict| {
                 in_the_air(verdict).map_or(0, |(count, _)| count)
             }),
+            hanging: HangingJson::new(&summary.hanging),
             warnings,
             took_s: self.took.as_secs_f64(),
             timings_s: self
@@ -90,10 +92,102 @@ struct Json<'a> {
     area_mm2: f64,
     checked: bool,
     islands_in_air: Option<u64>,
+    hanging: HangingJson,
     warnings: &'a [String],
     took_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     timings_s: Option<BTreeMap<&'static str, f64>>,
+}
+
+/// What nothing holds while it is printed, by kind.
+#[derive(Serialize)]
+struct HangingJson {
+    begins_on_nothing: KindJson,
+    leans: KindJson,
+    long_bridges: KindJson,
+    small_foot: Option<FootJson>,
+}
+
+#[derive(Serialize)]
+struct KindJson {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    count: Option<usize>,
+    area_mm2: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reach_mm: Option<f64>,
+    first_mm: Option<[f64; 3]>,
+}
+
+#[derive(Serialize)]
+struct FootJson {
+    area_mm2: f64,
+    holds_mm: f64,
+}
+
+impl HangingJson {
+    fn new(hanging: &Hanging) -> HangingJson {
+        let kind = |sum: &Sum, counted: bool, reach: bool| KindJson {
+            count: counted.then_some(sum.count),
+            area_mm2: sum.area,
+            reach_mm: reach.then_some(sum.reach),
+            first_mm: sum.first.map(|p| p.to_array()),
+        };
+        HangingJson {
+            begins_on_nothing: kind(&hanging.begins, true, false),
+            leans: kind(&hanging.leans, false, true),
+            long_bridges: kind(&hanging.bridges, true, true),
+            small_foot: hanging.foot.map(|foot| FootJson {
+                area_mm2: foot.area,
+                holds_mm: foot.holds,
+            }),
+        }
+    }
+}
+
+/// The lines of the summary about what hangs.
+fn describe_hanging(
+    hanging: &Hanging,
+    text: &mut String,
+) -> Result<(), std::fmt::Error> {
+    let mut title = "  hanging     ";
+    let mut line = |sum: &Sum, what: String| -> Result<(), std::fmt::Error> {
+        let Some(p) = sum.first else { return Ok(()) };
+        let title = std::mem::replace(&mut title, "              ");
+        writeln!(
+            text,
+            "{title}{:.1} mm² {what}, the first at x = {:.1}, y = {:.1}, \
+             z = {:.2} mm",
+            sum.area, p.x, p.y, p.z
+        )
+    };
+    let Hanging {
+        begins,
+        leans,
+        bridges,
+        ..
+    } = hanging;
+    let of = |n: usize, one: &str| match n {
+        1 => format!("1 {one}"),
+        n => format!("{n} {one}s"),
+    };
+    let count = of(begins.count, "island");
+    let verb = if begins.count == 1 { "begins" } else { "begin" };
+    line(begins, format!("in {count} that {verb} on nothing"))?;
+    let reach = leans.reach;
+    line(leans, format!("lean too far, by up to {reach:.1} mm"))?;
+    let (count, span) = (of(bridges.count, "bridge"), bridges.reach);
+    line(
+        bridges,
+        format!("in {count} too long, of up to {span:.1} mm"),
+    )?;
+    if let Some(foot) = hanging.foot {
+        writeln!(
+            text,
+            "  foot        {:.1} mm², good for a height of {:.0} mm",
+            foot.area, foot.holds
+        )?;
+    }
+    Ok(())
 }
 
 /// How many islands stand on nothing, and where the first of them begins.
@@ -164,10 +258,14 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
             summary.unfilled_area, summary.solid_area
         )?;
     }
+    describe_hanging(&summary.hanging, &mut text)?;
     if let Some(verdict) = &summary.verdict {
         let moves = verdict.moves;
         writeln!(text, "  checked     {moves} moves, safe for this printer")?;
-        if let Some((count, first)) = in_the_air(verdict) {
+        // More than the part's islands explain: tips, and bits of infill.
+        if let Some((count, first)) = in_the_air(verdict)
+            && count > summary.hanging.begins.count as u64
+        {
             writeln!(
                 text,
                 "  in the air  {count} {}, the first at x = {:.1}, y = {:.1}, \

@@ -9,6 +9,8 @@ use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
 use crate::bead::{Bead, Role};
 use crate::gcode::{Totals, Writer};
+use crate::hang::foot::Foot;
+use crate::hang::{self, Hanging, Look};
 use crate::infill::standing::Standing;
 use crate::layers::LayerSpan;
 use crate::limits;
@@ -17,14 +19,13 @@ use crate::pace::Pacer;
 use crate::plane::Rect;
 use crate::plane::grid::EdgeGrid;
 use crate::preview::Pictures;
-use crate::region::floating::floating;
 use crate::report;
 use crate::seam::ending::{Ended, endings};
 use crate::settings::{self, Settings};
 use crate::timings::{Stage, Timings};
 use crate::travel::{Ground, Move, connect};
 use crate::walls::Support;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use std::io;
 use std::ops::Range;
 use std::sync::Arc;
@@ -45,15 +46,17 @@ pub(super) struct Exit<'a, 'w> {
     writer: Writer<'a, &'w mut dyn io::Write>,
     /// The layers to be written.
     layers: Range<usize>,
+    /// How many the part has.
+    layer_count: usize,
     /// The one that comes next.
     next: usize,
     timings: &'a Timings,
     beads: usize,
     tally: Tally,
     warnings: Vec<String>,
-    /// Where islands inside the part begin in the air: how often, and where
-    /// first.
-    floating: (usize, Option<DVec3>),
+    hanging: hang::Tracker,
+    /// What the part stands on, if the first layer is written.
+    foot: Option<Foot>,
     figures: report::Tally,
 }
 
@@ -65,6 +68,10 @@ pub(super) struct Done {
     pub tally: Tally,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// What hangs.
+    pub hanging: Hanging,
+    /// What the part stands on, if that is written.
+    pub foot: Option<Foot>,
     /// What the print takes.
     pub totals: Totals,
     /// How far it is off.
@@ -72,12 +79,13 @@ pub(super) struct Done {
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
-    /// For writing `layers`; those of the same block before them have to be
+    /// For writing `layers` of a part's `layer_count`; those of the same block before them have to be
     /// given, too.
     pub fn new(
         timings: &'a Timings,
         offset: DVec2,
         layers: Range<usize>,
+        layer_count: usize,
         options: &'a Options<'a>,
         pictures: Option<Pictures>,
         writer: Writer<'a, &'w mut dyn io::Write>,
@@ -95,11 +103,13 @@ impl<'a, 'w> Exit<'a, 'w> {
             writer,
             next: layers.start - layers.start % BLOCK,
             layers,
+            layer_count,
             timings,
             beads: 0,
             tally: Tally::default(),
             warnings: Vec::new(),
-            floating: (0, None),
+            hanging: hang::Tracker::default(),
+            foot: None,
             figures: report::Tally::default(),
         }
     }
@@ -112,6 +122,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             mut beads,
             sparse,
             gap,
+            look,
             figures,
         } = ready.filled;
         let index = shell.span.index;
@@ -138,9 +149,7 @@ impl<'a, 'w> Exit<'a, 'w> {
                 self.left_out += left_out;
             }
         }
-        if written && let Some(below) = below {
-            self.look_for_floating(shell, below);
-        }
+        self.follow_hanging(shell, look.as_ref(), written);
         let from = self.head.at;
         let outline = &shell.outline.area;
         let ended = self.timings.time(Stage::Order, || {
@@ -242,32 +251,29 @@ impl<'a, 'w> Exit<'a, 'w> {
         (beads, wipes)
     }
 
-    /// Counts the islands in cavities that begin in this layer.
-    fn look_for_floating(&mut self, shell: &Shell, below: &Shell) {
-        if Arc::ptr_eq(&below.outline, &shell.outline) {
-            return;
+    /// Follows what hangs.
+    fn follow_hanging(
+        &mut self,
+        shell: &Shell,
+        look: Option<&Look>,
+        written: bool,
+    ) {
+        let (offset, span) = (self.offset, shell.span);
+        let place = |p: DVec2| (p + offset).extend(span.bottom);
+        let tracker = &mut self.hanging;
+        self.timings.time(Stage::Hang, || match look {
+            Some(look) => tracker.layer(look, &shell.solid, written, place),
+            None => tracker.same(span.height(), written, self.settings),
+        });
+        // With the block, or with the part.
+        let next = span.index + 1;
+        if next.is_multiple_of(BLOCK) || next == self.layer_count {
+            tracker.restart(written);
         }
-        for at in floating(&shell.outline.area, &below.cover()) {
-            let at = (at + self.offset).extend(shell.span.bottom);
-            self.floating.0 += 1;
-            self.floating.1.get_or_insert(at);
+        if span.index == 0 && written {
+            let outline = &shell.outline.area;
+            self.foot = Foot::new(outline, span.height(), self.settings);
         }
-    }
-
-    /// What to say about them.
-    fn floating_warning(&self) -> Option<String> {
-        let (count, first) = self.floating;
-        let p = first?;
-        let others = match count {
-            1 => String::new(),
-            n => format!(" (and {} more like it)", n - 1),
-        };
-        Some(format!(
-            "what begins at x = {:.1}, y = {:.1}, z = {:.1} on the bed hangs \
-             in a cavity of the part{others}: nothing holds it while it is \
-             printed, and a support could hardly be taken out",
-            p.x, p.y, p.z
-        ))
     }
 
     /// Forgets what the layers below have left, so that what follows depends
@@ -281,7 +287,6 @@ impl<'a, 'w> Exit<'a, 'w> {
 
     /// Ends the file.
     pub fn finish(mut self) -> Result<Done, SliceError> {
-        self.warnings.extend(self.floating_warning());
         let own = !matches!(self.settings.infill, settings::Infill::Pattern(_));
         if own && self.left_out > 0 {
             self.warnings.push(format!(
@@ -294,6 +299,8 @@ impl<'a, 'w> Exit<'a, 'w> {
             beads: self.beads,
             tally: self.tally,
             warnings: self.warnings,
+            hanging: self.hanging.finish(),
+            foot: self.foot,
             totals: self.writer.finish()?,
             figures: self.figures,
         })

@@ -38,6 +38,7 @@ use crate::field::{Backend, FieldError, SLAB};
 use crate::gcode::{
     Format, Header, Thumbnail, WriteError, Writer, needs_outline,
 };
+use crate::hang::Hanging;
 use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
 use crate::limits;
@@ -126,6 +127,8 @@ pub struct Summary {
     /// Islands and holes left out because they are smaller than a quarter of
     /// the outer wall's width.
     pub dropped_rings: usize,
+    /// What nothing holds while it is printed.
+    pub hanging: Hanging,
     /// Distance of the outlines from f = 0, µm, if there are any; of a few
     /// points, unless there is a report.
     pub outline_error: Option<Figures>,
@@ -319,6 +322,7 @@ fn write(
         });
     }
     let spans = &spans[..printed];
+    let top = spans.last().map_or(0.0, |span| span.top);
     let layers = options.layers.indices(printed)?;
     let rater = Rater::new(settings, model, &around)?;
     // Before hours of work, not after them.
@@ -368,6 +372,7 @@ fn write(
         &stages.timings,
         model.offset.truncate(),
         layers.clone(),
+        spans.len(),
         options,
         pictures,
         writer,
@@ -379,6 +384,9 @@ fn write(
     let done = exit.finish()?;
     let (tally, mut warnings) = (done.tally, of_templates);
     warnings.extend(done.warnings);
+    let mut hanging = done.hanging;
+    hanging.foot = done.foot.filter(|foot| top > foot.holds);
+    warnings.extend(hanging.warnings(top, settings));
     if done.beads == 0 {
         warnings.push("there is nothing to print in these layers".into());
     }
@@ -410,6 +418,7 @@ fn write(
         unfilled_area: tally.gap,
         solid_area: tally.solid,
         dropped_rings: tally.dropped_rings,
+        hanging,
         outline_error,
         wall_error,
         report,

@@ -1,6 +1,7 @@
 //! What is known of a layer on its way through the stages.
 
 use crate::contour::Outline;
+use crate::hang::Look;
 use crate::layers::LayerSpan;
 use crate::order::LayerBeads;
 use crate::plane::Area;
@@ -101,6 +102,8 @@ pub(super) struct Filled {
     pub sparse: Area,
     /// Area of gaps that nothing fills.
     pub gap: Mm2,
+    /// How it lies over the layer below, if that is not the same.
+    pub look: Option<Look>,
     /// How far it is off, if it was measured.
     pub figures: Option<LayerFigures>,
 }

@@ -10,6 +10,7 @@ use crate::adhesion::{Skirt, brim};
 use crate::contour::{Detail, Outline, outlines};
 use crate::field::{Backend, Field, FieldError};
 use crate::fuzzy::Fuzzy;
+use crate::hang::Look;
 use crate::infill::{self, Infill};
 use crate::layers::LayerSpan;
 use crate::limits;
@@ -314,6 +315,25 @@ impl<'a> Stages<'a> {
         };
         self.timings
             .time(Stage::Report, || self.gauge.layer(parts, k))
+    }
+
+    /// How layer `i` of the window lies over the one below, unless they are
+    /// the same or it is the first.
+    pub fn look(&self, window: &VecDeque<Shell>, i: usize) -> Option<Look> {
+        let (here, below) = (&window[i], window.get(i.checked_sub(1)?)?);
+        if Arc::ptr_eq(&here.outline, &below.outline) {
+            return None;
+        }
+        let span = here.span;
+        Some(self.timings.time(Stage::Hang, || {
+            Look::new(
+                here.cover(),
+                below.cover(),
+                span.index,
+                span.height(),
+                self.settings,
+            )
+        }))
     }
 
     /// Everything there is to print in layer `i` of the window, and where it

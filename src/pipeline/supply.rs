@@ -209,6 +209,7 @@ impl<'a> Supply<'a> {
             Ok(Filled {
                 beads,
                 sparse,
+                look: stages.look(shells, i),
                 gap: inside.walls.gap,
                 figures,
             })

@@ -1,8 +1,9 @@
-//! Islands inside the part that nothing below holds: what hangs from the roof
-//! of a cavity, where supports could not be taken out.
+//! Islands that begin on nothing: no solid lies under them in the layer
+//! below.
 //!
-//! In: a layer's outline and the layer below. Out: a point of each island that
-//! no solid lies under, but around which there is solid.
+//! In: a layer's outline and the layer below. Out: each such island, and
+//! whether it is inside the part, with solid around it: what hangs from the
+//! roof of a cavity, where supports could not be taken out.
 //!
 //! Not looked for: whether the cavity is closed above and below.
 
@@ -11,9 +12,19 @@ use crate::plane::Area;
 use crate::plane::nest::Nest;
 use glam::DVec2;
 
-/// A point of each of a layer's islands that begin in the air over `below`,
-/// with solid around them.
-pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<DVec2> {
+/// An island that begins in the air.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Floating {
+    /// Its outer ring and its holes.
+    pub island: Area,
+    /// A point of it.
+    pub at: DVec2,
+    /// Whether the layer below has solid around it.
+    pub in_cavity: bool,
+}
+
+/// A layer's islands that begin in the air over `below`.
+pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<Floating> {
     let mut free = outline.islands();
     free.retain(|island| {
         // Nearly always the first point tells.
@@ -25,11 +36,17 @@ pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<DVec2> {
     }
     let around = Nest::new(below.area.rings.iter());
     let covered = Islands::new(&free).covered(below);
-    free.iter()
-        .zip(covered)
-        .filter(|(_, covered)| *covered == Covered::Not)
-        .filter_map(|(island, _)| island.rings.first()?.first().copied())
-        .filter(|&p| around.around(p).is_some())
+    let free = free.into_iter().zip(covered);
+    free.filter(|(_, covered)| *covered == Covered::Not)
+        .filter_map(|(island, _)| {
+            let at = *island.rings.first()?.first()?;
+            let in_cavity = around.around(at).is_some();
+            Some(Floating {
+                island,
+                at,
+                in_cavity,
+            })
+        })
         .collect()
 }
 
@@ -40,14 +57,11 @@ mod tests {
     use crate::plane::grid::EdgeGrid;
 
     fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Area {
-        let ring = [(x0, low), (x1, low), (x1, high), (x0, high)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec();
-        Area { rings: vec![ring] }
+        crate::plane::rect(x0, low, x1, high)
     }
 
     #[test]
-    fn only_what_hangs_in_a_hole_floats() {
+    fn what_has_nothing_below_floats_in_a_cavity_or_beside_the_part() {
         let block = rect(0.0, 30.0, 0.0, 30.0);
         let below = difference(&block, &rect(5.0, 25.0, 5.0, 25.0));
         let grid = EdgeGrid::new(&below, 1.0);
@@ -55,20 +69,32 @@ mod tests {
             area: &below,
             grid: &grid,
         };
-        let on = |area: &Area| floating(area, &cover);
-        assert_eq!(on(&rect(8.0, 12.0, 8.0, 12.0)), [DVec2::splat(8.0)]);
+        let on = |area: &Area| -> Vec<(DVec2, bool)> {
+            let all = floating(area, &cover).into_iter();
+            all.map(|f| (f.at, f.in_cavity)).collect()
+        };
+        let place = DVec2::new;
+        let inside = rect(8.0, 12.0, 8.0, 12.0);
+        assert_eq!(on(&inside), [(place(8.0, 8.0), true)]);
+        assert_eq!(floating(&inside, &cover)[0].island, inside);
         // Beside it all, over an edge, and over all of it.
-        assert!(on(&rect(40.0, 45.0, 8.0, 12.0)).is_empty());
-        let two = Area {
+        let beside = rect(40.0, 45.0, 8.0, 12.0);
+        assert_eq!(on(&beside), [(place(40.0, 8.0), false)]);
+        assert!(on(&rect(3.0, 12.0, 8.0, 12.0)).is_empty());
+        assert!(on(&rect(-5.0, 50.0, -5.0, 50.0)).is_empty());
+        let several = Area {
             rings: [
                 rect(7.0, 9.0, 8.0, 9.0).rings,
-                rect(40.0, 45.0, 8.0, 12.0).rings,
+                beside.rings,
                 rect(15.0, 19.0, 8.0, 12.0).rings,
             ]
             .concat(),
         };
-        assert_eq!(on(&two), [DVec2::new(7.0, 8.0), DVec2::new(15.0, 8.0)]);
-        assert!(on(&rect(3.0, 12.0, 8.0, 12.0)).is_empty());
-        assert!(on(&rect(-5.0, 50.0, -5.0, 50.0)).is_empty());
+        let expected = [
+            (place(7.0, 8.0), true),
+            (place(40.0, 8.0), false),
+            (place(15.0, 8.0), true),
+        ];
+        assert_eq!(on(&several), expected);
     }
 }

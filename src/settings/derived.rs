@@ -1,7 +1,7 @@
 //! What several settings amount to together.
 
 use super::{Acceleration, Settings, check};
-use crate::units::{Celsius, Mm, MmPerSec, MmPerSec2};
+use crate::units::{Celsius, Degrees, Mm, MmPerSec, MmPerSec2};
 
 impl Settings {
     /// Solid layers below an upward face: `top_layers` if set, else what
@@ -28,6 +28,11 @@ impl Settings {
     /// Width of the lines of skin that faces downwards, and of bridges.
     pub fn bottom_skin_width(&self) -> Mm {
         self.bottom_skin_width.unwrap_or(self.skin_width)
+    }
+
+    /// Direction of skin lines in a layer, counted from the bed.
+    pub fn skin_direction(&self, layer: usize) -> Degrees {
+        self.skin_angle - 90.0 * (layer % 2) as f64
     }
 
     /// Speed of moves that do not print.

@@ -53,7 +53,7 @@ pub use profile::{Origin, Profile, ProfileKind, Profiles};
 pub use read::Builder;
 pub use rows::{
     Acceleration, Brim, Cooling, Filament, FuzzySkin, Gcode, Printer, Retract,
-    Settings, Skirt, Speed, Travel,
+    Settings, Skirt, Speed, Support, Travel,
 };
 pub use seam::Seam;
 pub use sizes::{ImageFormat, PictureSize, Sizes};

@@ -136,6 +136,9 @@ table::settings! {
         bridges: bool = true;
         /// How far a bridge's lines reach onto what holds them.
         bridge_anchor: Mm = 1.5, in 0.0..=20.0;
+        /// Longest bridge that the printer and the material are good for;
+        /// longer ones are warned of.
+        bridge_max: Mm = 20.0, in 0.0..=1000.0;
         /// Material of bridges, as a share of what skin would get.
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Share of its width by which a wall may hang over the layer below
@@ -189,6 +192,12 @@ table::settings! {
         grain: Mm = 0.8, in 0.1..=100.0;
         /// The walls of holes as well.
         holes: bool = false;
+    }
+    /// What holds a part while it is printed.
+    support: Support {
+        /// How far a face may lean over what is below it, from the vertical,
+        /// and still hold itself; what leans farther is warned of.
+        angle: Degrees = 55.0, in 0.0..=89.0;
     }
     /// Speeds of the nozzle.
     speed: Speed {

@@ -21,7 +21,7 @@
 
 use crate::plane::clip::{difference, intersection};
 use crate::plane::grid::EdgeGrid;
-use crate::plane::hatch::{Lines, hatch};
+use crate::plane::hatch::{Lines, Segment, hatch};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Ring, edges, point_beside, signed_area};
@@ -139,7 +139,11 @@ fn outer(area: &Area) -> Option<&Ring> {
 }
 
 /// The best direction of lines across a gap, if they can hang there.
-fn direction(gap: &Area, below: &EdgeGrid, width: Mm) -> Option<Degrees> {
+pub(crate) fn direction(
+    gap: &Area,
+    below: &EdgeGrid,
+    width: Mm,
+) -> Option<Degrees> {
     let fan = (0..(180.0 / FAN) as usize).map(|i| i as f64 * FAN);
     let mut sides: Vec<(Mm, Degrees)> = gap
         .rings
@@ -191,16 +195,10 @@ fn hang(
         spacing,
         phase: low + 0.5 * spacing,
     };
-    // A wall may stand between the end of a line and what holds it.
-    let steps = [0.1, 0.5 * width, width, 1.5 * width, 2.0 * width];
-    let holds = |p: DVec2, out: DVec2| {
-        steps.iter().any(|d| below.contains(p + out * *d))
-    };
     let mut spans: Vec<(Mm, Mm)> = Vec::new();
     let (mut held, mut total) = (0.0, 0.0);
-    for s in hatch(gap, lines, 0.1) {
-        let length = s.from.distance(s.to);
-        let ends = [holds(s.from, -along), holds(s.to, along)];
+    for (line, ends) in hung(gap, below, lines, width) {
+        let length = line.from.distance(line.to);
         let span = match ends.iter().filter(|e| **e).count() {
             2 => {
                 held += length;
@@ -219,6 +217,24 @@ fn hang(
         below >= COMMON * total
     });
     common.map(|(span, _)| (*span, held / total))
+}
+
+/// Lines across a gap, and whether `below` holds each one's ends.
+pub(crate) fn hung(
+    gap: &Area,
+    below: &EdgeGrid,
+    lines: Lines,
+    width: Mm,
+) -> Vec<(Segment, [bool; 2])> {
+    let along = DVec2::from_angle(lines.angle.to_radians());
+    // A wall may stand between the end of a line and what holds it.
+    let steps = [0.1, 0.5 * width, width, 1.5 * width, 2.0 * width];
+    let holds = |p: DVec2, out: DVec2| {
+        steps.iter().any(|d| below.contains(p + out * *d))
+    };
+    let ends = |s: Segment| [holds(s.from, -along), holds(s.to, along)];
+    let all = hatch(gap, lines, 0.1).into_iter();
+    all.map(|s| (s, ends(s))).collect()
 }
 
 #[cfg(test)]

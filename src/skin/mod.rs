@@ -13,7 +13,7 @@
 //! internal skin, each with its own width and pattern. Where these are the
 //! same, lines run on from one to the other and only their roles change.
 
-mod bridge;
+pub(crate) mod bridge;
 mod fill;
 mod roles;
 mod short;
@@ -77,7 +77,7 @@ pub fn patches(
         above: Face::new(faces.above),
         below: Face::new(faces.below),
         on_bed: layer == 0,
-        angle: settings.skin_angle - 90.0 * (layer % 2) as f64,
+        angle: settings.skin_direction(layer),
         height,
         settings,
     };

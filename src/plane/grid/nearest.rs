@@ -9,13 +9,20 @@ use glam::DVec2;
 impl EdgeGrid {
     /// The point of the edges nearest to `p` and the number of its ring.
     pub fn nearest(&self, p: DVec2) -> Option<(usize, DVec2)> {
+        let (edge, q) = self.foot(p)?;
+        Some((self.owner(edge), q))
+    }
+
+    /// The point of the edges nearest to `p`, however far away, and the
+    /// number of its edge.
+    pub fn foot(&self, p: DVec2) -> Option<(usize, DVec2)> {
         // No point of the grid is farther away than this.
         let size = DVec2::new(self.columns as f64, self.rows as f64);
         let middle = self.origin + 0.5 * self.cell * size;
         let far = p.distance(middle) + self.cell * (size.x + size.y);
         let mut reach = self.cell;
         loop {
-            let found = self.nearest_within(p, reach);
+            let found = self.nearest_edge(p, reach);
             if found.is_some() || reach > far {
                 return found;
             }

@@ -1,0 +1,175 @@
+//! What sticks out by more than a lip in one layer: ledges, lids, bridges.
+//!
+//! In: boxes of a layer in which something does, and the layer below. Out: the
+//! gaps below it, and what hangs over each.
+
+use super::look::Limits;
+use crate::plane::clip::{crop, difference, intersection};
+use crate::plane::grid::EdgeGrid;
+use crate::plane::hatch::Lines;
+use crate::plane::offset::offset;
+use crate::plane::{Area, Rect, edges};
+use crate::region::cover::Cover;
+use crate::settings::Settings;
+use crate::skin::bridge::{direction, hung};
+use crate::units::{Mm, Mm2};
+use glam::DVec2;
+
+/// What hangs over a gap.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gap {
+    /// Where it is, without what the layer below holds.
+    pub area: Area,
+    /// Content of what is not held at two ends, and how far it reaches.
+    pub leans: Mm2,
+    pub reach: Mm,
+    /// Its farthest point.
+    pub at: DVec2,
+    /// Content of the bridges that are too long, and the longest.
+    pub bridges: Mm2,
+    pub span: Mm,
+    /// The middle of that.
+    pub middle: DVec2,
+}
+
+/// Tolerance of the offsets, mm.
+const TOLERANCE: Mm = 0.02;
+/// What is smaller is not worth a look, mm².
+const SPECK: Mm2 = 0.05;
+/// Points of a gap at which its reach is measured, about.
+const POINTS: f64 = 2000.0;
+/// Boxes that are worth being kept apart.
+const BOXES: usize = 200;
+
+/// The gaps in some boxes of a layer.
+pub(super) fn gaps(
+    boxes: Vec<Rect>,
+    here: &Cover<'_>,
+    below: &Cover<'_>,
+    number: usize,
+    limits: Limits,
+    settings: &Settings,
+) -> Vec<Gap> {
+    let boxes = merged(boxes);
+    let found = boxes.into_iter().flat_map(|rect| {
+        crate::limits::check();
+        let wide = Rect {
+            min: rect.min - 3.0 - limits.held,
+            max: rect.max + 3.0 + limits.held,
+        };
+        let under = crop(&below.area.rings, wide);
+        let open = difference(&crop(&here.area.rings, rect), &under);
+        let beyond = difference(&open, &offset(&under, limits.held, TOLERANCE));
+        let beyond = Area {
+            rings: beyond
+                .islands()
+                .into_iter()
+                .filter(|island| island.content() > SPECK)
+                .flat_map(|island| island.rings)
+                .collect(),
+        };
+        let around = offset(&beyond, limits.held + TOLERANCE, TOLERANCE);
+        intersection(&open, &around).islands()
+    });
+    found
+        .filter(|area| area.content() > SPECK)
+        .map(|area| over(area, below.grid, number, limits, settings))
+        .collect()
+}
+
+/// Boxes none of which meet.
+fn merged(mut boxes: Vec<Rect>) -> Vec<Rect> {
+    if boxes.len() > BOXES {
+        return vec![boxes.iter().fold(Rect::EMPTY, |r, b| r.union(*b))];
+    }
+    let mut done: Vec<Rect> = Vec::new();
+    while let Some(mut rect) = boxes.pop() {
+        // What it grew by may meet those that it did not meet before.
+        loop {
+            let met: Vec<Rect> =
+                done.extract_if(.., |d| d.meets(rect)).collect();
+            if met.is_empty() {
+                break;
+            }
+            rect = met.iter().fold(rect, |r, b| r.union(*b));
+        }
+        done.push(rect);
+    }
+    done
+}
+
+/// What hangs over one gap.
+fn over(
+    area: Area,
+    below: &EdgeGrid,
+    number: usize,
+    limits: Limits,
+    settings: &Settings,
+) -> Gap {
+    let width = settings.bottom_skin_width();
+    let angle = match settings.bridges {
+        true => direction(&area, below, width),
+        false => Some(settings.skin_direction(number)),
+    };
+    let content = area.content();
+    let spacing = width.max((content / POINTS).sqrt());
+    let lines = Lines {
+        angle: angle.unwrap_or(0.0),
+        spacing,
+        phase: 0.5 * spacing,
+    };
+    let lines = hung(&area, below, lines, width);
+    let total: Mm = lines.iter().map(|(s, _)| s.from.distance(s.to)).sum();
+    let share = content / total.max(1e-9);
+    let is_held = |ends: &[bool; 2]| angle.is_some() && *ends == [true; 2];
+    let (held, free): (Vec<_>, Vec<_>) =
+        lines.into_iter().partition(|(_, ends)| is_held(ends));
+    let mut gap = Gap {
+        area,
+        ..Gap::default()
+    };
+    for (line, _) in &held {
+        let length = line.from.distance(line.to);
+        if length > settings.bridge_max {
+            gap.bridges += length * share;
+            if length > gap.span {
+                gap.span = length;
+                gap.middle = line.from.midpoint(line.to);
+            }
+        }
+    }
+    let bridged = held.iter().map(|(s, _)| (0, (s.from, s.to)));
+    let bridged = EdgeGrid::of(bridged, 1.0);
+    let mut ask = |p: DVec2| {
+        let away = |grid: &EdgeGrid| {
+            grid.foot(p).map_or(f64::INFINITY, |(_, q)| q.distance(p))
+        };
+        let reach = away(below).min(away(&bridged));
+        if reach.is_finite() && reach > gap.reach {
+            gap.reach = reach;
+            gap.at = p;
+        }
+    };
+    let mut leans = 0.0;
+    for (line, _) in &free {
+        let length = line.from.distance(line.to);
+        leans += length * share;
+        let steps = (length / spacing).ceil().max(1.0);
+        for k in 0..=steps as usize {
+            ask(line.from.lerp(line.to, k as f64 / steps));
+        }
+    }
+    if held.is_empty() {
+        // The farthest point may be between the lines, at a corner.
+        for ring in &gap.area.rings {
+            let step = (ring.len() / 500).max(1);
+            edges(ring).step_by(step).for_each(|(p, _)| ask(p));
+        }
+    }
+    if gap.reach > limits.held + limits.lip {
+        gap.leans = leans;
+    } else {
+        gap.reach = 0.0;
+    }
+    gap
+}

@@ -1,0 +1,366 @@
+//! A layer over the one below: how far its rim sticks out, and where it has
+//! a ledge, a lid or a bridge.
+//!
+//! Most of a layer lies right over the layer below. So only places on the
+//! rims are looked at, a small way apart: those of the layer, which are near
+//! to the rim below nearly everywhere, and those of the layer below, which
+//! may lie under a lid. Areas are made only where these tell of a ledge.
+
+use super::gap::{Gap, gaps};
+use crate::plane::grid::EdgeGrid;
+use crate::plane::{Area, Rect, Ring, edges, signed_area};
+use crate::region::cover::Cover;
+use crate::region::floating::{Floating, floating};
+use crate::settings::Settings;
+use crate::units::{Mm, Mm2};
+use glam::DVec2;
+
+/// How far a layer may stick out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// What the layer below holds beyond its rim.
+    pub held: Mm,
+    /// What hangs beyond that without harm.
+    pub lip: Mm,
+}
+
+/// A layer over the one below.
+#[derive(Clone, Debug)]
+pub struct Look {
+    pub(super) limits: Limits,
+    /// Height of the layer.
+    pub(super) height: Mm,
+    /// Islands that begin on nothing.
+    pub(super) begins: Vec<Floating>,
+    /// What sticks out by more than a lip in this layer alone.
+    pub(super) gaps: Vec<Gap>,
+    /// Places on the rim, ring by ring.
+    pub(super) rim: Vec<Place>,
+    /// True if some of them stick out by more than the layer below holds.
+    pub(super) leans: bool,
+}
+
+/// A place on the rim of a layer. Places on rings are edges' numbers, as a
+/// grid has them, and parts of edges.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub at: DVec2,
+    /// Where on the rings.
+    pub on: f64,
+    /// The same of its ring's beginning and its end.
+    pub ring: (f64, f64),
+    /// Length of the rim that goes with it.
+    pub length: Mm,
+    /// Where on the rings of the layer below it is nearest to, if that is
+    /// known; what is far inside does not need it.
+    pub foot: Option<f64>,
+    /// How far it sticks out over the layer below; negative if it is inside
+    /// that, and no number if nothing is known but that it is.
+    pub beyond: Mm,
+    /// Content of what sticks out around it.
+    pub strip: Mm2,
+    /// What becomes of a ledge that it is at the rim of.
+    pub ledge: Ledge,
+}
+
+/// What a place at the rim has to do with ledges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Ledge {
+    /// Nothing.
+    No,
+    /// It is at the rim of one, with this content.
+    Free(Mm2),
+    /// It is, and a bridge, or something near, holds it.
+    Held,
+}
+
+/// How far apart places are on a curved rim, and on a straight one, mm.
+const STEP: Mm = 0.5;
+const STRAIGHT: Mm = 1.0;
+/// How far apart they are on the rim of the layer below: lids are wide, mm.
+const WIDE_STEP: Mm = 2.0;
+/// Lip that hangs without harm, in widths of the outer wall.
+const LIP: f64 = 2.0;
+/// Rims are known so well, mm.
+const SLACK: Mm = 0.01;
+
+impl Limits {
+    /// Of a layer of this height.
+    pub fn new(height: Mm, settings: &Settings) -> Limits {
+        Limits {
+            held: height * settings.support.angle.to_radians().tan() + SLACK,
+            lip: LIP * settings.outer_wall_width,
+        }
+    }
+}
+
+impl Look {
+    /// Looks at layer `number` of some height, `here`, over `below`.
+    pub fn new(
+        here: Cover<'_>,
+        below: Cover<'_>,
+        number: usize,
+        height: Mm,
+        settings: &Settings,
+    ) -> Look {
+        crate::limits::check();
+        let limits = Limits::new(height, settings);
+        let begins = floating(here.area, &below);
+        // A ring's first point names it.
+        let is_new = |ring: &Ring| {
+            let mut all = begins.iter().flat_map(|f| &f.island.rings);
+            all.any(|own| own.first() == ring.first())
+        };
+        let mut look = Look {
+            limits,
+            height,
+            begins: Vec::new(),
+            gaps: Vec::new(),
+            rim: Vec::new(),
+            leans: false,
+        };
+        let mut boxes = Vec::new();
+        let mut first = 0;
+        for ring in &here.area.rings {
+            let numbers = EdgeGrid::numbers(std::slice::from_ref(ring));
+            let from = look.rim.len();
+            look.places(ring, first);
+            first += numbers;
+            let own = &mut look.rim[from..];
+            if begins.is_empty() || !is_new(ring) {
+                look.leans |= over(own, below.grid, limits, &mut boxes);
+            }
+        }
+        under_lids(&here, below.area, limits, &mut boxes);
+        if !boxes.is_empty() {
+            let old = here.area.rings.iter().filter(|ring| !is_new(ring));
+            let old = Area {
+                rings: old.cloned().collect(),
+            };
+            let old = Cover { area: &old, ..here };
+            look.gaps = gaps(boxes, &old, &below, number, limits, settings);
+            look.settle_ledges();
+        }
+        look.begins = begins;
+        look
+    }
+
+    /// Places on a ring whose first edge has this number.
+    fn places(&mut self, ring: &Ring, first: usize) {
+        let ends = (first as f64, (first + ring.len()) as f64);
+        let from = self.rim.len();
+        let mut push = |at: DVec2, on: f64| {
+            self.rim.push(Place {
+                at,
+                on,
+                ring: ends,
+                length: 0.0,
+                foot: None,
+                beyond: f64::NAN,
+                strip: 0.0,
+                ledge: Ledge::No,
+            });
+        };
+        let mut since = f64::INFINITY;
+        for (i, (a, b)) in edges(ring).enumerate() {
+            let on = (first + i) as f64;
+            if since >= STEP {
+                push(a, on);
+                since = 0.0;
+            }
+            let length = a.distance(b);
+            let parts = (length / STRAIGHT).floor() as usize + 1;
+            for k in 1..parts {
+                let t = k as f64 / parts as f64;
+                push(a.lerp(b, t), on + t);
+            }
+            since = match parts {
+                1 => since + length,
+                n => length / n as f64,
+            };
+        }
+        let own = &mut self.rim[from..];
+        for i in 0..own.len() {
+            let next = (i + 1) % own.len();
+            let half = 0.5 * own[i].at.distance(own[next].at);
+            own[i].length += half;
+            own[next].length += half;
+        }
+    }
+
+    /// Tells the places on ledges what holds these.
+    fn settle_ledges(&mut self) {
+        let bounds: Vec<Rect> =
+            self.gaps.iter().map(|gap| gap.area.bounds()).collect();
+        for i in 0..self.rim.len() {
+            let place = self.rim[i];
+            if place.ledge == Ledge::No {
+                continue;
+            }
+            // A little inside: the gap has the rim in common.
+            let next = match self.rim.get(i + 1) {
+                Some(next) if next.ring == place.ring => next.at,
+                _ => continue,
+            };
+            let along = (next - place.at).normalize_or_zero();
+            let p = place.at.midpoint(next) + 0.02 * along.perp();
+            let mut all = self.gaps.iter().zip(&bounds);
+            let gap = all.find(|(g, b)| b.contains(p) && g.area.contains(p));
+            self.rim[i].ledge = match gap {
+                Some((gap, _)) if gap.leans == 0.0 => Ledge::Held,
+                Some((gap, _)) => Ledge::Free(gap.leans),
+                None => place.ledge,
+            };
+        }
+    }
+}
+
+/// Finds out how far the places of a ring stick out, and adds boxes around
+/// ledges; true if some do by more than what is held.
+fn over(
+    places: &mut [Place],
+    below: &EdgeGrid,
+    limits: Limits,
+    boxes: &mut Vec<Rect>,
+) -> bool {
+    let mut leans = false;
+    let mut feet = Vec::with_capacity(places.len());
+    for place in places.iter_mut() {
+        let foot = nearest(place.at, below, limits.held);
+        place.beyond = foot.beyond;
+        place.foot = foot.on;
+        feet.push(foot.at);
+        leans |= place.beyond > limits.held;
+    }
+    if !leans {
+        return false;
+    }
+    let mut run: Option<Rect> = None;
+    for place in places.iter_mut() {
+        if place.beyond > limits.held + limits.lip {
+            place.ledge = Ledge::Free(0.0);
+            let margin = place.beyond + limits.held + limits.lip;
+            let around = Rect {
+                min: place.at - margin,
+                max: place.at + margin,
+            };
+            run = Some(run.map_or(around, |r| r.union(around)));
+        } else {
+            boxes.extend(run.take());
+        }
+    }
+    boxes.extend(run);
+    for i in 0..places.len() {
+        let next = (i + 1) % places.len();
+        let (a, b) = (places[i], places[next]);
+        let out = [a.beyond.max(0.0), b.beyond.max(0.0)];
+        if a.ledge != Ledge::No || b.ledge != Ledge::No || out == [0.0; 2] {
+            continue;
+        }
+        let foot = |p: Place, q: DVec2| if p.beyond > 0.0 { q } else { p.at };
+        let (p, q) = (foot(a, feet[i]), foot(b, feet[next]));
+        let side = a.at.distance(b.at);
+        let strip = match p.distance(q) <= side + out[0] + out[1] {
+            true => signed_area(&[a.at, b.at, q, p]).abs(),
+            false => 0.5 * side * (out[0] + out[1]),
+        };
+        places[i].strip += 0.5 * strip;
+        places[next].strip += 0.5 * strip;
+    }
+    true
+}
+
+/// What of the layer below is nearest to a place.
+struct Foot {
+    at: DVec2,
+    on: Option<f64>,
+    beyond: Mm,
+}
+
+/// Looks for it; deep inside, nothing is to be known.
+fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
+    /// Nearer than this a place is on the rim, mm.
+    const ON: Mm = 1e-3;
+    let close = below.nearest_edge(p, near);
+    let inside = close.is_none() && below.contains(p);
+    let found = match close {
+        Some(found) => Some(found),
+        None if inside => None,
+        None => below.foot(p),
+    };
+    let Some((edge, at)) = found else {
+        let beyond = match inside {
+            true => f64::NAN,
+            false => f64::INFINITY,
+        };
+        return Foot {
+            at: p,
+            on: None,
+            beyond,
+        };
+    };
+    let (a, b) = below.edge(edge);
+    let t = (at - a).dot(b - a) / (b - a).length_squared().max(1e-18);
+    let distance = p.distance(at);
+    let outside = if close.is_none() || distance < ON {
+        true
+    } else if t > 1e-9 && t < 1.0 - 1e-9 {
+        // Solid is to the left of its rim.
+        (b - a).perp_dot(p - a) < 0.0
+    } else {
+        !below.contains(p)
+    };
+    Foot {
+        at,
+        on: Some(edge as f64 + t.clamp(0.0, 1.0)),
+        beyond: if outside { distance } else { -distance },
+    }
+}
+
+/// Adds boxes around runs of the rim below that lie far under solid.
+fn under_lids(
+    here: &Cover<'_>,
+    below: &Area,
+    limits: Limits,
+    boxes: &mut Vec<Rect>,
+) {
+    let depth = limits.held + limits.lip;
+    // As far as the next place, and what hangs there.
+    let margin = WIDE_STEP + 2.0 * depth;
+    let all = Rect {
+        min: DVec2::splat(-margin),
+        max: DVec2::splat(margin),
+    };
+    for ring in &below.rings {
+        let mut run: Option<Rect> = None;
+        let mut since = f64::INFINITY;
+        let mut ask = |p: DVec2| {
+            let free = here.grid.nearest_edge(p, depth).is_none();
+            if free && here.grid.contains(p) {
+                let around = Rect {
+                    min: p + all.min,
+                    max: p + all.max,
+                };
+                run = Some(run.map_or(around, |r| r.union(around)));
+            } else {
+                boxes.extend(run.take());
+            }
+        };
+        for (a, b) in edges(ring) {
+            if since >= WIDE_STEP {
+                ask(a);
+                since = 0.0;
+            }
+            let length = a.distance(b);
+            let parts = (length / WIDE_STEP).floor() as usize + 1;
+            for k in 1..parts {
+                ask(a.lerp(b, k as f64 / parts as f64));
+            }
+            since = match parts {
+                1 => since + length,
+                n => length / n as f64,
+            };
+        }
+        boxes.extend(run);
+    }
+}

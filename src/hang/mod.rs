@@ -1,0 +1,99 @@
+//! What hangs: the places of a part that nothing below holds while they are
+//! printed, and what would need a support.
+//!
+//! ```text
+//!        ┌──────────────────────┐
+//!        └───────┐  ┌───────────┘   the underside of a plate on a post; its
+//!          reach │  │├── reach ─┤   reach is how far it gets from what holds
+//!                │  │
+//! ```
+//!
+//! In: the outline of a layer and that of the layer below. Out: what hangs, by
+//! kind, with its area, its widest reach and its first place.
+//!
+//! | kind | what it is |
+//! |---|---|
+//! | begins | an island with nothing below it |
+//! | leans | a face that leans by more than `support.angle` from the vertical, up to a ledge |
+//! | bridges | skin held at both ends, farther apart than `bridge_max` |
+//!
+//! Each layer holds h·tan(`support.angle`) of the one above, h being its
+//! height. What sticks out farther adds up from layer to layer: the rim of a
+//! wall that leans by 60° is 0.06 mm farther from what holds it with every
+//! layer of 0.2 mm, if 55° hold themselves, and comes back to it as slowly once
+//! the wall is upright again ([`Tracker`]). Up to two lines' width hang
+//! without harm: a bead laid beside one that is held sticks to it, and so
+//! does the next. So lips, small holes and the undersides of most lattices
+//! carry themselves and are not told of. Nor are the tips of a lattice that begin
+//! on nothing and soon are one with it ([`tip`]).
+//!
+//! Bridges are those that the skin's lines make: straight lines across a gap,
+//! in the direction that the [`skin`](crate::skin) has for them, held at both
+//! ends. They hold what is printed on them.
+//!
+//! Whether the whole part stands firmly is another matter: [`foot`].
+//!
+//! Not guaranteed: that a reach which adds up over more layers than a block of
+//! the pipeline has is counted in full; what a run of a range tells of a layer
+//! must not depend on all of the layers below. Nor is anything known of the
+//! material: how far a bridge or a slope holds is for the settings to say.
+
+pub mod foot;
+mod gap;
+mod look;
+mod tip;
+mod track;
+mod words;
+
+pub use look::Look;
+pub use track::Tracker;
+
+use crate::units::{Mm, Mm2};
+use glam::DVec3;
+
+/// What hangs in some layers, of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sum {
+    /// How many there are: islands, or gaps. Slopes have no number.
+    pub count: usize,
+    /// Their undersides, seen from below.
+    pub area: Mm2,
+    /// The largest of them, about, where they are connected.
+    pub largest: Mm2,
+    /// The widest: of slopes the distance from what holds them, of bridges
+    /// their length; 0 of islands.
+    pub reach: Mm,
+    /// Where the first of them is, on the bed: the lowest one.
+    pub first: Option<DVec3>,
+}
+
+impl Sum {
+    /// Adds `area`, which belongs to a place of `all`.
+    fn add(&mut self, area: Mm2, all: Mm2, reach: Mm, at: DVec3) {
+        self.count += 1;
+        self.area += area;
+        self.largest = self.largest.max(all);
+        self.reach = self.reach.max(reach);
+        self.first.get_or_insert(at);
+    }
+
+    /// True if there is nothing of this kind.
+    pub fn is_none(&self) -> bool {
+        self.first.is_none()
+    }
+}
+
+/// What hangs in some layers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hanging {
+    /// Islands that begin on nothing.
+    pub begins: Sum,
+    /// Those of them that are inside the part, in a cavity.
+    pub in_cavity: Sum,
+    /// Faces that lean too far.
+    pub leans: Sum,
+    /// Bridges that are too long.
+    pub bridges: Sum,
+    /// What the whole part stands on, if that is too small for its height.
+    pub foot: Option<foot::Foot>,
+}

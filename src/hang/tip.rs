@@ -1,0 +1,161 @@
+//! Islands that begin on nothing, until it is known what becomes of them.
+//!
+//! ```text
+//!      ▒▒▒▒▒▒▒▒▒▒
+//!      ▒▒▒▒  ▒▒▒▒     a tip begins in the air and is soon one with what
+//!      ▒▒▒    ▒▒      stands beside it: what is laid there is dragged along a
+//!      ▒▒             little, and caught
+//! ```
+//!
+//! A lattice that a slanted surface cuts has tips all over. An island is told
+//! of only if it is large, or gets high before it is one with anything that
+//! stands, or never is.
+//!
+//! In: the rims of layers, from below. Out: the islands that count.
+
+use super::look::{Look, Place};
+use crate::plane::grid::EdgeGrid;
+use crate::plane::signed_area;
+use crate::units::{Mm, Mm2};
+use glam::{DVec2, DVec3};
+
+/// From here on an island is no tip, mm².
+const LARGE: Mm2 = 10.0;
+/// Nor is it from this height on, mm.
+const HIGH: Mm = 3.0;
+
+/// An island that began on nothing.
+#[derive(Clone, Debug)]
+pub(super) struct Island {
+    /// Its content where it begins, and a point of it there.
+    pub area: Mm2,
+    pub at: DVec3,
+    /// Whether it hangs inside the part.
+    pub in_cavity: bool,
+    /// How high it is by now.
+    height: Mm,
+    /// Its ring in the layer below the next one: the numbers of its edges,
+    /// and a point.
+    ring: (f64, f64),
+    now: DVec2,
+}
+
+/// The islands of which it is not known yet.
+#[derive(Debug, Default)]
+pub(super) struct Tips(Vec<Island>);
+
+impl Tips {
+    /// Takes the next layer, `here`; gives the islands that count from now on.
+    pub fn layer(
+        &mut self,
+        look: &Look,
+        here: &EdgeGrid,
+        place: impl Fn(DVec2) -> DVec3,
+    ) -> Vec<Island> {
+        if self.0.is_empty() && look.begins.is_empty() {
+            return Vec::new();
+        }
+        let mut counts = Vec::new();
+        let below = std::mem::take(&mut self.0);
+        let rings: Vec<&[Place]> =
+            look.rim.chunk_by(|a, b| a.ring == b.ring).collect();
+        let above = ringed(&below, &rings);
+        for (mut island, above) in below.into_iter().zip(above) {
+            match above {
+                Above::Stands => {}
+                Above::Hangs(k) => {
+                    island.ring = rings[k][0].ring;
+                    island.now = rings[k][0].at;
+                    island.height += look.height;
+                    self.keep(island, rings[k], &mut counts);
+                }
+                Above::Nothing => {
+                    // Under solid whose rim is far away, or beside it, it is
+                    // caught. Where it just ends, it was never held.
+                    let (p, lip) = (island.now, look.limits.lip);
+                    let caught =
+                        here.contains(p) || here.nearest_edge(p, lip).is_some();
+                    if !caught {
+                        counts.push(island);
+                    }
+                }
+            }
+        }
+        for begins in &look.begins {
+            let first = begins.island.rings.first().and_then(|r| r.first());
+            let own = |ring: &&&[Place]| first == Some(&ring[0].at);
+            let Some(ring) = rings.iter().find(own) else {
+                continue;
+            };
+            let island = Island {
+                area: begins.island.content(),
+                at: place(begins.at),
+                in_cavity: begins.in_cavity,
+                height: look.height,
+                ring: ring[0].ring,
+                now: begins.at,
+            };
+            self.keep(island, ring, &mut counts);
+        }
+        // By place, for the next layer to find them.
+        self.0.sort_by(|a, b| a.ring.0.total_cmp(&b.ring.0));
+        counts
+    }
+
+    /// A layer of this height that is the same as the one below.
+    pub fn same(&mut self, height: Mm) -> Vec<Island> {
+        self.0.iter_mut().for_each(|i| i.height += height);
+        self.0.extract_if(.., |i| i.height >= HIGH).collect()
+    }
+
+    /// Those of which nothing more will be known.
+    pub fn rest(&mut self) -> Vec<Island> {
+        std::mem::take(&mut self.0)
+    }
+
+    /// Keeps an island whose ring is now `ring`, or counts it.
+    fn keep(&mut self, island: Island, ring: &[Place], to: &mut Vec<Island>) {
+        let ring: Vec<DVec2> = ring.iter().map(|p| p.at).collect();
+        let counts = island.height >= HIGH || signed_area(&ring) >= LARGE;
+        match counts {
+            true => to.push(island),
+            false => self.0.push(island),
+        }
+    }
+}
+
+/// What lies on an island.
+#[derive(Clone, Copy, Debug)]
+enum Above {
+    /// No rim that is near to its own.
+    Nothing,
+    /// The ring of this number, and that on nothing else that stands.
+    Hangs(usize),
+    /// A ring that stands on something else as well.
+    Stands,
+}
+
+/// What lies on each of some islands, which are in the order of their rings.
+fn ringed(islands: &[Island], rings: &[&[Place]]) -> Vec<Above> {
+    let find = |on: f64| {
+        let next = islands.partition_point(|i| i.ring.0 <= on);
+        let k = next.checked_sub(1)?;
+        (on <= islands[k].ring.1).then_some(k)
+    };
+    let mut above = vec![Above::Nothing; islands.len()];
+    for (r, ring) in rings.iter().enumerate() {
+        let feet = ring.iter().filter_map(|p| p.foot);
+        let on: Vec<Option<usize>> = feet.map(find).collect();
+        // Two islands that meet still stand on nothing.
+        let stands = on.contains(&None);
+        for k in on.into_iter().flatten() {
+            match (stands, above[k]) {
+                (false, Above::Hangs(_)) => {}
+                (false, _) => above[k] = Above::Hangs(r),
+                (true, Above::Nothing) => above[k] = Above::Stands,
+                (true, _) => {}
+            }
+        }
+    }
+    above
+}

@@ -1,0 +1,236 @@
+//! What hangs, added up from layer to layer.
+
+use super::Hanging;
+use super::look::{Ledge, Limits, Look, Place};
+use super::tip::{Island, Tips};
+use crate::plane::grid::EdgeGrid;
+use crate::settings::Settings;
+use crate::units::{Mm, Mm2};
+use glam::{DVec2, DVec3};
+
+/// Follows the rims up the part.
+#[derive(Debug, Default)]
+pub struct Tracker {
+    /// What is known of the layer below, place by place; nothing, if all of
+    /// it is held.
+    rim: Vec<(Place, State)>,
+    /// Islands that have begun on nothing.
+    tips: Tips,
+    sums: Hanging,
+}
+
+/// What is known of a place on a rim.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
+    /// How far it is beyond what holds itself.
+    excess: Mm,
+    /// Length of the underside from there on that has not been counted yet.
+    under: Mm,
+    /// Content of the slope that it belongs to, as far as it was counted.
+    slope: Mm2,
+}
+
+/// What leans along a part of a layer's rim.
+struct Slope {
+    /// Content of what is new in this layer, and of all of the slope so far.
+    area: Mm2,
+    all: Mm2,
+    /// The farthest place.
+    reach: Mm,
+    at: DVec2,
+}
+
+impl Tracker {
+    /// Forgets all layers so far: what follows is taken to be held. Islands
+    /// of which it is not known what becomes of them count, if that is asked.
+    pub fn restart(&mut self, count: bool) {
+        let begins = self.tips.rest();
+        if count {
+            self.count(begins);
+        }
+        self.rim.clear();
+    }
+
+    /// Takes the next layer, `here`, and counts what hangs in it, if it is asked to;
+    /// `place` makes a point of the layer one of the bed.
+    pub fn layer(
+        &mut self,
+        look: &Look,
+        here: &EdgeGrid,
+        count: bool,
+        place: impl Fn(DVec2) -> DVec3,
+    ) {
+        let found = self.follow(look);
+        let begins = self.tips.layer(look, here, &place);
+        if !count {
+            return;
+        }
+        self.count(begins);
+        let sums = &mut self.sums;
+        for gap in &look.gaps {
+            if gap.leans > 0.0 {
+                let at = place(gap.at);
+                sums.leans.add(gap.leans, gap.leans, gap.reach, at);
+            }
+            if gap.bridges > 0.0 {
+                let at = place(gap.middle);
+                sums.bridges.add(gap.bridges, gap.bridges, gap.span, at);
+            }
+        }
+        for slope in found {
+            let at = place(slope.at);
+            sums.leans.add(slope.area, slope.all, slope.reach, at);
+        }
+    }
+
+    /// Follows the rim; gives what leans beyond a lip.
+    fn follow(&mut self, look: &Look) -> Vec<Slope> {
+        if self.rim.is_empty() && !look.leans {
+            return Vec::new();
+        }
+        let limits = look.limits;
+        let mut areas = Vec::with_capacity(look.rim.len());
+        let rim = look.rim.iter().map(|place| {
+            let (state, area) = self.over(place, limits);
+            areas.push(area);
+            (*place, state)
+        });
+        let mut rim: Vec<(Place, State)> = rim.collect();
+        let hangs = |state: &State| state.excess > limits.lip;
+        let mut found = Vec::new();
+        let mut from = 0;
+        // Places that follow one another belong to one slope.
+        let same = |a: &(Place, State), b: &(Place, State)| {
+            a.0.ring == b.0.ring && hangs(&a.1) == hangs(&b.1)
+        };
+        for run in rim.chunk_by_mut(same) {
+            let areas = &areas[from..from + run.len()];
+            from += run.len();
+            if !hangs(&run[0].1) {
+                continue;
+            }
+            let area: Mm2 = areas.iter().sum();
+            let known = run.iter().map(|(_, state)| state.slope);
+            let all = area + known.fold(0.0, f64::max);
+            let excess = |(_, state): &&(Place, State)| state.excess;
+            let farthest = run
+                .iter()
+                .zip(areas)
+                .filter_map(|(place, &area)| (area > 0.0).then_some(place))
+                .max_by(|a, b| excess(a).total_cmp(&excess(b)));
+            if let Some((place, state)) = farthest {
+                found.push(Slope {
+                    area,
+                    all,
+                    reach: state.excess + limits.held,
+                    at: place.at,
+                });
+            }
+            run.iter_mut().for_each(|(_, state)| state.slope = all);
+        }
+        let any = rim.iter().any(|(_, state)| state.excess > 0.0);
+        self.rim = match any {
+            true => rim,
+            false => Vec::new(),
+        };
+        found
+    }
+
+    /// What becomes of a place over the rim below, and the content of what
+    /// leans there, if it is beyond a lip.
+    fn over(&self, place: &Place, limits: Limits) -> (State, Mm2) {
+        let below = place.foot.map_or(State::default(), |on| self.at(on));
+        let moved = match place.beyond.is_finite() {
+            true => below.excess + place.beyond - limits.held,
+            false => 0.0,
+        };
+        let mut state = State {
+            excess: moved,
+            ..below
+        };
+        if moved <= 0.0 || place.ledge == Ledge::Held {
+            return (State::default(), 0.0);
+        }
+        if let Ledge::Free(content) = place.ledge {
+            // Its gap is counted.
+            state.under = 0.0;
+            state.slope = content;
+        } else if place.beyond > limits.held && moved > limits.lip {
+            state.under = 0.0;
+            return (state, place.strip + below.under * place.length);
+        } else if place.beyond > limits.held {
+            state.under += place.beyond;
+        }
+        (state, 0.0)
+    }
+
+    /// What is known of a place on the rim below.
+    fn at(&self, on: f64) -> State {
+        let next = self.rim.partition_point(|(place, _)| place.on <= on);
+        let Some((before, state)) = next.checked_sub(1).map(|i| self.rim[i])
+        else {
+            return State::default();
+        };
+        // The last one of a ring is followed by its first.
+        let (from, end) = before.ring;
+        let (after, end) = match self.rim.get(next) {
+            Some((place, state)) if place.ring == before.ring => {
+                (*state, place.on)
+            }
+            _ => {
+                let first =
+                    self.rim.partition_point(|(place, _)| place.on < from);
+                (self.rim.get(first).map_or(state, |(_, s)| *s), end)
+            }
+        };
+        let way = end - before.on;
+        let t = match way > 0.0 {
+            true => ((on - before.on) / way).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        let mix = |a: Mm, b: Mm| a + (b - a) * t;
+        State {
+            excess: mix(state.excess, after.excess),
+            under: mix(state.under, after.under),
+            slope: state.slope.max(after.slope),
+        }
+    }
+
+    fn count(&mut self, begins: Vec<Island>) {
+        for Island {
+            area,
+            at,
+            in_cavity,
+            ..
+        } in begins
+        {
+            self.sums.begins.add(area, area, 0.0, at);
+            if in_cavity {
+                self.sums.in_cavity.add(area, area, 0.0, at);
+            }
+        }
+    }
+
+    /// A layer that is the same as the one below, this high: rims come nearer to
+    /// what is held.
+    pub fn same(&mut self, height: Mm, count: bool, settings: &Settings) {
+        let begins = self.tips.same(height);
+        if count {
+            self.count(begins);
+        }
+        let held = Limits::new(height, settings).held;
+        let mut any = false;
+        for (_, state) in &mut self.rim {
+            state.excess = (state.excess - held).max(0.0);
+            any |= state.excess > 0.0;
+        }
+        if !any {
+            self.rim.clear();
+        }
+    }
+
+    /// What hangs in the layers that were counted.
+    pub fn finish(self) -> Hanging {
+        self.sums
+    }
+}

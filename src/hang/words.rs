@@ -1,0 +1,90 @@
+//! What hangs, in words: the warnings.
+
+use super::{Hanging, Sum};
+use crate::settings::Settings;
+use crate::units::{Mm, Mm2};
+
+/// Faces that lean are told of if one is as large as this, mm², or gets as far
+/// away from what holds it, mm: smaller ones sag by a layer or two, which is a
+/// blemish, and lattices are full of them.
+const LARGE: Mm2 = 10.0;
+const FAR: Mm = 5.0;
+
+/// Where the first one is.
+fn place(sum: &Sum) -> String {
+    let Some(p) = sum.first else {
+        return String::new();
+    };
+    format!("x = {:.1}, y = {:.1}, z = {:.1} on the bed", p.x, p.y, p.z)
+}
+
+/// How many there are besides the first.
+fn others(count: usize) -> String {
+    match count {
+        0 | 1 => String::new(),
+        n => format!(" (and {} more like it)", n - 1),
+    }
+}
+
+impl Hanging {
+    /// What the user should know; `height` is that of the part.
+    pub fn warnings(&self, height: Mm, settings: &Settings) -> Vec<String> {
+        let mut all = Vec::new();
+        let inside = &self.in_cavity;
+        if !inside.is_none() {
+            all.push(format!(
+                "what begins at {} hangs in a cavity of the part{}: nothing \
+                 holds it while it is printed, and a support could hardly be \
+                 taken out",
+                place(inside),
+                others(inside.count)
+            ));
+        }
+        let begins = &self.begins;
+        if begins.count > inside.count {
+            all.push(format!(
+                "what begins at {} begins on nothing{}: it would be printed \
+                 into the air; turn the part, or give it something to stand \
+                 on in the model, as there are no supports yet",
+                place(begins),
+                others(begins.count)
+            ));
+        }
+        let leans = &self.leans;
+        if leans.largest >= LARGE || leans.reach >= FAR {
+            all.push(format!(
+                "{:.0} mm² of undersides lean by more than support.angle = \
+                 {}° from the vertical and get up to {:.1} mm away from what \
+                 holds them, the first at {}: they will sag; turn the part or \
+                 make them steeper, as there are no supports yet, or raise \
+                 support.angle if your printer does better",
+                leans.area,
+                settings.support.angle,
+                leans.reach,
+                place(leans)
+            ));
+        }
+        let bridges = &self.bridges;
+        if !bridges.is_none() {
+            all.push(format!(
+                "the bridge at {} is longer than bridge_max = {} mm{}, the \
+                 longest {:.1} mm: they will sag; turn the part, or raise \
+                 bridge_max if your printer does better",
+                place(bridges),
+                settings.bridge_max,
+                others(bridges.count),
+                bridges.reach,
+            ));
+        }
+        if let Some(foot) = self.foot {
+            all.push(format!(
+                "the part stands on {:.1} mm² and is {height:.1} mm high: \
+                 the pull of the nozzle may tear such a foot off from about \
+                 {:.0} mm on; give it a brim (brim.place = \"outer\"), or \
+                 lay the part down",
+                foot.area, foot.holds
+            ));
+        }
+        all
+    }
+}
