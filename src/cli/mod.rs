@@ -6,6 +6,7 @@
 
 mod args;
 mod check;
+mod closed;
 mod info;
 mod limits;
 mod manual;
@@ -16,6 +17,8 @@ mod preview;
 mod profiles;
 mod render;
 mod settings;
+#[cfg(unix)]
+mod signals;
 mod slice;
 mod summary;
 pub(crate) mod terminal;
@@ -92,7 +95,8 @@ enum Command {
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     cli.verbosity.apply();
     memory::return_large_blocks();
-    limits::end_cleanly_when_asked()?;
+    #[cfg(unix)]
+    signals::end_cleanly_when_asked()?;
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Preview(args) => preview::run(&args),
@@ -109,9 +113,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
 
 /// Prints a result as JSON.
 fn print_json(result: &impl serde::Serialize) -> anyhow::Result<()> {
-    use std::io::{Write, stdout};
     let mut text = serde_json::to_string_pretty(result)?;
     text.push('\n');
-    stdout().lock().write_all(text.as_bytes())?;
-    Ok(())
+    output::print(text.as_bytes())
 }
