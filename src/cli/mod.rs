@@ -42,7 +42,7 @@ Exit codes:
   0    done
   1    something is wrong with the model, the settings or a file
   2    something is wrong with the command line
-  130  interrupted
+  130  interrupted by a signal
   141  whoever read our output has closed it before the end
 
 Environment:
