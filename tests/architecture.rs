@@ -42,10 +42,11 @@ const ORDER: &[&[&str]] = &[
     &["seam"],
     &["order"],
     &["travel"],
+    // G-code of any slicer, back to moves. Before the pace, whose clock tells
+    // how long they take.
+    &["reader"],
     &["pace"],
     &["gcode", "report"],
-    // G-code of any slicer, back to moves.
-    &["reader"],
     // Is it safe to run?
     &["check"],
     &["preview"],
