@@ -29,6 +29,9 @@ pub type Celsius = f64;
 /// Share in percent (100 is the whole).
 pub type Percent = f64;
 
+/// A unit of the last decimal of the coordinates in G-code.
+pub const MICRON: Mm = 1e-3;
+
 /// Feed rate of a `G1` word, mm/min, from a speed in mm/s.
 pub fn feed_rate(speed: MmPerSec) -> f64 {
     speed * 60.0

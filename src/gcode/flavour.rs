@@ -21,6 +21,7 @@
 
 use super::number::text;
 use super::progress::Progress;
+use crate::pace::motion::Planner;
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, Percent, feed_rate};
 
@@ -155,8 +156,6 @@ pub(super) fn checks(settings: &Settings) -> Vec<String> {
 /// sudden change of each axis: at a right angle one axis loses v and the other
 /// gains it. A junction deviation of v²·(√2 − 1)/a has the same speed there.
 pub(super) fn limits(settings: &Settings) -> Vec<String> {
-    // What Marlin takes.
-    const DEVIATION: (f64, f64) = (0.01, 0.3);
     let printer = &settings.printer;
     let print = printer.acceleration;
     let travel = settings.travel_acceleration();
@@ -172,9 +171,7 @@ pub(super) fn limits(settings: &Settings) -> Vec<String> {
     let v = text(corner, COARSE);
     match flavour {
         Flavour::Marlin => {
-            let factor = std::f64::consts::SQRT_2 - 1.0;
-            let deviation = (corner * corner * factor / print)
-                .clamp(DEVIATION.0, DEVIATION.1);
+            let deviation = Planner::deviation(corner, print);
             vec![two(), format!("M205 X{v} Y{v} J{}", text(deviation, 3))]
         }
         Flavour::Prusa => vec![two(), format!("M205 X{v} Y{v}")],

@@ -35,6 +35,7 @@
 //! | `thumbnail` | the pictures in the head |
 //! | `label` | the part's name and outline, for hosts |
 //! | `progress` | lines that need the whole print's time |
+//! | `time` | how long the file's head and foot take |
 //! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
 
 mod bounded;
@@ -55,6 +56,7 @@ mod scan;
 mod sink;
 mod template;
 mod thumbnail;
+mod time;
 
 pub use comments::role_name;
 pub use flavour::{default_end, default_start};
@@ -87,8 +89,6 @@ const E: u32 = 5;
 const WIDTH: u32 = 4;
 /// Decimals of temperatures and accelerations.
 const COARSE: u32 = 1;
-/// Millimetres in a unit of the last decimal of a coordinate.
-const MICRON: f64 = 1e-3;
 /// Text after which the buffer is emptied, bytes: a large layer's is many
 /// times that.
 const FULL: usize = 1 << 16;
@@ -138,7 +138,8 @@ pub struct Totals {
     pub filament_volume: Mm3,
     /// Mass of it, grams.
     pub filament_mass_g: f64,
-    /// Time of all layers, without heating, homing and templates.
+    /// Time of all moves, those of the templates as well, without heating,
+    /// homing and macros.
     pub time: Seconds,
     /// Number of layers written.
     pub layers: usize,
@@ -189,6 +190,8 @@ pub struct Writer<'a, W: Write> {
     totals: Totals,
     /// Filament that the firmware has fed by itself, mm.
     extra: Mm,
+    /// Where the head is after the file's head.
+    start: DVec3,
     layer: usize,
     /// True if beads differ in their acceleration from what was told before.
     sets_acceleration: bool,
@@ -241,6 +244,7 @@ impl<'a, W: Write> Writer<'a, W> {
             buffer: Vec::with_capacity(2 * FULL),
             totals: Totals::default(),
             extra: 0.0,
+            start: DVec3::ZERO,
             layer: 0,
             sets_acceleration: flavour::sets_acceleration(settings),
             xy: None,
@@ -260,6 +264,7 @@ impl<'a, W: Write> Writer<'a, W> {
             },
         };
         writer.begin(&start, header)?;
+        writer.time_head();
         writer.flush()?;
         Ok(writer)
     }
@@ -277,6 +282,7 @@ impl<'a, W: Write> Writer<'a, W> {
         let before = self.filament.exact + self.extra;
         if self.totals.layers == 0 {
             self.catch_up();
+            self.time_approach(layer);
         }
         self.compose(layer, Self::flush)?;
         let fed = self.filament.exact + self.extra - before;
@@ -325,6 +331,7 @@ impl<'a, W: Write> Writer<'a, W> {
     /// # Errors
     /// If the output cannot be written.
     pub fn finish(mut self) -> Result<Totals, WriteError> {
+        let before = self.place();
         if self.settings.gcode.comments != Comments::None {
             self.line(comments::END_OF_LAYERS);
         }
@@ -344,6 +351,9 @@ impl<'a, W: Write> Writer<'a, W> {
         // Density is in g/cm³.
         totals.filament_mass_g =
             totals.filament_volume * 1e-3 * filament.density;
+        // The end may name the whole time, its own included.
+        let end = self.templates.end(self.totals)?;
+        self.time_foot(&before, &end);
         let end = self.templates.end(self.totals)?;
         self.buffer.extend_from_slice(end.as_bytes());
         self.mark(0.0);

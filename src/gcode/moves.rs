@@ -4,10 +4,10 @@
 
 use super::comments::{self, role_name};
 use super::number::scaled;
-use super::{COARSE, E, MICRON, WIDTH, WriteError, Writer, XYZ, flavour};
+use super::{COARSE, E, WIDTH, WriteError, Writer, XYZ, flavour};
 use crate::bead::Bead;
 use crate::pace::PacedMove;
-use crate::units::{Mm, MmPerSec, MmPerSec2, feed_rate, filament_area};
+use crate::units::{MICRON, Mm, MmPerSec, MmPerSec2, feed_rate, filament_area};
 use glam::DVec2;
 use std::io::Write;
 

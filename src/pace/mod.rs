@@ -23,13 +23,14 @@
 //! at `cooling.min_speed` it may still be shorter. Heating, homing and what the
 //! start and end templates do are in no time given here.
 //!
-//! Times come from the [motion model](motion), over a whole layer: the moves
-//! of one layer are the window of its look-ahead, and a layer starts and ends
-//! at rest. The change of z between layers is a corner taken at walking pace
-//! anyway, so this costs some milliseconds a layer and makes a layer's time
-//! its own.
+//! Times come from the [motion model](motion), for the points as they are
+//! written, in micrometres: firmware sees the corners of those. A layer starts
+//! and ends at rest. The change of z between layers is a corner taken at
+//! walking pace anyway, so this costs some milliseconds a layer and makes
+//! a layer's time its own. What is no layer's, the `clock` reads from the text.
 
 mod bounds;
+pub mod clock;
 mod fan;
 pub mod motion;
 mod moves;
@@ -44,7 +45,7 @@ use crate::plane::grid::EdgeGrid;
 use crate::plane::path_length;
 use crate::settings::Settings;
 use crate::travel::{LayerPath, Move, Travel};
-use crate::units::{Mm, Percent, filament_area};
+use crate::units::{MICRON, Mm, MmPerSec, MmPerSec2, Percent, filament_area};
 use crate::vary::VaryError;
 use bounds::{acceleration, print_speed, speed_limit};
 use fan::fan_speed;
@@ -57,9 +58,9 @@ use slowing::slow_down;
 /// start template left it, mm: clears what start templates leave on the bed.
 const APPROACH: Mm = 2.0;
 
-/// Distance below which two points are the same place, mm: a tenth of what the
+/// Distance below which two points are the same place: a tenth of what the
 /// G-code resolves.
-const SAME_PLACE: Mm = 1e-4;
+const SAME_PLACE: Mm = 0.1 * MICRON;
 
 /// Speed of a wipe, as a share of that of travels: it touches what has just
 /// been printed.
@@ -90,7 +91,10 @@ impl<'a> Pacer<'a> {
         Self {
             settings,
             rater,
-            motion: Motion::new(Limits::new(settings)),
+            motion: Motion::new(
+                Limits::new(settings),
+                settings.travel_acceleration(),
+            ),
             xy: None,
             z: None,
             retracted: false,
@@ -106,6 +110,7 @@ impl<'a> Pacer<'a> {
         self.xy = None;
         self.z = Some(z);
         self.lifted = false;
+        self.motion.tell(self.settings.travel_acceleration());
     }
 
     /// Gives the next layer its speeds. Layers must come in print order.
@@ -215,20 +220,10 @@ impl<'a> Pacer<'a> {
         };
         self.lift(z, out);
         let speed = settings.travel_speed();
-        let mut from = self.xy;
+        let acceleration = settings.travel_acceleration();
         for &to in &points {
-            if let Some(from) = from {
-                self.motion.push(
-                    (to - from).extend(0.0),
-                    speed,
-                    settings.travel_acceleration(),
-                    0.0,
-                    false,
-                );
-            }
-            from = Some(to);
+            self.go(to, speed, acceleration, 0.0, false);
         }
-        self.xy = from;
         out.push(PacedMove::Travel { points, speed });
     }
 
@@ -262,18 +257,10 @@ impl<'a> Pacer<'a> {
         let acceleration = acceleration(bead.role, span, settings);
         let filament = bead.area() * rates.flow
             / filament_area(settings.filament.diameter);
-        let mut from = start;
+        self.xy = Some(start);
         for to in bead.path().skip(1) {
-            self.motion.push(
-                (to - from).extend(0.0),
-                speed,
-                acceleration,
-                filament,
-                true,
-            );
-            from = to;
+            self.go(to, speed, acceleration, filament, true);
         }
-        self.xy = Some(from);
         out.push(PacedMove::Print {
             bead,
             speed,
@@ -299,7 +286,7 @@ impl<'a> Pacer<'a> {
             false => retract.length,
         };
         if first > 0.0 {
-            self.motion.push_filament(first, retract.speed);
+            self.motion.push_filament(-first, retract.speed);
             out.push(PacedMove::Retract {
                 length: first,
                 speed: retract.speed,
@@ -312,20 +299,10 @@ impl<'a> Pacer<'a> {
         // No faster than the filament may go back on it.
         let speed = (WIPE_SPEED * self.settings.travel_speed())
             .min(retract.speed * way / rest);
-        let mut from = self.xy;
+        let acceleration = self.settings.travel_acceleration();
         for &to in &wipe {
-            if let Some(from) = from {
-                self.motion.push(
-                    (to - from).extend(0.0),
-                    speed,
-                    self.settings.travel_acceleration(),
-                    -rest / way,
-                    false,
-                );
-            }
-            from = Some(to);
+            self.go(to, speed, acceleration, -rest / way, false);
         }
-        self.xy = from;
         out.push(PacedMove::Wipe {
             points: wipe,
             length: rest,
@@ -352,6 +329,28 @@ impl<'a> Pacer<'a> {
         });
     }
 
+    /// Moves the head in the plane, from where it is, if that is known.
+    fn go(
+        &mut self,
+        to: DVec2,
+        speed: MmPerSec,
+        acceleration: MmPerSec2,
+        filament: f64,
+        prints: bool,
+    ) {
+        if let Some(from) = self.xy {
+            let step = DVec3::new(
+                count(to.x) - count(from.x),
+                count(to.y) - count(from.y),
+                0.0,
+            );
+            let step = step * MICRON;
+            self.motion
+                .push(step, speed, acceleration, filament, prints);
+        }
+        self.xy = Some(to);
+    }
+
     /// Moves to `z`, if the head is not there.
     fn lift(&mut self, z: Mm, out: &mut Vec<PacedMove>) {
         if self.z.is_some_and(|at| (at - z).abs() <= SAME_PLACE) {
@@ -361,9 +360,9 @@ impl<'a> Pacer<'a> {
         let speed = printer.max_speed_z;
         if let Some(at) = self.z {
             self.motion.push(
-                DVec3::Z * (z - at),
+                DVec3::Z * (count(z) - count(at)) * MICRON,
                 speed,
-                self.settings.z_acceleration(),
+                self.settings.travel_acceleration(),
                 0.0,
                 false,
             );
@@ -371,6 +370,11 @@ impl<'a> Pacer<'a> {
         self.z = Some(z);
         out.push(PacedMove::Lift { z, speed });
     }
+}
+
+/// A coordinate in whole units of its last decimal, as it is written.
+fn count(at: Mm) -> f64 {
+    (at / MICRON).round()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::slowing::LAYER_TIME_TOLERANCE;
 use super::*;
 use crate::bead::{Role, cross_section};
-use crate::settings::Varying;
+use crate::settings::{Flavour, Varying};
 
 impl<'a> Pacer<'a> {
     fn plain(settings: &'a Settings) -> Self {
@@ -173,8 +173,8 @@ fn roles_have_their_accelerations() {
 fn travels_have_theirs_and_z_its_own() {
     let mut s = Settings::default();
     s.retract.length = 0.0;
-    // From rest to rest.
-    s.printer.square_corner_velocity = 0.0;
+    // From rest to rest, as in RepRapFirmware in any case.
+    s.gcode.flavour = Flavour::Rrf;
     let travel = |s: &Settings, to: f64| {
         let mut pacer = Pacer::plain(s);
         pacer.xy = Some(DVec2::splat(50.0));

@@ -4,10 +4,9 @@
 //! `shade` lights it, `image` is what comes of it.
 //! `svg` draws a layer, `folder` keeps the pictures of a run together. `html`
 //! makes a page to turn and look into from any G-code that [`crate::reader`]
-//! reads: `toolpath` gathers its moves, `clock` times them, `pack` makes them
+//! reads: `toolpath` gathers its moves and their times, `pack` makes them
 //! small.
 
-mod clock;
 mod folder;
 mod html;
 mod image;

@@ -4,9 +4,10 @@
 //! move of the head, in the units in which the page keeps them, and the
 //! statistics that it shows.
 
-use super::clock::Clock;
+use crate::pace::clock::Clock;
 use crate::reader::{Event, Heater, Info, Move, ReadError, Reader, Role};
 use crate::reader::{Problems, USUAL_FILAMENT};
+use crate::settings::Settings;
 use crate::units::{Celsius, Mm, Mm3, Seconds, filament_area};
 use glam::DVec3;
 use serde::Serialize;
@@ -191,7 +192,7 @@ impl Default for Collector {
                 statistics: Statistics::default(),
                 problems: Problems::default(),
             },
-            clock: Clock::new(),
+            clock: Clock::new(&Settings::default()),
             part: Box3::EMPTY,
             printed: Box3::EMPTY,
             volume: [0.0; Role::ALL.len()],

@@ -48,12 +48,6 @@ impl Settings {
         }
     }
 
-    /// Acceleration of moves up and down.
-    pub fn z_acceleration(&self) -> MmPerSec2 {
-        self.travel_acceleration()
-            .min(self.printer.max_acceleration_z)
-    }
-
     /// How far outer walls reach beyond the part, in the plane. Fuzzy skin
     /// that is an expression is not counted.
     pub fn reach(&self) -> Mm {

@@ -443,6 +443,10 @@ table::settings! {
         /// Greatest acceleration of the z axis, for the estimate of the time
         /// only: the printer keeps its own.
         max_acceleration_z: MmPerSec2 = 100.0, in 1.0..=100_000.0;
+        /// Acceleration of the filament when it is not printed with, for the
+        /// estimate of the time only: Marlin's M204 R, RepRapFirmware's M201
+        /// E, Klipper's max_extrude_only_accel.
+        retract_acceleration: MmPerSec2 = 5000.0, in 1.0..=100_000.0;
     }
     /// The text that is written. Templates are text with placeholders such
     /// as {{ nozzle_temperature }}; docs/gcode.md lists them.

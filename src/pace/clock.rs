@@ -1,13 +1,14 @@
-//! How long each move of a file takes.
+//! How long the moves of a text take.
 //!
-//! In: moves, as read. Out: times for each, in the same order, by the motion
-//! model of [`crate::pace::motion`] with the accelerations that the file
-//! sets; what it does not set is as in our own settings' defaults.
+//! In: moves, as read. Out: times for each, in the same order, by the
+//! [motion model](super::motion) with the accelerations that the text sets;
+//! what it does not set is as in the settings.
 
-use crate::pace::motion::{Limits, Motion};
-use crate::reader::{Move, State};
-use crate::settings::Settings;
+use super::motion::{Limits, Motion, Planner};
+use crate::reader::{Event, Move, Reader, State};
+use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, MmPerSec2, Seconds};
+use glam::DVec3;
 
 /// Speed of moves before the file sets one.
 const FIRST_SPEED: MmPerSec = 25.0;
@@ -17,7 +18,7 @@ const LONGEST_CHAIN: usize = 1 << 17;
 
 /// Moves that wait for their time. `T` says what a move is.
 #[derive(Debug)]
-pub(super) struct Clock<T> {
+pub struct Clock<T> {
     motion: Motion,
     limits: Limits,
     acceleration: MmPerSec2,
@@ -25,13 +26,14 @@ pub(super) struct Clock<T> {
 }
 
 impl<T> Clock<T> {
-    pub fn new() -> Self {
-        let settings = Settings::default();
-        let limits = Limits::new(&settings);
+    /// A clock for the printer in the settings.
+    pub fn new(settings: &Settings) -> Self {
+        let limits = Limits::new(settings);
+        let acceleration = settings.printer.acceleration;
         Self {
-            motion: Motion::new(limits),
+            motion: Motion::new(limits, acceleration),
             limits,
-            acceleration: settings.printer.acceleration,
+            acceleration,
             waiting: Vec::new(),
         }
     }
@@ -73,15 +75,38 @@ impl<T> Clock<T> {
             tell(what, time);
         }
         self.motion.clear();
-        let corner = state.square_corner_velocity;
+        // Only Klipper has a word for it.
+        let Some(corner) = state.square_corner_velocity else {
+            return;
+        };
         let limits = Limits {
-            square_corner_velocity: corner
-                .unwrap_or(self.limits.square_corner_velocity),
+            planner: Planner::new(Flavour::Klipper, corner, self.acceleration),
             ..self.limits
         };
         if limits != self.limits {
             self.limits = limits;
-            self.motion = Motion::new(limits);
+            self.motion = Motion::new(limits, self.acceleration);
         }
     }
+}
+
+/// How long a text takes on the printer in the settings, from rest to rest:
+/// its moves and its pauses, without heating and homing. And where the head
+/// is in the end.
+pub fn time_of(text: &[u8], settings: &Settings) -> (Seconds, DVec3) {
+    let mut clock = Clock::new(settings);
+    let mut reader = Reader::new(text);
+    let mut total = 0.0;
+    while let Some(Ok(event)) = reader.next() {
+        match event {
+            Event::Move(step) => clock.push(&step, reader.state(), ()),
+            Event::Dwell { time, .. } => total += time,
+            _ => {}
+        }
+        if clock.is_full() {
+            clock.rest(reader.state(), |(), time| total += time);
+        }
+    }
+    clock.rest(reader.state(), |(), time| total += time);
+    (total, reader.state().position)
 }

@@ -1,0 +1,78 @@
+//! How long what is no layer takes: the file's head, the way to the first
+//! bead, and the file's foot.
+//!
+//! In: their text. Out: time in the totals. Layers know theirs.
+
+use super::number::text;
+use super::{E, Writer, XYZ, flavour};
+use crate::pace::clock::time_of;
+use crate::pace::motion::{Limits, Motion};
+use crate::pace::{PacedLayer, PacedMove};
+use crate::units::MICRON;
+use std::io::Write;
+
+impl<W: Write> Writer<'_, W> {
+    /// Counts the head, which is in the buffer.
+    pub(super) fn time_head(&mut self) {
+        let (time, at) = time_of(&self.buffer, self.settings);
+        self.totals.time += time;
+        self.start = at;
+    }
+
+    /// Counts the way from there to the first layer of the file. It is no part
+    /// of that layer's time, on which its speeds depend: they are the same in
+    /// a file that begins with it and in one that does not.
+    pub(super) fn time_approach(&mut self, layer: &PacedLayer) {
+        let settings = self.settings;
+        let acceleration = settings.travel_acceleration();
+        let mut motion = Motion::new(Limits::new(settings), acceleration);
+        let mut at = self.start;
+        for step in &layer.moves {
+            let (way, speed) = match step {
+                PacedMove::Lift { z, speed } => {
+                    (vec![at.truncate().extend(*z)], *speed)
+                }
+                PacedMove::Travel { points, speed } => {
+                    (points.iter().map(|p| p.extend(at.z)).collect(), *speed)
+                }
+                _ => continue,
+            };
+            for to in way {
+                motion.push(to - at, speed, acceleration, 0.0, false);
+                at = to;
+            }
+            if matches!(step, PacedMove::Travel { .. }) {
+                break;
+            }
+        }
+        self.totals.time += motion.time(|s| s.speed);
+    }
+
+    /// Lines that put a reader where the machine is.
+    pub(super) fn place(&self) -> String {
+        let mut lines = flavour::limits(self.settings);
+        lines.push(if self.filament.relative { "M83" } else { "M82" }.into());
+        let mut line = String::from("G92");
+        if let Some((x, y)) = self.xy {
+            let [x, y] = [x, y].map(|n| text(n as f64 * MICRON, XYZ));
+            line += &format!(" X{x} Y{y}");
+        }
+        if let Some(z) = self.z {
+            line += &format!(" Z{}", text(z as f64 * MICRON, XYZ));
+        }
+        let zero = self.filament.zero.unwrap_or(self.filament.told);
+        let fed = (self.filament.told - zero) as f64 / 10f64.powi(E as i32);
+        line += &format!(" E{}", text(fed, E));
+        lines.push(line);
+        lines.join("\n") + "\n"
+    }
+
+    /// Counts the foot: what is in the buffer, and the end template. `before`
+    /// is the [`Writer::place`] at which it begins.
+    pub(super) fn time_foot(&mut self, before: &str, end: &str) {
+        let mut lines = before.as_bytes().to_vec();
+        lines.extend_from_slice(&self.buffer);
+        lines.extend_from_slice(end.as_bytes());
+        self.totals.time += time_of(&lines, self.settings).0;
+    }
+}

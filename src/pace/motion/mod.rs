@@ -1,0 +1,236 @@
+//! The motion model: how long a machine with limited acceleration takes for a
+//! chain of straight moves.
+//!
+//! In: straight moves with a speed and an acceleration each. Out: the time
+//! they take from rest to rest, as the firmware's own planner would have it.
+//!
+//! Guarantees: a move follows a trapezoid of speed (speeds up, cruises, slows
+//! down, each at its constant acceleration); the speed at a junction of two
+//! moves never exceeds what the [`Planner`]'s rule for corners allows, nor
+//! what can be reached from the start or braked away before the end.
+//!
+//! ```text
+//!   speed  ╭────────╮   cruise         two moves that meet at a corner:
+//!         ╱          ╲
+//!        ╱            ╲  junction            ●───────────┐ junction speed
+//!   ────●              ●────── time                      │ from the angle
+//! ```
+//!
+//! A move of z, and one of the filament alone, is as fast as its own axis can
+//! be, and so is one that pulls filament back on its way.
+//!
+//! Not modelled: pressure advance, input shaping, limits of single motors, and
+//! a host or a card that is too slow to keep the firmware's buffer full (Marlin
+//! then stretches short moves to 20 ms).
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `planner` | each firmware's rules |
+//! | `ramps` | speeds along a chain, and times |
+
+mod planner;
+mod ramps;
+
+pub use planner::{Jerk, Planner};
+
+use crate::settings::Settings;
+use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds};
+use glam::{DVec3, DVec4};
+use planner::Leg;
+use ramps::Ramps;
+
+/// Below this length (mm) a move is no move: a thousandth of what the G-code
+/// can resolve, so that no division by a length can overflow.
+const MIN_LENGTH: Mm = 1e-6;
+
+/// What the machine can do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// The firmware's rules.
+    pub planner: Planner,
+    /// Greatest speed of the z axis.
+    pub speed_z: MmPerSec,
+    /// Greatest acceleration of the z axis.
+    pub acceleration_z: MmPerSec2,
+    /// Greatest acceleration of the filament, when it is not printed with.
+    pub filament_acceleration: MmPerSec2,
+}
+
+impl Limits {
+    /// The limits of the printer in `settings`.
+    pub fn new(settings: &Settings) -> Self {
+        let printer = &settings.printer;
+        Self {
+            planner: Planner::new(
+                settings.gcode.flavour,
+                printer.square_corner_velocity,
+                printer.acceleration,
+            ),
+            speed_z: printer.max_speed_z,
+            acceleration_z: printer.max_acceleration_z,
+            filament_acceleration: printer.retract_acceleration,
+        }
+    }
+}
+
+/// One straight move at one nominal speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Length of the move; of filament, if nothing but filament moves.
+    pub length: Mm,
+    /// Cruising speed it is to have.
+    pub speed: MmPerSec,
+    /// Greatest acceleration.
+    pub acceleration: MmPerSec2,
+    /// The gentler acceleration by which it chooses its speed among short
+    /// ones ([`Planner::gentle`]).
+    gentle: MmPerSec2,
+    /// True if it prints, and may be slowed for cooling.
+    pub prints: bool,
+}
+
+/// A chain of moves from rest to rest.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    limits: Limits,
+    segments: Vec<Segment>,
+    /// Greatest square of the speed at each segment's start that the corner
+    /// allows, whatever the moves' own speeds.
+    corner: Vec<f64>,
+    /// The last move.
+    last: Option<Leg>,
+    /// The acceleration that the firmware has been told last.
+    told: MmPerSec2,
+    ramps: Ramps,
+}
+
+impl Motion {
+    /// An empty chain for a machine with these limits, which has been told
+    /// this acceleration.
+    pub fn new(limits: Limits, told: MmPerSec2) -> Self {
+        Self {
+            limits,
+            segments: Vec::new(),
+            corner: Vec::new(),
+            last: None,
+            told,
+            ramps: Ramps::default(),
+        }
+    }
+
+    /// Forgets all moves.
+    pub fn clear(&mut self) {
+        self.segments.clear();
+        self.corner.clear();
+        self.last = None;
+    }
+
+    /// Does as if this acceleration had been told to the firmware.
+    pub fn tell(&mut self, acceleration: MmPerSec2) {
+        self.told = acceleration;
+    }
+
+    /// The moves so far.
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// Adds a move of the head by `step`, feeding `filament` mm of filament
+    /// for each mm, with an acceleration that the firmware is told. The limits
+    /// of z and of the filament come on top.
+    pub fn push(
+        &mut self,
+        step: DVec3,
+        speed: MmPerSec,
+        acceleration: MmPerSec2,
+        filament: f64,
+        prints: bool,
+    ) {
+        let length = step.length();
+        // Also skips a length that is not a number: the writer reports it.
+        if length.is_nan() || length < MIN_LENGTH {
+            return;
+        }
+        self.told = acceleration;
+        let course = (step / length).extend(filament);
+        let Limits {
+            speed_z,
+            acceleration_z,
+            filament_acceleration,
+            ..
+        } = self.limits;
+        // Where there is no rise these are infinite: no limit.
+        let rise = course.z.abs();
+        let mut least = acceleration.min(acceleration_z / rise);
+        if filament < 0.0 || (course.x == 0.0 && course.y == 0.0) {
+            least = least.min(filament_acceleration / filament.abs());
+        }
+        self.add(
+            length,
+            speed.min(speed_z / rise),
+            Leg {
+                course,
+                length,
+                acceleration: least,
+                told: acceleration,
+                prints,
+            },
+        );
+    }
+
+    /// Adds a move of the filament alone, in or out.
+    pub fn push_filament(&mut self, length: Mm, speed: MmPerSec) {
+        if length.is_nan() || length.abs() < MIN_LENGTH {
+            return;
+        }
+        let leg = Leg {
+            course: DVec4::W * length.signum(),
+            length: length.abs(),
+            acceleration: self.limits.filament_acceleration,
+            told: self.told,
+            prints: false,
+        };
+        self.add(length.abs(), speed, leg);
+    }
+
+    fn add(&mut self, length: Mm, speed: MmPerSec, leg: Leg) {
+        let corner = match &self.last {
+            Some(last) => self.limits.planner.corner(last, &leg, &self.limits),
+            None => 0.0,
+        };
+        self.corner.push(corner);
+        let acceleration = leg.acceleration;
+        self.segments.push(Segment {
+            length,
+            speed,
+            acceleration,
+            gentle: self.limits.planner.gentle(leg.told).min(acceleration),
+            prints: leg.prints,
+        });
+        self.last = Some(leg);
+    }
+
+    /// Time of the chain if each segment cruises at `speed(segment)`.
+    pub fn time(&mut self, speed: impl Fn(&Segment) -> MmPerSec) -> Seconds {
+        self.times(speed).sum()
+    }
+
+    /// The same, segment by segment.
+    pub fn times(
+        &mut self,
+        speed: impl Fn(&Segment) -> MmPerSec,
+    ) -> impl Iterator<Item = Seconds> + '_ {
+        let Self {
+            limits,
+            segments,
+            corner,
+            ramps,
+            ..
+        } = self;
+        ramps.plan(segments, corner, &limits.planner, speed);
+        ramps.times(segments)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,276 @@
+//! The planners of the firmwares: how fast corners may be taken, and how far
+//! the firmware looks ahead.
+//!
+//! In: two moves that meet. Out: the square of the greatest speed there.
+//!
+//! Moves are taken in four dimensions, the fourth is the filament. `Δ` is the
+//! difference of two moves' courses, per mm of their ways; `s` is the sine of
+//! half the angle that they enclose: 1 straight on, 0 back.
+//!
+//! | firmware | a corner's speed v | moves ahead |
+//! |---|---|---|
+//! | Klipper | v² ≤ a·δ·s/(1 − s); v² ≤ a·d/2·s/√(1 − s²) of both moves; v·Δ ≤ 1 mm/s for the filament | all |
+//! | Marlin 2 | v² ≤ a·J·s/(1 − s); for moves below 1 mm that turn by less than 45° v² ≤ a·d/θ | 14 |
+//! | Prusa | v·Δ ≤ jerk of each axis; where an axis turns round, the faster of its two speeds counts | 14 |
+//! | RepRapFirmware 3 | v·Δ ≤ jerk of each axis; at rest between moves of different kinds | 38 |
+//!
+//! The sources are the firmwares' own, and Klipper's docs/Kinematics.md:
+//!
+//! - Klipper's klippy/toolhead.py (`calc_junction`, `flush`) and
+//!   kinematics/extruder.py. δ is v_sc²·(√2 − 1)/a, with a the acceleration
+//!   told last and not what z is limited to: a right angle has v = v_sc, the
+//!   square corner velocity. Moves of the filament alone start and end at
+//!   rest. Short zigzags are limited to the speed a gentler acceleration
+//!   would reach (`minimum_cruise_ratio`).
+//! - Marlin's module/planner.cpp with its default `HAS_JUNCTION_DEVIATION` and
+//!   `JD_HANDLE_SMALL_SEGMENTS`; θ is the angle of turn, and a the second
+//!   move's acceleration, less where the corner needs more of z or of the
+//!   filament than their axes have. J is what `M205 J` says.
+//! - Prusa-Firmware's planner.cpp, and RepRapFirmware's Movement/DDA.cpp
+//!   (`MatchSpeeds`, `InitStandardMove` with `M566 P0`), with the jerk that
+//!   `M205 X Y` or `M566 X Y` sets.
+//!
+//! The moves ahead are those a full buffer of 16 blocks (Marlin, Prusa) or 40
+//! (RepRapFirmware; 60 on a Duet 3) knows beyond the one that begins.
+
+use super::Limits;
+use crate::settings::Flavour;
+use crate::units::{Mm, MmPerSec, MmPerSec2};
+use glam::DVec4;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+/// Greatest sudden change of the filament's speed at a junction in Klipper,
+/// mm/s: the default of `instantaneous_corner_velocity`.
+const FILAMENT_JUMP: MmPerSec = 1.0;
+
+/// Share of the acceleration that short zigzags may count on in Klipper: one
+/// less the default of `minimum_cruise_ratio`.
+const GENTLE: f64 = 0.5;
+
+/// Blocks that Marlin and Prusa's firmware know beyond the one that begins:
+/// of a ring of 16 one is always empty, and one is being run.
+const MARLIN_AHEAD: usize = 14;
+
+/// The same of RepRapFirmware, whose ring has 40.
+const RRF_AHEAD: usize = 38;
+
+/// Below this cosine of half the angle a corner is none.
+const STRAIGHT: f64 = 1e-6;
+
+/// Range of the junction deviation that Marlin takes, mm.
+const DEVIATION: (Mm, Mm) = (0.01, 0.3);
+
+/// Jerk of z and the filament, which our files do not set, mm/s: the
+/// MK3S's `DEFAULT_ZJERK` and `DEFAULT_EJERK`.
+const PRUSA_JERK: (MmPerSec, MmPerSec) = (0.4, 4.5);
+
+/// The same of RepRapFirmware: `DefaultZInstantDv` and `DefaultEInstantDv`.
+const RRF_JERK: (MmPerSec, MmPerSec) = (10.0, 5.0);
+
+/// How a firmware plans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Planner {
+    /// Klipper.
+    Klipper {
+        /// Speed through a right-angled corner.
+        square_corner_velocity: MmPerSec,
+    },
+    /// Marlin 2.
+    Marlin {
+        /// How far an arc through the corner leaves it.
+        deviation: Mm,
+    },
+    /// Prusa's firmware.
+    Prusa(Jerk),
+    /// RepRapFirmware 3.
+    Rrf(Jerk),
+}
+
+/// Greatest sudden changes of speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jerk {
+    /// Of x and of y.
+    pub plane: MmPerSec,
+    /// Of z.
+    pub z: MmPerSec,
+    /// Of the filament.
+    pub filament: MmPerSec,
+}
+
+impl Jerk {
+    fn of_axes(&self) -> DVec4 {
+        DVec4::new(self.plane, self.plane, self.z, self.filament)
+    }
+}
+
+/// A move, as a corner sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leg {
+    /// Way of x, y, z and the filament for each mm of length.
+    pub course: DVec4,
+    pub length: Mm,
+    /// What it is run with.
+    pub acceleration: MmPerSec2,
+    /// What the firmware has been told.
+    pub told: MmPerSec2,
+    pub prints: bool,
+}
+
+impl Leg {
+    /// True if nothing but filament moves.
+    fn stands(&self) -> bool {
+        self.course.truncate() == glam::DVec3::ZERO
+    }
+
+    /// True if the head moves in the plane.
+    fn in_plane(&self) -> bool {
+        self.course.x != 0.0 || self.course.y != 0.0
+    }
+}
+
+impl Planner {
+    /// The planner of a firmware whose right-angled corners are to have this
+    /// speed at this acceleration.
+    pub fn new(
+        flavour: Flavour,
+        corner: MmPerSec,
+        acceleration: MmPerSec2,
+    ) -> Self {
+        let jerk = |(z, filament)| Jerk {
+            plane: corner,
+            z,
+            filament,
+        };
+        match flavour {
+            Flavour::Klipper => Planner::Klipper {
+                square_corner_velocity: corner,
+            },
+            Flavour::Marlin => Planner::Marlin {
+                deviation: Self::deviation(corner, acceleration),
+            },
+            Flavour::Prusa => Planner::Prusa(jerk(PRUSA_JERK)),
+            Flavour::Rrf => Planner::Rrf(jerk(RRF_JERK)),
+        }
+    }
+
+    /// The junction deviation at which Marlin takes a right-angled corner at
+    /// this speed: v²·(√2 − 1)/a, as far as it takes that.
+    pub fn deviation(corner: MmPerSec, acceleration: MmPerSec2) -> Mm {
+        (corner * corner * (SQRT_2 - 1.0) / acceleration)
+            .clamp(DEVIATION.0, DEVIATION.1)
+    }
+
+    /// How many moves beyond the one that begins the firmware knows.
+    pub(super) fn ahead(&self) -> Option<usize> {
+        match self {
+            Planner::Klipper { .. } => None,
+            Planner::Marlin { .. } | Planner::Prusa(_) => Some(MARLIN_AHEAD),
+            Planner::Rrf(_) => Some(RRF_AHEAD),
+        }
+    }
+
+    /// True if short moves choose their speed by a gentler acceleration.
+    pub(super) fn is_gentle(&self) -> bool {
+        matches!(self, Planner::Klipper { .. })
+    }
+
+    /// That acceleration, where this one has been told.
+    pub(super) fn gentle(&self, told: MmPerSec2) -> MmPerSec2 {
+        match self.is_gentle() {
+            true => GENTLE * told,
+            false => told,
+        }
+    }
+
+    /// Square of the greatest speed at which `b` may follow `a`.
+    pub(super) fn corner(&self, a: &Leg, b: &Leg, limits: &Limits) -> f64 {
+        match self {
+            Planner::Klipper {
+                square_corner_velocity,
+            } => klipper(a, b, *square_corner_velocity),
+            Planner::Marlin { deviation } => marlin(a, b, *deviation, limits),
+            Planner::Prusa(jerk) => {
+                jerk_limit(jerk, a.course.to_array(), b.course.to_array(), true)
+            }
+            Planner::Rrf(jerk) => {
+                let alike = a.prints == b.prints
+                    && a.in_plane() == b.in_plane()
+                    && a.stands() == b.stands();
+                match alike {
+                    true => jerk_limit(
+                        jerk,
+                        a.course.to_array(),
+                        b.course.to_array(),
+                        false,
+                    ),
+                    false => 0.0,
+                }
+            }
+        }
+    }
+}
+
+fn klipper(a: &Leg, b: &Leg, square_corner: MmPerSec) -> f64 {
+    if a.stands() || b.stands() {
+        return 0.0;
+    }
+    let jump = FILAMENT_JUMP / (b.course.w - a.course.w).abs();
+    let cos = a.course.truncate().dot(b.course.truncate());
+    let (sin, cosine) = half_angle(cos);
+    // Straight on both limits are divisions by zero: infinite, no limit.
+    if cosine <= STRAIGHT {
+        return jump * jump;
+    }
+    let deviation = square_corner * square_corner * (SQRT_2 - 1.0);
+    let share = (a.acceleration / a.told).min(b.acceleration / b.told);
+    let arc = share * deviation * sin / (1.0 - sin);
+    let reach = (a.length * a.acceleration).min(b.length * b.acceleration);
+    (jump * jump).min(arc).min(0.5 * reach * sin / cosine)
+}
+
+fn marlin(a: &Leg, b: &Leg, deviation: Mm, limits: &Limits) -> f64 {
+    /// Longest move that may be a part of an arc, mm.
+    const SHORT: Mm = 1.0;
+    /// Least angle of turn that is told from none: Marlin's arc cosine.
+    const LEAST_TURN: f64 = 0.033;
+    let (from, to) = (a.course.normalize(), b.course.normalize());
+    let cos = from.dot(to);
+    let (sin, cosine) = half_angle(cos);
+    if cosine <= STRAIGHT {
+        return f64::INFINITY;
+    }
+    let turn = (to - from).abs().normalize_or_zero();
+    let acceleration = b
+        .acceleration
+        .min(limits.acceleration_z / turn.z)
+        .min(limits.filament_acceleration / turn.w);
+    let arc = acceleration * deviation * sin / (1.0 - sin);
+    match b.length < SHORT && cos > FRAC_1_SQRT_2 {
+        true => arc.min(acceleration * b.length / cos.acos().max(LEAST_TURN)),
+        false => arc,
+    }
+}
+
+/// Square of the speed at which no axis's speed jumps by more than its jerk.
+/// If an axis turns round, only the faster of its speeds may count.
+fn jerk_limit(jerk: &Jerk, a: [f64; 4], b: [f64; 4], turns: bool) -> f64 {
+    let jumps = a.into_iter().zip(b).map(|(from, to)| {
+        let round = turns && from * to < 0.0;
+        match round {
+            true => from.abs().max(to.abs()),
+            false => (to - from).abs(),
+        }
+    });
+    let limits = jerk.of_axes().to_array().into_iter().zip(jumps);
+    let speed = limits
+        .map(|(most, jump)| most / jump)
+        .fold(f64::INFINITY, f64::min);
+    speed * speed
+}
+
+/// Sine and cosine of half the angle that two moves enclose whose directions
+/// have the scalar product `cos`: (1, 0) straight on, (0, 1) back.
+fn half_angle(cos: f64) -> (f64, f64) {
+    let half = |x: f64| (0.5 * x).clamp(0.0, 1.0).sqrt();
+    (half(1.0 + cos), half(1.0 - cos))
+}
