@@ -25,6 +25,7 @@ mod cut;
 mod reach;
 mod search;
 mod side;
+mod undefined;
 
 use super::expand::{ExpandError, expand};
 use super::program::Program;
@@ -119,11 +120,42 @@ pub enum BoundsError {
     #[error(
         "the model is empty: f is nowhere negative within {searched}; \
          f must be negative inside the part (an unsigned distance needs a \
-         thickness subtracted)"
+         thickness subtracted){}",
+        match cause {
+            Some(cause) => format!(
+                "; in places f is NaN (not a number), which is outside: \
+                 {cause}"
+            ),
+            None => String::new(),
+        }
     )]
     Empty {
         /// What was searched.
         searched: String,
+        /// What makes f NaN somewhere, if something does.
+        cause: Option<String>,
+    },
+    /// f is NaN everywhere.
+    #[error(
+        "f is NaN (not a number) everywhere within {searched}, so there is no \
+         part: {cause}; keep the operand in range, as with max(0, …)"
+    )]
+    NotANumber {
+        /// What was searched.
+        searched: String,
+        /// Which operation makes it so, and of what.
+        cause: String,
+    },
+    /// f does not depend on z.
+    #[error(
+        "the model has no height: f does not depend on z (it is a drawing of \
+         {:.3} × {:.3} mm); give it a height with --height 3, or write \
+         max(f, abs(z - 1.5) - 1.5) in the script or formula",
+        size[0], size[1]
+    )]
+    Flat {
+        /// Its extent along x and y, mm.
+        size: [f64; 2],
     },
     /// f is negative everywhere.
     #[error(
@@ -175,6 +207,23 @@ fn search(
     options: &SearchOptions,
 ) -> Result<FoundBounds, BoundsError> {
     let program = flattened(tree)?;
+    if options.within.is_none() && !program.depends_on(2) {
+        let slice = SearchOptions {
+            within: None,
+            ..*options
+        };
+        let found = Search::new(&slice)?.of_a_slice().run(program.clone());
+        match found {
+            Ok(found) => {
+                let size = found.bounds.size();
+                return Err(BoundsError::Flat {
+                    size: [size.x, size.y],
+                });
+            }
+            Err(BoundsError::Unbounded { .. }) => {}
+            Err(other) => return Err(other),
+        }
+    }
     match Search::new(options)?.run(program) {
         Err(BoundsError::Unbounded {
             direction, at_mm, ..

@@ -106,7 +106,7 @@ impl Search<'_> {
         let stop = self.scratch.work + budget;
         let face = side.reach(&self.region);
         let thinnest = tolerance / 16.0;
-        self.probe(side, program, tolerance);
+        self.probe(side, program, tolerance, budget / 8);
         let mut number = 0;
         let mut queue = BinaryHeap::new();
         queue.push(Candidate {
@@ -169,6 +169,29 @@ impl Search<'_> {
                 queue.push(c);
                 continue;
             }
+            let whole = c.cell;
+            c.cell = c.program.contracted(&whole, &self.scratch);
+            // What the jumps leave of the box may be too thin to count.
+            let too_thin = |i: usize| {
+                c.cell.width(i) < whole.width(i).min(thinnest)
+            };
+            if (0..3).any(too_thin) {
+                continue;
+            }
+            let by_pieces = c.program.by_pieces(&self.scratch);
+            if !by_pieces.is_empty() {
+                for program in by_pieces {
+                    number += 1;
+                    queue.push(Candidate {
+                        reach: side.reach(&c.cell),
+                        depth: c.depth + 1,
+                        number,
+                        cell: c.cell,
+                        program: Rc::new(program),
+                    });
+                }
+                continue;
+            }
             let Some(across) =
                 split_axis(&c.cell, f.steepness, c.depth, thinnest)
             else {
@@ -190,7 +213,7 @@ impl Search<'_> {
             }
         }
         let Some(inside) = &self.inside else {
-            return Err(self.empty());
+            return Err(self.empty(program));
         };
         let known = side.reach(inside);
         let proved = (known + tolerance).min(face).max(known);
@@ -201,7 +224,13 @@ impl Search<'_> {
     /// to begin with. Where the part ends in a plateau or is cut by the given
     /// bounds, many boxes reach equally far, and a search of the deepest first
     /// could spend its budget on the corner it happened to begin with.
-    fn probe(&mut self, side: Side, program: &Program, tolerance: f64) {
+    fn probe(
+        &mut self,
+        side: Side,
+        program: &Program,
+        tolerance: f64,
+        budget: u64,
+    ) {
         /// Points along each of the face's two axes.
         const ACROSS: usize = 8;
         /// Depths below the face, as shares of the region; the face first.
@@ -210,12 +239,16 @@ impl Search<'_> {
         // are 0 or NaN.
         let part = |i: usize| (i as f64 + 0.38) / ACROSS as f64;
         let region = self.region;
+        let stop = self.scratch.work + budget;
         let face = side.reach(&region);
         let [u, v] = [(side.axis + 1) % 3, (side.axis + 2) % 3];
         for depth in DEPTHS {
             let reach = face - depth * region.width(side.axis);
             for i in 0..ACROSS * ACROSS {
                 crate::limits::check();
+                if self.scratch.work > stop {
+                    return;
+                }
                 let known = self.inside.as_ref().map(|c| side.reach(c));
                 if known.is_some_and(|k| reach <= k + tolerance) {
                     return;

@@ -1,6 +1,8 @@
 //! What a search knows of the model, and its coarse beginning: the region in
 //! which the field may be negative, narrowed by proofs over a grid.
 
+use super::side::Side;
+use super::undefined::Undefined;
 use super::{Bounds, BoundsError, SearchOptions};
 use crate::model::cell::Cell;
 use crate::model::program::{Program, Scratch};
@@ -43,41 +45,112 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Nothing is inside.
-    pub(super) fn empty(&self) -> BoundsError {
-        BoundsError::Empty {
-            searched: match self.options.within {
-                None => format!("±{} mm", self.options.limit_mm),
-                Some(_) => "the given bounds".to_owned(),
-            },
+    /// Looks at a slice of a model that is the same at every height.
+    pub(super) fn of_a_slice(mut self) -> Self {
+        (self.region.lo[2], self.region.hi[2]) = (-0.5, 0.5);
+        self
+    }
+
+    /// Nothing is inside, and why.
+    pub(super) fn empty(&mut self, program: &Program) -> BoundsError {
+        let searched = match self.options.within {
+            None => format!("±{} mm", self.options.limit_mm),
+            Some(_) => "the given bounds".to_owned(),
+        };
+        let Undefined { share, cause } = self.undefined(program);
+        match cause {
+            Some(cause) if share == 1.0 => {
+                BoundsError::NotANumber { searched, cause }
+            }
+            cause => BoundsError::Empty { searched, cause },
         }
     }
 
-    /// Narrows the region by a coarse grid as long as that helps, and returns
-    /// the program simplified for it.
+    /// Narrows the region as far as coarse proofs go, and returns the program
+    /// simplified for it.
     pub(super) fn narrow(
+        &mut self,
+        program: Rc<Program>,
+    ) -> Result<Rc<Program>, BoundsError> {
+        let all = program.enclose(&self.region, &mut self.scratch);
+        if all.range.is_empty() || all.range.lo >= 0.0 {
+            return Err(self.empty(&program));
+        }
+        if all.range.hi < 0.0
+            && !all.range.nan
+            && self.options.within.is_none()
+        {
+            return Err(BoundsError::EverythingInside {
+                limit_mm: self.options.limit_mm,
+            });
+        }
+        let program = self.peel(program);
+        self.sift(program)
+    }
+
+    /// Takes slabs off the region's sides as long as one of them is proved to
+    /// be empty: few boxes for much of the region, whatever the program's
+    /// size.
+    fn peel(&mut self, mut program: Rc<Program>) -> Rc<Program> {
+        /// What is left of the way from the middle to the side; the most
+        /// hopeful first.
+        const LEAVES: [f64; 4] =
+            [1.0 / 4096.0, 1.0 / 64.0, 1.0 / 8.0, 1.0 / 2.0];
+        let most = self.scratch.work + self.options.max_work / 8;
+        let mut least = 0;
+        loop {
+            let mut peeled = false;
+            // Where much could not be taken off once, it will not be later.
+            let mut best = LEAVES.len();
+            for side in Side::all() {
+                if self.region.width(side.axis) <= 1e-6 {
+                    continue;
+                }
+                for (nth, leave) in LEAVES.iter().enumerate().skip(least) {
+                    crate::limits::check();
+                    if self.scratch.work > most {
+                        return program;
+                    }
+                    let middle = side.outward(self.region.centre()[side.axis]);
+                    let reach =
+                        middle + leave * (side.reach(&self.region) - middle);
+                    let mut slab = self.region;
+                    side.clip(&mut slab, reach);
+                    let f = program.enclose(&slab, &mut self.scratch);
+                    if f.range.is_empty() || f.range.lo >= 0.0 {
+                        side.set_reach(&mut self.region, reach);
+                        peeled = true;
+                        best = best.min(nth);
+                        break;
+                    }
+                }
+            }
+            if !peeled {
+                return program;
+            }
+            least = best;
+            program.enclose(&self.region, &mut self.scratch);
+            if let Some(simple) = program.simplify(&self.scratch) {
+                program = Rc::new(simple);
+            }
+        }
+    }
+
+    /// Narrows the region to the hull of those boxes of a grid that may hold
+    /// some of the model, as long as that helps.
+    fn sift(
         &mut self,
         mut program: Rc<Program>,
     ) -> Result<Rc<Program>, BoundsError> {
         /// Cells per axis: an off-centre model loses three quarters of the
         /// region per round, a centred one half.
         const GRID: usize = 4;
+        /// Share of the work that one round may take.
+        const SHARE: u64 = 20;
         loop {
-            crate::limits::check();
-            let all = program.enclose(&self.region, &mut self.scratch);
-            if all.range.is_empty() || all.range.lo >= 0.0 {
-                return Err(self.empty());
-            }
-            if all.range.hi < 0.0
-                && !all.range.nan
-                && self.options.within.is_none()
-            {
-                return Err(BoundsError::EverythingInside {
-                    limit_mm: self.options.limit_mm,
-                });
-            }
-            if let Some(simple) = program.simplify(&self.scratch) {
-                program = Rc::new(simple);
+            let round = GRID.pow(3) as u64 * program.len() as u64;
+            if round > self.options.max_work / SHARE {
+                return Ok(program);
             }
             let edge = |axis: usize, i: usize| {
                 // The ends exactly, so that no gap opens by rounding.
@@ -114,7 +187,7 @@ impl<'a> Search<'a> {
                 });
             }
             let Some(hull) = hull else {
-                return Err(self.empty());
+                return Err(self.empty(&program));
             };
             let shrunk =
                 (0..3).any(|i| hull.width(i) < 0.9 * self.region.width(i));
@@ -124,6 +197,10 @@ impl<'a> Search<'a> {
                 .all(|i| hull.width(i) <= 1e-9 * (1.0 + hull.lo[i].abs()));
             if !shrunk || tiny || self.scratch.work > self.options.max_work {
                 return Ok(program);
+            }
+            program.enclose(&self.region, &mut self.scratch);
+            if let Some(simple) = program.simplify(&self.scratch) {
+                program = Rc::new(simple);
             }
         }
     }
