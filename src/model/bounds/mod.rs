@@ -224,7 +224,7 @@ fn search(
             Err(other) => return Err(other),
         }
     }
-    match Search::new(options)?.run(program) {
+    match Search::new(options)?.run(program.clone()) {
         Err(BoundsError::Unbounded {
             direction, at_mm, ..
         }) => {
@@ -233,7 +233,7 @@ fn search(
                 max_work: options.max_work / 10,
                 ..*options
             };
-            let negated = flattened(&-tree.clone())?;
+            let negated = Rc::new(program.negated());
             let flipped =
                 Search::new(&mirrored).is_ok_and(|s| s.run(negated).is_ok());
             Err(BoundsError::Unbounded {

@@ -6,7 +6,17 @@ use super::undefined::Undefined;
 use super::{Bounds, BoundsError, SearchOptions};
 use crate::model::cell::Cell;
 use crate::model::program::{Program, Scratch};
+use std::collections::VecDeque;
 use std::rc::Rc;
+
+/// Operations beyond which a program is long.
+const LONG: usize = 20_000;
+
+/// A part of the region, and the program simplified for it.
+pub(super) struct Part {
+    pub cell: Cell,
+    pub program: Rc<Program>,
+}
 
 /// A search for the box of {f < 0}.
 pub(super) struct Search<'a> {
@@ -51,12 +61,17 @@ impl<'a> Search<'a> {
         self
     }
 
-    /// Nothing is inside, and why.
-    pub(super) fn empty(&mut self, program: &Program) -> BoundsError {
-        let searched = match self.options.within {
+    /// What is searched, in words.
+    pub(super) fn searched(&self) -> String {
+        match self.options.within {
             None => format!("±{} mm", self.options.limit_mm),
             Some(_) => "the given bounds".to_owned(),
-        };
+        }
+    }
+
+    /// Nothing is inside, and why.
+    pub(super) fn empty(&mut self, program: &Program) -> BoundsError {
+        let searched = self.searched();
         let Undefined { share, cause } = self.undefined(program);
         match cause {
             Some(cause) if share == 1.0 => {
@@ -66,12 +81,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Narrows the region as far as coarse proofs go, and returns the program
-    /// simplified for it.
+    /// Narrows the region as far as coarse proofs go, and returns what is left
+    /// of it, with the program simplified for that.
     pub(super) fn narrow(
         &mut self,
         program: Rc<Program>,
-    ) -> Result<Rc<Program>, BoundsError> {
+    ) -> Result<Vec<Part>, BoundsError> {
         let all = program.enclose(&self.region, &mut self.scratch);
         if all.range.is_empty() || all.range.lo >= 0.0 {
             return Err(self.empty(&program));
@@ -84,8 +99,81 @@ impl<'a> Search<'a> {
                 limit_mm: self.options.limit_mm,
             });
         }
+        self.look_far(&program)?;
         let program = self.peel(program);
-        self.sift(program)
+        match program.len() > LONG {
+            true => self.shards(program),
+            false => Ok(vec![Part {
+                program: self.sift(program)?,
+                cell: self.region,
+            }]),
+        }
+    }
+
+    /// Looks at the middle of each far side: where a model is solid there, it
+    /// is known to be unbounded at once.
+    fn look_far(&mut self, program: &Program) -> Result<(), BoundsError> {
+        if self.options.within.is_some() {
+            return Ok(());
+        }
+        for side in Side::all() {
+            let mut point = self.region.centre();
+            point[side.axis] = side.outward(side.reach(&self.region));
+            if point[side.axis].abs() >= self.options.limit_mm
+                && program.value(point, &mut self.scratch) < 0.0
+            {
+                return Err(BoundsError::Unbounded {
+                    direction: side.name(),
+                    at_mm: point[side.axis],
+                    flipped: false,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Divides the region among boxes in which far less of a long program
+    /// counts, as of a union of thousands: each side of the model is then
+    /// looked for with these short ones.
+    fn shards(
+        &mut self,
+        program: Rc<Program>,
+    ) -> Result<Vec<Part>, BoundsError> {
+        /// A region is halved so many times at most.
+        const DEPTH: u32 = 9;
+        let most = self.scratch.work + self.options.max_work / 3;
+        let short = program.len() / 64;
+        let whole = program.clone();
+        let mut parts: Vec<Part> = Vec::new();
+        let mut todo = VecDeque::from([(self.region, program, 0)]);
+        while let Some((cell, program, depth)) = todo.pop_front() {
+            crate::limits::check();
+            if self.scratch.work > most {
+                parts.push(Part { cell, program });
+                continue;
+            }
+            let f = program.enclose(&cell, &mut self.scratch);
+            if f.range.is_empty() || f.range.lo >= 0.0 {
+                continue;
+            }
+            if f.centre < 0.0 {
+                self.note_inside(cell.centre());
+            }
+            let program = match program.simplify(&self.scratch) {
+                Some(simple) => Rc::new(simple),
+                None => program,
+            };
+            if depth == DEPTH || program.len() <= short {
+                parts.push(Part { cell, program });
+                continue;
+            }
+            for half in cell.split(cell.widest_axis()) {
+                todo.push_back((half, program.clone(), depth + 1));
+            }
+        }
+        let hull = parts.iter().map(|p| p.cell).reduce(|a, b| a.joined(&b));
+        self.region = hull.ok_or_else(|| self.empty(&whole))?;
+        Ok(parts)
     }
 
     /// Takes slabs off the region's sides as long as one of them is proved to
@@ -102,6 +190,7 @@ impl<'a> Search<'a> {
             let mut peeled = false;
             // Where much could not be taken off once, it will not be later.
             let mut best = LEAVES.len();
+            let centre = self.region.centre();
             for side in Side::all() {
                 if self.region.width(side.axis) <= 1e-6 {
                     continue;
@@ -111,7 +200,7 @@ impl<'a> Search<'a> {
                     if self.scratch.work > most {
                         return program;
                     }
-                    let middle = side.outward(self.region.centre()[side.axis]);
+                    let middle = side.outward(centre[side.axis]);
                     let reach =
                         middle + leave * (side.reach(&self.region) - middle);
                     let mut slab = self.region;
@@ -145,13 +234,7 @@ impl<'a> Search<'a> {
         /// Cells per axis: an off-centre model loses three quarters of the
         /// region per round, a centred one half.
         const GRID: usize = 4;
-        /// Share of the work that one round may take.
-        const SHARE: u64 = 20;
         loop {
-            let round = GRID.pow(3) as u64 * program.len() as u64;
-            if round > self.options.max_work / SHARE {
-                return Ok(program);
-            }
             let edge = |axis: usize, i: usize| {
                 // The ends exactly, so that no gap opens by rounding.
                 match i {

@@ -148,6 +148,17 @@ impl Program {
         self.steps.len()
     }
 
+    /// The program of -f.
+    pub fn negated(&self) -> Self {
+        let root = self.steps.len().saturating_sub(1) as u32;
+        let mut steps = self.steps.to_vec();
+        steps.push(Step::Unary(UnaryOpcode::Neg, root));
+        Self {
+            steps: steps.into(),
+            pieces: self.pieces.clone(),
+        }
+    }
+
     /// Whether the field may depend on x (0), y (1) or z (2).
     pub fn depends_on(&self, axis: usize) -> bool {
         let is_it = |s: &Step| matches!(s, Step::Axis(a) if *a == axis);
@@ -270,17 +281,19 @@ impl Program {
         if s.len() != self.steps.len() || self.pieces.len() >= MOST_PIECES {
             return Vec::new();
         }
-        let live = self.live(s);
+        let mut live = None;
         let mut taken = self.pieces.iter().peekable();
         for (number, step) in self.steps.iter().enumerate() {
             let is_taken =
                 taken.next_if(|p| p.step as usize == number).is_some();
-            if is_taken || !live[number] {
+            if is_taken {
                 continue;
             }
             let [a, b] = slots_of(s, step);
             let indices = piece::pieces_of(step, a, b);
-            if indices.is_empty() {
+            if indices.is_empty()
+                || !live.get_or_insert_with(|| self.live(s))[number]
+            {
                 continue;
             }
             let with = |index: f64| {
