@@ -16,7 +16,9 @@
 //! the bed), which is a warning and not an error, because sinking a part is
 //! how one flattens its foot.
 
-use super::bounds::{Bounds, BoundsError, SearchOptions, find_bounds};
+use super::bounds::{
+    Bounds, BoundsError, SearchOptions, find_bounds, is_flat,
+};
 use super::expand::{ExpandError, expand};
 use super::param::Parameter;
 use super::source::Loaded;
@@ -53,6 +55,10 @@ pub struct Placement {
     /// Cut the model with this box, in its own coordinates (before scale and
     /// rotation). Default value: none, the bounds are found.
     pub bounds: Option<Bounds>,
+    /// Height of the part, mm, for a model that does not depend on z: it is a
+    /// drawing, of which `size` is then the larger side, and is raised before
+    /// it is turned. Default value: none.
+    pub height: Option<f64>,
     /// How far what is printed reaches beyond the part to all sides in the
     /// plane, mm: it needs room on the bed. Default value: 0.
     pub margin: f64,
@@ -115,6 +121,12 @@ pub enum PlaceError {
         /// The other.
         second: &'static str,
     },
+    /// A height for a model that has one.
+    #[error(
+        "--height: the model depends on z, so it has a height of its own; \
+         leave the option out, or make the model larger with --size or --scale"
+    )]
+    HasHeight,
     /// Larger than the printer.
     #[error(
         "the part does not fit the printer: {size} mm, the printer has \
@@ -167,6 +179,16 @@ pub fn place(
     volume: BuildVolume,
 ) -> Result<Model, PlaceError> {
     check(placement)?;
+    if let Some(height) = placement.height {
+        let (raised, scale) = raised(loaded, placement, height)?;
+        let placement = Placement {
+            height: None,
+            size: None,
+            scale: Some(scale),
+            ..*placement
+        };
+        return place(&raised, &placement, volume);
+    }
     let mut warnings = Vec::new();
 
     // The largest side is that of the turned part, so: turn, measure, scale.
@@ -251,11 +273,46 @@ pub fn place(
     })
 }
 
+/// A drawing with its height, and the scale at which that is right.
+fn raised(
+    loaded: &Loaded,
+    placement: &Placement,
+    height: f64,
+) -> Result<(Loaded, f64), PlaceError> {
+    if !is_flat(&loaded.tree)? {
+        return Err(PlaceError::HasHeight);
+    }
+    let up_to = |height: f64| {
+        let z = Tree::z();
+        let slab = (z.clone() - height as f32).max(-z);
+        loaded.tree.max(slab)
+    };
+    let scale = match (placement.scale, placement.size) {
+        (Some(scale), _) => scale,
+        (None, Some(wanted)) => {
+            let options = SearchOptions {
+                within: placement.bounds,
+                ..SearchOptions::default()
+            };
+            let size = find_bounds(&up_to(1.0), &options)?.bounds.size();
+            wanted / size.x.max(size.y)
+        }
+        (None, None) => 1.0,
+    };
+    let raised = Loaded {
+        tree: up_to(height / scale),
+        ..loaded.clone()
+    };
+    Ok((raised, scale))
+}
+
 fn check(placement: &Placement) -> Result<(), PlaceError> {
     let positive = "must be a number above 0";
-    for (option, value) in
-        [("--scale", placement.scale), ("--size", placement.size)]
-    {
+    for (option, value) in [
+        ("--scale", placement.scale),
+        ("--size", placement.size),
+        ("--height", placement.height),
+    ] {
         if let Some(value) = value
             && !(value > 0.0 && value.is_finite())
         {

@@ -202,6 +202,11 @@ pub fn find_bounds(
     crate::limits::doing("bounds", || search(tree, options))
 }
 
+/// Whether f does not depend on z.
+pub(super) fn is_flat(tree: &Tree) -> Result<bool, BoundsError> {
+    Ok(!flattened(tree)?.depends_on(2))
+}
+
 fn search(
     tree: &Tree,
     options: &SearchOptions,

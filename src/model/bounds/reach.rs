@@ -156,9 +156,7 @@ impl Search<'_> {
                 if self.inside.is_none()
                     || (beyond && self.options.within.is_none())
                 {
-                    return Err(BoundsError::Undecided {
-                        direction: side.name(),
-                    });
+                    return Err(self.undecided(side, &c.program));
                 }
                 return Ok(c.reach);
             }

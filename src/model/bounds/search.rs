@@ -110,6 +110,24 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// The ranges tell too little; perhaps since there are no values.
+    pub(super) fn undecided(
+        &mut self,
+        side: Side,
+        program: &Program,
+    ) -> BoundsError {
+        let searched = self.searched();
+        match self.undefined(program) {
+            Undefined {
+                share: 1.0,
+                cause: Some(cause),
+            } => BoundsError::NotANumber { searched, cause },
+            _ => BoundsError::Undecided {
+                direction: side.name(),
+            },
+        }
+    }
+
     /// Looks at the middle of each far side: where a model is solid there, it
     /// is known to be unbounded at once.
     fn look_far(&mut self, program: &Program) -> Result<(), BoundsError> {
