@@ -577,7 +577,10 @@ fn assert_box(tree: &Tree, min: [f64; 3], max: [f64; 3]) {
     let off = (found.bounds.min - DVec3::from(min))
         .abs()
         .max((found.bounds.max - DVec3::from(max)).abs());
-    assert!(off.max_element() < 2e-3, "{found:?}, not {min:?} to {max:?}");
+    assert!(
+        off.max_element() < 2e-3,
+        "{found:?}, not {min:?} to {max:?}"
+    );
     assert!(found.slack_mm < 2e-3, "{found:?}");
 }
 
@@ -669,11 +672,7 @@ fn a_star_ends_at_its_tips() {
     let (s, c) = (TAU / 5.0).sin_cos();
     let left = 20.0 * (TAU / 2.5).cos();
     assert!(c > 0.0);
-    assert_box(
-        &star.tree,
-        [left, -20.0 * s, 0.0],
-        [20.0, 20.0 * s, 6.0],
-    );
+    assert_box(&star.tree, [left, -20.0 * s, 0.0], [20.0, 20.0 * s, 6.0]);
 }
 
 /// Noise made of `floor`, `mix` and `rand` is smooth within its cells, and
@@ -691,9 +690,8 @@ fn a_terrain_of_noise_is_as_high_as_its_summit() {
         let c = weight(0, 1); let d = weight(1, 1);
         let ab = a + smooth(x) * (b - a); let cd = c + smooth(x) * (d - c);
         let h = ab + smooth(y) * (cd - ab);";
-    let text = format!(
-        "{noise} max(z - h, max(-2.0 - z, max(abs(x), abs(y)) - 2.0))"
-    );
+    let text =
+        format!("{noise} max(z - h, max(-2.0 - z, max(abs(x), abs(y)) - 2.0))");
     let (tree, height) =
         (script(&text).tree, script(&format!("{noise} h")).tree);
     let mut context = fidget::context::Context::new();
@@ -711,7 +709,10 @@ fn a_terrain_of_noise_is_as_high_as_its_summit() {
     let found = bounds_of(&tree).unwrap();
     assert!(found.slack_mm < 1e-4, "{found:?}");
     let top = found.bounds.max.z;
-    assert!(top >= summit - 1e-6 && top < summit + 3e-4, "{top} {summit}");
+    assert!(
+        top >= summit - 1e-6 && top < summit + 3e-4,
+        "{top} {summit}"
+    );
 }
 
 /// Found within the default budget, which bounds the time.
@@ -810,7 +811,10 @@ fn drawings_are_told_of_a_height_and_get_one() {
     };
     assert!(matches!(
         place(&disc, &negative, PRINTER),
-        Err(PlaceError::BadNumber { option: "--height", .. })
+        Err(PlaceError::BadNumber {
+            option: "--height",
+            ..
+        })
     ));
 }
 
@@ -835,6 +839,61 @@ fn what_is_no_number_anywhere_says_so_and_why() {
     assert!(half.contains("the square root of -"), "{half}");
     let none = e("x^2 + y^2 + z^2 + 1").to_string();
     assert!(!none.contains("NaN"), "{none}");
+}
+
+/// 30 m from the origin f32 counts in steps of 2 µm to 4 µm, and squares of
+/// what is left of two large numbers in far worse ones.
+#[test]
+fn far_parts_are_moved_to_where_f32_has_digits() {
+    let far = formula(
+        "max(sqrt((x-30000)^2 + (y+20000.5)^2 + z^2) - 10, \
+         sin(x + y) - 0.9, (x % 7) - 6)",
+    );
+    let model = place(&far, &Placement::default(), PRINTER).unwrap();
+    assert_eq!(model.warnings, Vec::<String>::new());
+    let off = model.origin - DVec3::new(30000.0, -20000.5, 0.0);
+    assert!(off.abs().max_element() <= 1.0, "{}", model.origin);
+    assert!(
+        model.bounds.max.abs().max_element() < 11.0,
+        "{:?}",
+        model.bounds
+    );
+    let drawn = model.drawn_bounds().centre() - model.origin;
+    assert!((drawn - model.bounds.centre()).length() < 1e-9);
+    let printed = model.printed_bounds().centre();
+    assert!((printed - DVec3::new(110.0, 110.0, 10.0)).length() < 1e-3);
+    // The same field, there and here, but for f32's steps.
+    let value = |tree: &Tree, p: DVec3| {
+        let mut context = fidget::context::Context::new();
+        let root = context.import(tree);
+        let [x, y, z] = p.as_vec3().to_array();
+        f64::from(context.eval_xyz(root, x, y, z).unwrap())
+    };
+    for i in 0..100 {
+        let turn = f64::from(i) * 0.37;
+        let p = DVec3::new(turn.cos(), turn.sin(), 0.3) * (0.1 * turn);
+        let (there, here) =
+            (value(&far.tree, p + model.origin), value(&model.tree, p));
+        assert!((there - here).abs() < 0.02, "{p}: {there} {here}");
+    }
+    // Kept where it is, it is as far out as it was drawn.
+    let kept = Placement {
+        keep_position: true,
+        ..Placement::default()
+    };
+    let room = BuildVolume {
+        x: 40_000.0,
+        ..PRINTER
+    };
+    let ball = formula("sqrt((x-30000)^2 + (y-50)^2 + (z-10)^2) - 10");
+    let model = place(&ball, &kept, room).unwrap();
+    assert_eq!(model.offset, model.origin);
+    assert!((model.printed_bounds().min.x - 29_990.0).abs() < 1e-3);
+    // Nothing can be folded into a square that was multiplied out.
+    let lost = formula("sqrt(x^2+y^2+z^2 - 60000*x + 900000000) - 10");
+    let model = place(&lost, &Placement::default(), PRINTER).unwrap();
+    let warned = model.warnings.concat();
+    assert!(warned.contains("30 m from the origin"), "{warned}");
 }
 
 /// A million operations, of which a search can afford a few dozen looks.

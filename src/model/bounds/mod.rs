@@ -5,11 +5,15 @@
 //! be negative, each side within `tolerance` of a point that is inside.
 //!
 //! How: the region in which f can be negative is narrowed from ±1000 m by
-//! proofs over a coarse grid (`search`); then each side is found by best-first
-//! branch and bound (`reach`). The box that reaches furthest out is looked at
-//! first: if intervals prove it empty it is dropped, if its centre is inside
-//! the known extent grows to the surface above that centre, else it is cut
-//! across the axis along which f changes most (`cut`).
+//! proofs over slabs and a coarse grid, or, for long programs, divided among
+//! boxes in which little of them counts (`search`); then each side is found by
+//! best-first branch and bound (`reach`). The box that reaches furthest out is
+//! looked at first: if intervals prove it empty it is dropped, if its centre is
+//! inside the known extent grows to the surface above that centre. If an
+//! operation jumps in it, as `floor`, `mod` and `atan2` do, it is looked at
+//! once for each side of the jump (`program`); else it is cut across the axis
+//! along which f changes most (`cut`). Where nothing is inside, `undefined`
+//! finds out whether f is NaN, and which operation makes it so.
 //!
 //! Guarantees: deterministic (the budget counts operations, not time), no
 //! recursion, memory bounded by the budget. A side that the budget does not

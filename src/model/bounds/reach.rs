@@ -189,9 +189,8 @@ impl Search<'_> {
             let whole = c.cell;
             c.cell = c.program.contracted(&whole, &self.scratch);
             // What the jumps leave of the box may be too thin to count.
-            let too_thin = |i: usize| {
-                c.cell.width(i) < whole.width(i).min(thinnest)
-            };
+            let too_thin =
+                |i: usize| c.cell.width(i) < whole.width(i).min(thinnest);
             if (0..3).any(too_thin) {
                 continue;
             }

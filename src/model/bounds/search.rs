@@ -91,9 +91,7 @@ impl<'a> Search<'a> {
         if all.range.is_empty() || all.range.lo >= 0.0 {
             return Err(self.empty(&program));
         }
-        if all.range.hi < 0.0
-            && !all.range.nan
-            && self.options.within.is_none()
+        if all.range.hi < 0.0 && !all.range.nan && self.options.within.is_none()
         {
             return Err(BoundsError::EverythingInside {
                 limit_mm: self.options.limit_mm,

@@ -33,15 +33,13 @@ impl Search<'_> {
             for n in 0..AT.len().pow(3) {
                 crate::limits::check();
                 let at = [n % 5, n / 5 % 5, n / 25].map(|i| AT[i]);
-                let point: [f64; 3] = std::array::from_fn(|i| {
-                    frame[i][0] + at[i] * frame[i][1]
-                });
+                let point: [f64; 3] =
+                    std::array::from_fn(|i| frame[i][0] + at[i] * frame[i][1]);
                 points += 1.0;
                 if program.value(point, &mut self.scratch).is_nan() {
                     without += 1.0;
-                    cause = cause.or_else(|| {
-                        program.why_nan(point, &mut self.scratch)
-                    });
+                    cause = cause
+                        .or_else(|| program.why_nan(point, &mut self.scratch));
                 }
                 // Enough, of a program that takes its time.
                 if self.scratch.work > 2 * self.options.max_work {

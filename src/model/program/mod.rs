@@ -12,6 +12,10 @@
 //! chapter 6; intersecting at every node lets `max` and `min` of several
 //! surfaces each have their own.)
 //!
+//! Operations that jump are smooth in pieces (`piece`), and a program may be
+//! about one piece of some of them. What does not decide the sign of f in a box
+//! is left out of the program for it (`simplify`).
+//!
 //! Why not fidget's interval evaluators: they are f32, and they panic (the
 //! compiled ones abort) on fields whose ranges overflow. See `interval`.
 
@@ -227,8 +231,7 @@ impl Program {
         let mut pieces = self.pieces.iter().peekable();
         let mut at_centre = true;
         for (number, step) in self.steps.iter().enumerate() {
-            if let Some(chosen) =
-                pieces.next_if(|p| p.step as usize == number)
+            if let Some(chosen) = pieces.next_if(|p| p.step as usize == number)
             {
                 let [a, b] = slots_of(s, step);
                 let Some(over) = piece::over(step, chosen.index, a, b) else {

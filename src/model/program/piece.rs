@@ -8,8 +8,8 @@
 //! The condition rules out the part of the box on the other side.
 
 use super::Step;
-use super::slot::Slot;
 use super::slope::{binary, unary};
+use super::slot::Slot;
 use super::value::binary_value;
 use crate::model::cell::Cell;
 use crate::model::interval::Interval;
@@ -240,8 +240,7 @@ fn remainder(index: f64, a: &Slot, b: &Slot) -> Slot {
         centre: index,
         slope: super::slot::FLAT,
     };
-    let whole =
-        binary(BinaryOpcode::Mul, &unary(UnaryOpcode::Abs, b), &times);
+    let whole = binary(BinaryOpcode::Mul, &unary(UnaryOpcode::Abs, b), &times);
     difference(a, &whole)
 }
 
@@ -293,10 +292,8 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
             BinaryOpcode::Atan => {
                 // Left of the pole: ±π + atan(y/x).
                 let turn = if index > 0.0 { PI } else { -PI };
-                let tilt = unary(
-                    UnaryOpcode::Atan,
-                    &binary(BinaryOpcode::Div, a, b),
-                );
+                let tilt =
+                    unary(UnaryOpcode::Atan, &binary(BinaryOpcode::Div, a, b));
                 binary(BinaryOpcode::Add, &tilt, &constant(turn, false))
             }
             BinaryOpcode::Div => binary(*op, a, &beside(b)),

@@ -96,8 +96,11 @@ pub(super) fn unary(op: UnaryOpcode, a: &Slot) -> Slot {
         }
         UnaryOpcode::Ln => (r.ln(), scaled(g, Interval::point(1.0).div(r))),
         UnaryOpcode::Not => (r.not(), jumping(&[g])),
-        UnaryOpcode::Rand => (known(unary_value(op, r.lo), [r, r])
-            .unwrap_or(Interval::new(0.0, 1.0)), jumping(&[g])),
+        UnaryOpcode::Rand => (
+            known(unary_value(op, r.lo), [r, r])
+                .unwrap_or(Interval::new(0.0, 1.0)),
+            jumping(&[g]),
+        ),
     };
     Slot {
         range,

@@ -65,7 +65,9 @@ fn jumps() -> Tree {
     let rounded = (z.clone() * 1.7 - y.clone()).round() * 0.4;
     let poles = (x.clone() + y.clone()).recip() + (z.clone() * 2.0).tan();
     let sides = x.compare(y.clone() * z) * 0.5 + (y - 0.2) / (x + 0.3);
-    (cells + angle * 0.1).max(poles).min(steps + rounded + sides)
+    (cells + angle * 0.1)
+        .max(poles)
+        .min(steps + rounded + sides)
 }
 
 #[test]
