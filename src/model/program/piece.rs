@@ -181,18 +181,18 @@ fn keep_above(slot: &Slot, least: f64, whole: &Cell, cell: &mut Cell) {
     }
     let centre = whole.centre();
     let reach = |i: usize| slot.slope[i].magnitude() * 0.5 * whole.width(i);
-    for i in 0..3 {
+    for (i, &middle) in centre.iter().enumerate() {
         let others: f64 = (0..3).filter(|&j| j != i).map(reach).sum();
         // What the way along this axis must add to the value.
         let rise = least - slot.centre - others;
         let g = slot.slope[i];
-        let slack = 1e-13 * (1.0 + centre[i].abs());
+        let slack = 1e-13 * (1.0 + middle.abs());
         if g.lo > 0.0 {
             let way = rise / if rise > 0.0 { g.hi } else { g.lo };
-            cell.lo[i] = cell.lo[i].max(centre[i] + way - slack);
+            cell.lo[i] = cell.lo[i].max(middle + way - slack);
         } else if g.hi < 0.0 {
             let way = rise / if rise > 0.0 { g.lo } else { g.hi };
-            cell.hi[i] = cell.hi[i].min(centre[i] + way + slack);
+            cell.hi[i] = cell.hi[i].min(middle + way + slack);
         }
     }
 }

@@ -120,9 +120,9 @@ fn pieces_hold_all_that_the_whole_has() {
                     f.range.lo - 1e-9 <= v && v <= f.range.hi + 1e-9,
                     "{v} is not in {f:?} over {cell:?}"
                 );
-                for i in 0..3 {
-                    assert!(left.lo[i] <= point[i] && point[i] <= left.hi[i]);
-                }
+                let held =
+                    |i: usize| left.lo[i] <= point[i] && point[i] <= left.hi[i];
+                assert!((0..3).all(held));
             }
             assert_eq!(found, 1, "{point:?} is in {found} of the pieces");
         }
