@@ -1390,3 +1390,56 @@ fn layers_end_where_the_print_does() {
     let from = |text: &str| text[text.find(";Z:9\n").unwrap()..].to_owned();
     assert_eq!(from(&layers(&text)), from(&layers(&text_of_part)));
 }
+}
+
+#[test]
+fn a_drawing_gets_a_height() {
+    let folder = folder();
+    isoslice(&folder)
+        .args(["info", "-e", "sqrt(x^2 + y^2) - 10"])
+        .assert()
+        .failure()
+        .stderr(contains("--height 3"))
+        .stderr(contains("abs(z - 1.5) - 1.5"));
+    isoslice(&folder)
+        .args(["info", "-e", "sqrt(x^2 + y^2) - 10", "--height", "3"])
+        .assert()
+        .success()
+        .stdout(contains("20.00 × 20.00 × 3.00 mm"));
+    isoslice(&folder)
+        .args(["info", "-e", BALL, "--height", "3"])
+        .assert()
+        .failure()
+        .stderr(contains("has a height of its own"));
+}
+
+/// The text is that of a ball at the origin: f32 has the digits for it.
+#[test]
+fn a_ball_thirty_metres_away_is_all_there() {
+    let folder = folder();
+    let sliced = |formula: &str, flow: &str, name: &str| {
+        let flow = format!("flow=expr: {flow}");
+        isoslice(&folder)
+            .args(["slice", "-e", formula, "-o", name, "--set", &flow])
+            .assert()
+            .success();
+        let text = fs::read_to_string(folder.path().join(name)).unwrap();
+        let lines = text.lines().filter(|l| !l.contains("expr:"));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let near = sliced(BALL, "100 + x", "near.gcode");
+    let far = sliced(
+        "sqrt((x - 30000)^2 + y^2 + z^2) - 3",
+        "100 + (x - 30000)",
+        "far.gcode",
+    );
+    assert!(near.len() > 500);
+    // The formula sees coordinates of 30 m, in f32: its last digits differ.
+    let count = |lines: &[String], word: &str| {
+        lines.iter().filter(|l| l.contains(word)).count()
+    };
+    for word in ["LAYER_CHANGE", "TYPE:", "G1 "] {
+        let (a, b) = (count(&near, word), count(&far, word));
+        assert!(a.abs_diff(b) <= a / 50, "{word}: {a} and {b}");
+    }
+}

@@ -277,10 +277,6 @@ fn fields_that_are_nan_in_places() {
     );
     // Infinite at the origin.
     assert_formula("1 - 1/(x^2+y^2+z^2)", [-1.0; 3], [1.0; 3]);
-    assert!(matches!(
-        bounds_of(&formula("sqrt(-1 - x^2)").tree),
-        Err(BoundsError::Empty { .. })
-    ));
 }
 
 #[test]
@@ -572,4 +568,348 @@ fn the_same_input_gives_the_same_model() {
     for _ in 0..3 {
         assert_eq!(bounds_of(&formula(text).tree).unwrap(), once);
     }
+}
+
+/// A part within 2 µm of a box that is known.
+#[track_caller]
+fn assert_box(tree: &Tree, min: [f64; 3], max: [f64; 3]) {
+    let found = bounds_of(tree).unwrap();
+    let off = (found.bounds.min - DVec3::from(min))
+        .abs()
+        .max((found.bounds.max - DVec3::from(max)).abs());
+    assert!(
+        off.max_element() < 2e-3,
+        "{found:?}, not {min:?} to {max:?}"
+    );
+    assert!(found.slack_mm < 2e-3, "{found:?}");
+}
+
+/// Box in the plane of the points that a function of a share of the way gives.
+fn box_of(way: impl Fn(f64) -> (f64, f64)) -> ([f64; 2], [f64; 2]) {
+    const STEPS: i32 = 1_000_000;
+    let (mut lo, mut hi) = ([f64::MAX; 2], [f64::MIN; 2]);
+    for i in 0..=STEPS {
+        let (x, y) = way(f64::from(i) / f64::from(STEPS));
+        for (k, v) in [x, y].into_iter().enumerate() {
+            lo[k] = lo[k].min(v);
+            hi[k] = hi[k].max(v);
+        }
+    }
+    (lo, hi)
+}
+
+const TAU: f64 = std::f64::consts::TAU;
+
+/// Sixteen teeth, folded into one by the remainder of the angle, and blended
+/// with the body.
+#[test]
+fn a_filleted_gear_is_as_large_as_its_teeth() {
+    let gear = script(
+        "let n = 16.0; let p = 6.283185307 / n;
+         let r = sqrt(x*x + y*y);
+         let w = (atan2(y, x) + p / 2.0) % p - p / 2.0;
+         let u = r * cos(w); let v = r * sin(w);
+         let tooth = max(abs(v) - 1.8, u - 22.0);
+         let d = r - 18.0; let k = 1.5;
+         let h = (0.5 + 0.5 * (d - tooth) / k).max(0.0).min(1.0);
+         let blend = d + (tooth - d) * h - k * h * (1.0 - h);
+         blend.max(4.0 - r).max(abs(z - 4.0) - 4.0)",
+    );
+    assert_box(&gear.tree, [-22.0, -22.0, 0.0], [22.0, 22.0, 8.0]);
+    let model = place(&gear, &Placement::default(), PRINTER).unwrap();
+    assert_eq!(model.warnings, Vec::<String>::new());
+    let centre = model.printed_bounds().centre();
+    assert!((centre.x - 110.0).abs() < 1e-3, "{centre}");
+    assert!((centre.y - 110.0).abs() < 1e-3, "{centre}");
+}
+
+/// The strip is wound from 0.7 to 4.3 turns; its outer edge reaches furthest.
+#[test]
+fn a_spiral_strip_is_as_large_as_its_last_turn() {
+    let spiral = script(
+        "let r = sqrt(x*x + y*y); let a = atan2(y, x) / 6.283185307;
+         let n = floor(r / 4.0 - a + 0.5);
+         let d = abs(r / 4.0 - a - n) * 4.0 - 0.8;
+         d.max(n + a - 4.3).max(0.7 - n - a).max(abs(z - 5.0) - 5.0)",
+    );
+    let ([x0, y0], [x1, y1]) = box_of(|t| {
+        let turns = 0.7 + t * 3.6;
+        let r = 4.0 * turns + 0.8;
+        (r * (TAU * turns).cos(), r * (TAU * turns).sin())
+    });
+    assert_box(&spiral.tree, [x0, y0, 0.0], [x1, y1, 10.0]);
+    // The same by a remainder, in a disc: what is cut off is round.
+    let disc = script(
+        "let r = sqrt(x*x + y*y);
+         let u = r - 5.0 * atan2(y, x) / 6.283185307;
+         max(abs(u % 5.0 - 2.5) - 0.6, r - 25.0).max(abs(z) - 3.0)",
+    );
+    let ([x0, y0], [x1, y1]) = box_of(|t| {
+        let angle = TAU * (t - 0.5);
+        let u = |r: f64| r - 5.0 * angle / TAU;
+        let part = |r: f64| ((u(r).rem_euclid(5.0)) - 2.5).abs() < 0.6;
+        // The furthest out of the outer edge and the rim.
+        let edge = 5.0 * ((25.0 - 3.1 - 5.0 * angle / TAU) / 5.0).floor();
+        let r = match part(25.0) {
+            true => 25.0,
+            false => edge + 3.1 + 5.0 * angle / TAU,
+        };
+        (r * angle.cos(), r * angle.sin())
+    });
+    assert_box(&disc.tree, [x0, y0, -3.0], [x1, y1, 3.0]);
+}
+
+#[test]
+fn a_star_ends_at_its_tips() {
+    let star = script(
+        "let p = 6.283185307 / 5.0; let r = sqrt(x*x + y*y);
+         let w = abs((atan2(y, x) + p/2.0) % p - p/2.0);
+         let u = r * cos(w); let v = r * sin(w);
+         let ex = 8.0 * cos(p/2.0) - 20.0; let ey = 8.0 * sin(p/2.0);
+         let d = ((u - 20.0) * ey - v * ex) / sqrt(ex*ex + ey*ey);
+         d.max(abs(z - 3.0) - 3.0)",
+    );
+    let (s, c) = (TAU / 5.0).sin_cos();
+    let left = 20.0 * (TAU / 2.5).cos();
+    assert!(c > 0.0);
+    assert_box(&star.tree, [left, -20.0 * s, 0.0], [20.0, 20.0 * s, 6.0]);
+}
+
+/// Noise made of `floor`, `mix` and `rand` is smooth within its cells, and
+/// continuous between them: the highest point is that of a fine grid.
+#[test]
+fn a_terrain_of_noise_is_as_high_as_its_summit() {
+    let noise = "
+        fn weight(ix, iy) {
+            let fx = floor(x) + ix; let fy = floor(y) + iy;
+            let angle = rand(mix(fx, fy)) * 2.0 * PI;
+            (x - fx) * cos(angle) + (y - fy) * sin(angle)
+        }
+        fn smooth(v) { let t = v - floor(v); t * t * (3.0 - 2.0 * t) }
+        let a = weight(0, 0); let b = weight(1, 0);
+        let c = weight(0, 1); let d = weight(1, 1);
+        let ab = a + smooth(x) * (b - a); let cd = c + smooth(x) * (d - c);
+        let h = ab + smooth(y) * (cd - ab);";
+    let text =
+        format!("{noise} max(z - h, max(-2.0 - z, max(abs(x), abs(y)) - 2.0))");
+    let (tree, height) =
+        (script(&text).tree, script(&format!("{noise} h")).tree);
+    let mut context = fidget::context::Context::new();
+    let root = context.import(&height);
+    let mut summit = f64::MIN;
+    for i in 0..=400 {
+        for j in 0..=400 {
+            let at = |i: i32| -2.0 + f64::from(i) * 0.01;
+            // From the side on which the cell is, not on its border.
+            let (x, y) = (at(i) * (1.0 - 1e-6), at(j) * (1.0 - 1e-6));
+            let h = context.eval_xyz(root, x as f32, y as f32, 0.0).unwrap();
+            summit = summit.max(f64::from(h));
+        }
+    }
+    let found = bounds_of(&tree).unwrap();
+    assert!(found.slack_mm < 1e-4, "{found:?}");
+    let top = found.bounds.max.z;
+    assert!(
+        top >= summit - 1e-6 && top < summit + 3e-4,
+        "{top} {summit}"
+    );
+}
+
+/// Found within the default budget, which bounds the time.
+#[test]
+fn twenty_thousand_balls_are_bounded() {
+    let text = "
+        for i in 0..20000 {
+            let t = i.to_float();
+            draw(sphere([t * 7.31 % 100.0, t * 3.77 % 90.0, t * 0.003], 1.0));
+        }";
+    assert_bounds(
+        &script(text).tree,
+        [-1.0, -1.0, -1.0],
+        [100.99, 90.99, 60.997],
+    );
+}
+
+/// Poles, towers and powers: an answer without the whole budget.
+#[test]
+fn tiny_formulas_are_answered_at_once() {
+    let start = Instant::now();
+    for text in [
+        "11/0*log(2%+y^2)",
+        "max(1/x + 1/y + 1/z, sqrt(x^2+y^2+z^2) - 10)",
+        "max(tan(x*y*z), sqrt(x^2+y^2+z^2) - 10)",
+        "max((x%3)%(y%2+0.5) - 0.4, sqrt(x^2+y^2+z^2) - 10)",
+        "exp(exp(x)) + y^2 + z^2 - 5",
+        "log(log(log(x^2+y^2+z^2)))",
+        "x^y - z^x",
+        "tan(x*y)*z - 1",
+        "sqrt(x)*sqrt(-x) + y^2 + z^2 - 1",
+        "max(sin(atan2(y,x)*7 + sqrt(x^2+y^2)*3) - 0.3, \
+         sqrt(x^2+y^2+z^2) - 20)",
+    ] {
+        let one = Instant::now();
+        let found = bounds_of(&formula(text).tree);
+        eprintln!("{text}: {:?}, {found:?}", one.elapsed());
+    }
+    // A hundred times what it takes on an idle machine.
+    assert!(start.elapsed().as_secs() < 40, "{:?}", start.elapsed());
+}
+
+#[test]
+fn drawings_are_told_of_a_height_and_get_one() {
+    let disc = formula("sqrt(x^2 + y^2) - 10");
+    let e = bounds_of(&disc.tree).unwrap_err();
+    assert_eq!(e, BoundsError::Flat { size: [20.0, 20.0] });
+    let words = e.to_string();
+    for part in ["--height 3", "max(f, abs(z - 1.5) - 1.5)"] {
+        assert!(words.contains(part), "{words}");
+    }
+    // To the micrometres that the bounds of a scaled part are known to.
+    let size = |loaded: &Loaded, placement: Placement| {
+        let model = place(loaded, &placement, PRINTER).unwrap();
+        (model.bounds.size() * 1e3).round() / 1e3
+    };
+    let raised = Placement {
+        height: Some(3.0),
+        ..Placement::default()
+    };
+    assert_eq!(size(&disc, raised), DVec3::new(20.0, 20.0, 3.0));
+    // The height is what is printed, whatever the drawing's units.
+    let scaled = Placement {
+        scale: Some(2.5),
+        ..raised
+    };
+    assert_eq!(size(&disc, scaled), DVec3::new(50.0, 50.0, 3.0));
+    let oval = formula("x^2/4 + y^2 - 1");
+    let sized = Placement {
+        size: Some(60.0),
+        ..raised
+    };
+    assert_eq!(size(&oval, sized), DVec3::new(60.0, 30.0, 3.0));
+    let turned = Placement {
+        rotate: [90.0, 0.0, 0.0],
+        ..raised
+    };
+    assert_eq!(size(&disc, turned), DVec3::new(20.0, 3.0, 20.0));
+    // An endless drawing is cut in its plane.
+    let stripes = formula("sin(x)");
+    let cut = Placement {
+        bounds: Some(Bounds {
+            min: DVec3::new(-5.0, -5.0, 0.0),
+            max: DVec3::new(5.0, 5.0, 100.0),
+        }),
+        ..raised
+    };
+    assert_eq!(size(&stripes, cut).z, 3.0);
+    assert_eq!(
+        place(&formula("sqrt(x^2+y^2+z^2) - 5"), &raised, PRINTER).err(),
+        Some(PlaceError::HasHeight)
+    );
+    let negative = Placement {
+        height: Some(-1.0),
+        ..Placement::default()
+    };
+    assert!(matches!(
+        place(&disc, &negative, PRINTER),
+        Err(PlaceError::BadNumber {
+            option: "--height",
+            ..
+        })
+    ));
+}
+
+#[test]
+fn what_is_no_number_anywhere_says_so_and_why() {
+    let e = |text: &str| bounds_of(&formula(text).tree).unwrap_err();
+    for (text, why) in [
+        ("sqrt(-1 - x^2)", "the square root of -"),
+        ("log(-1 - x^2 - z^2)", "the logarithm of -"),
+        ("acos(2 + x^2) + z", "the arc cosine of "),
+        ("(x - x)/(y - y) + z", "0 / 0"),
+    ] {
+        let error = e(text);
+        assert!(matches!(error, BoundsError::NotANumber { .. }), "{text}");
+        let words = error.to_string();
+        assert!(words.contains(why), "{text}: {words}");
+        assert!(words.contains("NaN"), "{text}: {words}");
+    }
+    // In places only: it may be why there is nothing.
+    let half = e("sqrt(x) + y^2 + z^2 + 1").to_string();
+    assert!(half.contains("nowhere negative"), "{half}");
+    assert!(half.contains("the square root of -"), "{half}");
+    let none = e("x^2 + y^2 + z^2 + 1").to_string();
+    assert!(!none.contains("NaN"), "{none}");
+}
+
+/// 30 m from the origin f32 counts in steps of 2 µm to 4 µm, and squares of
+/// what is left of two large numbers in far worse ones.
+#[test]
+fn far_parts_are_moved_to_where_f32_has_digits() {
+    let far = formula(
+        "max(sqrt((x-30000)^2 + (y+20000.5)^2 + z^2) - 10, \
+         sin(x + y) - 0.9, (x % 7) - 6)",
+    );
+    let model = place(&far, &Placement::default(), PRINTER).unwrap();
+    assert_eq!(model.warnings, Vec::<String>::new());
+    let off = model.origin - DVec3::new(30000.0, -20000.5, 0.0);
+    assert!(off.abs().max_element() <= 1.0, "{}", model.origin);
+    assert!(
+        model.bounds.max.abs().max_element() < 11.0,
+        "{:?}",
+        model.bounds
+    );
+    let drawn = model.drawn_bounds().centre() - model.origin;
+    assert!((drawn - model.bounds.centre()).length() < 1e-9);
+    let printed = model.printed_bounds().centre();
+    assert!((printed - DVec3::new(110.0, 110.0, 10.0)).length() < 1e-3);
+    // The same field, there and here, but for f32's steps.
+    let value = |tree: &Tree, p: DVec3| {
+        let mut context = fidget::context::Context::new();
+        let root = context.import(tree);
+        let [x, y, z] = p.as_vec3().to_array();
+        f64::from(context.eval_xyz(root, x, y, z).unwrap())
+    };
+    for i in 0..100 {
+        let turn = f64::from(i) * 0.37;
+        let p = DVec3::new(turn.cos(), turn.sin(), 0.3) * (0.1 * turn);
+        let (there, here) =
+            (value(&far.tree, p + model.origin), value(&model.tree, p));
+        assert!((there - here).abs() < 0.02, "{p}: {there} {here}");
+    }
+    // Kept where it is, it is as far out as it was drawn.
+    let kept = Placement {
+        keep_position: true,
+        ..Placement::default()
+    };
+    let room = BuildVolume {
+        x: 40_000.0,
+        ..PRINTER
+    };
+    let ball = formula("sqrt((x-30000)^2 + (y-50)^2 + (z-10)^2) - 10");
+    let model = place(&ball, &kept, room).unwrap();
+    assert_eq!(model.offset, model.origin);
+    assert!((model.printed_bounds().min.x - 29_990.0).abs() < 1e-3);
+    // Nothing can be folded into a square that was multiplied out.
+    let lost = formula("sqrt(x^2+y^2+z^2 - 60000*x + 900000000) - 10");
+    let model = place(&lost, &Placement::default(), PRINTER).unwrap();
+    let warned = model.warnings.concat();
+    assert!(warned.contains("30 m from the origin"), "{warned}");
+}
+
+/// A million operations, of which a search can afford a few dozen looks.
+#[test]
+fn long_chains_are_called_unbounded_soon() {
+    use std::fmt::Write;
+    let mut text = String::from("a var-x\nb const 1\ny var-y\nc0 add a b\n");
+    for i in 1..400_000 {
+        let _ = writeln!(text, "d{i} add c{} b\nc{i} min d{i} y", i - 1);
+    }
+    let loaded = load(&source(SourceKind::Vm, &text), &[]).unwrap();
+    let start = Instant::now();
+    assert!(matches!(
+        bounds_of(&loaded.tree),
+        Err(BoundsError::Unbounded { .. })
+    ));
+    // It takes one second on an idle machine.
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
 }

@@ -94,6 +94,17 @@ pub(super) struct ModelArgs {
     )]
     scale: Option<f64>,
 
+    /// Raise a drawing, a model that does not depend on z, to H mm; --size is
+    /// then the drawing's larger side
+    #[arg(
+        long,
+        value_name = "H",
+        allow_hyphen_values = true,
+        value_parser = positive,
+        help_heading = "Placement"
+    )]
+    height: Option<f64>,
+
     /// Rotate about the x axis, degrees; x first, then y, then z
     #[arg(
         long,
@@ -166,6 +177,7 @@ impl ModelArgs {
             at: self.at,
             keep_position: self.keep_position,
             bounds: self.bounds,
+            height: self.height,
             margin: settings.reach(),
         };
         let volume = BuildVolume {

@@ -87,7 +87,7 @@ impl<'a> Json<'a> {
         Ok(Json {
             model: &model.name,
             size_mm: model.bounds.size().to_array(),
-            bounds_mm: corners(model.bounds),
+            bounds_mm: corners(model.drawn_bounds()),
             on_the_bed_mm: corners(model.printed_bounds()),
             layer_count: layer_count(model, settings)?,
             layer_height_mm: settings.layer_height,
@@ -128,11 +128,12 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     let mut text = String::new();
     writeln!(text, "{}", model.name)?;
     writeln!(text, "  size        {}", dimensions(size))?;
+    let drawn = model.drawn_bounds();
     writeln!(
         text,
         "  bounds      {} to {} mm",
-        corner(model.bounds.min),
-        corner(model.bounds.max)
+        corner(drawn.min),
+        corner(drawn.max)
     )?;
     let printed = model.printed_bounds();
     writeln!(

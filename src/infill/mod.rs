@@ -205,6 +205,8 @@ pub struct Site {
     pub height: Mm,
     /// The middle of the bed.
     pub bed: DVec2,
+    /// What its formulas' x and y are more than its coordinates.
+    pub origin: DVec2,
 }
 
 /// A part's sparse infill.

@@ -34,8 +34,25 @@ impl Cell {
         }
     }
 
-    /// Its extent along the axis of the largest.
+    /// The axis along which it is widest.
+    pub fn widest_axis(&self) -> usize {
+        (0..3).fold(0, |best, i| match self.width(i) > self.width(best) {
+            true => i,
+            false => best,
+        })
+    }
+
+    /// Its extent along that axis.
     pub fn largest_side(&self) -> f64 {
-        (0..3).map(|i| self.width(i)).fold(0.0, f64::max)
+        self.width(self.widest_axis())
+    }
+
+    /// What it has in common with another one; perhaps nothing: then an upper
+    /// end is below its lower one.
+    pub fn common(&self, other: &Self) -> Self {
+        Self {
+            lo: std::array::from_fn(|i| self.lo[i].max(other.lo[i])),
+            hi: std::array::from_fn(|i| self.hi[i].min(other.hi[i])),
+        }
     }
 }

@@ -9,7 +9,8 @@
 //! - `expand`: bounds on what an expression may grow to
 //! - `bounds`: the tight box of {f < 0} by interval arithmetic, on top of
 //!   `program` (the expression over boxes, each a `cell`) and `interval`
-//! - `placement`: scale, rotation, position
+//! - `placement`: scale, rotation, position; `shift`: the origin of what is far
+//!   from it
 //!
 //! Guarantees: whatever the input, an error or a model within bounded time
 //! and memory, without panics and without recursion on the caller's stack;
@@ -30,6 +31,7 @@ mod placement;
 mod power;
 mod program;
 mod script;
+mod shift;
 mod source;
 mod vm;
 

@@ -6,8 +6,9 @@
 //!
 //! Scale and rotation become part of the expression, and the field is scaled
 //! with the model (g(p) = s·f(p/s)), so that a distance stays a distance.
-//! Translation never does: f32 accuracy is best near the origin that the
-//! author chose, and a plane at x = 10 stays exactly that. Without scale,
+//! Translation does not: f32 accuracy is best near the origin that the author
+//! chose, and a plane at x = 10 stays exactly that. Only a part that was drawn
+//! a metre or more away has its origin moved (`shift`). Without scale,
 //! rotation and bounds the expression is the user's own, untouched.
 //!
 //! By default the part rests on the bed with its lowest point at z = 0 and is
@@ -16,9 +17,11 @@
 //! the bed), which is a warning and not an error, because sinking a part is
 //! how one flattens its foot.
 
-use super::bounds::{Bounds, BoundsError, SearchOptions, find_bounds};
+use super::bounds::{Bounds, BoundsError, SearchOptions, find_bounds, is_flat};
+use super::cell::Cell;
 use super::expand::{ExpandError, expand};
 use super::param::Parameter;
+use super::shift::{digits, shifted};
 use super::source::Loaded;
 use fidget::context::Tree;
 use glam::{DMat3, DVec3};
@@ -53,6 +56,10 @@ pub struct Placement {
     /// Cut the model with this box, in its own coordinates (before scale and
     /// rotation). Default value: none, the bounds are found.
     pub bounds: Option<Bounds>,
+    /// Height of the part, mm, for a model that does not depend on z: it is a
+    /// drawing, of which `size` is then the larger side, and is raised before
+    /// it is turned. Default value: none.
+    pub height: Option<f64>,
     /// How far what is printed reaches beyond the part to all sides in the
     /// plane, mm: it needs room on the bed. Default value: 0.
     pub margin: f64,
@@ -68,8 +75,12 @@ pub struct Model {
     /// Box of the part in the model's frame, mm. Conservative by less than
     /// 10⁻⁴ mm.
     pub bounds: Bounds,
-    /// Printer coordinates = model coordinates + offset, mm.
+    /// Printer coordinates = coordinates of the model's frame + offset, mm.
     pub offset: DVec3,
+    /// Where in the coordinates in which the model was drawn (and turned and
+    /// scaled) the frame's origin is, mm: 0, but for models that were drawn so
+    /// far out that f32 has too few digits left there.
+    pub origin: DVec3,
     /// Parameters the script declares.
     pub parameters: Vec<Parameter>,
     /// What the user should know, in sentences.
@@ -79,6 +90,14 @@ pub struct Model {
 }
 
 impl Model {
+    /// The box of the part in the coordinates in which it was drawn.
+    pub fn drawn_bounds(&self) -> Bounds {
+        Bounds {
+            min: self.bounds.min + self.origin,
+            max: self.bounds.max + self.origin,
+        }
+    }
+
     /// The box of the part on the printer.
     pub fn printed_bounds(&self) -> Bounds {
         Bounds {
@@ -115,6 +134,12 @@ pub enum PlaceError {
         /// The other.
         second: &'static str,
     },
+    /// A height for a model that has one.
+    #[error(
+        "--height: the model depends on z, so it has a height of its own; \
+         leave the option out, or make the model larger with --size or --scale"
+    )]
+    HasHeight,
     /// Larger than the printer.
     #[error(
         "the part does not fit the printer: {size} mm, the printer has \
@@ -167,6 +192,16 @@ pub fn place(
     volume: BuildVolume,
 ) -> Result<Model, PlaceError> {
     check(placement)?;
+    if let Some(height) = placement.height {
+        let (raised, scale) = raised(loaded, placement, height)?;
+        let placement = Placement {
+            height: None,
+            size: None,
+            scale: Some(scale),
+            ..*placement
+        };
+        return place(&raised, &placement, volume);
+    }
     let mut warnings = Vec::new();
 
     // The largest side is that of the turned part, so: turn, measure, scale.
@@ -192,7 +227,7 @@ pub fn place(
         (None, Some(wanted)) => wanted / size.max_element(),
         (None, None) => 1.0,
     };
-    let tree = if turned || scale != 1.0 {
+    let mut tree = if turned || scale != 1.0 {
         mapped(&clipped, rotation, scale)
     } else {
         clipped
@@ -225,6 +260,13 @@ pub fn place(
         ));
     }
     let offset = offset(&bounds, placement, volume)?;
+    let origin = match far_out(&tree, &bounds, &mut warnings)? {
+        Some((near, origin)) => {
+            tree = near;
+            origin
+        }
+        None => DVec3::ZERO,
+    };
     if placement.keep_position {
         let foot = bounds.min.z;
         if foot < -FIT_TOLERANCE_MM {
@@ -243,19 +285,100 @@ pub fn place(
     Ok(Model {
         name: loaded.name.clone(),
         tree,
-        bounds,
-        offset,
+        bounds: Bounds {
+            min: bounds.min - origin,
+            max: bounds.max - origin,
+        },
+        offset: offset + origin,
+        origin,
         parameters: loaded.parameters.clone(),
         warnings,
         expression_size,
     })
 }
 
+/// Moves the origin of a part that was drawn far from it, if that gives f32
+/// the digits it lacks; warns if they are still too few. `None` if the part
+/// can stay as it is.
+fn far_out(
+    tree: &Tree,
+    bounds: &Bounds,
+    warnings: &mut Vec<String>,
+) -> Result<Option<(Tree, DVec3)>, PlaceError> {
+    /// Nearer than this f32 tells 10⁻⁴ mm apart.
+    const FAR_MM: f64 = 1000.0;
+    /// As good as the outlines are by default.
+    const GOOD_MM: f64 = 0.005;
+    let cell = |b: Bounds| Cell {
+        lo: b.min.to_array(),
+        hi: b.max.to_array(),
+    };
+    let far = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if far < FAR_MM {
+        return Ok(None);
+    }
+    let here = digits(tree, &cell(*bounds)).unwrap_or(0.0);
+    // A whole number of millimetres is exact in f32, too.
+    let origin = bounds.centre().round();
+    let near = shifted(tree, origin)?;
+    let moved = Bounds {
+        min: bounds.min - origin,
+        max: bounds.max - origin,
+    };
+    let there = digits(&near, &cell(moved)).unwrap_or(here);
+    let gains = there < 0.5 * here;
+    let left = if gains { there } else { here };
+    if left > GOOD_MM {
+        warnings.push(format!(
+            "the part lies {:.0} m from the origin, where the 32 bits of a \
+             number leave its surface uncertain by about {left:.3} mm: details \
+             and thin places may be lost; draw it near the origin",
+            far / 1000.0
+        ));
+    }
+    Ok(gains.then_some((near, origin)))
+}
+
+/// A drawing with its height, and the scale at which that is right.
+fn raised(
+    loaded: &Loaded,
+    placement: &Placement,
+    height: f64,
+) -> Result<(Loaded, f64), PlaceError> {
+    if !is_flat(&loaded.tree)? {
+        return Err(PlaceError::HasHeight);
+    }
+    let up_to = |height: f64| {
+        let z = Tree::z();
+        let slab = (z.clone() - height as f32).max(-z);
+        loaded.tree.max(slab)
+    };
+    let scale = match (placement.scale, placement.size) {
+        (Some(scale), _) => scale,
+        (None, Some(wanted)) => {
+            let options = SearchOptions {
+                within: placement.bounds,
+                ..SearchOptions::default()
+            };
+            let size = find_bounds(&up_to(1.0), &options)?.bounds.size();
+            wanted / size.x.max(size.y)
+        }
+        (None, None) => 1.0,
+    };
+    let raised = Loaded {
+        tree: up_to(height / scale),
+        ..loaded.clone()
+    };
+    Ok((raised, scale))
+}
+
 fn check(placement: &Placement) -> Result<(), PlaceError> {
     let positive = "must be a number above 0";
-    for (option, value) in
-        [("--scale", placement.scale), ("--size", placement.size)]
-    {
+    for (option, value) in [
+        ("--scale", placement.scale),
+        ("--size", placement.size),
+        ("--height", placement.height),
+    ] {
         if let Some(value) = value
             && !(value > 0.0 && value.is_finite())
         {

@@ -110,6 +110,7 @@ impl<'a> Stages<'a> {
             part: rect,
             height: model.bounds.size().z,
             bed: bed - model.offset.truncate(),
+            origin: model.origin.truncate(),
         };
         let mut stages = Stages {
             settings,

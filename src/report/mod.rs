@@ -109,7 +109,12 @@ impl<'a> Gauge<'a> {
             false if among(SUMMARY_LAYERS) => Effort::Points(SUMMARY_POINTS),
             false => return Ok(None),
         };
-        measure(parts, &self.probe, frame, effort, self.settings).map(Some)
+        let mut found =
+            measure(parts, &self.probe, frame, effort, self.settings)?;
+        if let Some((_, at)) = &mut found.worst {
+            *at += self.model.origin.truncate();
+        }
+        Ok(Some(found))
     }
 
     /// Volume of the part between the heights `z` of its own frame, and how

@@ -286,6 +286,7 @@ impl<'a> Surroundings<'a> {
             false => None,
         };
         let model_z = z - self.model.offset.z;
+        let origin = self.model.origin.truncate();
         out.extend(points.into_iter().map(|p| {
             let depth = map.map_or(0.0, |map| {
                 let deep = map.at(p.extend(model_z));
@@ -298,7 +299,7 @@ impl<'a> Surroundings<'a> {
                 }
             });
             Place {
-                at: p.extend(z),
+                at: (p + origin).extend(z),
                 depth,
             }
         }));

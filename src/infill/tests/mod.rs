@@ -69,6 +69,7 @@ const HERE: Site = Site {
     },
     height: 100.0,
     bed: DVec2::ZERO,
+    origin: DVec2::ZERO,
 };
 
 /// Beads of layers of an area.

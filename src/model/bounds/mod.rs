@@ -5,11 +5,15 @@
 //! be negative, each side within `tolerance` of a point that is inside.
 //!
 //! How: the region in which f can be negative is narrowed from ±1000 m by
-//! proofs over a coarse grid (`search`); then each side is found by best-first
-//! branch and bound (`reach`). The box that reaches furthest out is looked at
-//! first: if intervals prove it empty it is dropped, if its centre is inside
-//! the known extent grows to the surface above that centre, else it is cut
-//! across the axis along which f changes most (`cut`).
+//! proofs over slabs and a coarse grid, or, for long programs, divided among
+//! boxes in which little of them counts (`search`); then each side is found by
+//! best-first branch and bound (`reach`). The box that reaches furthest out is
+//! looked at first: if intervals prove it empty it is dropped, if its centre is
+//! inside the known extent grows to the surface above that centre. If an
+//! operation jumps in it, as `floor`, `mod` and `atan2` do, it is looked at
+//! once for each side of the jump (`program`); else it is cut across the axis
+//! along which f changes most (`cut`). Where nothing is inside, `undefined`
+//! finds out whether f is NaN, and which operation makes it so.
 //!
 //! Guarantees: deterministic (the budget counts operations, not time), no
 //! recursion, memory bounded by the budget. A side that the budget does not
@@ -25,6 +29,7 @@ mod cut;
 mod reach;
 mod search;
 mod side;
+mod undefined;
 
 use super::expand::{ExpandError, expand};
 use super::program::Program;
@@ -119,11 +124,42 @@ pub enum BoundsError {
     #[error(
         "the model is empty: f is nowhere negative within {searched}; \
          f must be negative inside the part (an unsigned distance needs a \
-         thickness subtracted)"
+         thickness subtracted){}",
+        match cause {
+            Some(cause) => format!(
+                "; in places f is NaN (not a number), which is outside: \
+                 {cause}"
+            ),
+            None => String::new(),
+        }
     )]
     Empty {
         /// What was searched.
         searched: String,
+        /// What makes f NaN somewhere, if something does.
+        cause: Option<String>,
+    },
+    /// f is NaN everywhere.
+    #[error(
+        "f is NaN (not a number) everywhere within {searched}, so there is no \
+         part: {cause}; keep the operand in range, as with max(0, …)"
+    )]
+    NotANumber {
+        /// What was searched.
+        searched: String,
+        /// Which operation makes it so, and of what.
+        cause: String,
+    },
+    /// f does not depend on z.
+    #[error(
+        "the model has no height: f does not depend on z (it is a drawing of \
+         {:.3} × {:.3} mm); give it a height with --height 3, or write \
+         max(f, abs(z - 1.5) - 1.5) in the script or formula",
+        size[0], size[1]
+    )]
+    Flat {
+        /// Its extent along x and y, mm.
+        size: [f64; 2],
     },
     /// f is negative everywhere.
     #[error(
@@ -170,12 +206,34 @@ pub fn find_bounds(
     crate::limits::doing("bounds", || search(tree, options))
 }
 
+/// Whether f does not depend on z.
+pub(super) fn is_flat(tree: &Tree) -> Result<bool, BoundsError> {
+    Ok(!flattened(tree)?.depends_on(2))
+}
+
 fn search(
     tree: &Tree,
     options: &SearchOptions,
 ) -> Result<FoundBounds, BoundsError> {
     let program = flattened(tree)?;
-    match Search::new(options)?.run(program) {
+    if options.within.is_none() && !program.depends_on(2) {
+        let slice = SearchOptions {
+            within: None,
+            ..*options
+        };
+        let found = Search::new(&slice)?.of_a_slice().run(program.clone());
+        match found {
+            Ok(found) => {
+                let size = found.bounds.size();
+                return Err(BoundsError::Flat {
+                    size: [size.x, size.y],
+                });
+            }
+            Err(BoundsError::Unbounded { .. }) => {}
+            Err(other) => return Err(other),
+        }
+    }
+    match Search::new(options)?.run(program.clone()) {
         Err(BoundsError::Unbounded {
             direction, at_mm, ..
         }) => {
@@ -184,7 +242,7 @@ fn search(
                 max_work: options.max_work / 10,
                 ..*options
             };
-            let negated = flattened(&-tree.clone())?;
+            let negated = Rc::new(program.negated());
             let flipped =
                 Search::new(&mirrored).is_ok_and(|s| s.run(negated).is_ok());
             Err(BoundsError::Unbounded {

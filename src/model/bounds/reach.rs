@@ -1,7 +1,7 @@
 //! How far the model reaches on each side: best-first branch and bound.
 
 use super::cut::split_axis;
-use super::search::Search;
+use super::search::{Part, Search};
 use super::side::Side;
 use super::{Bounds, BoundsError, FoundBounds};
 use crate::model::cell::Cell;
@@ -46,19 +46,23 @@ impl PartialEq for Candidate {
 
 impl Eq for Candidate {}
 
+/// A program is short enough to climb if its budget is that for so many of
+/// its operations; a climb takes 64 values.
+const CLIMB: u64 = 400;
+
 impl Search<'_> {
     /// The box of {f < 0}.
     pub(super) fn run(
         mut self,
         program: Rc<Program>,
     ) -> Result<FoundBounds, BoundsError> {
-        let program = self.narrow(program)?;
+        let parts = self.narrow(program)?;
         let mut slack_mm = f64::INFINITY;
         // The tolerance is a share of the size, which the coarse region may
         // overestimate: once more with what the first pass found.
         for _ in 0..3 {
             let before = self.region.largest_side();
-            slack_mm = self.all_sides(&program)?;
+            slack_mm = self.all_sides(&parts)?;
             if self.region.largest_side() > 0.6 * before {
                 break;
             }
@@ -73,7 +77,7 @@ impl Search<'_> {
     }
 
     /// Moves all sides of the region to the model; returns the slack.
-    fn all_sides(&mut self, program: &Rc<Program>) -> Result<f64, BoundsError> {
+    fn all_sides(&mut self, parts: &[Part]) -> Result<f64, BoundsError> {
         let far = (0..3)
             .map(|i| self.region.lo[i].abs().max(self.region.hi[i].abs()))
             .fold(0.0, f64::max);
@@ -86,7 +90,7 @@ impl Search<'_> {
         for (done, side) in sides.into_iter().enumerate() {
             let left = self.options.max_work.saturating_sub(self.scratch.work);
             let budget = left / (sides.len() - done) as u64;
-            let reach = self.side(side, program, tolerance, budget)?;
+            let reach = self.side(side, parts, tolerance, budget)?;
             side.set_reach(&mut self.region, reach);
             if let Some(inside) = self.inside {
                 slack_mm = slack_mm.max(reach - side.reach(&inside));
@@ -99,23 +103,32 @@ impl Search<'_> {
     fn side(
         &mut self,
         side: Side,
-        program: &Rc<Program>,
+        parts: &[Part],
         tolerance: f64,
         budget: u64,
     ) -> Result<f64, BoundsError> {
         let stop = self.scratch.work + budget;
         let face = side.reach(&self.region);
         let thinnest = tolerance / 16.0;
-        self.probe(side, program, tolerance);
+        if let [part] = parts {
+            self.probe(side, &part.program, tolerance, budget);
+        }
         let mut number = 0;
         let mut queue = BinaryHeap::new();
-        queue.push(Candidate {
-            reach: face,
-            depth: 0,
-            number,
-            cell: self.region,
-            program: program.clone(),
-        });
+        for Part { cell, program } in parts {
+            let cell = cell.common(&self.region);
+            if (0..3).any(|i| cell.lo[i] > cell.hi[i]) {
+                continue;
+            }
+            number += 1;
+            queue.push(Candidate {
+                reach: side.reach(&cell),
+                depth: 0,
+                number,
+                cell,
+                program: program.clone(),
+            });
+        }
         while let Some(mut c) = queue.pop() {
             crate::limits::check();
             if let Some(inside) = &self.inside {
@@ -143,9 +156,7 @@ impl Search<'_> {
                 if self.inside.is_none()
                     || (beyond && self.options.within.is_none())
                 {
-                    return Err(BoundsError::Undecided {
-                        direction: side.name(),
-                    });
+                    return Err(self.undecided(side, &c.program));
                 }
                 return Ok(c.reach);
             }
@@ -163,10 +174,38 @@ impl Search<'_> {
                 is_inside = c.program.value(start, &mut self.scratch) < 0.0;
             }
             if is_inside {
+                if let Some(simple) = c.program.simplify(&self.scratch) {
+                    c.program = Rc::new(simple);
+                }
                 self.note_inside(start);
-                self.climb(side, &c.program, start, c.reach);
+                // Of a long program the boxes are halved instead.
+                if c.program.len() as u64 * CLIMB < budget {
+                    self.climb(side, &c.program, start, c.reach);
+                }
                 // The same box again, cut at the new extent.
                 queue.push(c);
+                continue;
+            }
+            let whole = c.cell;
+            c.cell = c.program.contracted(&whole, &self.scratch);
+            // What the jumps leave of the box may be too thin to count.
+            let too_thin =
+                |i: usize| c.cell.width(i) < whole.width(i).min(thinnest);
+            if (0..3).any(too_thin) {
+                continue;
+            }
+            let by_pieces = c.program.by_pieces(&self.scratch);
+            if !by_pieces.is_empty() {
+                for program in by_pieces {
+                    number += 1;
+                    queue.push(Candidate {
+                        reach: side.reach(&c.cell),
+                        depth: c.depth + 1,
+                        number,
+                        cell: c.cell,
+                        program: Rc::new(program),
+                    });
+                }
                 continue;
             }
             let Some(across) =
@@ -190,43 +229,70 @@ impl Search<'_> {
             }
         }
         let Some(inside) = &self.inside else {
-            return Err(self.empty());
+            return Err(self.nothing(parts));
         };
         let known = side.reach(inside);
         let proved = (known + tolerance).min(face).max(known);
         Ok(simplest_between(known, proved))
     }
 
+    /// Nothing is inside any of the parts.
+    fn nothing(&mut self, parts: &[Part]) -> BoundsError {
+        match parts.first() {
+            Some(part) => self.empty(&part.program),
+            None => BoundsError::Empty {
+                searched: self.searched(),
+                cause: None,
+            },
+        }
+    }
+
     /// Looks for inside points far out, so that the search has a known extent
     /// to begin with. Where the part ends in a plateau or is cut by the given
     /// bounds, many boxes reach equally far, and a search of the deepest first
     /// could spend its budget on the corner it happened to begin with.
-    fn probe(&mut self, side: Side, program: &Program, tolerance: f64) {
-        /// Points along each of the face's two axes.
-        const ACROSS: usize = 8;
+    fn probe(
+        &mut self,
+        side: Side,
+        program: &Program,
+        tolerance: f64,
+        budget: u64,
+    ) {
+        /// Points along each of the face's two axes, of a long program.
+        const FEW: usize = 2;
+        /// Points along each of them, of any other.
+        const MANY: usize = 8;
         /// Depths below the face, as shares of the region; the face first.
         const DEPTHS: [f64; 4] = [0.0, 0.02, 0.1, 0.3];
+        let short = program.len() as u64 * CLIMB < budget;
+        let across = if short { MANY } else { FEW };
         // Off the middles and quarters: planes of symmetry are where fields
         // are 0 or NaN.
-        let part = |i: usize| (i as f64 + 0.38) / ACROSS as f64;
+        let part = |i: usize| (i as f64 + 0.38) / across as f64;
         let region = self.region;
+        let stop = self.scratch.work + budget / 8;
         let face = side.reach(&region);
         let [u, v] = [(side.axis + 1) % 3, (side.axis + 2) % 3];
         for depth in DEPTHS {
             let reach = face - depth * region.width(side.axis);
-            for i in 0..ACROSS * ACROSS {
+            for i in 0..across * across {
                 crate::limits::check();
+                if self.scratch.work > stop {
+                    return;
+                }
                 let known = self.inside.as_ref().map(|c| side.reach(c));
                 if known.is_some_and(|k| reach <= k + tolerance) {
                     return;
                 }
                 let mut p = region.lo;
                 p[side.axis] = side.outward(reach);
-                p[u] += part(i % ACROSS) * region.width(u);
-                p[v] += part(i / ACROSS) * region.width(v);
+                p[u] += part(i % across) * region.width(u);
+                p[v] += part(i / across) * region.width(v);
                 if program.value(p, &mut self.scratch) < 0.0 {
                     self.note_inside(p);
-                    self.climb(side, program, p, face);
+                    if short {
+                        self.climb(side, program, p, face);
+                    }
                 }
             }
         }

@@ -12,9 +12,15 @@
 //! chapter 6; intersecting at every node lets `max` and `min` of several
 //! surfaces each have their own.)
 //!
+//! Operations that jump are smooth in pieces (`piece`), and a program may be
+//! about one piece of some of them. What does not decide the sign of f in a box
+//! is left out of the program for it (`simplify`).
+//!
 //! Why not fidget's interval evaluators: they are f32, and they panic (the
 //! compiled ones abort) on fields whose ranges overflow. See `interval`.
 
+mod piece;
+mod simplify;
 mod slope;
 mod slot;
 #[cfg(test)]
@@ -25,9 +31,11 @@ use super::cell::Cell;
 use super::interval::Interval;
 use fidget::context::{BinaryOpcode, Context, Node, Op, UnaryOpcode};
 use fidget::var::Var;
+use piece::Piece;
 use slope::{binary, unary};
 use slot::{FLAT, Slot, mixed, tightened};
 use std::collections::HashMap;
+use std::rc::Rc;
 use value::{binary_value, unary_value};
 
 /// One operation; operands are indices of earlier steps.
@@ -39,10 +47,25 @@ enum Step {
     Binary(BinaryOpcode, u32, u32),
 }
 
+impl Step {
+    /// The steps whose values it takes.
+    fn operands(&self) -> impl Iterator<Item = u32> {
+        let (a, b) = match *self {
+            Step::Axis(_) | Step::Const(_) => (None, None),
+            Step::Unary(_, a) => (Some(a), None),
+            Step::Binary(_, a, b) => (Some(a), Some(b)),
+        };
+        a.into_iter().chain(b)
+    }
+}
+
 /// A straight-line program; the last step is the field.
 #[derive(Clone, Debug)]
 pub(super) struct Program {
-    steps: Vec<Step>,
+    steps: Rc<[Step]>,
+    /// Steps that are taken for one of their pieces, in order. The program
+    /// is then only about the points where that is the true one.
+    pieces: Vec<Piece>,
 }
 
 /// What is known of the field over a box.
@@ -54,6 +77,15 @@ pub(super) struct Enclosure {
     pub centre: f64,
     /// Largest |partial derivative|, infinite where unknown.
     pub steepness: [f64; 3],
+}
+
+impl Enclosure {
+    /// There is no such point.
+    const NONE: Self = Self {
+        range: Interval::EMPTY,
+        centre: f64::NAN,
+        steepness: [0.0; 3],
+    };
 }
 
 /// Reusable memory of the evaluation.
@@ -87,7 +119,8 @@ impl Program {
                 // A node of another context: the caller's mistake, which
                 // the type cannot rule out. A NaN field has no inside.
                 return Ok(Self {
-                    steps: vec![Step::Const(f64::NAN)],
+                    steps: Rc::new([Step::Const(f64::NAN)]),
+                    pieces: Vec::new(),
                 });
             };
             if !ready {
@@ -108,21 +141,63 @@ impl Program {
             index.insert(node, steps.len() as u32);
             steps.push(step);
         }
-        Ok(Self { steps })
+        Ok(Self {
+            steps: steps.into(),
+            pieces: Vec::new(),
+        })
     }
 
     /// Number of operations.
-    #[cfg(test)]
     pub fn len(&self) -> usize {
         self.steps.len()
     }
 
-    /// Value at a point, perhaps NaN.
+    /// The program of -f.
+    pub fn negated(&self) -> Self {
+        let root = self.steps.len().saturating_sub(1) as u32;
+        let mut steps = self.steps.to_vec();
+        steps.push(Step::Unary(UnaryOpcode::Neg, root));
+        Self {
+            steps: steps.into(),
+            pieces: self.pieces.clone(),
+        }
+    }
+
+    /// Whether the field may depend on x (0), y (1) or z (2).
+    pub fn depends_on(&self, axis: usize) -> bool {
+        let is_it = |s: &Step| matches!(s, Step::Axis(a) if *a == axis);
+        self.steps.iter().any(is_it)
+    }
+
+    /// Which operation makes the field NaN at a point, and of what, as in
+    /// "the square root of -4".
+    pub fn why_nan(
+        &self,
+        point: [f64; 3],
+        scratch: &mut Scratch,
+    ) -> Option<String> {
+        self.value(point, scratch);
+        let v = &scratch.values;
+        let (number, step) = self.steps.iter().enumerate().find(|(i, s)| {
+            v[*i].is_nan() && s.operands().all(|o| !v[o as usize].is_nan())
+        })?;
+        let operands: Vec<f64> =
+            step.operands().map(|o| v[o as usize]).collect();
+        let [x, y, z] = point;
+        debug_assert!(v[number].is_nan());
+        Some(format!(
+            "{} (at x = {x:.3}, y = {y:.3}, z = {z:.3})",
+            value::no_number(step, &operands)
+        ))
+    }
+
+    /// Value at a point, perhaps NaN; it is NaN where another piece is the
+    /// true one.
     pub fn value(&self, point: [f64; 3], scratch: &mut Scratch) -> f64 {
         scratch.work += self.steps.len() as u64 / 8 + 1;
         let v = &mut scratch.values;
         v.clear();
-        for step in &self.steps {
+        for step in self.steps.iter() {
             let value = match *step {
                 Step::Axis(i) => point[i],
                 Step::Const(c) => c,
@@ -133,17 +208,39 @@ impl Program {
             };
             v.push(value);
         }
+        for Piece { step, index } in &self.pieces {
+            let step = &self.steps[*step as usize];
+            let mut operands = step.operands().map(|o| v[o as usize]);
+            let a = operands.next().unwrap_or(0.0);
+            let b = operands.next().unwrap_or(0.0);
+            if piece::piece_at(step, a, b) != *index {
+                return f64::NAN;
+            }
+        }
         v.last().copied().unwrap_or(f64::NAN)
     }
 
-    /// Range, centre value and slope over a box.
+    /// Range, centre value and slope over a box. The range is empty where no
+    /// point of the box is in the program's pieces.
     pub fn enclose(&self, cell: &Cell, scratch: &mut Scratch) -> Enclosure {
         scratch.work += self.steps.len() as u64 + BOX_WORK;
         let centre = cell.centre();
         let half: [f64; 3] = std::array::from_fn(|i| 0.5 * cell.width(i));
         let s = &mut scratch.slots;
         s.clear();
-        for step in &self.steps {
+        let mut pieces = self.pieces.iter().peekable();
+        let mut at_centre = true;
+        for (number, step) in self.steps.iter().enumerate() {
+            if let Some(chosen) = pieces.next_if(|p| p.step as usize == number)
+            {
+                let [a, b] = slots_of(s, step);
+                let Some(over) = piece::over(step, chosen.index, a, b) else {
+                    return Enclosure::NONE;
+                };
+                at_centre &= over.at_centre;
+                s.push(tightened(over.slot, half));
+                continue;
+            }
             let slot = match *step {
                 Step::Axis(i) => {
                     let mut slope = FLAT;
@@ -172,99 +269,78 @@ impl Program {
         match s.last() {
             Some(f) => Enclosure {
                 range: f.range,
-                centre: f.centre,
+                centre: if at_centre { f.centre } else { f64::NAN },
                 steepness: f.slope.map(Interval::magnitude),
             },
-            None => Enclosure {
-                range: Interval::EMPTY,
-                centre: f64::NAN,
-                steepness: [0.0; 3],
-            },
+            None => Enclosure::NONE,
         }
     }
 
-    /// The program without the branches of `min` and `max` that the last
-    /// `enclose` (of this program, with this scratch) proved never to be
-    /// taken; `None` if that would save little.
-    ///
-    /// The result equals the program everywhere in that box, except that a
-    /// dropped branch's NaN, were it possible, would be lost: such branches
-    /// are kept.
-    pub fn simplify(&self, scratch: &Scratch) -> Option<Self> {
+    /// The program once for each piece of its first step that jumps in the
+    /// box of the last `enclose` (of this program, with this scratch); empty
+    /// if there is none, or none with few pieces.
+    pub fn by_pieces(&self, scratch: &Scratch) -> Vec<Self> {
         let s = &scratch.slots;
-        if s.len() != self.steps.len() {
-            return None;
+        if s.len() != self.steps.len() || self.pieces.len() >= MOST_PIECES {
+            return Vec::new();
         }
-        let n = self.steps.len();
-        // Where a step's value comes from, if it is only passed on.
-        let chosen = |step: &Step| -> Option<u32> {
-            let Step::Binary(op, a, b) = *step else {
-                return None;
-            };
-            let (ra, rb) = (s[a as usize].range, s[b as usize].range);
-            let (below, above) = (
-                ra.hi <= rb.lo && !ra.is_empty() && !rb.is_empty(),
-                rb.hi <= ra.lo && !ra.is_empty() && !rb.is_empty(),
-            );
-            let (left, right) = match op {
-                BinaryOpcode::Min => (below, above),
-                BinaryOpcode::Max => (above, below),
-                _ => return None,
-            };
-            if left && !rb.nan {
-                Some(a)
-            } else if right && !ra.nan {
-                Some(b)
-            } else {
-                None
+        let mut live = None;
+        let mut taken = self.pieces.iter().peekable();
+        for (number, step) in self.steps.iter().enumerate() {
+            let is_taken =
+                taken.next_if(|p| p.step as usize == number).is_some();
+            if is_taken {
+                continue;
             }
-        };
-        let mut source: Vec<u32> = (0..n as u32).collect();
-        let mut any = false;
-        for (i, step) in self.steps.iter().enumerate() {
-            if let Some(from) = chosen(step) {
-                source[i] = source[from as usize];
-                any = true;
+            let [a, b] = slots_of(s, step);
+            let indices = piece::pieces_of(step, a, b);
+            if indices.is_empty()
+                || !live.get_or_insert_with(|| self.live(s))[number]
+            {
+                continue;
             }
-        }
-        if !any {
-            return None;
-        }
-        let mut live = vec![false; n];
-        let root = *source.last()? as usize;
-        live[root] = true;
-        for i in (0..=root).rev() {
-            if live[i] {
-                match self.steps[i] {
-                    Step::Axis(_) | Step::Const(_) => {}
-                    Step::Unary(_, a) => {
-                        live[source[a as usize] as usize] = true;
-                    }
-                    Step::Binary(_, a, b) => {
-                        live[source[a as usize] as usize] = true;
-                        live[source[b as usize] as usize] = true;
-                    }
+            let with = |index: f64| {
+                let step = number as u32;
+                let mut pieces = self.pieces.clone();
+                let at = pieces.partition_point(|p| p.step < step);
+                pieces.insert(at, Piece { step, index });
+                Self {
+                    steps: self.steps.clone(),
+                    pieces,
                 }
+            };
+            return indices.into_iter().map(with).collect();
+        }
+        Vec::new()
+    }
+
+    /// The part of the box of the last `enclose` (of this program, with this
+    /// scratch) that the program's pieces leave of it, as far as slopes tell.
+    /// Perhaps none: then an upper end is below its lower one.
+    pub fn contracted(&self, whole: &Cell, scratch: &Scratch) -> Cell {
+        let s = &scratch.slots;
+        let mut cell = *whole;
+        if s.len() == self.steps.len() {
+            for Piece { step, index } in &self.pieces {
+                let step = &self.steps[*step as usize];
+                let [a, b] = slots_of(s, step);
+                piece::contract(step, *index, a, b, whole, &mut cell);
             }
         }
-        let kept = live.iter().filter(|l| **l).count();
-        // A copy that saves less than a quarter costs more than it gives,
-        // and would let the memory of a deep search add up.
-        if kept * 4 > n * 3 {
-            return None;
-        }
-        let mut position = vec![0u32; n];
-        let mut steps = Vec::with_capacity(kept);
-        for i in (0..=root).filter(|&i| live[i]) {
-            let at = |a: u32| position[source[a as usize] as usize];
-            let step = match self.steps[i] {
-                Step::Unary(op, a) => Step::Unary(op, at(a)),
-                Step::Binary(op, a, b) => Step::Binary(op, at(a), at(b)),
-                other => other,
-            };
-            position[i] = steps.len() as u32;
-            steps.push(step);
-        }
-        Some(Self { steps })
+        cell
     }
+}
+
+/// Steps of which a program may be about one piece only.
+const MOST_PIECES: usize = 16;
+
+/// The slots of a step's operands; where it has none, any.
+fn slots_of<'a>(s: &'a [Slot], step: &Step) -> [&'a Slot; 2] {
+    const NONE: Slot = Slot {
+        range: Interval::ZERO,
+        centre: 0.0,
+        slope: FLAT,
+    };
+    let mut operands = step.operands().map(|o| &s[o as usize]);
+    [(); 2].map(|()| operands.next().unwrap_or(&NONE))
 }

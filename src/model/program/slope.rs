@@ -31,6 +31,15 @@ fn jumping(slopes: &[&[Interval; 3]]) -> [Interval; 3] {
     })
 }
 
+/// The value of a function that no rule describes, if its operands (twice
+/// the same one, if it has one) are numbers.
+fn known(value: f64, operands: [Interval; 2]) -> Option<Interval> {
+    operands
+        .iter()
+        .all(|r| r.lo == r.hi && !r.nan)
+        .then_some(Interval::point(value))
+}
+
 /// A function of one operand.
 pub(super) fn unary(op: UnaryOpcode, a: &Slot) -> Slot {
     let r = a.range;
@@ -87,7 +96,11 @@ pub(super) fn unary(op: UnaryOpcode, a: &Slot) -> Slot {
         }
         UnaryOpcode::Ln => (r.ln(), scaled(g, Interval::point(1.0).div(r))),
         UnaryOpcode::Not => (r.not(), jumping(&[g])),
-        UnaryOpcode::Rand => (Interval::new(0.0, 1.0), jumping(&[g])),
+        UnaryOpcode::Rand => (
+            known(unary_value(op, r.lo), [r, r])
+                .unwrap_or(Interval::new(0.0, 1.0)),
+            jumping(&[g]),
+        ),
     };
     Slot {
         range,
@@ -154,7 +167,11 @@ pub(super) fn binary(op: BinaryOpcode, a: &Slot, b: &Slot) -> Slot {
         BinaryOpcode::Compare => (ra.compare(rb), jumping(&[ga, gb])),
         BinaryOpcode::And => (ra.and(rb), jumping(&[ga, gb])),
         BinaryOpcode::Or => (ra.or(rb), jumping(&[ga, gb])),
-        BinaryOpcode::Mix => (Interval::ANYTHING, jumping(&[ga, gb])),
+        BinaryOpcode::Mix => (
+            known(binary_value(op, ra.lo, rb.lo), [ra, rb])
+                .unwrap_or(Interval::ANYTHING),
+            jumping(&[ga, gb]),
+        ),
     };
     Slot {
         range,

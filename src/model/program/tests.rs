@@ -42,7 +42,7 @@ fn enclosures_hold_samples_of_value() {
             let v = p.value(point, &mut scratch);
             if let Some(simple) = &simple {
                 let w = simple.value(point, &mut scratch);
-                assert!(v == w || v.is_nan() && w.is_nan());
+                assert_eq!(v < 0.0, w < 0.0, "{v} became {w}");
             }
             if v.is_nan() {
                 assert!(all.range.nan);
@@ -54,6 +54,80 @@ fn enclosures_hold_samples_of_value() {
             }
         }
     }
+}
+
+/// A field that jumps in every way there is.
+fn jumps() -> Tree {
+    let (x, y, z) = Tree::axes();
+    let angle = y.atan2(x.clone());
+    let cells = (angle.clone() + x.clone()).modulo(0.7) - 0.3;
+    let steps = (x.clone() * 2.0).floor() + (y.clone() + z.clone()).ceil();
+    let rounded = (z.clone() * 1.7 - y.clone()).round() * 0.4;
+    let poles = (x.clone() + y.clone()).recip() + (z.clone() * 2.0).tan();
+    let sides = x.compare(y.clone() * z) * 0.5 + (y - 0.2) / (x + 0.3);
+    (cells + angle * 0.1)
+        .max(poles)
+        .min(steps + rounded + sides)
+}
+
+#[test]
+fn pieces_hold_all_that_the_whole_has() {
+    let p = program(&jumps());
+    let mut scratch = Scratch::default();
+    let mut seed = 3u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut divided = 0;
+    for _ in 0..300 {
+        let size = random() * random();
+        let lo: [f64; 3] = std::array::from_fn(|_| 4.0 * random() - 2.0);
+        let cell = Cell {
+            lo,
+            hi: lo.map(|v| v + size),
+        };
+        // All ways to take the steps that jump, each with what is left of
+        // the box.
+        let mut parts = Vec::new();
+        let mut todo = vec![p.clone()];
+        while let Some(part) = todo.pop() {
+            let f = part.enclose(&cell, &mut scratch);
+            let left = part.contracted(&cell, &scratch);
+            let by_pieces = part.by_pieces(&scratch);
+            divided += by_pieces.len();
+            let simple = part.simplify(&scratch).unwrap_or(part.clone());
+            if by_pieces.is_empty() {
+                parts.push((part, simple, f, left));
+            }
+            todo.extend(by_pieces);
+        }
+        for _ in 0..20 {
+            let point: [f64; 3] =
+                std::array::from_fn(|i| lo[i] + random() * size);
+            let v = p.value(point, &mut scratch);
+            let mut found = 0;
+            for (part, simple, f, left) in &parts {
+                let w = part.value(point, &mut scratch);
+                if w.is_nan() {
+                    continue;
+                }
+                found += 1;
+                assert_eq!(v, w);
+                let s = simple.value(point, &mut scratch);
+                assert_eq!(v < 0.0, s < 0.0, "{v} became {s}");
+                assert!(
+                    f.range.lo - 1e-9 <= v && v <= f.range.hi + 1e-9,
+                    "{v} is not in {f:?} over {cell:?}"
+                );
+                let held =
+                    |i: usize| left.lo[i] <= point[i] && point[i] <= left.hi[i];
+                assert!((0..3).all(held));
+            }
+            assert_eq!(found, 1, "{point:?} is in {found} of the pieces");
+        }
+    }
+    assert!(divided > 1000, "{divided}");
 }
 
 #[test]

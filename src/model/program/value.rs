@@ -2,6 +2,7 @@
 //!
 //! As fidget defines them, but in f64.
 
+use super::Step;
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 
 pub(super) fn unary_value(op: UnaryOpcode, a: f64) -> f64 {
@@ -60,5 +61,37 @@ pub(super) fn binary_value(op: BinaryOpcode, a: f64, b: f64) -> f64 {
             }
         }
         BinaryOpcode::Mix => f64::from(op.eval(a as f32, b as f32)),
+    }
+}
+
+/// What a step is asked that has no answer, in words.
+pub(super) fn no_number(step: &Step, operands: &[f64]) -> String {
+    let shown = |i: usize| match operands.get(i) {
+        Some(v) if v.abs() < 1e5 => {
+            // As few digits as tell it.
+            format!("{}", (v * 1e3).round() / 1e3 + 0.0)
+        }
+        Some(v) => format!("{v:.3e}"),
+        None => String::new(),
+    };
+    let (a, b) = (shown(0), shown(1));
+    match step {
+        Step::Unary(op, _) => match op {
+            UnaryOpcode::Sqrt => format!("the square root of {a}"),
+            UnaryOpcode::Ln => format!("the logarithm of {a}"),
+            UnaryOpcode::Asin => format!("the arc sine of {a}"),
+            UnaryOpcode::Acos => format!("the arc cosine of {a}"),
+            op => format!("{op:?}({a})").to_lowercase(),
+        },
+        Step::Binary(op, ..) => match op {
+            BinaryOpcode::Add => format!("{a} + {b}"),
+            BinaryOpcode::Sub => format!("{a} - {b}"),
+            BinaryOpcode::Mul => format!("{a} · {b}"),
+            BinaryOpcode::Div => format!("{a} / {b}"),
+            BinaryOpcode::Mod => format!("{a} mod {b}"),
+            op => format!("{op:?}({a}, {b})").to_lowercase(),
+        },
+        Step::Axis(_) => "a coordinate".to_owned(),
+        Step::Const(_) => "a constant of NaN".to_owned(),
     }
 }
