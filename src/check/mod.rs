@@ -1,13 +1,15 @@
 //! Is G-code safe to run, and does everything in it stand on something?
 //!
 //! In: a file's bytes, and the [`Rules`] of a printer. Out: a [`Verdict`]:
-//! faults, which can hurt the printer or the print, and warnings, each kind
-//! with its first places.
+//! faults, which can hurt the printer or the print, and warnings, each once
+//! with its count and its first places.
 //!
 //! | rule | kind |
 //! |---|---|
 //! | the head stays where the printer can go | [`Kind::OutOfReach`] |
-//! | plastic is pushed only through a nozzle that is hot | [`Kind::Cold`] |
+//! | plastic is pushed only through a nozzle that is hot enough for it | [`Kind::Cold`] |
+//! | no heater is told more than it bears | [`Kind::TooHot`], [`Kind::Hot`] |
+//! | the head knows where it is before it moves | [`Kind::NotHomed`] |
 //! | filament goes back in retractions and wipes only, and not too far | [`Kind::Backwards`], [`Kind::LongRetraction`] |
 //! | and is there again when a bead begins | [`Kind::Unprimed`] |
 //! | no bead is thicker than the nozzle can lay | [`Kind::ThickBead`] |
@@ -15,7 +17,11 @@
 //! | nothing is faster than the printer | [`Kind::TooFast`], [`Kind::NoSpeed`] |
 //! | z rises by layers | [`Kind::Jump`], [`Kind::Low`] |
 //! | every island stands on something | [`Kind::InTheAir`] |
-//! | every line makes sense | [`Kind::Senseless`] |
+//! | every line makes sense, and ends where any firmware ends it | [`Kind::Senseless`], [`Kind::LongLine`], [`Kind::LineEnd`] |
+//! | no command breaks what the check takes for granted (`words` is the table) | [`Kind::Harmful`], [`Kind::Changed`] |
+//! | the print is whole, and everything is off behind it | [`Kind::CutOff`], [`Kind::LeftOn`] |
+//! | the file is G-code | [`Kind::NoGcode`] |
+//! | what is not known is said to be so | [`Kind::Unknown`], [`Kind::UnknownWord`] |
 //!
 //! What start and end templates do (role `Custom`, and what is before the
 //! first layer) is the user's own: of the rules above only heat, reach,
@@ -23,23 +29,36 @@
 //! beside their beds. More plastic than firmware takes by default is a
 //! warning there ([`Kind::Purge`]).
 //!
+//! Filament that goes back while the head moves, or goes back too far, is a
+//! fault only if something is printed after it: end codes unload filament.
+//!
 //! Not guaranteed: that macros of the printer's firmware do what their names
-//! say. Where one could have heated the nozzle, it is taken to have done so.
+//! say. Where one could have heated the nozzle, it is taken to have done so,
+//! unless the temperature that it is given says otherwise.
 
 mod alongside;
+mod ending;
 mod ground;
+mod heat;
 mod verdict;
+mod words;
 
 pub use alongside::Alongside;
+pub use heat::HeatLimit;
 pub use verdict::{Finding, Kind, Severity, Verdict};
 
 use crate::limits;
-use crate::reader::{Event, Heater, Move, Problem, ReadError, Reader, Role};
+use crate::reader::{
+    Event, Heater, Move, Problem, ReadError, Reader, Role, Words,
+};
 use crate::settings::{Flavour, Settings};
-use crate::units::{Mm, Mm2, MmPerSec};
+use crate::units::{Celsius, Mm, Mm2, MmPerSec};
+use ending::Ending;
 use glam::{DVec2, DVec3};
 use ground::Ground;
+use heat::{Heat, Readiness};
 use std::io::Read;
+use words::Effect;
 
 /// How far beside the bed templates may go, mm: to purge and to wipe.
 const BESIDE: Mm = 15.0;
@@ -54,6 +73,12 @@ const SPEED_ROUNDING: f64 = 1e-3;
 /// Pulled-back filament that does not count: numbers are rounded, and some
 /// slicers push forward a little less.
 const SLACK: Mm = 0.1;
+
+/// Findings that wait for whether something is printed after them.
+const HELD: usize = 32;
+
+/// A bit for each axis that has been homed, from x.
+const HOMED: u8 = 0b111;
 
 /// Tools that are told apart; those beyond count as one.
 const TOOLS: u32 = 64;
@@ -84,6 +109,14 @@ pub struct Rules {
     pub speed: MmPerSec,
     /// Greatest speed of the z axis.
     pub speed_z: MmPerSec,
+    /// Least temperature of a nozzle that filament is pushed through.
+    pub least_heat: Celsius,
+    /// How hot the nozzle may be, the bed, and the chamber.
+    pub nozzle_heat: HeatLimit,
+    /// The bed.
+    pub bed_heat: HeatLimit,
+    /// The chamber.
+    pub chamber_heat: HeatLimit,
 }
 
 impl Rules {
@@ -111,6 +144,36 @@ impl Rules {
             base: 0.0,
             speed: printer.max_speed,
             speed_z: printer.max_speed_z,
+            least_heat: settings.min_nozzle_temperature(),
+            // Unless the printer's own are known: what usual hot ends, beds
+            // and chambers bear, and what hardly any does.
+            nozzle_heat: HeatLimit::new(
+                "printer.max_nozzle_temperature",
+                printer.max_nozzle_temperature,
+                300.0,
+                450.0,
+            ),
+            bed_heat: HeatLimit::new(
+                "printer.max_bed_temperature",
+                printer.max_bed_temperature,
+                120.0,
+                200.0,
+            ),
+            chamber_heat: HeatLimit::new(
+                "printer.max_chamber_temperature",
+                printer.max_chamber_temperature,
+                80.0,
+                150.0,
+            ),
+        }
+    }
+
+    /// How hot a heater may be, and what it is called.
+    fn heat(&self, heater: Heater) -> (&HeatLimit, &'static str) {
+        match heater {
+            Heater::Nozzle(_) => (&self.nozzle_heat, "nozzle"),
+            Heater::Bed => (&self.bed_heat, "bed"),
+            Heater::Chamber => (&self.chamber_heat, "chamber"),
         }
     }
 
@@ -131,11 +194,11 @@ pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
     let mut reader =
         Reader::new(input).filament_diameter(rules.filament_diameter);
     let mut state = State::new(rules);
-    for event in &mut reader {
+    while let Some(event) = reader.next() {
         limits::check();
-        state.take(event?);
+        state.take(event?, &reader);
     }
-    state.finish();
+    state.finish(&reader);
     let mut verdict = state.verdict;
     verdict.lines = reader.lines();
     verdict.generator = reader.info().generator.clone();
@@ -147,12 +210,13 @@ struct State<'a> {
     rules: &'a Rules,
     verdict: Verdict,
     ground: Ground,
-    /// A bit for each tool whose nozzle is being heated, and each whose
-    /// nozzle is hot.
-    heated: u64,
-    hot: u64,
-    /// A macro may have heated it.
-    macros: bool,
+    heat: Heat,
+    homed: u8,
+    ending: Ending,
+    /// The printer begins and ends prints by itself: Ultimaker's.
+    own_start: bool,
+    /// Findings that count only if something is printed after them.
+    held: Vec<(Kind, u64, DVec3, String)>,
     /// The tool in use.
     tool: u32,
     /// Filament of each tool that is pulled back.
@@ -170,9 +234,11 @@ impl<'a> State<'a> {
             rules,
             verdict: Verdict::default(),
             ground: Ground::default(),
-            heated: 0,
-            hot: 0,
-            macros: false,
+            heat: Heat::new(rules.least_heat),
+            homed: 0,
+            ending: Ending::default(),
+            own_start: false,
+            held: Vec::new(),
             tool: 0,
             back: [0.0; TOOLS as usize],
             firmware_back: 0,
@@ -181,54 +247,195 @@ impl<'a> State<'a> {
         }
     }
 
-    fn take(&mut self, event: Event) {
+    fn take<R: Read>(&mut self, event: Event, reader: &Reader<R>) {
+        let words = reader.words();
         match event {
-            Event::Move(step) => self.step(&step),
+            Event::Move(step) => return self.step(&step),
             Event::Layer { number, .. } => {
                 self.next_layer();
                 self.layer = number;
                 self.verdict.layers = self.verdict.layers.max(number);
+                return;
             }
+            Event::Problem { line, problem } => {
+                return self.problem(line, problem);
+            }
+            _ => self.ending.other(),
+        }
+        match event {
             Event::Heat {
-                heater: Heater::Nozzle(tool),
+                line,
+                heater,
                 to,
                 wait,
-                ..
             } => {
-                let bit = bit(tool.unwrap_or(self.tool));
-                if to <= 0.0 {
-                    self.heated &= !bit;
-                    self.hot &= !bit;
-                } else {
-                    self.heated |= bit;
-                    self.hot |= if wait { bit } else { 0 };
+                self.heat.set(heater, self.tool, to, wait);
+                if matches!(heater, Heater::Nozzle(_)) && to <= 0.0 {
+                    self.ending.off();
+                }
+                self.limit_heat(line, heater, to);
+                // Behind what is asked for may be a standby temperature.
+                if let Some(standby) = words.get(b'R') {
+                    self.limit_heat(line, heater, standby);
                 }
             }
-            Event::WaitForHeat { .. } => self.hot |= self.heated,
+            Event::WaitForHeat { heater, least, .. } => {
+                self.heat.wait(heater, least);
+            }
+            Event::HeatersOff { .. } => {
+                self.heat.off();
+                self.ending.off();
+            }
             Event::Tool { tool, .. } => self.tool = tool,
             Event::FirmwareRetract { back, .. } => match back {
                 true => self.firmware_back |= bit(self.tool),
                 false => self.firmware_back &= !bit(self.tool),
             },
-            // It may heat, home and purge.
-            Event::Macro { .. } => self.macros = true,
-            Event::Problem { line, problem } => {
-                let kind = match problem {
-                    Problem::LongLine => Kind::LongLine,
-                    _ => Kind::Senseless,
-                };
-                let at = DVec3::NAN;
-                self.verdict.add(kind, line, at, || problem.to_string());
-            }
+            Event::Home { line } => self.home(line, words),
+            Event::Fan { line, .. } => self.code(line, 'M', 1060, words),
+            Event::Macro { line } => self.named(line, reader),
+            Event::Other {
+                line,
+                letter,
+                tenths,
+            } => self.code(line, letter, tenths, words),
             _ => {}
         }
     }
 
+    fn problem(&mut self, line: u64, problem: Problem) {
+        let kind = match problem {
+            Problem::LongLine => Kind::LongLine,
+            Problem::CarriageReturn => Kind::LineEnd,
+            _ => Kind::Senseless,
+        };
+        let at = DVec3::NAN;
+        self.verdict.add(kind, line, at, || problem.to_string());
+    }
+
+    /// Is it more than the heater bears?
+    fn limit_heat(&mut self, line: u64, heater: Heater, to: Celsius) {
+        let (limit, name) = self.rules.heat(heater);
+        if to > limit.most {
+            self.verdict.add_about(
+                Kind::TooHot,
+                name,
+                line,
+                DVec3::NAN,
+                || {
+                    format!(
+                        "the {name} is told {to} °C; {} is {}",
+                        limit.setting, limit.most
+                    )
+                },
+            );
+        } else if to > limit.usual {
+            self.verdict.add_about(Kind::Hot, name, line, DVec3::NAN, || {
+                format!(
+                    "the {name} is told {to} °C, more than most bear; set {} \
+                     to what yours does",
+                    limit.setting
+                )
+            });
+        }
+    }
+
+    /// The axes that are named, or all, are homed.
+    fn home(&mut self, line: u64, words: &Words) {
+        let named = |l: &u8| words.has(*l);
+        let all = !b"XYZ".iter().any(named);
+        for (i, letter) in b"XYZ".iter().enumerate() {
+            if all || named(letter) {
+                self.homed |= 1 << i;
+            }
+        }
+        if (all || words.has(b'Z')) && self.ending.has_printed() {
+            let kind = Kind::Changed;
+            self.verdict.add_about(kind, "G28", line, DVec3::NAN, || {
+                "G28 homes z with a print on the bed, which the nozzle or \
+                     the probe may meet"
+                    .into()
+            });
+        }
+    }
+
+    /// A command that the reader does not follow.
+    fn code(&mut self, line: u64, letter: char, tenths: u32, words: &Words) {
+        match (letter, tenths) {
+            // With a time they only say when.
+            ('M', 180 | 840) if !words.has(b'S') => self.homed = 0,
+            // Its macro homes.
+            ('G', 320) => self.homed = HOMED,
+            // A tool's standby temperature alone.
+            ('G', 100) | ('M', 5680) => {
+                if let Some(standby) = words.get(b'R') {
+                    self.limit_heat(line, Heater::Nozzle(None), standby);
+                }
+            }
+            _ => {}
+        }
+        let effect = words::of_code(letter, tenths, words);
+        if effect != Some(Effect::None) {
+            self.word(line, &words::code(letter, tenths), effect);
+        }
+    }
+
+    /// A command that is a name.
+    fn named<R: Read>(&mut self, line: u64, reader: &Reader<R>) {
+        let named = reader.named();
+        if named.name().is_empty() {
+            self.own_start = true;
+        } else if let Some(effect) = words::of_name(named) {
+            if effect != Effect::None {
+                let name = String::from_utf8_lossy(named.name());
+                self.word(line, &name.to_uppercase(), Some(effect));
+            }
+            return;
+        }
+        // It may heat, home and purge.
+        self.heat.macro_called(named);
+        self.ending.macro_called();
+        self.homed = HOMED;
+        for (heater, to) in heat::told(named) {
+            self.limit_heat(line, heater, to);
+        }
+        let unfilled = |(_, value): (&[u8], &[u8])| {
+            value.starts_with(b"[") || value.starts_with(b"{")
+        };
+        if named.pairs().any(unfilled) {
+            self.verdict.add(Kind::Senseless, line, DVec3::NAN, || {
+                "a placeholder that nobody has filled in".into()
+            });
+        }
+        if !named.name().is_empty() {
+            // A name consists of letters, digits and _, so it can be shown.
+            const LONGEST: usize = 40;
+            let name = named.name();
+            let name = &name[..name.len().min(LONGEST)];
+            self.word(line, &String::from_utf8_lossy(name), None);
+        }
+    }
+
+    /// Says what a command does; nothing is known of it without an effect.
+    fn word(&mut self, line: u64, word: &str, effect: Option<Effect>) {
+        let (kind, why) = match effect {
+            Some(Effect::None) => return,
+            Some(Effect::Warns(why)) => (Kind::Changed, why),
+            Some(Effect::Harms(why)) => (Kind::Harmful, why),
+            None => (Kind::UnknownWord, "is not known"),
+        };
+        self.verdict.add_about(kind, word, line, DVec3::NAN, || {
+            format!("{word} {why}")
+        });
+    }
+
     fn step(&mut self, step: &Move) {
         self.verdict.moves += 1;
+        self.ending.step(step);
         let template = step.layer == 0 || step.role == Role::Custom;
         self.reach(step, template);
         self.speed(step);
+        self.homed(step);
         self.heat(step);
         self.filament(step, template);
         if step.prints() {
@@ -275,38 +482,87 @@ impl<'a> State<'a> {
         let over =
             |speed: f64, most: f64| speed > most * (1.0 + SPEED_ROUNDING);
         let plane = way.truncate().length();
+        let kind = Kind::TooFast;
         if over(way.z, rules.speed_z) {
-            self.verdict.add(Kind::TooFast, step.line, step.to, || {
+            self.verdict.add_about(kind, "z", step.line, step.to, || {
                 format!(
                     "z moves at {:.1} mm/s; the printer can {}",
                     way.z, rules.speed_z
                 )
             });
         } else if over(plane, rules.speed) {
-            self.verdict.add(Kind::TooFast, step.line, step.to, || {
+            self.verdict.add(kind, step.line, step.to, || {
                 format!("{plane:.1} mm/s; the printer can {}", rules.speed)
             });
         }
     }
 
+    /// Does the head know where it is?
+    fn homed(&mut self, step: &Move) {
+        if self.homed == HOMED {
+            return;
+        }
+        // Lifting the nozzle before homing is usual, and so is going to where
+        // z is homed.
+        let moved = (step.to - step.from).abs();
+        let axes = [moved.x, moved.y, moved.z];
+        let needed = (0..3)
+            .filter(|&i| step.prints() || (i < 2 && axes[i] > 0.0))
+            .fold(0, |needed, i| needed | 1 << i);
+        let missing = needed & !self.homed;
+        if missing == 0 {
+            return;
+        }
+        // Said once.
+        self.homed = HOMED;
+        let names: Vec<&str> = ["x", "y", "z"]
+            .into_iter()
+            .enumerate()
+            .filter(|(i, _)| missing & 1 << i != 0)
+            .map(|(_, name)| name)
+            .collect();
+        self.verdict.add(Kind::NotHomed, step.line, step.to, || {
+            format!(
+                "the head moves, and {} was not homed (G28), or not since \
+                 the motors were turned off",
+                names.join(", ")
+            )
+        });
+    }
+
     fn heat(&mut self, step: &Move) {
-        if step.filament > 0.0 && self.hot & bit(step.tool) == 0 {
-            if self.macros {
+        if step.filament <= 0.0 {
+            return;
+        }
+        let least = self.rules.least_heat;
+        let why = match self.heat.readiness(step.tool) {
+            Readiness::Hot => return,
+            Readiness::Unknown => {
                 self.verdict.add(Kind::Unknown, step.line, step.to, || {
                     "no command waits for the nozzle's heat before filament \
                      is pushed; a macro of the printer's may"
                         .into()
                 });
                 // Said once.
-                self.hot = u64::MAX;
-                return;
+                return self.heat.trust(step.tool);
             }
-            self.verdict.add(Kind::Cold, step.line, step.to, || {
+            Readiness::Told(to) if to > 0.0 => format!(
+                "filament is pushed through a nozzle that is told {to} °C; \
+                 the least is {least} (filament.min_nozzle_temperature)"
+            ),
+            Readiness::Told(_) => {
+                "filament is pushed after the nozzle was turned off".into()
+            }
+            Readiness::NotAwaited => format!(
                 "filament is pushed before any command has waited for the \
-                 nozzle's heat, or after it was turned off"
+                 nozzle to have {least} °C or more"
+            ),
+            Readiness::Never => {
+                "filament is pushed before any command has heated the nozzle"
                     .into()
-            });
-        }
+            }
+        };
+        self.verdict.add(Kind::Cold, step.line, step.to, || why);
     }
 
     fn filament(&mut self, step: &Move, template: bool) {
@@ -331,21 +587,21 @@ impl<'a> State<'a> {
         }
         if fed < 0.0 {
             *self.back(step) -= fed;
-            if step.travels() && !step.wipe && !template {
-                self.verdict.add(Kind::Backwards, step.line, step.to, || {
-                    format!(
-                        "{:.3} mm of filament go back while the head moves \
-                         and does not wipe",
-                        -fed
-                    )
-                });
+            // Up and down is no way along which a wipe would be seen.
+            let sideways = step.from.truncate() != step.to.truncate();
+            if sideways && !step.wipe && !template {
+                let why = format!(
+                    "{:.3} mm of filament go back while the head moves and \
+                     does not wipe",
+                    -fed
+                );
+                self.hold(Kind::Backwards, step, why);
             }
             let back = *self.back(step);
             if back > rules.retraction && !template {
-                let kind = Kind::LongRetraction;
-                self.verdict.add(kind, step.line, step.to, || {
-                    format!("{back:.1} mm of filament are pulled back in all")
-                });
+                let why =
+                    format!("{back:.1} mm of filament are pulled back in all");
+                self.hold(Kind::LongRetraction, step, why);
             }
         } else if fed > 0.0 {
             if step.prints() && !template {
@@ -356,8 +612,26 @@ impl<'a> State<'a> {
         }
     }
 
+    /// Keeps a finding that counts only if something is printed after it.
+    fn hold(&mut self, kind: Kind, step: &Move, why: String) {
+        if self.held.len() == HELD {
+            self.let_go();
+        }
+        self.held.push((kind, step.line, step.to, why));
+    }
+
+    /// Something is printed: what was held counts.
+    fn let_go(&mut self) {
+        for (kind, line, at, why) in self.held.drain(..) {
+            self.verdict.add(kind, line, at, || why);
+        }
+    }
+
     /// Has the nozzle what a bead needs to begin?
     fn begin(&mut self, step: &Move) {
+        if !self.held.is_empty() {
+            self.let_go();
+        }
         let missing = *self.back(step);
         let short = missing > self.rules.missing;
         if short || self.firmware_back & bit(step.tool) != 0 {
@@ -449,8 +723,37 @@ impl<'a> State<'a> {
         });
     }
 
-    fn finish(&mut self) {
+    fn finish<R: Read>(&mut self, reader: &Reader<R>) {
         self.next_layer();
+        let tally = reader.tally();
+        let commands = tally.codes + tally.names;
+        if commands == 0 || tally.senseless > commands {
+            let senseless = tally.senseless;
+            let why = match (commands, senseless) {
+                (0, 0) => "there is no command in it".to_owned(),
+                _ => format!(
+                    "this is no G-code: {senseless} of {} lines are no \
+                     commands; name the file that a slicer has written",
+                    commands + senseless
+                ),
+            };
+            // What else there is to say of it helps nobody.
+            self.verdict = Verdict::default();
+            return self.verdict.add(Kind::NoGcode, 0, DVec3::NAN, || why);
+        }
+        let (line, nowhere) = (reader.lines(), DVec3::NAN);
+        let unfinished = reader.is_unfinished();
+        if let Some(why) = self.ending.cut_off(reader.info(), unfinished) {
+            self.verdict
+                .add(Kind::CutOff, line, nowhere, || why.to_owned());
+        } else if !self.ending.by_macro && !self.own_start {
+            for (name, to) in self.heat.on() {
+                let kind = Kind::LeftOn;
+                self.verdict.add_about(kind, name, line, nowhere, || {
+                    format!("the file ends, and the {name} stays at {to} °C")
+                });
+            }
+        }
     }
 }
 

@@ -20,10 +20,18 @@ fn verdict(text: &str) -> Verdict {
     verdict_with(text, &[])
 }
 
+/// Off with everything.
+const END: &str = "M104 S0\n";
+
 /// What is wrong with the lines after a good beginning.
 fn found(lines: &str) -> Vec<(Kind, u64)> {
-    let all = verdict(&format!("{START}{lines}"));
+    let all = verdict(&format!("{START}{lines}{END}"));
     all.counts.into_iter().collect()
+}
+
+/// How often something of that kind is in the file.
+fn count(all: &Verdict, kind: Kind) -> u64 {
+    all.counts.get(&kind).copied().unwrap_or(0)
 }
 
 #[test]
@@ -75,7 +83,7 @@ fn cold_nozzles_push_nothing() {
 #[test]
 fn tools_have_a_heat_and_a_retraction_each() {
     let bead = "M83\nG1 X1 E0.1 F600\n";
-    let safe = |head: &str| verdict(&format!("{head}{bead}")).is_safe();
+    let safe = |head: &str| verdict(&format!("{head}{bead}{END}")).is_safe();
     assert!(safe("M109 S200 T0\nM104 T1 S0\nT0\n"));
     assert!(!safe("M109 T1 S200\nT0\n"), "T0 is cold");
     assert!(safe("M109 T1 S200\nT1\n"));
@@ -87,7 +95,7 @@ fn tools_have_a_heat_and_a_retraction_each() {
     // Each tool's filament is its own.
     let both = "M109 T0 S200\nM109 T1 S200\nM83\nG1 X0 Y0 F900\n;LAYER:0\n";
     let change = format!("{both}G1 E-9.6\nT1\nG92 E0\nG1 X5 E0.2\nT0\n");
-    assert!(verdict(&change).is_safe());
+    assert!(verdict(&format!("{change}{END}")).is_safe());
     let forgotten = verdict(&format!("{change}G1 X10 E0.2\n"));
     assert_eq!(forgotten.counts.get(&Kind::Unprimed), Some(&1));
     // So many tools that no table holds them.
@@ -98,11 +106,15 @@ fn tools_have_a_heat_and_a_retraction_each() {
 fn less_filament_may_be_wanted_than_was_pulled_back() {
     let cycle = "G1 E-0.8 F2100\nG1 X50 F9000\nG1 E0.6 F2100\n\
                  G1 X80 E1.2 F1800\n";
-    let text = format!("{START}{}", cycle.repeat(9));
+    let text = format!("{START}{}{END}", cycle.repeat(9));
     // 0.2 mm are missing each time, and not more and more.
     let all = verdict(&text);
     assert_eq!(all.counts.get(&Kind::Unprimed), Some(&9));
-    assert!(all.sentences("x", Severity::Fault)[2].contains("0.20 mm"));
+    let said = &all.sentences("x", Severity::Fault)[0];
+    assert!(
+        said.contains("0.20 mm") && said.contains("8 more"),
+        "{said}"
+    );
     assert!(verdict_with(&text, &["retract.extra_prime=-0.2"]).is_safe());
 }
 
@@ -117,8 +129,9 @@ fn beads_beyond_the_bed_take_no_memory() {
     assert!(all.counts[&Kind::OutOfReach] > 2000);
     let rules = Rules::new(&Settings::default());
     let mut state = State::new(&rules);
-    for event in Reader::new(text.as_bytes()) {
-        state.take(event.unwrap());
+    let mut reader = Reader::new(text.as_bytes());
+    while let Some(event) = reader.next() {
+        state.take(event.unwrap(), &reader);
     }
     // The bed and what is beside it, in tiles of 16 mm; these moves would
     // take a hundred thousand.
@@ -127,10 +140,17 @@ fn beads_beyond_the_bed_take_no_memory() {
 
 #[test]
 fn filament_goes_back_in_retractions_only() {
-    assert_eq!(found("G1 X60 E-0.5 F900\n"), [(Kind::Backwards, 1)]);
+    let again = "G1 E0.5 F900\nG1 X80 E0.4\n";
+    let back = format!("G1 X60 E-0.5 F900\n{again}");
+    assert_eq!(found(&back), [(Kind::Backwards, 1)]);
+    // Up and down is no wipe, and end codes may do as they like.
+    assert!(found(&format!("G1 Z1 E-0.5 F600\nG1 Z0.2\n{again}")).is_empty());
+    assert!(found("G1 X60 E-0.5 F900\n").is_empty());
     let wipe = ";WIPE_START\nG1 X60 E-0.5 F900\n;WIPE_END\n";
     assert!(found(wipe).is_empty());
-    assert_eq!(found("G1 E-25 F900\n"), [(Kind::LongRetraction, 1)]);
+    let long = "G1 E-25 F900\nG1 E25\nG1 X60 E0.4\n";
+    assert_eq!(found(long), [(Kind::LongRetraction, 1)]);
+    assert!(found("G1 E-25 F900\n").is_empty());
     let starved = "G1 E-1 F900\nG1 E0.5 F900\nG1 X60 E0.5 F900\n";
     assert_eq!(found(starved), [(Kind::Unprimed, 1)]);
     assert_eq!(found("G10\nG1 X60 E0.4 F900\n"), [(Kind::Unprimed, 1)]);
@@ -142,7 +162,7 @@ fn beads_and_feeds_have_limits() {
     // 3 mm of filament for 5 mm of bead are 1.44 mm².
     assert_eq!(found("G1 X55 E3 F900\n"), [(Kind::ThickBead, 1)]);
     // 1.5 mm are 0.72 mm²: too much for Klipper alone.
-    let text = format!("{START}G1 X55 E1.5 F900\n");
+    let text = format!("{START}G1 X55 E1.5 F900\n{END}");
     assert!(verdict(&text).is_safe());
     let klipper = ["gcode.flavour=klipper"];
     let all = verdict_with(&text, &klipper);
@@ -194,7 +214,8 @@ fn islands_stand_on_something() {
     let two = |second: f64| {
         let head = "G28\nM109 S200\nM83\n;TYPE:Perimeter\n";
         let upper = format!("{}{}", square(50.0), square(second));
-        format!("{head}{}{}", layer(0.2, &square(50.0)), layer(0.4, &upper))
+        let lower = layer(0.2, &square(50.0));
+        format!("{head}{lower}{}{END}", layer(0.4, &upper))
     };
     assert!(verdict(&two(50.3)).counts.is_empty());
     let all = verdict(&two(80.0));
@@ -218,8 +239,320 @@ fn findings_are_kept_in_part_and_counted_in_full() {
         verdict(&format!("{START}{}", "G1 X300 F900\nG1 X50\n".repeat(9)));
     assert_eq!(all.counts.get(&Kind::OutOfReach), Some(&9));
     let sentences = all.sentences("part.gcode", Severity::Fault);
-    assert_eq!(sentences.len(), 4);
+    assert_eq!(sentences.len(), 1);
     assert!(sentences[0].starts_with("part.gcode:9: the head goes to"));
-    assert_eq!(sentences[3], "part.gcode: 6 more of out-of-reach");
-    assert!(all.sentences("part.gcode", Severity::Warning).is_empty());
+    let rest = "(8 more, next in lines 11 and 13)";
+    assert!(sentences[0].ends_with(rest), "{}", sentences[0]);
+}
+
+#[test]
+fn heat_is_what_the_printer_bears() {
+    let limits = [
+        "printer.max_nozzle_temperature=300",
+        "printer.max_bed_temperature=100",
+        "printer.max_chamber_temperature=60",
+    ];
+    for hot in [
+        "M104 S301",
+        "M109 S500",
+        "M109 R500",
+        "M104 T1 S400",
+        "M104.1 T1 S400",
+        "M190 S300",
+        "M140 S101",
+        "M141 S61",
+        "M191 S61",
+        "M568 P0 S500 R180",
+        "M568 P0 R500",
+        "G10 P0 S500 R180",
+        "G10 P0 S205 R500",
+        "SET_HEATER_TEMPERATURE HEATER=extruder TARGET=500",
+        "set_heater_temperature heater=heater_bed target=300",
+        "SET_HEATER_TEMPERATURE HEATER=\"heater_generic chamber\" TARGET=90",
+        "PRINT_START BED=60 EXTRUDER=500",
+        "START_PRINT BED_TEMP=300 EXTRUDER_TEMP=210",
+        "PRINT_START CHAMBER=90",
+        ";FLAVOR:Griffin\n;EXTRUDER_TRAIN.0.INITIAL_TEMPERATURE:400",
+    ] {
+        let all = verdict_with(&format!("{hot}\n"), &limits);
+        assert_eq!(count(&all, Kind::TooHot), 1, "{hot}: {all:?}");
+    }
+    for fine in [
+        "M104 S300",
+        "M190 S100",
+        "M191 S60",
+        "G10 P0 S205 R180",
+        "PRINT_START BED=100 EXTRUDER=300 MATERIAL=PLA NOZZLE_DIAMETER=400",
+    ] {
+        let all = verdict_with(&format!("{fine}\n"), &limits);
+        assert_eq!(count(&all, Kind::TooHot), 0, "{fine}");
+    }
+    // Nobody says what the printer bears.
+    assert_eq!(count(&verdict("M109 S500\n"), Kind::TooHot), 1);
+    assert_eq!(count(&verdict("M109 S320\n"), Kind::Hot), 1);
+    assert_eq!(count(&verdict("M190 S300\n"), Kind::TooHot), 1);
+    assert!(verdict("M109 S260\nM190 S110\nM109 S0\nM140 S0\n").is_safe());
+}
+
+#[test]
+fn plastic_is_pushed_through_a_nozzle_that_melts_it() {
+    let bead = "M83\nG1 X9 E0.3 F600\n";
+    let cold =
+        |text: &str| count(&verdict(&format!("{text}{bead}")), Kind::Cold);
+    assert_eq!(cold("M109 S30\n"), 1);
+    assert_eq!(cold("M109 S169\n"), 1);
+    assert_eq!(cold("M109 S170\n"), 0);
+    assert_eq!(cold(&format!("M109 S200\n{bead}M104 S1\n")), 1);
+    assert_eq!(cold(&format!("M109 S200\n{bead}M104 S190\n")), 0);
+    assert_eq!(cold("M104 S200\nM116\n"), 0);
+    assert_eq!(
+        cold("M302 P1\nM109 S30\n"),
+        1,
+        "it does not melt all the same"
+    );
+    // Cold for probing, and hot again.
+    assert_eq!(cold("M109 R150\nG28\nM109 S210\n"), 0);
+    assert_eq!(cold("M109 R150\nG28\nM104 S210\n"), 1, "nobody waited");
+    // Klipper's words.
+    let set = "SET_HEATER_TEMPERATURE HEATER=extruder TARGET=";
+    let wait = "TEMPERATURE_WAIT SENSOR=extruder MINIMUM=";
+    assert_eq!(cold(&format!("{set}210\n{wait}205\n")), 0);
+    assert_eq!(cold(&format!("{set}210\n{wait}100\n")), 1);
+    assert_eq!(cold(&format!("{set}210\n{wait}205\nTURN_OFF_HEATERS\n")), 1);
+    // What a macro is told, and what it is not.
+    assert_eq!(cold("PRINT_START EXTRUDER=30\n"), 1);
+    assert_eq!(cold("PRINT_START EXTRUDER=1 BED=60\n"), 0);
+    assert_eq!(cold("PRINT_START\nM104 S1\n"), 1);
+    assert_eq!(cold("PRINT_START\nM104 S210\n"), 0);
+    // Ultimaker's heat before the file does.
+    let griffin = ";FLAVOR:Griffin\n;EXTRUDER_TRAIN.0.INITIAL_TEMPERATURE:";
+    assert_eq!(cold(&format!("{griffin}205\n")), 0);
+    assert_eq!(cold(&format!("{griffin}30\n")), 1);
+    assert_eq!(cold(";FLAVOR:UltiGCode\n"), 0);
+    // Clay is no plastic.
+    let clay = ["filament.min_nozzle_temperature=0"];
+    let all = verdict_with(&format!("M109 S30\n{bead}"), &clay);
+    assert_eq!(count(&all, Kind::Cold), 0);
+}
+
+#[test]
+fn a_carriage_return_ends_a_line_and_hides_nothing() {
+    let text = format!("{START}{END}");
+    let hidden = verdict(&text.replacen("G28\n", "G28\rG1 Z-10 F600\n", 1));
+    assert!(count(&hidden, Kind::OutOfReach) > 0);
+    assert_eq!(hidden.findings[0].kind, Kind::LineEnd);
+    let all = verdict(&text.replace('\n', "\r"));
+    assert_eq!(all.lines, text.lines().count() as u64);
+    assert_eq!(all.moves, verdict(&text).moves);
+    assert_eq!(count(&all, Kind::LineEnd), all.lines);
+    assert_eq!(verdict(&text.replace('\n', "\r\n")), verdict(&text));
+}
+
+#[test]
+fn files_that_are_no_gcode_are_said_to_be_none() {
+    for text in [
+        "",
+        "\n\n",
+        "; a comment\n",
+        "// a model\nlet x = axis(\"x\");\nlet y = 3;\ndraw(x);\n",
+        "<!DOCTYPE html>\n<html>\n<body>\nG1\n</body>\n",
+        "\u{7f}ELF\0\0\u{1}\n\0\n",
+        "solid a\nfacet normal 0 0 1\nendfacet\nvertex 1 2 3\n",
+    ] {
+        let all = verdict(text);
+        assert_eq!(all.counts.len(), 1, "{text:?}: {all:?}");
+        assert_eq!(count(&all, Kind::NoGcode), 1, "{text:?}");
+        assert!(!all.is_safe());
+    }
+    assert_eq!(count(&verdict("START_PRINT\n"), Kind::NoGcode), 0);
+    // A line among others that is none.
+    assert_eq!(found("hello there\n"), [(Kind::Senseless, 1)]);
+}
+
+#[test]
+fn a_print_ends_as_a_whole_and_cold() {
+    let bead = "G1 X60 E0.4 F900\n";
+    let ends = |end: &str| {
+        let all = verdict(&format!("{START}{bead}{end}"));
+        let counts = all.counts.into_iter();
+        counts.map(|(kind, _)| kind).collect::<Vec<_>>()
+    };
+    assert_eq!(ends("M104 S0\n"), []);
+    assert_eq!(ends("M104 S0"), []);
+    assert_eq!(ends("PRINT_END\n"), [Kind::UnknownWord]);
+    assert_eq!(ends("TURN_OFF_HEATERS\n"), []);
+    // It stops in the middle.
+    assert_eq!(ends(""), [Kind::CutOff]);
+    assert_eq!(ends(";TYPE:Perimeter\n"), [Kind::CutOff]);
+    assert_eq!(ends("G1 X70"), [Kind::CutOff]);
+    // It stays hot, or is made so again.
+    assert_eq!(ends("M107\n"), [Kind::LeftOn]);
+    assert_eq!(ends("M104 S0\nM104 S200\n"), [Kind::LeftOn]);
+    assert_eq!(ends("M140 S60\nM104 S0\n"), [Kind::LeftOn]);
+    assert_eq!(ends("M104 S0\nM140 S0\nM141 S40\n"), [Kind::LeftOn]);
+    // Marks of slicers.
+    for head in [
+        "; generated by isoslice 0.1.0\n",
+        "; generated by PrusaSlicer 2.9.0 on 2026-01-01 at 12:00:00 UTC\n",
+        ";Generated with Cura_SteamEngine 5.9.0\n",
+        "; EXECUTABLE_BLOCK_START\n",
+    ] {
+        let all = verdict(&format!("{head}{START}{bead}G1 X1\nM107\n"));
+        assert_eq!(count(&all, Kind::CutOff), 1, "{head}");
+    }
+}
+
+#[test]
+fn axes_are_homed_before_they_move() {
+    let bead = "M109 S200\nM83\nG1 X60 E0.4 F900\nM104 S0\n";
+    let homed = |head: &str| {
+        count(&verdict(&format!("{head}{bead}")), Kind::NotHomed) == 0
+    };
+    assert!(homed("G28\n"));
+    assert!(homed("g28 w\n"));
+    assert!(homed("G1 Z5 F600\nG28 X Y\nG1 X9 F900\nG28 Z\n"));
+    assert!(homed("PRINT_START\n"));
+    assert!(homed("G28\nM84 S120\n"));
+    assert!(!homed(""));
+    assert!(!homed("G28 X Y\n"));
+    assert!(!homed("G1 X5 F900\nG28\n"));
+    assert!(!homed("G28\nM84\n"));
+}
+
+#[test]
+fn commands_are_known_or_said_not_to_be() {
+    let kinds = |line: &str| {
+        let all = verdict(&format!("{START}{line}\nG1 X60 E0.4 F900\n{END}"));
+        let counts = all.counts.into_iter();
+        counts.map(|(kind, _)| kind).collect::<Vec<_>>()
+    };
+    for harmless in [
+        "M106 S127",
+        "M105",
+        "M117 G1 X999",
+        "M204 P1000 T1500",
+        "G29",
+        "M220 S100",
+        "M221 S95",
+        "M206 Z0",
+        "M862.3 P \"MK4\"",
+        "M211 S1",
+        "G53",
+        "RESPOND MSG=\"a b\"",
+        "M302.5",
+        "G90",
+        "M18 S60",
+        "T0",
+    ] {
+        let expected: &[Kind] = match harmless {
+            "M302.5" => &[Kind::UnknownWord],
+            _ => &[],
+        };
+        assert_eq!(kinds(harmless), expected, "{harmless}");
+    }
+    for changes in [
+        "M106 S9999",
+        "M220 S9999",
+        "M500",
+        "M92 E93",
+        "M206 Z-0.1",
+        "M302 P1",
+        "M0",
+        "M600",
+        "M211 S0",
+        "M851 Z-1",
+        "M301 P1",
+        "M201 X9999999",
+        "M218 T1 X20",
+        "M290 Z2",
+        "M143 H1 S400",
+        "SAVE_CONFIG",
+        "M203 X0",
+        "RESTORE_GCODE_STATE NAME=a",
+        "SET_PIN PIN=a VALUE=1",
+        "if {true}",
+        "M42 P1 S1",
+        "M564 S0",
+    ] {
+        let kind = match changes {
+            "M220 S9999" => vec![Kind::TooFast, Kind::Changed],
+            "M290 Z2" | "SAVE_CONFIG" => vec![Kind::Harmful],
+            _ => vec![Kind::Changed],
+        };
+        assert_eq!(kinds(changes), kind, "{changes}");
+    }
+    for harms in [
+        "M112",
+        "M502",
+        "M92 X80",
+        "M206 Z-10",
+        "M428",
+        "M997",
+        "M28 a.g",
+        "M30 a.g",
+        "M303 E0 S200",
+        "G55",
+        "M149 F",
+        "M999",
+        "M218 T1 X900",
+        "SET_KINEMATIC_POSITION X=0",
+        "FORCE_MOVE STEPPER=x DISTANCE=5",
+        "FIRMWARE_RESTART",
+        "M410",
+        "M524",
+        "M569 P0 S0",
+        "G10 L2 P1 Z5",
+    ] {
+        assert_eq!(kinds(harms), [Kind::Harmful], "{harms}");
+    }
+    for senseless in ["G5 X9 Y9 I1 J1 P1 Q1 F900", "G1 X9 G1 X10", "M104 S"] {
+        let kinds = kinds(senseless);
+        assert_eq!(kinds, [Kind::Senseless], "{senseless}");
+    }
+    // What can be modelled is.
+    assert!(kinds("M221 S1000").contains(&Kind::ThickBead));
+    assert!(kinds("G53 G1 Z-10 F600").contains(&Kind::OutOfReach));
+    assert!(kinds("G92 Z10\nG1 Z0 F600").contains(&Kind::OutOfReach));
+    let offset = "SET_GCODE_OFFSET Z=-10\nG1 Z0 F600";
+    assert!(kinds(offset).contains(&Kind::OutOfReach));
+    // Each that is not known once, with its count.
+    let text = format!("{START}M1234\nM1234 S1\nPURGE_IT X=1\n{END}");
+    let all = verdict(&text);
+    let words: Vec<_> = all.unknown_words().collect();
+    assert_eq!(words, [("M1234", 2), ("PURGE_IT", 1)]);
+    let said = all.sentences("a", Severity::Warning);
+    assert_eq!(
+        said,
+        [
+            "a: not known, so nothing is said of what they do: M1234 (2 times \
+          from line 9), PURGE_IT (line 11)"
+        ]
+    );
+    // However many there are, memory does not grow with them.
+    let many: String = (0..5000).map(|k| format!("MACRO_{k}\n")).collect();
+    let all = verdict(&many);
+    assert_eq!(count(&all, Kind::UnknownWord), 5000);
+    assert!(all.findings.len() < 50, "{}", all.findings.len());
+}
+
+#[test]
+fn the_same_is_said_once() {
+    let layers: String = (1..200)
+        .map(|k| {
+            let z = 0.2 * f64::from(k);
+            format!(
+                ";LAYER_CHANGE\nG1 Z{z:.1} F9000\nG1 X60 E0.4 F900\nG1 X50\n"
+            )
+        })
+        .collect();
+    let all = verdict(&format!("{START}{layers}{END}"));
+    assert_eq!(all.counts.len(), 1, "{all:?}");
+    let said = all.sentences("a", Severity::Warning);
+    assert_eq!(said.len(), 1);
+    assert!(said[0].contains("z moves at 150.0 mm/s"), "{}", said[0]);
+    assert!(
+        said[0].ends_with("(197 more, next in lines 18 and 22)"),
+        "{}",
+        said[0]
+    );
 }

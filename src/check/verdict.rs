@@ -3,8 +3,14 @@
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Findings of a kind that are kept; the others are counted.
-const KEPT: u64 = 3;
+/// Places of a finding that are kept; the others are counted.
+const KEPT: usize = 3;
+
+/// Findings of a kind about different things; what is beyond is told as one.
+const APART: usize = 40;
+
+/// What those beyond are called.
+const OTHERS: &str = "others";
 
 /// How bad a kind of finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -51,6 +57,26 @@ pub enum Kind {
     InTheAir,
     /// What only the printer knows.
     Unknown,
+    /// A heater is told more than it bears.
+    TooHot,
+    /// A heater is told more than is usual, and nobody says what it bears.
+    Hot,
+    /// A command that has no place in a print.
+    Harmful,
+    /// A command that changes what the check takes for granted.
+    Changed,
+    /// A command that is not known.
+    UnknownWord,
+    /// The head moves before it knows where it is.
+    NotHomed,
+    /// A heater is on when the file ends.
+    LeftOn,
+    /// The file ends in the middle of the print.
+    CutOff,
+    /// The file is no G-code.
+    NoGcode,
+    /// A line ends as not all firmware ends one.
+    LineEnd,
 }
 
 impl Kind {
@@ -64,7 +90,13 @@ impl Kind {
             | Kind::Purge
             | Kind::Low
             | Kind::InTheAir
-            | Kind::Unknown => Severity::Warning,
+            | Kind::Unknown
+            | Kind::Hot
+            | Kind::Changed
+            | Kind::UnknownWord
+            | Kind::NotHomed
+            | Kind::LeftOn
+            | Kind::LineEnd => Severity::Warning,
             _ => Severity::Fault,
         }
     }
@@ -88,27 +120,66 @@ impl Kind {
             Kind::Low => "low-travel",
             Kind::InTheAir => "in-the-air",
             Kind::Unknown => "unknown",
+            Kind::TooHot => "too-hot",
+            Kind::Hot => "hot",
+            Kind::Harmful => "harmful",
+            Kind::Changed => "changed",
+            Kind::UnknownWord => "unknown-word",
+            Kind::NotHomed => "not-homed",
+            Kind::LeftOn => "left-on",
+            Kind::CutOff => "cut-off",
+            Kind::NoGcode => "no-gcode",
+            Kind::LineEnd => "line-end",
         }
     }
 }
 
-/// One finding.
+/// One finding, and where it is met again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// What is wrong.
     pub kind: Kind,
-    /// Line, from 1; 0 if it is not about one.
+    /// The command it is about, where a kind is about several; else empty.
+    pub about: String,
+    /// Line of the first, from 1; 0 if it is not about one.
     pub line: u64,
-    /// Where, mm; not a number if it is nowhere.
+    /// Where the first is, mm; not a number if it is nowhere.
     pub at: DVec3,
-    /// What is wrong, as a sentence.
+    /// What is wrong there, as a sentence.
     pub message: String,
+    /// How often it is met.
+    pub count: u64,
+    /// Lines of the first few.
+    pub lines: Vec<u64>,
+}
+
+impl Finding {
+    /// As a sentence; `name` is the file's.
+    fn sentence(&self, name: &str) -> String {
+        let place = match self.line {
+            0 => name.to_owned(),
+            line => format!("{name}:{line}"),
+        };
+        let more = self.count - 1;
+        let again: Vec<String> =
+            self.lines.iter().skip(1).map(u64::to_string).collect();
+        let again = match again.as_slice() {
+            _ if self.line == 0 => String::new(),
+            [] => String::new(),
+            [one] => format!(", in line {one}"),
+            several => format!(", next in lines {}", several.join(" and ")),
+        };
+        match more {
+            0 => format!("{place}: {}", self.message),
+            _ => format!("{place}: {} ({more} more{again})", self.message),
+        }
+    }
 }
 
 /// What a check found in a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
-    /// The first findings of each kind, in the order of the file.
+    /// Everything that was found, once each, in the order of the file.
     pub findings: Vec<Finding>,
     /// How many there are of each kind.
     pub counts: BTreeMap<Kind, u64>,
@@ -132,9 +203,17 @@ impl Verdict {
             .sum()
     }
 
-    /// True if nothing can hurt.
+    /// True if nothing that is understood can hurt.
     pub fn is_safe(&self) -> bool {
         self.count(Severity::Fault) == 0
+    }
+
+    /// Commands that are not known, with how often they are met.
+    pub fn unknown_words(&self) -> impl Iterator<Item = (&str, u64)> {
+        self.findings
+            .iter()
+            .filter(|f| f.kind == Kind::UnknownWord)
+            .map(|f| (f.about.as_str(), f.count))
     }
 
     /// The findings of this severity as sentences; `name` is the file's.
@@ -143,6 +222,7 @@ impl Verdict {
     }
 
     /// The findings of these kinds as sentences; `name` is the file's.
+    /// Commands that are not known make one sentence.
     pub fn sentences_of(
         &self,
         name: &str,
@@ -151,19 +231,31 @@ impl Verdict {
         let mut all: Vec<String> = self
             .findings
             .iter()
-            .filter(|f| of(f.kind))
-            .map(|f| match f.line {
-                0 => format!("{name}: {}", f.message),
-                line => format!("{name}:{line}: {}", f.message),
-            })
+            .filter(|f| of(f.kind) && f.kind != Kind::UnknownWord)
+            .map(|f| f.sentence(name))
             .collect();
-        for (kind, &count) in &self.counts {
-            if of(*kind) && count > KEPT {
-                let more = count - KEPT;
-                all.push(format!("{name}: {more} more of {}", kind.name()));
-            }
+        if of(Kind::UnknownWord) {
+            all.extend(self.unknown_sentence(name));
         }
         all
+    }
+
+    fn unknown_sentence(&self, name: &str) -> Option<String> {
+        let words: Vec<String> = self
+            .findings
+            .iter()
+            .filter(|f| f.kind == Kind::UnknownWord)
+            .map(|f| match f.count {
+                1 => format!("{} (line {})", f.about, f.line),
+                n => format!("{} ({n} times from line {})", f.about, f.line),
+            })
+            .collect();
+        (!words.is_empty()).then(|| {
+            format!(
+                "{name}: not known, so nothing is said of what they do: {}",
+                words.join(", ")
+            )
+        })
     }
 
     pub(super) fn add(
@@ -173,15 +265,44 @@ impl Verdict {
         at: DVec3,
         message: impl FnOnce() -> String,
     ) {
-        let count = self.counts.entry(kind).or_insert(0);
-        *count += 1;
-        if *count <= KEPT {
-            self.findings.push(Finding {
-                kind,
-                line,
-                at,
-                message: message(),
-            });
+        self.add_about(kind, "", line, at, message);
+    }
+
+    /// The same, of a kind that is about several things.
+    pub(super) fn add_about(
+        &mut self,
+        kind: Kind,
+        about: &str,
+        line: u64,
+        at: DVec3,
+        message: impl FnOnce() -> String,
+    ) {
+        let known = self.counts.entry(kind).or_insert(0);
+        *known += 1;
+        let kinds = || self.findings.iter().filter(|f| f.kind == kind);
+        let about = match *known as usize > APART
+            && kinds().count() >= APART
+            && kinds().all(|f| f.about != about)
+        {
+            true => OTHERS,
+            false => about,
+        };
+        let same = |f: &&mut Finding| f.kind == kind && f.about == about;
+        if let Some(found) = self.findings.iter_mut().find(same) {
+            found.count += 1;
+            if found.lines.len() < KEPT && found.lines.last() != Some(&line) {
+                found.lines.push(line);
+            }
+            return;
         }
+        self.findings.push(Finding {
+            kind,
+            about: about.to_owned(),
+            line,
+            at,
+            message: message(),
+            count: 1,
+            lines: vec![line],
+        });
     }
 }

@@ -74,11 +74,12 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
         if !terminal::is_quiet() {
             writeln!(
                 out,
-                "{name}: {} moves in {} layers, {}, {}",
+                "{name}: {} moves in {} layers, {}, {}{}",
                 verdict.moves,
                 verdict.layers,
                 counted(verdict.count(Severity::Fault), "fault"),
-                counted(verdict.count(Severity::Warning), "warning")
+                counted(verdict.count(Severity::Warning), "warning"),
+                unknown(&verdict)
             )?;
         }
     }
@@ -94,6 +95,15 @@ fn counted(count: u64, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
         _ => format!("{count} {what}s"),
+    }
+}
+
+/// What the counts say nothing of.
+fn unknown(verdict: &Verdict) -> String {
+    match verdict.unknown_words().count() as u64 {
+        0 => String::new(),
+        1 => " in all but a command that is not known".into(),
+        n => format!(" in all but {n} commands that are not known"),
     }
 }
 
@@ -117,10 +127,13 @@ fn described(name: &str, verdict: &Verdict) -> serde_json::Value {
         .map(|f| {
             json!({
                 "kind": f.kind.name(),
+                "about": (!f.about.is_empty()).then_some(&f.about),
                 "severity": severity(f.kind.severity()),
                 "line": (f.line > 0).then_some(f.line),
                 "at": f.at.is_finite().then(|| f.at.to_array()),
                 "message": f.message,
+                "count": f.count,
+                "lines": f.lines.iter().filter(|l| **l > 0).collect::<Vec<_>>(),
             })
         })
         .collect();
@@ -128,6 +141,10 @@ fn described(name: &str, verdict: &Verdict) -> serde_json::Value {
         .counts
         .iter()
         .map(|(kind, &count)| (kind.name().to_owned(), count.into()))
+        .collect();
+    let unknown: serde_json::Map<String, serde_json::Value> = verdict
+        .unknown_words()
+        .map(|(word, count)| (word.to_owned(), count.into()))
         .collect();
     json!({
         "file": name,
@@ -137,6 +154,7 @@ fn described(name: &str, verdict: &Verdict) -> serde_json::Value {
         "moves": verdict.moves,
         "layers": verdict.layers,
         "counts": counts,
+        "unknown": unknown,
         "findings": findings,
     })
 }

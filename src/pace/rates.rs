@@ -9,7 +9,7 @@ use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
 use crate::model::{Model, Place};
 use crate::plane::grid::EdgeGrid;
-use crate::settings::{Settings, Speed, Varying};
+use crate::settings::{Range, Settings, Speed, Varying};
 use crate::units::{Celsius, Mm, MmPerSec, Percent};
 use crate::vary::{Quantity, Surroundings, VaryError};
 use glam::DVec2;
@@ -128,19 +128,26 @@ impl<'a> Rater<'a> {
     /// expression.
     ///
     /// # Errors
-    /// If it has no value there.
+    /// If it has no value there, or one that melts no plastic or that the
+    /// printer does not bear.
     pub fn temperature(&self, span: &LayerSpan) -> Result<Celsius, VaryError> {
         if span.index == 0 {
             return Ok(self.settings.filament.first_layer_nozzle_temperature);
         }
-        match self.temperature.constant() {
-            Some(value) => Ok(value),
-            None => {
-                let at = DVec2::ZERO.extend(span.top);
-                let place = Place { at, depth: 0.0 };
-                Ok(self.temperature.at(place)?.round())
-            }
+        if let Some(value) = self.temperature.constant() {
+            return Ok(value);
         }
+        // Colder than plastic melts, or hotter than the printer bears, is a
+        // mistake in the expression and nothing to be cut off.
+        let range = Range {
+            min: self.settings.min_nozzle_temperature(),
+            max: self
+                .settings
+                .printer
+                .max_nozzle_temperature
+                .unwrap_or(f64::INFINITY),
+        };
+        Ok(self.temperature.at_height(span.top, range)?.round())
     }
 
     /// Speed of the fan at a layer's beginning, unless its first bead says it.

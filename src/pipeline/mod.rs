@@ -246,11 +246,17 @@ pub fn slice(
         *seconds += time;
     }
     // Islands in the air are for the summary to tell, printers that heat in
-    // their macros are as they should be, and who wrote a template has been
-    // told of it by its lines.
+    // their macros are as they should be, who calls a macro knows what it is,
+    // and who wrote a template has been told of it by its lines.
     let told = |kind: Kind| {
         kind.severity() == Severity::Warning
-            && !matches!(kind, Kind::InTheAir | Kind::Unknown | Kind::Purge)
+            && !matches!(
+                kind,
+                Kind::InTheAir
+                    | Kind::Unknown
+                    | Kind::UnknownWord
+                    | Kind::Purge
+            )
     };
     summary.warnings.extend(verdict.sentences_of("line", told));
     summary.verdict = Some(verdict);
@@ -296,6 +302,10 @@ fn write(
     let stages =
         Stages::new(model, settings, &around, gauge, options.backend, spans)?;
     let rater = Rater::new(settings, model, &around)?;
+    // Before hours of work, not after them.
+    for span in &spans[layers.clone()] {
+        rater.temperature(span)?;
+    }
     let header = Header {
         model_name: model.name.clone(),
         layer_count: spans.len(),

@@ -228,6 +228,7 @@ impl Collector {
                 match heater {
                     Heater::Nozzle(_) => statistics.nozzle = Some(to),
                     Heater::Bed => statistics.bed = Some(to),
+                    Heater::Chamber => {}
                 }
             }
             Event::Dwell { time, .. } => self.add_time(time),

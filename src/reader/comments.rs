@@ -4,8 +4,9 @@
 //! of those that PrusaSlicer, OrcaSlicer, BambuStudio or Cura write for
 //! viewers. Anything else is just a comment.
 
+use super::event::Heater;
 use super::role::Role;
-use crate::units::Mm;
+use crate::units::{Celsius, Mm};
 
 /// A comment that means something.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,13 @@ pub(super) enum Tag {
     Wipe(bool),
     /// E is a volume: Cura says so of these flavours, in a comment alone.
     Volumetric,
+    /// The printer homes, heats and cools by itself: Ultimaker's.
+    OwnStart {
+        /// E is a volume, too.
+        volumetric: bool,
+    },
+    /// The printer heats to this before the first line (Griffin's header).
+    Preheat(Heater, Celsius),
 }
 
 /// The tag that `comment` is.
@@ -31,9 +39,9 @@ pub(super) fn tag(comment: &[u8]) -> Option<Tag> {
     match comment.first()? {
         b'T' => after(comment, "TYPE:").map(role),
         b'F' => match comment {
-            b"FLAVOR:UltiGCode" | b"FLAVOR:Marlin(Volumetric)" => {
-                Some(Tag::Volumetric)
-            }
+            b"FLAVOR:Marlin(Volumetric)" => Some(Tag::Volumetric),
+            b"FLAVOR:UltiGCode" => Some(Tag::OwnStart { volumetric: true }),
+            b"FLAVOR:Griffin" => Some(Tag::OwnStart { volumetric: false }),
             _ => after(comment, "FEATURE:").map(role),
         },
         b'L' => match comment {
@@ -51,8 +59,21 @@ pub(super) fn tag(comment: &[u8]) -> Option<Tag> {
             _ => length(comment, "WIDTH:", Tag::Width),
         },
         b'H' => length(comment, "HEIGHT:", Tag::Height),
+        b'E' => after(comment, "EXTRUDER_TRAIN.").and_then(train),
+        b'B' => after(comment, "BUILD_PLATE.INITIAL_TEMPERATURE:")
+            .and_then(positive_or_zero)
+            .map(|to| Tag::Preheat(Heater::Bed, to)),
         _ => None,
     }
+}
+
+/// `0.INITIAL_TEMPERATURE:205`, in Griffin's header.
+fn train(rest: &[u8]) -> Option<Tag> {
+    let at = memchr::memchr(b'.', rest)?;
+    let number = std::str::from_utf8(&rest[..at]).ok()?.parse().ok()?;
+    let to = after(&rest[at + 1..], "INITIAL_TEMPERATURE:")?;
+    let to = positive_or_zero(to)?;
+    Some(Tag::Preheat(Heater::Nozzle(Some(number)), to))
 }
 
 fn role(name: &[u8]) -> Tag {
@@ -106,6 +127,15 @@ mod tests {
             (" LAYER_HEIGHT: 0.28", Tag::Height(0.28)),
             ("WIPE_START", Tag::Wipe(true)),
             (" WIPE_END", Tag::Wipe(false)),
+            ("FLAVOR:Griffin", Tag::OwnStart { volumetric: false }),
+            (
+                "EXTRUDER_TRAIN.1.INITIAL_TEMPERATURE:205",
+                Tag::Preheat(Heater::Nozzle(Some(1)), 205.0),
+            ),
+            (
+                "BUILD_PLATE.INITIAL_TEMPERATURE:60",
+                Tag::Preheat(Heater::Bed, 60.0),
+            ),
         ] {
             assert_eq!(tag(comment.as_bytes()), Some(expected), "{comment}");
         }

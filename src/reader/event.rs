@@ -51,8 +51,17 @@ pub enum Event {
         /// Its speed.
         speed: Percent,
     },
-    /// The printer waits for all temperatures that have been set.
+    /// The printer waits for temperatures.
     WaitForHeat {
+        /// Line, from 1.
+        line: u64,
+        /// What for; nothing for all temperatures that have been set.
+        heater: Option<Heater>,
+        /// The least temperature waited for, if it is said here.
+        least: Option<Celsius>,
+    },
+    /// All heaters are turned off.
+    HeatersOff {
         /// Line, from 1.
         line: u64,
     },
@@ -86,7 +95,11 @@ pub enum Event {
         /// The command's number in tenths: 382 for G38.2.
         tenths: u32,
     },
-    /// Something that is no letter with a number: a macro of the printer's.
+    /// Something that is no letter with a number: a command of Klipper's or
+    /// a macro of the printer's, which
+    /// [`Reader::named`](super::Reader::named) has. Without a name it is a
+    /// header that tells the printer to begin and to end by itself, as
+    /// Ultimaker's do.
     Macro {
         /// Line, from 1.
         line: u64,
@@ -107,6 +120,8 @@ pub enum Heater {
     Nozzle(Option<u32>),
     /// The bed.
     Bed,
+    /// The chamber round the part.
+    Chamber,
 }
 
 /// A straight move, or one of filament alone.

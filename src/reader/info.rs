@@ -23,6 +23,9 @@ pub struct Info {
     pub filament_diameter: Option<Mm>,
     /// Density of the filament, g/cm³.
     pub filament_density: Option<f64>,
+    /// Whether the mark has been met that the program sets behind the last
+    /// layer; nothing if it is not known to set any.
+    pub ended: Option<bool>,
 }
 
 impl Info {
@@ -36,9 +39,15 @@ impl Info {
         if self.generator.is_none()
             && let Some(name) = generator(comment)
         {
+            // Ours has a mark only where layers have: see `layer_mark`.
+            let marks = ["PrusaSlicer", "SuperSlicer", "OrcaSlicer", "Cura"];
+            if marks.iter().any(|m| name.starts_with(m)) {
+                self.ended.get_or_insert(false);
+            }
             self.generator = Some(name);
             return;
         }
+        self.ending(comment);
         let Some(at) = memchr::memchr2(b'=', b':', comment) else {
             return;
         };
@@ -79,6 +88,41 @@ impl Info {
                 self.filament_density = given.or(self.filament_density);
             }
             _ => {}
+        }
+    }
+}
+
+impl Info {
+    /// A layer is marked.
+    pub(super) fn layer_mark(&mut self) {
+        if self.ended.is_none() && self.is_ours() {
+            self.ended = Some(false);
+        }
+    }
+
+    fn is_ours(&self) -> bool {
+        let ours = |name: &String| name.starts_with("isoslice");
+        self.generator.as_ref().is_some_and(ours)
+    }
+
+    /// Is it one of the marks behind the last layer? PrusaSlicer ends with
+    /// its figures and its settings, Orca and Bambu Studio with their block.
+    fn ending(&mut self, comment: &[u8]) {
+        let ends = match comment {
+            b"end of layers" => self.is_ours(),
+            b"EXECUTABLE_BLOCK_START" => {
+                self.ended = Some(false);
+                false
+            }
+            b"EXECUTABLE_BLOCK_END" | b"End of Gcode" => true,
+            _ => {
+                !self.is_ours()
+                    && (comment.starts_with(b"filament used [mm]")
+                        || comment.ends_with(b"slicer_config = end"))
+            }
+        };
+        if ends {
+            self.ended = Some(true);
         }
     }
 }

@@ -69,7 +69,7 @@ impl Layering {
                 self.next();
                 return true;
             }
-            Tag::Layer | Tag::Role(_) | Tag::Wipe(_) | Tag::Volumetric => {}
+            _ => {}
         }
         false
     }

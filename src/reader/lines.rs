@@ -1,8 +1,10 @@
 //! Lines of a file, one at a time, in memory that does not grow.
 //!
-//! In: bytes. Out: lines without their ends, and their numbers. A line that
-//! is longer than the buffer is cut off there and marked; nothing is assumed
-//! about the text, which may be any bytes at all.
+//! In: bytes. Out: lines without their ends, and their numbers. A line feed
+//! ends a line, a carriage return does as well, and both together are one
+//! end: Marlin and RepRapFirmware read files so. A line that is longer than
+//! the buffer is cut off there and marked; nothing is assumed about the text,
+//! which may be any bytes at all.
 
 use std::io::{self, Read};
 
@@ -21,16 +23,32 @@ pub(super) struct Lines<R> {
     number: u64,
     /// The rest of a line that was cut off is still to be skipped.
     skipping: bool,
+    /// A carriage return was met; if a line feed follows, it belongs to it.
+    returned: bool,
     ended: bool,
 }
 
 /// A line.
 #[derive(Debug, PartialEq)]
 pub(super) struct Line<'a> {
-    /// Its bytes, without the line feed and what blanks there are before it.
+    /// Its bytes, without the line's end and what blanks there are before it.
     pub text: &'a [u8],
     /// False if there was more of it than can be read.
     pub whole: bool,
+    /// What ends it.
+    pub end: LineEnd,
+}
+
+/// What ends a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LineEnd {
+    /// A line feed, alone or behind a carriage return; or the line is cut
+    /// off.
+    Feed,
+    /// A carriage return alone.
+    Return,
+    /// The file.
+    File,
 }
 
 impl<R: Read> Lines<R> {
@@ -42,6 +60,7 @@ impl<R: Read> Lines<R> {
             end: 0,
             number: 0,
             skipping: false,
+            returned: false,
             ended: false,
         }
     }
@@ -53,19 +72,43 @@ impl<R: Read> Lines<R> {
 
     /// The next line, or nothing at the end.
     pub fn next(&mut self) -> io::Result<Option<Line<'_>>> {
-        // Bytes from `start` that are known to hold no line feed.
+        // Bytes from `start` that are known to hold no line's end.
         let mut searched = 0;
         loop {
             let fresh = &self.buffer[self.start + searched..self.end];
-            if let Some(i) = memchr::memchr(b'\n', fresh) {
+            if self.returned && !fresh.is_empty() {
+                self.returned = false;
+                if fresh[0] == b'\n' {
+                    self.start += 1;
+                    continue;
+                }
+            }
+            if let Some(i) = memchr::memchr2(b'\n', b'\r', fresh) {
+                // Whether a line feed follows has to be known.
+                let alone = fresh[i] == b'\r'
+                    && match fresh.get(i + 1) {
+                        Some(&next) => next != b'\n',
+                        None => false,
+                    };
+                let unsure = fresh[i] == b'\r' && i + 1 == fresh.len();
+                if unsure && !self.ended && searched + i + 1 < LONGEST {
+                    searched += i;
+                    self.fill()?;
+                    continue;
+                }
                 let from = self.start;
                 let to = from + searched + i;
+                self.returned = fresh[i] == b'\r';
                 self.start = to + 1;
                 if std::mem::take(&mut self.skipping) {
                     searched = 0;
                     continue;
                 }
-                return Ok(Some(self.line(from, to, true)));
+                let end = match alone || unsure {
+                    true => LineEnd::Return,
+                    false => LineEnd::Feed,
+                };
+                return Ok(Some(self.line(from, to, true, end)));
             }
             if self.skipping {
                 self.start = self.end;
@@ -77,13 +120,13 @@ impl<R: Read> Lines<R> {
                 }
                 let (from, to) = (self.start, self.end);
                 self.start = self.end;
-                return Ok(Some(self.line(from, to, true)));
+                return Ok(Some(self.line(from, to, true, LineEnd::File)));
             }
             if searched == self.buffer.len() {
                 self.skipping = true;
                 let (from, to) = (self.start, self.end);
                 self.start = self.end;
-                return Ok(Some(self.line(from, to, false)));
+                return Ok(Some(self.line(from, to, false, LineEnd::Feed)));
             }
             self.fill()?;
         }
@@ -107,10 +150,16 @@ impl<R: Read> Lines<R> {
         Ok(())
     }
 
-    fn line(&mut self, from: usize, to: usize, whole: bool) -> Line<'_> {
+    fn line(
+        &mut self,
+        from: usize,
+        to: usize,
+        whole: bool,
+        end: LineEnd,
+    ) -> Line<'_> {
         self.number += 1;
         let text = self.buffer[from..to].trim_ascii_end();
-        Line { text, whole }
+        Line { text, whole, end }
     }
 }
 
@@ -149,6 +198,34 @@ mod tests {
         assert_eq!(all(&text[..]), expected);
         assert_eq!(all(Dripping(text)), expected);
         assert_eq!(all(&b""[..]), []);
+    }
+
+    #[test]
+    fn a_carriage_return_ends_a_line() {
+        for (text, expected) in [
+            ("a\rb\r", &["a", "b"][..]),
+            ("a\rb", &["a", "b"]),
+            ("a\r\rb\n", &["a", "", "b"]),
+            ("a\r\nb\r\n\r\n", &["a", "b", ""]),
+            ("a\n\rb", &["a", "", "b"]),
+            ("\r", &[""]),
+        ] {
+            for found in [all(text.as_bytes()), all(Dripping(text.as_bytes()))]
+            {
+                let texts: Vec<&str> =
+                    found.iter().map(|l| l.1.as_str()).collect();
+                assert_eq!(texts, expected, "{text:?}");
+                let last = found.last().map(|l| l.0);
+                assert_eq!(last, Some(expected.len() as u64), "{text:?}");
+            }
+        }
+        // What ends them is told apart.
+        let mut lines = Lines::new(Dripping(b"a\rb\r\nc\nd"));
+        for end in
+            [LineEnd::Return, LineEnd::Feed, LineEnd::Feed, LineEnd::File]
+        {
+            assert_eq!(lines.next().unwrap().unwrap().end, end);
+        }
     }
 
     #[test]

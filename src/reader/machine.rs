@@ -5,6 +5,7 @@
 //! it. Other firmware differs, and slicers write files that do not depend on
 //! it.
 
+use super::named::Named;
 use super::words::Words;
 use crate::units::{
     Celsius, Mm, Mm2, MmPerSec, MmPerSec2, Percent, filament_area,
@@ -59,6 +60,20 @@ pub(super) struct Machine {
     e_mode_relative: bool,
     /// E is mm³, of filament with this cross-section (M200).
     volumetric: Option<Mm2>,
+    /// Share of F that moves are made at (M220), and the one saved (M220 B).
+    speed_factor: [f64; 2],
+    /// Share of E that each tool feeds (M221).
+    flow_factors: [f64; FLOWS],
+    /// What Klipper's SET_GCODE_OFFSET adds to every place.
+    gcode_offset: DVec3,
+}
+
+/// Tools with a share of E of their own; those beyond count as the last.
+const FLOWS: usize = 8;
+
+/// A tool's place in a table.
+fn flow_of(tool: u32) -> usize {
+    (tool as usize).min(FLOWS - 1)
 }
 
 /// What a move is to do.
@@ -91,6 +106,9 @@ impl Machine {
             e: 0.0,
             e_mode_relative: false,
             volumetric: None,
+            speed_factor: [1.0; 2],
+            flow_factors: [1.0; FLOWS],
+            gcode_offset: DVec3::ZERO,
         }
     }
 
@@ -130,20 +148,35 @@ impl Machine {
     /// Takes in a move's feed rate, and says where it leads. Nothing, if that
     /// is out of any reach; then nothing has changed but the speed.
     pub fn aim(&mut self, words: &Words) -> Option<Target> {
+        let (relative, offset) = (self.state.relative, self.offset);
+        self.aim_from(words, relative, offset)
+    }
+
+    /// The same of a line that counts from the machine's own zero (G53).
+    pub fn aim_from_zero(&mut self, words: &Words) -> Option<Target> {
+        self.aim_from(words, false, DVec3::ZERO)
+    }
+
+    fn aim_from(
+        &mut self,
+        words: &Words,
+        relative: bool,
+        offset: DVec3,
+    ) -> Option<Target> {
         if let Some(rate) = self.length(words, b'F') {
             self.state.speed = rate.max(0.0) / 60.0;
         }
         let at = self.state.position;
         let axis = |letter, at: Mm, offset: Mm| match self.length(words, letter)
         {
-            Some(by) if self.state.relative => at + by,
+            Some(by) if relative => at + by,
             Some(to) => to + offset,
             None => at,
         };
         let to = DVec3::new(
-            axis(b'X', at.x, self.offset.x),
-            axis(b'Y', at.y, self.offset.y),
-            axis(b'Z', at.z, self.offset.z),
+            axis(b'X', at.x, offset.x),
+            axis(b'Y', at.y, offset.y),
+            axis(b'Z', at.z, offset.z),
         );
         if to.abs().max_element() > REACH {
             return None;
@@ -154,7 +187,56 @@ impl Machine {
             None => 0.0,
         };
         self.e += filament;
+        let filament = filament * self.flow_factors[flow_of(self.state.tool)];
         Some(Target { to, filament })
+    }
+
+    /// Speed of a move made now.
+    pub fn speed(&self) -> MmPerSec {
+        self.state.speed * self.speed_factor[0]
+    }
+
+    /// M220: percent of every speed. Marlin and Prusa save it with B and set
+    /// it back with R.
+    pub fn set_speed_factor(&mut self, words: &Words) {
+        if words.has(b'B') {
+            self.speed_factor[1] = self.speed_factor[0];
+        }
+        if words.has(b'R') {
+            self.speed_factor[0] = self.speed_factor[1];
+        }
+        if let Some(percent) = words.get(b'S').filter(|s| *s > 0.0) {
+            self.speed_factor[0] = 0.01 * percent;
+        }
+    }
+
+    /// M221: percent of all filament of a tool: Marlin's T, RepRapFirmware's
+    /// D, or the one in use.
+    pub fn set_flow_factor(&mut self, words: &Words) {
+        let tool = words.get(b'T').or_else(|| words.get(b'D'));
+        let tool = tool.map_or(self.state.tool, |tool| tool as u32);
+        if let Some(percent) = words.get(b'S').filter(|s| *s >= 0.0) {
+            self.flow_factors[flow_of(tool)] = 0.01 * percent;
+        }
+    }
+
+    /// Klipper's SET_GCODE_OFFSET: what it adds to places from now on. The
+    /// head moves by it at once if MOVE=1 says so: then this is where to.
+    pub fn set_gcode_offset(&mut self, named: &Named) -> Option<DVec3> {
+        let mut by = DVec3::ZERO;
+        for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
+            let adjust = named.number(&format!("{axis}_ADJUST"));
+            let to = named
+                .number(axis)
+                .or(adjust.map(|a| self.gcode_offset[i] + a));
+            let to = to.unwrap_or(self.gcode_offset[i]).clamp(-REACH, REACH);
+            by[i] = to - self.gcode_offset[i];
+            self.gcode_offset[i] = to;
+        }
+        self.offset += by;
+        let to = self.state.position + by;
+        let moves = named.number("MOVE").is_some_and(|m| m != 0.0);
+        (moves && to.abs().max_element() <= REACH).then_some(to)
     }
 
     /// G92: the head is here from now on; at zero, if nothing is said.
@@ -181,15 +263,11 @@ impl Machine {
     /// G28: the axes named, or all, go to zero.
     pub fn home(&mut self, words: &Words) {
         let all = ![b'X', b'Y', b'Z'].iter().any(|l| words.has(*l));
-        let State { position, .. } = &mut self.state;
-        if all || words.has(b'X') {
-            (position.x, self.offset.x) = (0.0, 0.0);
-        }
-        if all || words.has(b'Y') {
-            (position.y, self.offset.y) = (0.0, 0.0);
-        }
-        if all || words.has(b'Z') {
-            (position.z, self.offset.z) = (0.0, 0.0);
+        for (i, letter) in b"XYZ".iter().enumerate() {
+            if all || words.has(*letter) {
+                self.state.position[i] = 0.0;
+                self.offset[i] = self.gcode_offset[i];
+            }
         }
     }
 
@@ -203,25 +281,14 @@ impl Machine {
     }
 
     /// Klipper's SET_VELOCITY_LIMIT.
-    pub fn set_velocity_limit(&mut self, line: &[u8]) {
-        for word in line.split(|b| b.is_ascii_whitespace()) {
-            let Some(at) = memchr::memchr(b'=', word) else {
-                continue;
-            };
-            let number = std::str::from_utf8(&word[at + 1..])
-                .ok()
-                .and_then(|text| text.parse::<f64>().ok())
-                .filter(|n| *n > 0.0 && *n < 1e9);
-            if number.is_none() {
-                continue;
-            }
-            let key = &word[..at];
-            if key.eq_ignore_ascii_case(b"ACCEL") {
-                self.state.acceleration = number;
-                self.state.travel_acceleration = number;
-            } else if key.eq_ignore_ascii_case(b"SQUARE_CORNER_VELOCITY") {
-                self.state.square_corner_velocity = number;
-            }
+    pub fn set_velocity_limit(&mut self, named: &Named) {
+        let number = |key| named.number(key).filter(|n| *n > 0.0);
+        if let Some(limit) = number("ACCEL") {
+            self.state.acceleration = Some(limit);
+            self.state.travel_acceleration = Some(limit);
+        }
+        if let Some(speed) = number("SQUARE_CORNER_VELOCITY") {
+            self.state.square_corner_velocity = Some(speed);
         }
     }
 

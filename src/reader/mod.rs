@@ -5,9 +5,12 @@
 //! temperatures, fans, tools; and what cannot be made sense of.
 //!
 //! Understood: G0 to G3 (arcs in the plane become straight moves), G4, G10,
-//! G11, G17 to G21, G28, G90 to G92, M82, M83, M104, M106, M107, M109, M116,
-//! M140, M190, M200, M204, M568, T, Klipper's SET_VELOCITY_LIMIT, and the comments of PrusaSlicer, OrcaSlicer,
-//! BambuStudio and Cura. Every other command is an event, too.
+//! G11, G17 to G21, G28, G53, G90 to G92, M82, M83, M104, M106, M107, M109,
+//! M116, M140, M141, M190, M191, M200, M204, M220, M221, M568, T, Klipper's
+//! SET_VELOCITY_LIMIT, SET_HEATER_TEMPERATURE, TEMPERATURE_WAIT,
+//! TURN_OFF_HEATERS, SET_GCODE_OFFSET and ACTIVATE_EXTRUDER, and the comments
+//! of PrusaSlicer, OrcaSlicer, BambuStudio and Cura. Every other command is
+//! an event, too.
 //!
 //! Guarantees:
 //! - any bytes can be read: a line that makes no sense is passed over, said
@@ -17,8 +20,8 @@
 //! - what is read depends on the bytes alone.
 //!
 //! Not guaranteed: that a firmware would do the same. Homing leads to zero,
-//! templates that are macros of the printer's do nothing, and a role or width
-//! is what comments say it is.
+//! macros of the printer's do nothing, and a role or width is what comments
+//! say it is.
 //!
 //! ```
 //! use isoslice::reader::{Event, Reader, Role};
@@ -42,6 +45,7 @@
 //! | `event` | what lines do |
 //! | `lines` | lines, in memory that does not grow |
 //! | `words` | letters and numbers |
+//! | `named` | commands that are names |
 //! | `machine` | modes and places |
 //! | `arc` | arcs as straight moves |
 //! | `comments`, `role`, `info` | what slicers say in comments |
@@ -56,6 +60,7 @@ mod info;
 mod layering;
 mod lines;
 mod machine;
+mod named;
 mod parser;
 mod problem;
 mod role;
@@ -64,6 +69,7 @@ mod words;
 pub use event::{Event, Heater, Move};
 pub use info::Info;
 pub use machine::State;
+pub use named::{Named, number};
 pub use problem::{Problem, Problems};
 pub use role::Role;
 pub use words::Words;
@@ -71,6 +77,7 @@ pub use words::Words;
 use crate::units::Mm;
 use lines::Lines;
 use parser::Parser;
+pub use parser::Tally;
 use std::io::{self, Read};
 
 /// Diameter of the filament, unless the file or the caller says another.
@@ -132,6 +139,11 @@ impl<R: Read> Reader<R> {
         &self.parser.words
     }
 
+    /// The command of the last [`Event::Macro`], until the next event.
+    pub fn named(&self) -> &Named {
+        &self.parser.named
+    }
+
     /// What the file has said about itself so far. Slicers write much of it
     /// at the end.
     pub fn info(&self) -> &Info {
@@ -141,6 +153,16 @@ impl<R: Read> Reader<R> {
     /// What has been passed over so far.
     pub fn problems(&self) -> &Problems {
         &self.parser.problems
+    }
+
+    /// How many lines are commands, and how many are none.
+    pub fn tally(&self) -> Tally {
+        self.parser.tally
+    }
+
+    /// True if the last line read has no end.
+    pub fn is_unfinished(&self) -> bool {
+        self.parser.unfinished
     }
 
     /// Lines read so far.

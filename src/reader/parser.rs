@@ -6,8 +6,9 @@ use super::comments::{Tag, tag};
 use super::event::{Event, Heater, Move};
 use super::info::Info;
 use super::layering::Layering;
-use super::lines::Line;
+use super::lines::{Line, LineEnd};
 use super::machine::{Machine, Target};
+use super::named::Named;
 use super::problem::{Problem, Problems};
 use super::role::Role;
 use super::words::{Command, Words, parse};
@@ -20,6 +21,9 @@ use std::collections::VecDeque;
 pub(super) struct Parser {
     line: u64,
     pub words: Words,
+    pub named: Named,
+    pub tally: Tally,
+    pub unfinished: bool,
     pub machine: Machine,
     layering: Layering,
     role: Role,
@@ -35,12 +39,27 @@ pub(super) struct Parser {
     arc: Option<(Arc, Mm)>,
 }
 
+/// How many lines are commands, and how many are none. Lines that are blank
+/// or a comment are neither.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// A letter with a number, as in G1.
+    pub codes: u64,
+    /// A name, which may be a macro's.
+    pub names: u64,
+    /// Neither.
+    pub senseless: u64,
+}
+
 impl Parser {
     /// Before the first line.
     pub(super) fn new() -> Self {
         Self {
             line: 0,
             words: Words::default(),
+            named: Named::default(),
+            tally: Tally::default(),
+            unfinished: false,
             machine: Machine::new(),
             layering: Layering::new(),
             role: Role::Unknown,
@@ -72,16 +91,20 @@ impl Parser {
     /// Takes the line of that number.
     pub(super) fn take(&mut self, number: u64, line: &Line<'_>) {
         self.line = number;
-        let parsed = parse(line.text, &mut self.words);
+        self.unfinished = line.end == LineEnd::File;
+        if line.end == LineEnd::Return {
+            self.problem(Problem::CarriageReturn);
+        }
+        let text = match number {
+            1 => without_mark(line.text),
+            _ => line.text,
+        };
+        let parsed = parse(text, &mut self.words);
         match parsed.command {
             Command::Blank => {}
-            Command::Text => {
-                if line.text.starts_with(b"SET_VELOCITY_LIMIT") {
-                    self.machine.set_velocity_limit(line.text);
-                }
-                self.pending.push_back(Event::Macro { line: self.line });
-            }
+            Command::Text => self.name(text),
             Command::Code(letter, tenths) => {
+                self.tally.codes += 1;
                 if !line.whole {
                     self.problem(Problem::LongLine);
                 }
@@ -89,8 +112,63 @@ impl Parser {
             }
         }
         if let (Command::Blank, Some(at)) = (parsed.command, parsed.comment) {
-            self.comment(&line.text[at..]);
+            self.comment(&text[at..]);
         }
+    }
+
+    /// A line that is no letter with a number.
+    fn name(&mut self, text: &[u8]) {
+        if !self.named.take(text) {
+            self.tally.senseless += 1;
+            self.problem(Problem::NoCommand);
+            return;
+        }
+        self.tally.names += 1;
+        let line = self.line;
+        let named = &self.named;
+        let event = if named.is("SET_VELOCITY_LIMIT") {
+            self.machine.set_velocity_limit(named);
+            Event::Macro { line }
+        } else if named.is("SET_GCODE_OFFSET") {
+            if let Some(to) = self.machine.set_gcode_offset(named) {
+                let filament = 0.0;
+                self.step(Target { to, filament });
+            }
+            Event::Macro { line }
+        } else if named.is("TURN_OFF_HEATERS") {
+            self.machine.state.nozzle = Some(0.0);
+            self.machine.state.bed = Some(0.0);
+            Event::HeatersOff { line }
+        } else if named.is("SET_HEATER_TEMPERATURE") {
+            // Without a target it is off.
+            let to = named.number("TARGET").unwrap_or(0.0);
+            match named.get("HEATER").and_then(heater) {
+                Some(heater) => self.heat(heater, to, false),
+                None => Event::Macro { line },
+            }
+        } else if named.is("TEMPERATURE_WAIT") {
+            match named.get("SENSOR").and_then(heater) {
+                Some(heater) => Event::WaitForHeat {
+                    line,
+                    heater: Some(heater),
+                    // Up to a greatest one is cooling.
+                    least: Some(named.number("MINIMUM").unwrap_or(0.0)),
+                },
+                None => Event::Macro { line },
+            }
+        } else if named.is("ACTIVATE_EXTRUDER") {
+            let heater = named.get("EXTRUDER").and_then(heater);
+            match heater {
+                Some(Heater::Nozzle(Some(tool))) => {
+                    self.machine.state.tool = tool;
+                    Event::Tool { line, tool }
+                }
+                _ => Event::Macro { line },
+            }
+        } else {
+            Event::Macro { line }
+        };
+        self.pending.push_back(event);
     }
 
     fn comment(&mut self, comment: &[u8]) {
@@ -101,7 +179,22 @@ impl Parser {
                 let diameter = self.diameter();
                 self.machine.set_volumetric(diameter);
             }
+            Some(Tag::OwnStart { volumetric }) => {
+                if volumetric {
+                    let diameter = self.diameter();
+                    self.machine.set_volumetric(diameter);
+                }
+                self.named.clear();
+                self.pending.push_back(Event::Macro { line: self.line });
+            }
+            Some(Tag::Preheat(heater, to)) => {
+                let event = self.heat(heater, to, true);
+                self.pending.push_back(event);
+            }
             Some(tag) => {
+                if tag == Tag::Layer {
+                    self.info.layer_mark();
+                }
                 if self.layering.tag(tag) {
                     self.begin_layer();
                 }
@@ -127,11 +220,11 @@ impl Parser {
         let line = self.line;
         let event = match (letter, tenths) {
             (b'G', 0 | 10) => {
-                self.check(b"XYZEF", stray);
+                self.check_move(b"XYZEF", stray);
                 return self.go();
             }
             (b'G', 20 | 30) => {
-                self.check(b"XYZEFIJR", stray);
+                self.check_move(b"XYZEFIJR", stray);
                 return self.arc(tenths == 20);
             }
             (b'G', 40) => {
@@ -143,7 +236,11 @@ impl Parser {
             // RepRapFirmware sets a tool's temperatures and offsets with it.
             (b'G', 100) if self.sets_a_tool() => self.tool_heating(tenths),
             (b'M', 5680) => self.tool_heating(tenths),
-            (b'M', 1160) => Event::WaitForHeat { line },
+            (b'M', 1160) => Event::WaitForHeat {
+                line,
+                heater: None,
+                least: None,
+            },
             (b'G', 170..=190) if tenths.is_multiple_of(10) => {
                 self.flat_arcs = tenths == 170;
                 other(line, letter, tenths)
@@ -159,6 +256,28 @@ impl Parser {
                 let back = tenths == 100;
                 self.machine.state.firmware_retracted = back;
                 Event::FirmwareRetract { line, back }
+            }
+            (b'G', 50 | 51) => {
+                self.problem(Problem::Curve);
+                return self.go();
+            }
+            // The machine's own zero, for this line alone; the move may be
+            // told by a G1 behind it.
+            (b'G', 530) => {
+                self.check(b"XYZEF", stray);
+                if b"XYZE".iter().any(|l| self.words.has(*l)) {
+                    let target = self.machine.aim_from_zero(&self.words);
+                    return self.go_to(target);
+                }
+                other(line, letter, tenths)
+            }
+            (b'M', 2200) => {
+                self.machine.set_speed_factor(&self.words);
+                other(line, letter, tenths)
+            }
+            (b'M', 2210) => {
+                self.machine.set_flow_factor(&self.words);
+                other(line, letter, tenths)
             }
             (b'G', 200 | 210) => {
                 self.machine.set_inches(tenths == 200);
@@ -181,7 +300,10 @@ impl Parser {
                 self.machine.set_relative_e(tenths == 830);
                 other(line, letter, tenths)
             }
-            (b'M', 1040 | 1090 | 1400 | 1900) => self.heating(tenths),
+            (b'M', 1040 | 1041 | 1090 | 1400 | 1410 | 1900 | 1910) => {
+                self.check(b"SR", false);
+                self.heating(tenths)
+            }
             (b'M', 1060 | 1070) => {
                 let fan = self.words.get(b'P').unwrap_or(0.0) as u32;
                 let speed = match tenths {
@@ -217,13 +339,23 @@ impl Parser {
         }
     }
 
+    /// What is wrong with a move. Firmware that takes one command of a line
+    /// passes over what another may mean.
+    fn check_move(&mut self, letters: &[u8], stray: bool) {
+        self.check(letters, stray);
+        if self.words.has(b'G') || self.words.has(b'M') {
+            self.problem(Problem::TwoCommands);
+        }
+    }
+
     fn heating(&mut self, tenths: u32) -> Event {
-        let (heater, wait) = match tenths {
-            1040 | 1090 => {
-                let tool = self.words.get(b'T').map(|t| t as u32);
-                (Heater::Nozzle(tool), tenths == 1090)
+        let wait = matches!(tenths, 1090 | 1900 | 1910);
+        let heater = match tenths {
+            1040 | 1041 | 1090 => {
+                Heater::Nozzle(self.words.get(b'T').map(|t| t as u32))
             }
-            _ => (Heater::Bed, tenths == 1900),
+            1410 | 1910 => Heater::Chamber,
+            _ => Heater::Bed,
         };
         // R waits for cooling, too.
         let to = self.words.get(b'S').or_else(|| self.words.get(b'R'));
@@ -255,6 +387,7 @@ impl Parser {
     fn heat(&mut self, heater: Heater, to: Celsius, wait: bool) -> Event {
         let state = &mut self.machine.state;
         match heater {
+            Heater::Chamber => {}
             Heater::Bed => state.bed = Some(to),
             Heater::Nozzle(tool) => {
                 if tool.is_none_or(|t| t == state.tool) {
@@ -278,7 +411,12 @@ impl Parser {
     }
 
     fn go(&mut self) {
-        match self.machine.aim(&self.words) {
+        let target = self.machine.aim(&self.words);
+        self.go_to(target);
+    }
+
+    fn go_to(&mut self, target: Option<Target>) {
+        match target {
             Some(target) => self.step(target),
             None => self.problem(Problem::OutOfReach),
         }
@@ -327,7 +465,7 @@ impl Parser {
             from,
             to,
             filament,
-            speed: self.machine.state.speed,
+            speed: self.machine.speed(),
             role: self.role,
             layer: self.layering.number,
             width: 0.0,
@@ -347,6 +485,32 @@ impl Parser {
         self.machine.state.position = to;
         self.pending.push_back(Event::Move(step));
     }
+}
+
+/// A line without the byte-order mark that some editors begin a file with,
+/// if nothing but a comment follows: before a command firmware stumbles over
+/// it.
+fn without_mark(line: &[u8]) -> &[u8] {
+    match line.strip_prefix("\u{feff}".as_bytes()) {
+        Some(rest) if rest.first().is_none_or(|b| *b == b';') => rest,
+        _ => line,
+    }
+}
+
+/// The heater that Klipper calls so: `extruder`, `extruder1`, `heater_bed`,
+/// `heater_generic chamber`.
+fn heater(name: &[u8]) -> Option<Heater> {
+    let name = name.trim_ascii().to_ascii_lowercase();
+    if let Some(number) = name.strip_prefix(b"extruder") {
+        let number = std::str::from_utf8(number).ok()?;
+        let tool = if number.is_empty() { "0" } else { number };
+        return Some(Heater::Nozzle(Some(tool.parse().ok()?)));
+    }
+    if name == b"heater_bed" {
+        return Some(Heater::Bed);
+    }
+    let chamber = memchr::memmem::find(&name, b"chamber").is_some();
+    chamber.then_some(Heater::Chamber)
 }
 
 /// A command that means nothing to us.

@@ -19,6 +19,14 @@ pub enum Problem {
     Stray,
     /// A line too long to be a command; its end is passed over.
     LongLine,
+    /// A curve (G5); it is taken as a straight move.
+    Curve,
+    /// Two commands in one line, of which most firmware takes the first.
+    TwoCommands,
+    /// A line that is neither a command nor a name.
+    NoCommand,
+    /// A carriage return ends the line: not for every firmware.
+    CarriageReturn,
 }
 
 impl fmt::Display for Problem {
@@ -36,6 +44,14 @@ impl fmt::Display for Problem {
             }
             Problem::Stray => write!(f, "signs that are no command"),
             Problem::LongLine => write!(f, "a line too long to be a command"),
+            Problem::Curve => write!(f, "a curve, which is not followed"),
+            Problem::TwoCommands => write!(f, "two commands in one line"),
+            Problem::NoCommand => write!(f, "a line that is no command"),
+            Problem::CarriageReturn => write!(
+                f,
+                "a carriage return without a line feed: Marlin and \
+                 RepRapFirmware begin a line there, Klipper does not"
+            ),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What several settings amount to together.
 
 use super::{Acceleration, Settings, check};
-use crate::units::{Mm, MmPerSec, MmPerSec2};
+use crate::units::{Celsius, Mm, MmPerSec, MmPerSec2};
 
 impl Settings {
     /// Solid layers below an upward face: `top_layers` if set, else what
@@ -9,6 +9,15 @@ impl Settings {
     pub fn top_layers(&self) -> u32 {
         self.top_layers
             .unwrap_or_else(|| layers_in(self.top_thickness, self.layer_height))
+    }
+
+    /// Least temperature of the nozzle at which plastic is pushed:
+    /// `filament.min_nozzle_temperature` if set, else what Marlin
+    /// (`EXTRUDE_MINTEMP`) and Klipper (`min_extrude_temp`) refuse to push
+    /// filament below.
+    pub fn min_nozzle_temperature(&self) -> Celsius {
+        const USUAL: Celsius = 170.0;
+        self.filament.min_nozzle_temperature.unwrap_or(USUAL)
     }
 
     /// Width of the lines of skin that faces upwards.

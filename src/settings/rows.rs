@@ -376,6 +376,9 @@ table::settings! {
         /// it may depend on z only, and holds for whole layers.
         nozzle_temperature: Varying<Celsius> = Varying::Constant(210.0),
             in 1.0..=600.0;
+        /// Least temperature of the nozzle at which plastic is pushed; auto
+        /// is 170, below which most firmware refuses to.
+        min_nozzle_temperature: Option<Celsius> = None, in 0.0..=600.0;
         /// Temperature of the nozzle on the first layer.
         first_layer_nozzle_temperature: Celsius = 215.0, in 1.0..=600.0;
         /// Temperature of the bed above the first layer; 0 for no heating.
@@ -402,6 +405,9 @@ table::settings! {
         /// Greatest temperature that the bed reaches; settings beyond it are
         /// warned of. auto if it is not known.
         max_bed_temperature: Option<Celsius> = None, in 1.0..=250.0;
+        /// Greatest temperature that a heated chamber reaches, for the check
+        /// of start templates and of files. auto if it is not known.
+        max_chamber_temperature: Option<Celsius> = None, in 1.0..=250.0;
         /// Acceleration of printing moves, where the group acceleration has
         /// no other.
         acceleration: MmPerSec2 = 1000.0, in 1.0..=100_000.0;

@@ -4,8 +4,9 @@
 //! setting as a [`Quantity`], whose value is asked for at many points at a
 //! time.
 //!
-//! Values outside the setting's range are taken to its nearest end; a value
-//! that is not a number is an error that tells the place.
+//! Values outside the setting's range are taken to its nearest end, but for
+//! temperatures, where such a value is an error; so is one that is not a
+//! number. Both errors tell the place.
 
 pub mod depth;
 
@@ -58,6 +59,25 @@ pub enum VaryError {
         at: DVec3,
         /// Distance to the surface there.
         depth: Mm,
+    },
+    /// It is more or less than it may be somewhere.
+    #[error(
+        "{key} = \"expr: {text}\" is {value:.3} at z = {z:.3}, but may be {} \
+         to {} there: change the expression, for instance with min() and \
+         max() around it",
+        .range.min, .range.max
+    )]
+    OutOfRange {
+        /// The setting.
+        key: &'static str,
+        /// Its text.
+        text: String,
+        /// Its value.
+        value: f64,
+        /// Where.
+        z: Mm,
+        /// What it may be.
+        range: Range,
     },
     /// The part cannot be measured.
     #[error("the distance to the surface, d, cannot be measured: {0}")]
@@ -179,6 +199,45 @@ impl Quantity {
             }
         }
         Ok(())
+    }
+
+    /// The value at a height, if it is the same in a whole layer; outside of
+    /// `range` and its own range it has none.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn at_height(&self, z: Mm, range: Range) -> Result<f64, VaryError> {
+        let (text, expression) = match &self.value {
+            Value::Constant(value) => return Ok(*value),
+            Value::Varying { text, expression } => (text, expression),
+        };
+        let own = self.range.unwrap_or(range);
+        let range = Range {
+            min: range.min.max(own.min),
+            max: range.max.min(own.max),
+            ..own
+        };
+        let place = Place {
+            at: DVec2::ZERO.extend(z),
+            depth: 0.0,
+        };
+        let mut value = Vec::with_capacity(1);
+        expression.evaluate(&[place], &mut value);
+        let value = value[0];
+        if value.is_nan() {
+            // Says so.
+            return self.at(place);
+        }
+        if value < range.min || value > range.max {
+            return Err(VaryError::OutOfRange {
+                key: self.key,
+                text: text.clone(),
+                value,
+                z,
+                range,
+            });
+        }
+        Ok(value)
     }
 
     /// The value at one place.

@@ -7,11 +7,12 @@
 //!
 //! Guarantees: a name nobody knows is an error that says where, also in a
 //! branch that is not taken, and so is a placeholder in another slicer's
-//! brackets; nothing is left out silently. All templates are tried before the
+//! brackets, and a control character; nothing is left out silently. All templates are tried before the
 //! first line is written. Numbers are written as firmware reads them. A
 //! template can neither read files nor run for ever, nor take much memory
 //! (see [`bounded`](super::bounded)).
 
+mod control;
 mod engine;
 mod error;
 mod pieces;
@@ -25,6 +26,7 @@ use super::bounded::bounded;
 use super::placeholders::{self, Known, Moment, Scope};
 use super::{Totals, flavour};
 use crate::settings::Settings;
+use control::control;
 use engine::engine;
 use error::{error, failure, unknown_name};
 use minijinja::{Environment, Value};
@@ -139,6 +141,9 @@ impl<'a> Templates<'a> {
         source: &'a str,
         scope: Scope,
     ) -> Result<(), TemplateError> {
+        if let Some((at, message)) = control(source) {
+            return Err(error(name, source, at, message));
+        }
         let failed = |e| failure(name, source, &e);
         Arc::make_mut(&mut self.engine)
             .add_template_owned(name, source.to_owned())
@@ -202,6 +207,12 @@ impl<'a> Templates<'a> {
                 "it comes to more than {} MB of text; make it shorter",
                 LONGEST >> 20
             )));
+        }
+        // What an expression comes to may have one as well.
+        if let Some((at, message)) = control(&rendered) {
+            let line = rendered[..at].matches('\n').count() + 1;
+            let message = format!("line {line} of what it comes to: {message}");
+            return Err(error(name, source, 0, message));
         }
         let mut out = String::with_capacity(rendered.len() + 1);
         for line in rendered.lines() {

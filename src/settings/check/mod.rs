@@ -57,17 +57,16 @@ pub(super) fn conflicts(
 
 /// Heaters that are too cold to print, or hotter than the machine bears.
 fn temperatures(s: &Settings, warnings: &mut Vec<String>) {
-    // Marlin and Klipper alike refuse to extrude below it, unless told.
-    const COLD: f64 = 170.0;
     let filament = &s.filament;
+    let least = s.min_nozzle_temperature();
     let first = filament.first_layer_nozzle_temperature;
     let above = filament.nozzle_temperature.constant().unwrap_or(first);
-    if above < COLD || first < COLD {
+    if above < least || first < least {
         warnings.push(format!(
             "a nozzle at {first} °C (filament.first_layer_nozzle_temperature) \
              or {above} °C (filament.nozzle_temperature) melts hardly any \
-             plastic, and most firmware refuses to extrude below {COLD} °C; \
-             PLA takes about 210 °C",
+             plastic, and most firmware refuses to extrude below {least} °C \
+             (filament.min_nozzle_temperature); PLA takes about 210 °C",
         ));
     }
     for (limit_key, limit, heaters) in [

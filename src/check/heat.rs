@@ -1,0 +1,277 @@
+//! How hot heaters are, and how hot they may be.
+//!
+//! In: what commands ask of heaters. Out: whether a nozzle can push filament,
+//! and whether a temperature is more than the printer bears.
+//!
+//! A nozzle is as hot as the last command that waited for it says, or colder,
+//! if it has been told to cool down since. A macro of the printer's may have
+//! done anything; then nobody knows.
+
+use super::{TOOLS, bit};
+use crate::reader::{Heater, Named, number};
+use crate::units::Celsius;
+
+/// Parameters of macros below this are numbers of something else: a tool, a
+/// layer, yes or no.
+const WARM: Celsius = 20.0;
+
+/// How hot a heater may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeatLimit {
+    /// Hotter is a warning.
+    pub usual: Celsius,
+    /// Hotter is a fault.
+    pub most: Celsius,
+    /// The setting that says so; it may be unset.
+    pub setting: &'static str,
+}
+
+impl HeatLimit {
+    /// What the setting says; if it says nothing, what is usual, and what
+    /// hardly any printer bears.
+    pub(super) fn new(
+        setting: &'static str,
+        said: Option<Celsius>,
+        usual: Celsius,
+        most: Celsius,
+    ) -> Self {
+        HeatLimit {
+            usual: said.unwrap_or(usual),
+            most: said.unwrap_or(most),
+            setting,
+        }
+    }
+}
+
+/// Can a nozzle push filament?
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Readiness {
+    Hot,
+    /// Only the printer's macros know.
+    Unknown,
+    /// No command has heated it.
+    Never,
+    /// It is told to have this temperature.
+    Told(Celsius),
+    /// It is being heated, and no command has waited.
+    NotAwaited,
+}
+
+/// What is known of the heaters.
+#[derive(Debug)]
+pub(super) struct Heat {
+    /// Least temperature for pushing filament.
+    least: Celsius,
+    /// What each tool was told last.
+    targets: [Option<Celsius>; TOOLS as usize],
+    /// What each tool has reached at least.
+    reached: [Celsius; TOOLS as usize],
+    /// A bit for each tool that a macro may have heated.
+    unknown: u64,
+    /// What a macro was told of the nozzle.
+    macro_told: Option<Celsius>,
+    pub bed: Celsius,
+    pub chamber: Celsius,
+}
+
+impl Heat {
+    pub fn new(least: Celsius) -> Self {
+        Heat {
+            least,
+            targets: [None; TOOLS as usize],
+            reached: [0.0; TOOLS as usize],
+            unknown: 0,
+            macro_told: None,
+            bed: 0.0,
+            chamber: 0.0,
+        }
+    }
+
+    /// A heater is told a temperature; `tool` is the one in use.
+    pub fn set(&mut self, heater: Heater, tool: u32, to: Celsius, wait: bool) {
+        let of = match heater {
+            Heater::Bed => return self.bed = to,
+            Heater::Chamber => return self.chamber = to,
+            Heater::Nozzle(of) => of.unwrap_or(tool),
+        };
+        let i = of.min(TOOLS - 1) as usize;
+        self.targets[i] = Some(to);
+        if wait {
+            self.reached[i] = to;
+            self.unknown &= !bit(of);
+        } else if to < self.least {
+            self.reached[i] = self.reached[i].min(to);
+            self.unknown &= !bit(of);
+        }
+    }
+
+    /// Everything is turned off.
+    pub fn off(&mut self) {
+        *self = Heat {
+            targets: [Some(0.0); TOOLS as usize],
+            ..Heat::new(self.least)
+        };
+    }
+
+    /// The printer waits for a heater, or for all.
+    pub fn wait(&mut self, heater: Option<Heater>, least: Option<Celsius>) {
+        let tools = match heater {
+            None => 0..TOOLS,
+            Some(Heater::Nozzle(tool)) => {
+                let tool = tool.unwrap_or(0).min(TOOLS - 1);
+                tool..tool + 1
+            }
+            Some(_) => return,
+        };
+        for tool in tools {
+            let i = tool as usize;
+            let awaited = least.or(self.targets[i]).unwrap_or(0.0);
+            if awaited >= self.least {
+                self.reached[i] = awaited;
+                self.unknown &= !bit(tool);
+            }
+        }
+    }
+
+    /// A macro is called: it may heat.
+    pub fn macro_called(&mut self, named: &Named) {
+        self.unknown = u64::MAX;
+        for target in &mut self.targets {
+            *target = target.filter(|to| *to >= self.least);
+        }
+        for (heater, to) in told(named) {
+            if to > WARM && matches!(heater, Heater::Nozzle(_)) {
+                self.macro_told = Some(to);
+            }
+        }
+    }
+
+    /// Can this tool push filament?
+    pub fn readiness(&self, tool: u32) -> Readiness {
+        let i = tool.min(TOOLS - 1) as usize;
+        match self.targets[i] {
+            Some(to) if to < self.least => Readiness::Told(to),
+            _ if self.reached[i] >= self.least => Readiness::Hot,
+            _ if self.unknown & bit(tool) != 0 => match self.macro_told {
+                Some(to) if to < self.least => Readiness::Told(to),
+                _ => Readiness::Unknown,
+            },
+            Some(_) => Readiness::NotAwaited,
+            None => Readiness::Never,
+        }
+    }
+
+    /// From now on this tool is taken to be hot, until it is told otherwise.
+    pub fn trust(&mut self, tool: u32) {
+        self.reached[tool.min(TOOLS - 1) as usize] = f64::INFINITY;
+    }
+
+    /// The heaters that are on, with what they were told.
+    pub fn on(&self) -> impl Iterator<Item = (&'static str, Celsius)> {
+        let hottest = self.targets.iter().flatten().fold(0.0, |a, b| b.max(a));
+        [
+            ("nozzle", hottest),
+            ("bed", self.bed),
+            ("chamber", self.chamber),
+        ]
+        .into_iter()
+        .filter(|(_, to)| *to > 0.0)
+    }
+}
+
+/// The temperatures that a macro is told, by the names of its parameters:
+/// BED=60, EXTRUDER_TEMP=210, T_BED=60, CHAMBER=40.
+pub(super) fn told(named: &Named) -> impl Iterator<Item = (Heater, Celsius)> {
+    named
+        .pairs()
+        .filter_map(|(key, value)| Some((heater_of(key)?, number(value)?)))
+}
+
+/// The heater whose temperature a parameter of this name is: the name
+/// consists of words about heat and nothing else.
+fn heater_of(key: &[u8]) -> Option<Heater> {
+    const WORDS: [&str; 16] = [
+        "TEMPERATURE",
+        "TEMP",
+        "EXTRUDER",
+        "HOTEND",
+        "NOZZLE",
+        "CHAMBER",
+        "BED",
+        "TOOL",
+        "FIRST",
+        "INITIAL",
+        "LAYER",
+        "START",
+        "TARGET",
+        "PRINT",
+        "T",
+        "_",
+    ];
+    let mut rest = key.trim_ascii_end();
+    let mut seen = [false; WORDS.len()];
+    while !rest.is_empty() {
+        let digit = rest[0].is_ascii_digit();
+        let word = WORDS.iter().position(|word| {
+            rest.get(..word.len())
+                .is_some_and(|r| r.eq_ignore_ascii_case(word.as_bytes()))
+        });
+        match word {
+            Some(i) => {
+                seen[i] = true;
+                rest = &rest[WORDS[i].len()..];
+            }
+            None if digit => rest = &rest[1..],
+            None => return None,
+        }
+    }
+    let has = |word| WORDS.iter().zip(seen).any(|(w, s)| s && *w == word);
+    let heat = has("TEMP") || has("TEMPERATURE");
+    let nozzle = ["EXTRUDER", "HOTEND", "NOZZLE"].into_iter().any(has);
+    if has("CHAMBER") {
+        Some(Heater::Chamber)
+    } else if has("BED") {
+        Some(Heater::Bed)
+    } else if nozzle || heat {
+        Some(Heater::Nozzle(None))
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_of_macros_are_known_by_their_words() {
+        let nozzle = Some(Heater::Nozzle(None));
+        for (key, heater) in [
+            ("BED", Some(Heater::Bed)),
+            ("bed_temp", Some(Heater::Bed)),
+            ("T_BED", Some(Heater::Bed)),
+            ("BEDTEMP", Some(Heater::Bed)),
+            ("FIRST_LAYER_BED_TEMPERATURE", Some(Heater::Bed)),
+            ("CHAMBER", Some(Heater::Chamber)),
+            ("EXTRUDER", nozzle),
+            ("EXTRUDER_TEMP", nozzle),
+            ("T_EXTRUDER", nozzle),
+            ("NOZZLE_TEMP", nozzle),
+            ("HOTEND", nozzle),
+            ("TOOL_TEMP", nozzle),
+            ("TEMP", nozzle),
+            ("EXTRUDER1_TEMP", nozzle),
+            ("TOOL", None),
+            ("NOZZLE_DIAMETER", None),
+            ("BED_TYPE", None),
+            ("BED_MESH", None),
+            ("LAYER", None),
+            ("T", None),
+            ("FAN", None),
+            ("", None),
+            ("\u{fffd}BED", None),
+        ] {
+            assert_eq!(heater_of(key.as_bytes()), heater, "{key}");
+        }
+    }
+}
