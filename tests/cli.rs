@@ -1188,3 +1188,68 @@ fn a_summary_tells_what_begins_in_the_air() {
     assert_eq!(json["islands_in_air"], 0);
     assert_eq!(json["warnings"], serde_json::json!([]));
 }
+
+#[test]
+fn a_template_cannot_hide_a_command_or_burn_the_printer() {
+    let folder = folder();
+    for (set, said) in [
+        ("gcode.start=G28\rG1 Z-10", "gcode.start, line 1, column 4"),
+        ("gcode.start=G28\nG1 Z5\u{b}", "control character U+000B"),
+        (
+            "gcode.end={{ \"M104 S0\\r\" }}",
+            "line 1 of what it comes to",
+        ),
+        ("gcode.start=G28\nM109 S500", "the nozzle is told 500 °C"),
+        (
+            "filament.nozzle_temperature=expr: -273",
+            "filament.nozzle_temperature = \"expr: -273\" is -273.000 at z = ",
+        ),
+        (
+            "filament.nozzle_temperature=expr: 200 - 10*z",
+            "may be 170 to 600",
+        ),
+    ] {
+        isoslice(&folder)
+            .args(["slice", "-e", BALL, "-o", "a.gcode", "--set", set])
+            .assert()
+            .code(1)
+            .stderr(contains(said));
+        assert_eq!(names(folder.path()), [""; 0], "{set:?}");
+    }
+    let fine = "gcode.start=G28\r\nG1 Z5 F600\r\n";
+    let args = ["slice", "-e", BALL, "-o", "-", "--set", fine];
+    let text = stdout(isoslice(&folder).args(args));
+    assert!(text.contains("G28\nG1 Z5 F600\n") && !text.contains('\r'));
+}
+
+#[test]
+fn what_is_no_whole_print_is_a_fault() {
+    let folder = folder();
+    let text = stdout(isoslice(&folder).args(["slice", "-e", BALL, "-o", "-"]));
+    let half = text.find(";LAYER_CHANGE").unwrap_or(0) + text.len() / 2;
+    let half = half.min(text.find("; end of layers").unwrap_or(0));
+    write(&folder, "half.gcode", &text[..half]);
+    write(&folder, "empty.gcode", "");
+    write(&folder, "part.rhai", "let x = axis(\"x\");\ndraw(x);\n");
+    for (file, said) in [
+        ("half.gcode", "was cut off"),
+        ("empty.gcode", "there is no command in it"),
+        ("part.rhai", "this is no G-code"),
+    ] {
+        isoslice(&folder)
+            .args(["check", file])
+            .assert()
+            .code(1)
+            .stdout(contains(said));
+    }
+    write(&folder, "whole.gcode", &text);
+    let whole = stdout(isoslice(&folder).args(["check", "whole.gcode"]));
+    assert!(whole.contains("0 faults, 0 warnings\n"), "{whole}");
+    let macros = text.replace("G28\n", "G28\nMY_MACRO X=1\n");
+    write(&folder, "macros.gcode", &macros);
+    let json = ["check", "macros.gcode", "--json"];
+    let json = stdout(isoslice(&folder).args(json));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["unknown"], serde_json::json!({"MY_MACRO": 1}));
+    assert_eq!(json["findings"][0]["count"], 1);
+}

@@ -66,6 +66,9 @@ pub(super) struct Heat {
     targets: [Option<Celsius>; TOOLS as usize],
     /// What each tool has reached at least.
     reached: [Celsius; TOOLS as usize],
+    /// A command has named a tool but the first: each has a nozzle. Else all
+    /// share one, as those do whose filament is changed behind it.
+    apart: bool,
     /// A bit for each tool that a macro may have heated.
     unknown: u64,
     /// What a macro was told of the nozzle.
@@ -80,6 +83,7 @@ impl Heat {
             least,
             targets: [None; TOOLS as usize],
             reached: [0.0; TOOLS as usize],
+            apart: false,
             unknown: 0,
             macro_told: None,
             bed: 0.0,
@@ -92,9 +96,13 @@ impl Heat {
         let of = match heater {
             Heater::Bed => return self.bed = to,
             Heater::Chamber => return self.chamber = to,
-            Heater::Nozzle(of) => of.unwrap_or(tool),
+            Heater::Nozzle(of) => {
+                self.apart |= of.is_some_and(|of| of > 0);
+                of.unwrap_or(tool)
+            }
         };
-        let i = of.min(TOOLS - 1) as usize;
+        let of = self.nozzle(of);
+        let i = of as usize;
         self.targets[i] = Some(to);
         if wait {
             self.reached[i] = to;
@@ -105,10 +113,19 @@ impl Heat {
         }
     }
 
+    /// The nozzle of a tool.
+    fn nozzle(&self, tool: u32) -> u32 {
+        match self.apart {
+            true => tool.min(TOOLS - 1),
+            false => 0,
+        }
+    }
+
     /// Everything is turned off.
     pub fn off(&mut self) {
         *self = Heat {
             targets: [Some(0.0); TOOLS as usize],
+            apart: self.apart,
             ..Heat::new(self.least)
         };
     }
@@ -118,7 +135,7 @@ impl Heat {
         let tools = match heater {
             None => 0..TOOLS,
             Some(Heater::Nozzle(tool)) => {
-                let tool = tool.unwrap_or(0).min(TOOLS - 1);
+                let tool = self.nozzle(tool.unwrap_or(0));
                 tool..tool + 1
             }
             Some(_) => return,
@@ -148,7 +165,8 @@ impl Heat {
 
     /// Can this tool push filament?
     pub fn readiness(&self, tool: u32) -> Readiness {
-        let i = tool.min(TOOLS - 1) as usize;
+        let tool = self.nozzle(tool);
+        let i = tool as usize;
         match self.targets[i] {
             Some(to) if to < self.least => Readiness::Told(to),
             _ if self.reached[i] >= self.least => Readiness::Hot,
@@ -163,7 +181,7 @@ impl Heat {
 
     /// From now on this tool is taken to be hot, until it is told otherwise.
     pub fn trust(&mut self, tool: u32) {
-        self.reached[tool.min(TOOLS - 1) as usize] = f64::INFINITY;
+        self.reached[self.nozzle(tool) as usize] = f64::INFINITY;
     }
 
     /// The heaters that are on, with what they were told.

@@ -253,6 +253,10 @@ impl<'a> State<'a> {
             Event::Move(step) => return self.step(&step),
             Event::Layer { number, .. } => {
                 self.next_layer();
+                // What was purged before carries nothing.
+                if number == 1 {
+                    self.ground = Ground::default();
+                }
                 self.layer = number;
                 self.verdict.layers = self.verdict.layers.max(number);
                 return;
@@ -344,6 +348,10 @@ impl<'a> State<'a> {
     fn home(&mut self, line: u64, words: &Words) {
         let named = |l: &u8| words.has(*l);
         let all = !b"XYZ".iter().any(named);
+        // No firmware homes z before it knows where that is done.
+        if named(&b'Z') {
+            self.homed = HOMED;
+        }
         for (i, letter) in b"XYZ".iter().enumerate() {
             if all || named(letter) {
                 self.homed |= 1 << i;
@@ -363,7 +371,7 @@ impl<'a> State<'a> {
     fn code(&mut self, line: u64, letter: char, tenths: u32, words: &Words) {
         match (letter, tenths) {
             // With a time they only say when.
-            ('M', 180 | 840) if !words.has(b'S') => self.homed = 0,
+            ('M', 180 | 840) if !words.has(b'S') => self.motors_off(words),
             // Its macro homes.
             ('G', 320) => self.homed = HOMED,
             // A tool's standby temperature alone.
@@ -377,6 +385,17 @@ impl<'a> State<'a> {
         let effect = words::of_code(letter, tenths, words);
         if effect != Some(Effect::None) {
             self.word(line, &words::code(letter, tenths), effect);
+        }
+    }
+
+    /// The motors that are named, or all, are turned off: where they are is
+    /// not known from then on.
+    fn motors_off(&mut self, words: &Words) {
+        let all = !b"XYZE".iter().any(|l| words.has(*l));
+        for (i, letter) in b"XYZ".iter().enumerate() {
+            if all || words.has(*letter) {
+                self.homed &= !(1 << i);
+            }
         }
     }
 
@@ -438,7 +457,7 @@ impl<'a> State<'a> {
         self.homed(step);
         self.heat(step);
         self.filament(step, template);
-        if step.prints() {
+        if step.prints() && sideways(step) {
             self.bead(step, template);
         } else if step.travels() && !template {
             self.travel(step);
@@ -588,8 +607,7 @@ impl<'a> State<'a> {
         if fed < 0.0 {
             *self.back(step) -= fed;
             // Up and down is no way along which a wipe would be seen.
-            let sideways = step.from.truncate() != step.to.truncate();
-            if sideways && !step.wipe && !template {
+            if sideways(step) && !step.wipe && !template {
                 let why = format!(
                     "{:.3} mm of filament go back while the head moves and \
                      does not wipe",
@@ -604,7 +622,7 @@ impl<'a> State<'a> {
                 self.hold(Kind::LongRetraction, step, why);
             }
         } else if fed > 0.0 {
-            if step.prints() && !template {
+            if step.prints() && sideways(step) && !template {
                 self.begin(step);
             }
             let back = self.back(step);
@@ -701,8 +719,7 @@ impl<'a> State<'a> {
     /// Does the nozzle stay above what is printed?
     fn travel(&mut self, step: &Move) {
         let low = step.from.z.min(step.to.z);
-        let sideways = step.from.truncate() != step.to.truncate();
-        if sideways && low < self.top - self.rules.nozzle {
+        if sideways(step) && low < self.top - self.rules.nozzle {
             let top = self.top;
             self.verdict.add(Kind::Low, step.line, step.to, || {
                 format!(
@@ -755,6 +772,11 @@ impl<'a> State<'a> {
             }
         }
     }
+}
+
+/// Does the head move in the plane? What is fed while only z moves primes.
+fn sideways(step: &Move) -> bool {
+    step.from.truncate() != step.to.truncate()
 }
 
 /// The bit of a tool.

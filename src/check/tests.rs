@@ -414,6 +414,9 @@ fn axes_are_homed_before_they_move() {
     assert!(homed("PRINT_START\n"));
     assert!(homed("G28\nM84 S120\n"));
     assert!(!homed(""));
+    assert!(homed("G28\nM84 E\n"));
+    assert!(homed("G28 XY\nM84 E\nG28 Z\n"));
+    assert!(!homed("G28\nM84 X Y E\n"));
     assert!(!homed("G28 X Y\n"));
     assert!(!homed("G1 X5 F900\nG28\n"));
     assert!(!homed("G28\nM84\n"));
@@ -555,4 +558,57 @@ fn the_same_is_said_once() {
         "{}",
         said[0]
     );
+}
+
+/// Start and end codes in the manner of other slicers.
+#[test]
+fn other_slicers_codes_are_no_faults() {
+    let print = "G0 X60 Y60 Z0.2 F1500\n;LAYER:0\n;TYPE:WALL-OUTER\n\
+                 G1 X80 Y60 E0.7 F1200\nG1 X80 Y80 E0.7\n";
+    let files = [
+        // Cura, for an Ender.
+        format!(
+            ";FLAVOR:Marlin\n;Generated with Cura_SteamEngine 5.9.0\nM140 S60\n\
+             M190 S60\nM104 S200\nM109 S200\nG28\nM83\n\
+             G1 X0.1 Y200 Z0.3 F1500 E15\n{print}M140 S0\nG91\n\
+             G1 E-2 F2700\nG1 E-2 Z0.2 F2400\nG1 X5 Y5 F3000\nG1 Z10\nG90\n\
+             G1 X0 Y220\nM106 S0\nM104 S0\nM140 S0\nM84 X Y E\n\
+             ;End of Gcode\n"
+        ),
+        // Cura, for an Ultimaker 3.
+        format!(
+            ";START_OF_HEADER\n;FLAVOR:Griffin\n\
+             ;EXTRUDER_TRAIN.0.INITIAL_TEMPERATURE:205\n\
+             ;BUILD_PLATE.INITIAL_TEMPERATURE:60\n;END_OF_HEADER\nT0\nM83\n\
+             G280 S1\nG1 F1500 E-6.5\nG1 E6.5\n{print}M107\nG91\n\
+             G0 F5000 X8 Z0.5 E-4.5\nG0 Z1.5 E4.5\nG90\n;End of Gcode\n"
+        ),
+        // Bambu Studio.
+        format!(
+            "; EXECUTABLE_BLOCK_START\nG91\nM17 Z0.3\nG380 S2 Z30 F300\nG90\n\
+             M1002 gcode_claim_action : 2\nM140 S55\nM190 S55\nG28 X\n\
+             M104 S220\nG28 Z P0 T250\nM109 S220\nM83\nG1 E50 F200\n\
+             M104.1 T0 S220\nT1000\n{print}M140 S0\nM620 S255\nT255\n\
+             M621 S255\nM104 S0\nM73.2 R1.0\n; EXECUTABLE_BLOCK_END\n"
+        ),
+        // Simplify3D and ideaMaker.
+        format!(
+            "M140 S60\nM104 S200 T0\nM109 S200 T0\nG28\nM83\n{print}\
+             M104 S0\nM140 S0\nG91\nG1 E-1 F300\n\
+             G1 Z+0.5 E-5 X-20 Y-20 F3000\nG28 X0 Y0\nM84\nG90\n"
+        ),
+        // PrusaSlicer, with filaments that share a nozzle.
+        format!(
+            "M104 S215\nM140 S60\nM109 S215\nG28 W\nG80\nM221 S95\nM83\nT1\n\
+             {print}M104 S0\nM140 S0\nM107\nG1 X0 Y200 F3000\nM84\n"
+        ),
+    ];
+    for text in files {
+        let all = verdict(&text);
+        assert!(all.is_safe(), "{all:#?}\n{text}");
+        let harmless = [Kind::TooFast, Kind::Changed];
+        let kinds = all.counts.keys();
+        let serious: Vec<_> = kinds.filter(|k| !harmless.contains(k)).collect();
+        assert!(serious.is_empty(), "{all:#?}\n{text}");
+    }
 }

@@ -319,6 +319,10 @@ impl Parser {
                 self.machine.set_acceleration(&self.words);
                 other(line, letter, tenths)
             }
+            // Bambu Lab's numbers for no tool at all.
+            (b'T', 2550 | 10_000 | 10_010 | 11_000 | 652_790 | 655_350) => {
+                other(line, letter, tenths)
+            }
             (b'T', _) if tenths.is_multiple_of(10) => {
                 let tool = tenths / 10;
                 self.machine.state.tool = tool;
