@@ -1194,7 +1194,7 @@ fn a_template_cannot_hide_a_command_or_burn_the_printer() {
     let folder = folder();
     for (set, said) in [
         ("gcode.start=G28\rG1 Z-10", "gcode.start, line 1, column 4"),
-        ("gcode.start=G28\nG1 Z5\u{b}", "control character U+000B"),
+        ("gcode.start=G28\nG1\u{b} Z5", "control character U+000B"),
         (
             "gcode.end={{ \"M104 S0\\r\" }}",
             "line 1 of what it comes to",

@@ -278,8 +278,10 @@ impl<'a> State<'a> {
                     self.ending.off();
                 }
                 self.limit_heat(line, heater, to);
-                // Behind what is asked for may be a standby temperature.
-                if let Some(standby) = words.get(b'R') {
+                // Beside what is asked for may be a standby temperature.
+                if let (true, Some(standby)) =
+                    (words.has(b'S'), words.get(b'R'))
+                {
                     self.limit_heat(line, heater, standby);
                 }
             }

@@ -272,7 +272,7 @@ fn heat_is_what_the_printer_bears() {
         "PRINT_START BED=60 EXTRUDER=500",
         "START_PRINT BED_TEMP=300 EXTRUDER_TEMP=210",
         "PRINT_START CHAMBER=90",
-        ";FLAVOR:Griffin\n;EXTRUDER_TRAIN.0.INITIAL_TEMPERATURE:400",
+        ";EXTRUDER_TRAIN.0.INITIAL_TEMPERATURE:400\nG28",
     ] {
         let all = verdict_with(&format!("{hot}\n"), &limits);
         assert_eq!(count(&all, Kind::TooHot), 1, "{hot}: {all:?}");
@@ -513,7 +513,7 @@ fn commands_are_known_or_said_not_to_be() {
         assert_eq!(kinds, [Kind::Senseless], "{senseless}");
     }
     // What can be modelled is.
-    assert!(kinds("M221 S1000").contains(&Kind::ThickBead));
+    assert!(kinds("M221 S1000\nG1 X55 E0.4 F900").contains(&Kind::ThickBead));
     assert!(kinds("G53 G1 Z-10 F600").contains(&Kind::OutOfReach));
     assert!(kinds("G92 Z10\nG1 Z0 F600").contains(&Kind::OutOfReach));
     let offset = "SET_GCODE_OFFSET Z=-10\nG1 Z0 F600";

@@ -139,7 +139,8 @@ impl Kind {
 pub struct Finding {
     /// What is wrong.
     pub kind: Kind,
-    /// The command it is about, where a kind is about several; else empty.
+    /// The command, heater or axis it is about, where a kind is about several;
+    /// else empty.
     pub about: String,
     /// Line of the first, from 1; 0 if it is not about one.
     pub line: u64,
