@@ -116,7 +116,8 @@ impl Info {
             }
             b"EXECUTABLE_BLOCK_END" | b"End of Gcode" => true,
             _ => {
-                !self.is_ours()
+                self.ended.is_some()
+                    && !self.is_ours()
                     && (comment.starts_with(b"filament used [mm]")
                         || comment.ends_with(b"slicer_config = end"))
             }
