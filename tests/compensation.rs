@@ -4,11 +4,12 @@
 
 mod common;
 
-use common::{Kind, Layer, formula, parse, settings, slice};
+use common::{Kind, Layer, formula, parse, settings, slice, slice_layers};
 use glam::DVec2;
 use isoslice::model::{
     BuildVolume, PlaceError, Placement, Source, SourceKind, load, place,
 };
+use isoslice::pipeline::{self, Options};
 
 /// A tube of 20 and 10 mm radius, 2 mm high.
 const TUBE: &str = "max(max(sqrt(x^2+y^2) - 20, 10 - sqrt(x^2+y^2)), \
@@ -111,6 +112,78 @@ fn a_skirt_of_several_layers_stands_on_itself() {
         assert!((most - exact).abs() < 0.02, "{most} {exact}");
     }
     assert_eq!(printed[4].length("Skirt/Brim"), 0.0);
+}
+
+/// Two bodies of 10 × 8 mm side by side, a gap between them, turned.
+fn two_bodies(gap: f64, degrees: f64) -> String {
+    let (s, c) = degrees.to_radians().sin_cos();
+    let (u, v) = (format!("(x*{c} + y*{s})"), format!("(y*{c} - x*{s})"));
+    let half = 0.5 * gap;
+    format!(
+        "max(max(min(max({u} - 10, {half} - {u}), max(-10 - {u}, {u} + {half})), \
+         abs({v}) - 4), abs(z - 0.4) - 0.4)"
+    )
+}
+
+/// Lengths of the outer walls of what is one body, and of what are two.
+const ONE: f64 = 2.0 * (20.0 - 0.45 + 8.0 - 0.45);
+const TWO: f64 = 4.0 * (10.0 - 0.45 + 8.0 - 0.45);
+
+#[test]
+fn bodies_with_a_slit_between_them_are_one() {
+    let outer = |text: &str, assignments: &[&str]| {
+        let layers = {
+            let settings = settings(assignments);
+            parse(&slice(&formula(text, &settings), &settings, 2).0)
+        };
+        assert_eq!(layers.len(), 4);
+        let length = layers[1].length("External perimeter");
+        assert!((layers[2].length("External perimeter") - length).abs() < 0.1);
+        length
+    };
+    // From what the lattice hardly sees to what it sees well.
+    for gap in [0.0, 0.002, 0.005, 0.01, 0.02, 0.05, 0.09] {
+        for degrees in [0.0, 7.0, 30.0] {
+            let length = outer(&two_bodies(gap, degrees), &[]);
+            let off = length - ONE;
+            assert!(off.abs() < 0.25, "{gap} {degrees}: {off}");
+        }
+    }
+    for (gap, closing) in [(0.11, "0.05"), (0.3, "0.05"), (0.05, "0")] {
+        let setting = format!("slit_closing={closing}");
+        let length = outer(&two_bodies(gap, 7.0), &[&setting]);
+        let exact = TWO - 4.0 * 0.5 * gap;
+        assert!((length - exact).abs() < 0.25, "{gap}: {length} {exact}");
+    }
+    let length = outer(&two_bodies(0.3, 7.0), &["slit_closing=0.2"]);
+    assert!((length - ONE).abs() < 0.25, "{length}");
+    let field = outer(&two_bodies(0.05, 7.0), &["wall_offset=field"]);
+    assert!((field - ONE).abs() < 0.25, "{field}");
+}
+
+/// A closed slit is no error of the outline, and no range of layers sees
+/// another one.
+#[test]
+fn closed_slits_are_reported_and_divided_like_anything_else() {
+    let settings = settings(&[]);
+    let part = formula(&two_bodies(0.05, 7.0), &settings);
+    let options = Options {
+        report: true,
+        ..Options::default()
+    };
+    let summary = pipeline::slice(&part, &settings, &options, &mut Vec::new());
+    let report = summary.unwrap().report.unwrap();
+    assert!(report.outline_um.unwrap().max < 5.0);
+    assert!(report.outer_wall_um.unwrap().max < 10.0);
+    assert!(report.area.unwrap().excess_percent.abs() < 0.2);
+    let text = |text: &str, layer: usize| -> Vec<String> {
+        let part = text.split(";LAYER_CHANGE").nth(layer).unwrap();
+        let lines = part.lines().filter(|l| !l.starts_with("M73"));
+        lines.map(str::to_owned).collect()
+    };
+    let whole = slice(&part, &settings, 1).0;
+    let range = slice_layers(&part, &settings, "3..4", 2).0;
+    assert_eq!(text(&whole, 3), text(&range, 1));
 }
 
 /// What outlines grow by needs room on the bed, and is part of what hosts and

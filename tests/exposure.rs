@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Layer, Move, formula, parse, settings, slice};
+use common::{Layer, Move, formula, parse, settings, slice, slice_layers};
 use glam::{DVec2, DVec3};
 use isoslice::settings::Settings;
 use std::f64::consts::{PI, TAU};
@@ -288,6 +288,67 @@ fn a_closed_cavity_has_a_floor_and_a_roof_of_exact_layers() {
     assert!((skin(35) / roof - 1.0).abs() < 0.02, "{}", skin(35));
     assert!(content(&layers[35], &[BRIDGE]) > 0.9 * roof);
     assert_eq!(content(&layers[36], &[BRIDGE]), 0.0);
+}
+
+/// With skin at the ends alone, steps and cavities get none.
+#[test]
+fn skin_at_the_ends_is_of_the_parts_first_and_last_layers() {
+    let s = settings(&["skin_where=ends"]);
+    for case in CASES
+        .iter()
+        .filter(|c| ["staircase", "closed cavity"].contains(&c.name))
+    {
+        let layers = parse(&slice(&formula(case.formula, &s), &s, 2).0);
+        let last = layers.len() - 4;
+        for (i, layer) in layers.iter().enumerate() {
+            let skin = content(layer, &[TOP, SOLID, BRIDGE]);
+            let sparse = content(layer, &[SPARSE]);
+            match i < 3 || i >= last {
+                true => assert!(skin > 1.0 && sparse == 0.0, "{i}"),
+                false => assert!(skin == 0.0 && sparse > 1.0, "{i}"),
+            }
+        }
+    }
+    // Lines that one range of layers has are those of the whole part.
+    let part = formula(CASES[5].formula, &s);
+    let whole = slice(&part, &s, 1).0;
+    let range = slice_layers(&part, &s, "30..44", 2).0;
+    let text = |text: &str, layer: usize| -> Vec<String> {
+        let part = text.split(";LAYER_CHANGE").nth(layer).unwrap();
+        let lines = part.lines().filter(|l| !l.starts_with("M73"));
+        lines.map(str::to_owned).collect()
+    };
+    assert_eq!(text(&whole, 43), text(&range, 14));
+}
+
+/// The lines of a square's skin end half a nozzle from the middle of the ring
+/// around it, and by the gap farther.
+#[test]
+fn lines_of_skin_keep_the_gap_to_its_ring() {
+    let square = "max(max(abs(x) - 12, abs(y) - 12), abs(z - 0.3) - 0.3)";
+    let reach = |assignments: &[&str]| {
+        let s = settings(assignments);
+        let layers = parse(&slice(&formula(square, &s), &s, 1).0);
+        let ends = layers[1].prints().filter(|m| m.role == SOLID);
+        let far = |p: DVec2| (p - centre(&s)).abs().max_element();
+        // The ring is parallel to the sides, the lines are at 45°.
+        let slanted = |m: &&Move| {
+            let (a, b) = m.ends();
+            (b - a).abs().min_element() > 1e-3
+        };
+        let lines = ends.filter(slanted);
+        lines.map(|m| far(m.ends().0)).fold(0.0, f64::max)
+    };
+    let touching = reach(&["skin_angle=45"]);
+    assert!((touching - reach(&["skin_ring_gap=0"])).abs() < 1e-9);
+    for gap in [0.1, 0.5] {
+        let apart = reach(&[&format!("skin_ring_gap={gap}")]);
+        let off = touching - apart - gap;
+        assert!(off.abs() < 0.003, "{gap}: {off}");
+    }
+    let walls = 0.45 + 2.0 * 0.407 - 0.0215;
+    let exact = 12.0 - walls - 0.2;
+    assert!((touching - exact).abs() < 0.25, "{touching} {exact}");
 }
 
 #[test]

@@ -29,6 +29,7 @@ mod rectilinear;
 mod schwarz_p;
 mod shape;
 mod sheet;
+pub mod standing;
 mod triangles;
 
 use crate::bead::{Bead, Role, spacing};

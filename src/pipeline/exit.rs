@@ -9,6 +9,7 @@ use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
 use crate::bead::{Bead, Role};
 use crate::gcode::{Totals, Writer};
+use crate::infill::standing::Standing;
 use crate::layers::LayerSpan;
 use crate::limits;
 use crate::order::{Head, LayerBeads, order};
@@ -19,7 +20,7 @@ use crate::preview::Pictures;
 use crate::region::floating::floating;
 use crate::report;
 use crate::seam::ending::{Ended, endings};
-use crate::settings::Settings;
+use crate::settings::{self, Settings};
 use crate::timings::{Stage, Timings};
 use crate::travel::{Ground, Move, connect};
 use crate::walls::Support;
@@ -36,6 +37,10 @@ pub(super) struct Exit<'a, 'w> {
     /// From the model's coordinates to the bed's.
     offset: DVec2,
     head: Head,
+    /// For infill that may stand on nothing.
+    standing: Option<Standing>,
+    /// Beads of it that do.
+    left_out: usize,
     pacer: Pacer<'a>,
     writer: Writer<'a, &'w mut dyn io::Write>,
     /// The layers to be written.
@@ -84,6 +89,8 @@ impl<'a, 'w> Exit<'a, 'w> {
             pictures,
             offset,
             head: Head::default(),
+            standing: Standing::new(pacer.settings()),
+            left_out: 0,
             pacer,
             writer,
             next: layers.start - layers.start % BLOCK,
@@ -113,6 +120,24 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
         self.drop_skirt_off_the_bed(&mut beads, index);
         let written = self.layers.contains(&index);
+        if let Some(standing) = &mut self.standing {
+            let LayerBeads {
+                walls,
+                infill,
+                skin,
+                ..
+            } = &mut beads;
+            let patches = skin.iter().flat_map(|p| {
+                let fills = p.fills.iter().flat_map(|f| &f.lines);
+                p.rings.iter().chain(fills)
+            });
+            let left_out = self.timings.time(Stage::Infill, || {
+                standing.keep(infill, walls.iter().chain(patches))
+            });
+            if written {
+                self.left_out += left_out;
+            }
+        }
         if written {
             self.tally.add(&shell.outline, gap);
         }
@@ -247,6 +272,7 @@ impl<'a, 'w> Exit<'a, 'w> {
     /// on nothing but the part. It costs a travel from wherever the head is.
     fn restart(&mut self, span: &LayerSpan) {
         self.head = Head::default();
+        self.standing.iter_mut().for_each(Standing::forget);
         self.pacer.restart(span.bottom);
         self.writer.restart();
     }
@@ -254,6 +280,14 @@ impl<'a, 'w> Exit<'a, 'w> {
     /// Ends the file.
     pub fn finish(mut self) -> Result<Done, SliceError> {
         self.warnings.extend(self.floating_warning());
+        let own = !matches!(self.settings.infill, settings::Infill::Pattern(_));
+        if own && self.left_out > 0 {
+            self.warnings.push(format!(
+                "beads of the infill's shape that lie on nothing and touch \
+                 nothing in their layer are left out: {}",
+                self.left_out
+            ));
+        }
         Ok(Done {
             beads: self.beads,
             tally: self.tally,

@@ -68,7 +68,12 @@ impl Shell {
     /// plastic goes where the elephant's foot was taken from.
     pub fn squeezed(&self, settings: &Settings) -> Option<Area> {
         let truth = self.truth.as_ref()?;
-        Compensation::new(&self.span, settings)?.squeezed(&truth.area)
+        Compensation::new(&self.span, settings).squeezed(&truth.area)
+    }
+
+    /// The true outline.
+    pub fn truth(&self) -> &Outline {
+        self.truth.as_ref().unwrap_or(&self.outline)
     }
 
     /// Shares with the layer below what is the same.

@@ -16,13 +16,13 @@ use crate::model::Model;
 use crate::order::LayerBeads;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect};
-use crate::region::compensate::Compensation;
+use crate::region::compensate::{CELL, Compensation};
 use crate::region::cover::{Cover, Rough};
 use crate::region::exposure::{Slope, roomy, slope_layers, split};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::seam::Seams;
-use crate::settings::{Settings, WallOffset};
+use crate::settings::{Settings, SkinWhere, WallOffset};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::Surroundings;
@@ -44,8 +44,9 @@ const SKIRT_SAMPLES: usize = 64;
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
     field: Field,
-    /// The fields of the walls, if they are offsets of the expression.
-    wall_fields: Vec<Field>,
+    /// The fields of the walls by their depths, if they are offsets of the
+    /// expression.
+    wall_fields: Vec<(Mm, Field)>,
     seams: Seams<'a>,
     fuzzy: Option<Fuzzy<'a>>,
     /// The skirt, if it is not of the first layer alone.
@@ -54,6 +55,8 @@ pub(super) struct Stages<'a> {
     bed: Mm,
     top_layers: usize,
     bottom_layers: usize,
+    /// Layers of the part.
+    layer_count: usize,
     infill: Infill<'a>,
     pub timings: Timings,
     pub gauge: Gauge<'a>,
@@ -93,8 +96,8 @@ impl<'a> Stages<'a> {
                 let backend = Some(field.backend());
                 depths
                     .into_iter()
-                    .map(|d| make(d, backend))
-                    .collect::<Result<_, _>>()?
+                    .map(|d| Ok((d, make(d, backend)?)))
+                    .collect::<Result<_, FieldError>>()?
             }
         };
         let printer = &settings.printer;
@@ -114,6 +117,7 @@ impl<'a> Stages<'a> {
             bed: -model.offset.z,
             top_layers: settings.top_layers() as usize,
             bottom_layers: settings.bottom_layers() as usize,
+            layer_count: spans.len(),
             infill: Infill::new(settings, around, site)?,
             timings: Timings::default(),
             gauge,
@@ -153,14 +157,37 @@ impl<'a> Stages<'a> {
         below..(layers.end + self.reach_above()).min(count)
     }
 
+    /// How many layers have to cover a layer from above, lest it get skin.
+    fn layers_above(&self) -> usize {
+        match self.settings.skin_where {
+            SkinWhere::Exposed => self.top_layers,
+            SkinWhere::Ends => 0,
+        }
+    }
+
+    /// How many have to from below.
+    fn layers_below(&self) -> usize {
+        match self.settings.skin_where {
+            SkinWhere::Exposed => self.bottom_layers,
+            SkinWhere::Ends => 0,
+        }
+    }
+
+    /// True if a layer is skin all over, whatever covers it.
+    fn is_end(&self, layer: usize) -> bool {
+        self.settings.skin_where == SkinWhere::Ends
+            && (layer < self.bottom_layers
+                || layer + self.top_layers >= self.layer_count)
+    }
+
     /// How many layers above a layer it has to know.
     pub fn reach_above(&self) -> usize {
-        slope_layers(self.top_layers).max(1)
+        slope_layers(self.layers_above()).max(1)
     }
 
     /// How many layers below a layer it has to know.
     pub fn reach_below(&self) -> usize {
-        slope_layers(self.bottom_layers).max(1)
+        slope_layers(self.layers_below()).max(1)
     }
 
     /// Outlines of a slab's layers, as far as they are needed.
@@ -181,38 +208,50 @@ impl<'a> Stages<'a> {
         let mut offset_outlines = self
             .wall_fields
             .iter()
-            .map(|f| Ok(make(f)?.into_iter()))
+            .map(|(depth, f)| Ok((*depth, make(f)?.into_iter())))
             .collect::<Result<Vec<_>, FieldError>>()?;
         let mut shells: Vec<Shell> = Vec::with_capacity(spans.len());
         for (&span, outline) in spans.iter().zip(outlines_of_slab) {
-            let mut offsets: Vec<Area> = offset_outlines
+            let mut offsets: Vec<(Mm, Area)> = offset_outlines
                 .iter_mut()
-                .filter_map(|o| o.next().map(|o| o.area))
+                .filter_map(|(d, o)| o.next().map(|o| (*d, o.area)))
                 .collect();
             if !needed.contains(&span.index) {
                 continue;
             }
-            let (outline, truth) = match Compensation::new(&span, self.settings)
+            let moved = Compensation::new(&span, self.settings);
+            let alike = |below: &&Shell| {
+                Compensation::new(&below.span, self.settings) == moved
+                    && *below.truth() == outline
+            };
+            if offsets.is_empty()
+                && let Some(below) = shells.last().filter(alike)
             {
-                None => (outline, None),
-                Some(moved) => self.timings.time(Stage::Walls, || {
-                    for area in &mut offsets {
-                        *area = moved.apply(area);
-                    }
-                    let area = moved.apply(&outline.area);
-                    (
-                        Outline {
-                            area,
-                            ..outline.clone()
-                        },
-                        Some(Arc::new(outline)),
-                    )
-                }),
+                shells.push(Shell {
+                    span,
+                    ..below.clone()
+                });
+                continue;
+            }
+            let grid = EdgeGrid::new(&outline.area, CELL);
+            let changed = self.timings.time(Stage::Walls, || {
+                moved.apply(&outline.area, &grid, &mut offsets)
+            });
+            let (outline, grid, truth) = match changed {
+                None => (outline, grid, None),
+                Some(area) => {
+                    let grid = EdgeGrid::new(&area, CELL);
+                    let printed = Outline {
+                        area,
+                        ..outline.clone()
+                    };
+                    (printed, grid, Some(Arc::new(outline)))
+                }
             };
             let same = shells.last().filter(|below| *below.outline == outline);
             let solid = match same {
                 Some(below) => below.solid.clone(),
-                None => Arc::new(EdgeGrid::new(&outline.area, 1.0)),
+                None => Arc::new(grid),
             };
             let rough = match same {
                 Some(below) => below.rough.clone(),
@@ -230,7 +269,7 @@ impl<'a> Stages<'a> {
                 truth,
                 solid,
                 rough,
-                offsets: Arc::new(offsets),
+                offsets: Arc::new(offsets.into_iter().map(|o| o.1).collect()),
                 inside: None,
             });
         }
@@ -266,7 +305,7 @@ impl<'a> Stages<'a> {
         let parts = LayerParts {
             span: shell.span,
             z: shell.span.sample_z() + self.bed,
-            outline: shell.truth.as_ref().unwrap_or(&shell.outline),
+            outline: shell.truth(),
             edges: &shell.solid,
             walls,
         };
@@ -299,13 +338,16 @@ impl<'a> Stages<'a> {
             seen.push(&near.outline);
             Some(Some(near.rough.cover()))
         };
-        let above: Vec<_> = (1..=self.top_layers)
+        let mut above: Vec<_> = (1..=self.layers_above())
             .filter_map(|k| cover(i.checked_add(k)))
             .collect();
-        let below: Vec<_> = (1..=self.bottom_layers)
+        let below: Vec<_> = (1..=self.layers_below())
             .filter_map(|k| cover(i.checked_sub(k)))
             .collect();
         let layer = span.index;
+        if self.is_end(layer) {
+            above.push(None);
+        }
         let (areas, skin) = self.timings.time(Stage::Skin, || {
             // The layers right above and below, the latter if it may not hold
             // all of this one.
@@ -344,8 +386,8 @@ impl<'a> Stages<'a> {
                     }
                 };
             let slopes = [
-                slope(self.top_layers, &|k| i.checked_add(k)),
-                slope(self.bottom_layers, &|k| i.checked_sub(k)),
+                slope(self.layers_above(), &|k| i.checked_add(k)),
+                slope(self.layers_below(), &|k| i.checked_sub(k)),
             ];
             let areas = split(
                 &walls.fill,

@@ -166,8 +166,7 @@ fn cut(ring: &[DVec2], normal: DVec2, limit: f64) -> Ring {
 }
 
 /// The rings' union, whatever their winding.
-#[cfg(test)]
-pub(super) fn unite(area: &Area) -> Area {
+pub fn unite(area: &Area) -> Area {
     sweep(area, FillRule::NonZero)
 }
 

@@ -8,7 +8,7 @@
 
 use super::image::Picture;
 use super::raster::{PictureError, Subject, View};
-use super::shade::shade;
+use super::shade::{KEY_FROM, shade};
 use crate::model::Model;
 
 /// Pixels that are looked at for one of the picture, along each side, up to
@@ -18,6 +18,9 @@ const SMOOTH: usize = 2;
 const SMOOTHED: usize = 2000;
 /// The same for pictures in a file's head, which every run pays for.
 const THUMBNAIL: f64 = 1.5;
+/// Pixels that are looked at along the side of one of the light's view:
+/// shadows are softer than what casts them.
+const MAP: f64 = 1.5;
 /// Longer side that they are drawn with at least.
 const LEAST: f64 = 128.0;
 
@@ -45,7 +48,8 @@ fn drawn(
 ) -> Result<Picture, PictureError> {
     let subject = Subject::new(model, view)?;
     let seen = subject.fitted(width * block, height * block)?;
-    Ok(shade(&seen, subject.axes(), block))
+    let lit = subject.seen_by(KEY_FROM.as_dvec3(), MAP * seen.pixel)?;
+    Ok(shade(&seen, &lit, block))
 }
 
 /// Pictures of a model in several sizes, as PNG files: the largest is drawn

@@ -16,11 +16,12 @@
 //! result does not depend on the number of threads.
 
 use crate::field::{FieldError, Grid, Sight};
-use crate::model::Model;
+use crate::model::{Bounds, Model};
 use crate::units::{Degrees, Mm};
 use fidget::context::Tree;
 use geo::{ConvexHull, MultiPoint};
 use glam::{DMat3, DVec2, DVec3, Vec3};
+use std::sync::Arc;
 
 /// From where a part is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +102,31 @@ pub(super) struct Seen {
     pub depths: Vec<Option<f32>>,
     /// Outwards, of length 1, along right, up and towards the viewer.
     pub normals: Vec<Vec3>,
+    /// Where the first pixel of the first row is at depth 0, mm.
+    origin: DVec3,
+    /// Side of a pixel.
+    pub pixel: Mm,
+    /// Right, up and towards the viewer.
+    pub axes: DMat3,
+}
+
+impl Seen {
+    /// Where column, row and depth are, mm.
+    #[cfg(test)]
+    pub(super) fn place(&self, at: DVec3) -> DVec3 {
+        let at = at * DVec3::new(1.0, -1.0, 1.0);
+        self.origin + self.axes * at * self.pixel
+    }
+
+    /// What turns column, row and depth of a place into those in another
+    /// view: a matrix and what is added.
+    pub(super) fn to(&self, other: &Seen) -> (DMat3, DVec3) {
+        // Rows run down.
+        let down = DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0));
+        let into = down * other.axes.transpose() * (1.0 / other.pixel);
+        let turn = into * self.axes * down * self.pixel;
+        (turn, into * (self.origin - other.origin))
+    }
 }
 
 /// Pixels of the first look along its longer side.
@@ -109,12 +135,16 @@ const COARSE: usize = 128;
 const MARGIN: f64 = 0.04;
 /// Samples along the view, at most, as a multiple of the longer side.
 const DEEPEST: f64 = 4.0;
+/// Pixels of a view from a light, at most, along its longer side.
+const LONGEST_MAP: f64 = 4096.0;
+
 /// A part that is looked at.
 pub(super) struct Subject {
-    sight: Sight,
+    sight: Arc<Sight>,
     axes: DMat3,
-    centre: DVec3,
-    /// Half the part's box along the view's axes.
+    /// The part's box.
+    bounds: Bounds,
+    /// Half of it along the view's axes.
     half: DVec3,
 }
 
@@ -141,25 +171,39 @@ impl Subject {
             tree = tree.max(Tree::constant(bed as f32) - z);
             bounds.min.z = bed;
         }
-        let axes = view.axes();
-        Ok(Subject {
-            sight: Sight::new(&tree)?,
-            axes,
-            centre: bounds.centre(),
-            half: (0..8)
-                .map(|i| {
-                    let side = |k| if i >> k & 1 == 0 { -0.5 } else { 0.5 };
-                    let corner =
-                        bounds.size() * DVec3::new(side(0), side(1), side(2));
-                    (axes.transpose() * corner).abs()
-                })
-                .fold(DVec3::ZERO, DVec3::max),
-        })
+        let sight = Arc::new(Sight::new(&tree)?);
+        Ok(Subject::of(sight, view.axes(), bounds))
     }
 
-    /// The view's axes.
-    pub(super) fn axes(&self) -> DMat3 {
-        self.axes
+    /// What is within a box, seen along some axes.
+    fn of(sight: Arc<Sight>, axes: DMat3, bounds: Bounds) -> Subject {
+        let corner = |i: i32| {
+            let side = |k| if i >> k & 1 == 0 { -0.5 } else { 0.5 };
+            let corner = bounds.size() * DVec3::new(side(0), side(1), side(2));
+            (axes.transpose() * corner).abs()
+        };
+        Subject {
+            sight,
+            axes,
+            bounds,
+            half: (0..8).map(corner).fold(DVec3::ZERO, DVec3::max),
+        }
+    }
+
+    /// All of the part as it is seen from where light comes from: right, up
+    /// and towards the viewer in this view. Pixels have about that side.
+    pub(super) fn seen_by(
+        &self,
+        light: DVec3,
+        pixel: Mm,
+    ) -> Result<Seen, PictureError> {
+        let towards = (self.axes * light).normalize();
+        let (right, up) = towards.any_orthonormal_pair();
+        let axes = DMat3::from_cols(right, up, towards);
+        let lit = Subject::of(self.sight.clone(), axes, self.bounds);
+        let widest = 2.0 * lit.half.x.max(lit.half.y).max(MIN_EXTENT);
+        let longest = (widest / pixel).ceil().clamp(1.0, LONGEST_MAP);
+        lit.look(lit.whole(longest as usize))
     }
 
     /// The part, as large as fits `width` × `height` pixels.
@@ -181,7 +225,7 @@ impl Subject {
         let count = |half: f64| (2.0 * half / pixel).ceil().max(1.0) as usize;
         let depth = (count(self.half.z) + 2).min(depth_limit(longest));
         Frame {
-            centre: self.centre,
+            centre: self.bounds.centre(),
             // A pixel more on every side, so that a border shows.
             size: [count(self.half.x) + 2, count(self.half.y) + 2, depth],
             pixel,
@@ -233,11 +277,12 @@ impl Subject {
             self.axes.z_axis * frame.step,
         ];
         // A pixel is seen through its middle.
+        let origin = frame.centre
+            + steps[0] * (0.5 - 0.5 * width as f64)
+            + steps[1] * (0.5 - 0.5 * height as f64)
+            + steps[2] * (-0.5 * depth as f64);
         let hits = self.sight.look(&Grid {
-            origin: frame.centre
-                + steps[0] * (0.5 - 0.5 * width as f64)
-                + steps[1] * (0.5 - 0.5 * height as f64)
-                + steps[2] * (-0.5 * depth as f64),
+            origin,
             steps,
             size: frame.size,
         })?;
@@ -259,6 +304,9 @@ impl Subject {
                 .iter()
                 .map(|h| h.map_or(Vec3::ZERO, |h| normal(h.gradient)))
                 .collect(),
+            origin,
+            pixel: frame.pixel,
+            axes: self.axes,
         })
     }
 }
@@ -284,7 +332,7 @@ pub fn outline_from_above(model: &Model) -> Result<Vec<DVec2>, PictureError> {
     let seen = subject.look(frame)?;
     let printed = model.printed_bounds();
     let (low, high) = (printed.min.truncate(), printed.max.truncate());
-    let middle = (subject.centre + model.offset).truncate();
+    let middle = (subject.bounds.centre() + model.offset).truncate();
     let half = 0.5 * DVec2::new(seen.width as f64, seen.height as f64);
     let place = |i: usize, j: usize| {
         let p = DVec2::new(i as f64, j as f64) - half;

@@ -1,13 +1,19 @@
 //! Light on what is seen.
 //!
-//! In: depths and normals. Out: colours: a warm material under a bright sky,
-//! a key light from the upper left with soft shadows, and less light in
-//! corners (ambient occlusion), both from the depths alone: what is hidden
-//! from the viewer casts no shadow.
+//! In: depths and normals, and depths as they are seen from the key light.
+//! Out: colours: a warm material under a bright sky, a key light from the
+//! upper left with its shadows, and less light in corners (ambient occlusion,
+//! from the depths alone: what is hidden from the viewer makes no corner).
+//!
+//! What the light does not see is in shadow (Williams 1978, Casting curved
+//! shadows on curved surfaces). Its view is as coarse as its pixels: each
+//! place compares those around it with the plane through itself, which keeps
+//! slanted surfaces out of their own shadow, and the share that is not hidden
+//! makes the edge soft.
 
 use super::image::Picture;
 use super::raster::Seen;
-use glam::{DMat3, Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -20,7 +26,7 @@ const GROUND: Vec3 = Vec3::new(0.20, 0.17, 0.16);
 const KEY: Vec3 = Vec3::new(1.28, 1.21, 1.10);
 const FILL: Vec3 = Vec3::new(0.12, 0.14, 0.18);
 /// Where they come from: right, up, towards the viewer.
-const KEY_FROM: Vec3 = Vec3::new(-0.42, 0.62, 0.66);
+pub(super) const KEY_FROM: Vec3 = Vec3::new(-0.42, 0.62, 0.66);
 const FILL_FROM: Vec3 = Vec3::new(0.75, -0.1, 0.65);
 /// Brightness and narrowness of highlights.
 const GLOSS: f32 = 0.16;
@@ -33,20 +39,24 @@ const LOOKS: usize = 5;
 const REACH: f32 = 0.09;
 /// Share of the light that a corner takes away.
 const DARKEST: f32 = 0.85;
-/// Looks towards the key light, and how far.
-const SHADOW_LOOKS: usize = 20;
-const SHADOW_REACH: f32 = 0.35;
 /// Light that shadows leave.
 const SHADOW: f32 = 0.35;
+/// Pixels of the light's view that a place looks at, along each side.
+const AROUND: usize = 6;
+/// Pixels of the light's view by which something must be nearer to it to cast
+/// a shadow: surfaces bend, and their depths are rounded.
+const NEARER: f32 = 2.0;
+/// Least share of the light's direction in a surface's: beyond that next to
+/// nothing of its light arrives, and the surface is too slanted to compare.
+const GRAZING: f32 = 0.05;
 /// Pixels that something must stand out to hide anything: surfaces bend.
 const FLAT: f32 = 1.5;
 
 /// The picture, each `block` × `block` pixels of what is seen becoming one.
-/// `axes` are the view's: right, up, towards the viewer.
-pub(super) fn shade(seen: &Seen, axes: DMat3, block: usize) -> Picture {
+/// `lit` is what the key light sees.
+pub(super) fn shade(seen: &Seen, lit: &Seen, block: usize) -> Picture {
     let (width, height) = (seen.width / block, seen.height / block);
-    let up = axes.transpose().z_axis.as_vec3();
-    let light = Light::new(seen, up);
+    let light = Light::new(seen, Shadows::new(seen, lit));
     let mut pixels = vec![[0.0; 4]; width * height];
     pixels.par_chunks_mut(width).enumerate().for_each_init(
         || Row::new(seen.width),
@@ -93,8 +103,6 @@ struct Row {
     most: Vec<f32>,
     /// The same for all directions together.
     hidden: Vec<f32>,
-    /// Share of the key light that arrives.
-    lit: Vec<f32>,
 }
 
 impl Row {
@@ -105,7 +113,6 @@ impl Row {
             n: [zeros(), zeros(), zeros()],
             most: zeros(),
             hidden: zeros(),
-            lit: zeros(),
         }
     }
 }
@@ -122,17 +129,89 @@ struct Light<'a> {
     reach: f32,
     /// By direction, where corners are looked for.
     around: Vec<[Look; LOOKS]>,
-    shadow_reach: f32,
-    /// Towards the key light.
-    ahead: Vec<Look>,
+    shadows: Shadows,
+}
+
+/// What the key light sees.
+struct Shadows {
+    width: usize,
+    height: usize,
+    /// Minus infinity where nothing is.
+    depths: Vec<f32>,
+    /// Turns column, row and depth into those of the light's view.
+    turn: Mat3,
+    shift: Vec3,
+}
+
+impl Shadows {
+    fn new(seen: &Seen, lit: &Seen) -> Shadows {
+        let (turn, shift) = seen.to(lit);
+        Shadows {
+            width: lit.width,
+            height: lit.height,
+            depths: bare(lit),
+            turn: turn.as_mat3(),
+            shift: shift.as_vec3(),
+        }
+    }
+
+    /// Which share of the light arrives at a place, in columns, rows and
+    /// depth, of a surface that faces right, up and towards the viewer by
+    /// `normal`.
+    fn lit(&self, place: Vec3, normal: Vec3) -> f32 {
+        let p = self.turn * place + self.shift;
+        let n = self.turn * (normal * Vec3::new(1.0, -1.0, 1.0));
+        let steepest = GRAZING * n.length();
+        if !(n.z > steepest) || !p.is_finite() {
+            return 0.0;
+        }
+        // The surface's rise from one pixel to the next.
+        let (right, down) = (-n.x / n.z, -n.y / n.z);
+        let first = (p.truncate() - 0.5 * (AROUND - 2) as f32).floor();
+        let beyond = p.truncate() - 0.5 * (AROUND - 2) as f32 - first;
+        // All count alike but the outermost ones, which come and go.
+        let share = |k: usize, beyond: f32| match k {
+            0 => 1.0 - beyond,
+            k if k + 1 == AROUND => beyond,
+            _ => 1.0,
+        };
+        let mut hidden = 0.0;
+        for j in 0..AROUND {
+            let y = first.y + j as f32;
+            let row = y as usize;
+            if !(y >= 0.0) || row >= self.height {
+                continue;
+            }
+            let depths = &self.depths[row * self.width..(row + 1) * self.width];
+            let at_row = p.z + down * (y - p.y) + NEARER;
+            let weight = share(j, beyond.y);
+            for i in 0..AROUND {
+                let x = first.x + i as f32;
+                if !(x >= 0.0) {
+                    continue;
+                }
+                let depth = depths.get(x as usize);
+                let own = at_row + right * (x - p.x);
+                if depth.is_some_and(|d| *d > own) {
+                    hidden += weight * share(i, beyond.x);
+                }
+            }
+        }
+        1.0 - hidden / ((AROUND - 1) as f32).powi(2)
+    }
+}
+
+/// Depths; minus infinity where nothing is.
+fn bare(seen: &Seen) -> Vec<f32> {
+    let depth = |d: &Option<f32>| d.unwrap_or(f32::NEG_INFINITY);
+    seen.depths.iter().map(depth).collect()
 }
 
 impl<'a> Light<'a> {
-    fn new(seen: &'a Seen, up: Vec3) -> Self {
+    fn new(seen: &'a Seen, shadows: Shadows) -> Self {
         let longest = seen.width.max(seen.height) as f32;
         let key = KEY_FROM.normalize();
         let reach = (REACH * longest).max(2.0);
-        let shadow_reach = (SHADOW_REACH * longest).max(2.0);
         let around = |d: usize| {
             // Off the axes, along which edges often run.
             let share = (d as f32 + 0.25) / DIRECTIONS as f32;
@@ -144,22 +223,16 @@ impl<'a> Light<'a> {
                 Look::new(Vec3::new(step.x, -step.y, 0.0))
             })
         };
-        let ahead = |look: usize| {
-            let share = (look as f32 + 0.5) / SHADOW_LOOKS as f32;
-            Look::new(key * (shadow_reach * share * share).max(2.0))
-        };
-        let depth = |d: &Option<f32>| d.unwrap_or(f32::NEG_INFINITY);
         Light {
             seen,
-            depths: seen.depths.iter().map(depth).collect(),
-            up,
+            depths: bare(seen),
+            up: seen.axes.transpose().z_axis.as_vec3(),
             key,
             fill: FILL_FROM.normalize(),
             half_way: (key + Vec3::Z).normalize(),
             reach,
             around: (0..DIRECTIONS).map(around).collect(),
-            shadow_reach,
-            ahead: (0..SHADOW_LOOKS).map(ahead).collect(),
+            shadows,
         }
     }
 
@@ -182,11 +255,14 @@ impl<'a> Light<'a> {
             (row.n[0][k], row.n[1][k], row.n[2][k]) = (n.x, n.y, n.z);
         }
         self.look_around(y, first..last + 1, row);
-        self.look_ahead(y, first..last + 1, row);
+        let lit = |x: usize| {
+            let place = Vec3::new(x as f32, y as f32, row.z[x]);
+            SHADOW + (1.0 - SHADOW) * self.shadows.lit(place, normals[x])
+        };
         for x in (first..=last).filter(|x| there(&row.z[*x])) {
             let share = row.hidden[x] / DIRECTIONS as f32 * 1.6;
             let open = 1.0 - DARKEST * share.min(1.0);
-            let colour = self.colour(normals[x], open, row.lit[x]);
+            let colour = self.colour(normals[x], open, lit(x));
             if let Some(pixel) = out.get_mut(x / block) {
                 pixel[0] += colour.x;
                 pixel[1] += colour.y;
@@ -260,33 +336,77 @@ impl<'a> Light<'a> {
             }
         }
     }
+}
 
-    /// Which share of the key light arrives at pixels of row `y`.
-    fn look_ahead(&self, y: usize, pixels: Range<usize>, row: &mut Row) {
-        row.lit[pixels.clone()].fill(1.0);
-        // Something far in front is not taken to reach back to here.
-        let most = 0.5 * self.shadow_reach;
-        for look in &self.ahead {
-            let Some((other, own)) = self.seen_from(y, &pixels, look) else {
-                continue;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{
+        BuildVolume, Placement, Source, SourceKind, load, place,
+    };
+    use crate::preview::raster::{Subject, View};
+    use glam::DVec3;
+
+    /// A post on a plate as an expression and as a function.
+    const PARTS: &str = "min(max(sqrt(x^2+y^2) - 3, abs(z - 15) - 15), \
+                         max(max(abs(x) - 30, abs(y) - 30), abs(z) - 1))";
+
+    fn inside(p: DVec3) -> bool {
+        let post = p.truncate().length() < 3.0 && (0.0..30.0).contains(&p.z);
+        let plate = p.x.abs().max(p.y.abs()) < 30.0 && p.z.abs() < 1.0;
+        post || plate
+    }
+
+    /// Shadows end where they should, whatever the field is like besides its
+    /// sign: flat, steep, or both.
+    #[test]
+    fn shadows_are_those_of_the_part() {
+        let bed = BuildVolume {
+            x: 200.0,
+            y: 200.0,
+            z: 200.0,
+        };
+        for scale in ["1", "1000", "0.001", "exp(z/4)", "(2 + sin(5*x))"] {
+            let source = Source::Text {
+                name: "test".into(),
+                kind: SourceKind::Formula,
+                text: format!("({PARTS}) * {scale}"),
             };
-            // The light is wide: its edge is soft.
-            let edge = 0.12 * look.way.length() + 1.0;
-            let up = look.way.z + FLAT;
-            let z = &row.z[own.clone()];
-            let lit = &mut row.lit[own];
-            for k in 0..other.len().min(lit.len()) {
-                let over = other[k] - z[k] - up;
-                let left = 1.0 - over / edge;
-                let hides = (over > 0.0) & (over < most) & (left < lit[k]);
-                lit[k] = if hides { left } else { lit[k] };
+            let loaded = load(&source, &[]).unwrap();
+            let model = place(&loaded, &Placement::default(), bed).unwrap();
+            let subject = Subject::new(&model, View::ISO).unwrap();
+            let seen = subject.fitted(300, 240).unwrap();
+            let light = KEY_FROM.normalize().as_dvec3();
+            let lit = subject.seen_by(light, 1.5 * seen.pixel).unwrap();
+            let shadows = Shadows::new(&seen, &lit);
+            let way = seen.axes * light;
+            let (mut dark, mut wrong, mut all) = (0, 0, 0);
+            for (k, depth) in seen.depths.iter().enumerate() {
+                let at = |z: f32| {
+                    Vec3::new(
+                        (k % seen.width) as f32,
+                        (k / seen.width) as f32,
+                        z,
+                    )
+                };
+                let Some(place) = depth.map(at) else { continue };
+                let p = seen.place(place.as_dvec3());
+                let far = p.x.abs().max(p.y.abs()) < 29.0;
+                // On the plate, a little off the post.
+                if (p.z - 1.0).abs() > 0.2 || !far || p.length() < 5.0 {
+                    continue;
+                }
+                let hidden = (8..400).any(|i| {
+                    inside(DVec3::new(p.x, p.y, 1.0) + way * f64::from(i) * 0.1)
+                });
+                let share = shadows.lit(place, seen.normals[k]);
+                all += 1;
+                dark += usize::from(hidden);
+                wrong += usize::from((share < 0.5) != hidden);
             }
-        }
-        for x in pixels {
-            let [nx, ny, nz] = row.n.each_ref().map(|n| n[x]);
-            let faces = Vec3::new(nx, ny, nz).dot(self.key) > 0.0;
-            let lit = if faces { row.lit[x].max(0.0) } else { 0.0 };
-            row.lit[x] = SHADOW + (1.0 - SHADOW) * lit;
+            assert!(all > 10_000 && dark > 300, "{scale}: {all} {dark}");
+            // Only at the edge, which is as coarse as the light's pixels.
+            assert!(wrong < dark / 6, "{scale}: {wrong} of {dark}");
         }
     }
 }

@@ -1,20 +1,25 @@
-//! Compensations: outlines moved in the plane before anything is made of
-//! them, for what the plastic will do.
+//! Compensations: outlines changed in the plane before anything is made of
+//! them, for what the nozzle and the plastic will do.
 //!
-//! In: a layer's outline. Out: the outline to print. Both compensations are
-//! in-plane distances, exact to the tolerance.
+//! In: a layer's outline. Out: the outline to print. Slits are filled
+//! ([`super::slit`]); all other changes are in-plane distances, exact to the
+//! tolerance.
 
+use super::slit::{filled, slits};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
 use crate::plane::clip::{difference, intersection, union};
+use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
 use crate::settings::Settings;
 use crate::units::Mm;
 
-/// How far the outline of a layer is moved: outwards everywhere, and then
-/// inwards where it is not too thin for that.
+/// What is done to the outline of a layer: its slits are filled, it is moved
+/// outwards everywhere, and then inwards where it is not too thin for that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensation {
+    /// Slits narrower than this are filled.
+    slit: Mm,
     grow: Mm,
     draw_in: Mm,
     /// Thickness of what may be left when the outline is drawn in.
@@ -23,32 +28,93 @@ pub struct Compensation {
 }
 
 impl Compensation {
-    /// What the settings want for a layer; `None` if nothing is moved.
-    pub fn new(span: &LayerSpan, settings: &Settings) -> Option<Self> {
+    /// What the settings want for a layer.
+    pub fn new(span: &LayerSpan, settings: &Settings) -> Self {
         let layers = settings.elephant_foot_layers as usize;
         let left = layers.saturating_sub(span.index) as f64;
-        let it = Compensation {
+        Compensation {
+            slit: 2.0 * settings.slit_closing,
             grow: settings.xy_compensation,
             draw_in: settings.elephant_foot * left / layers.max(1) as f64,
             keep: 2.0 * settings.outer_wall_width,
             tolerance: 0.2 * settings.accuracy,
-        };
-        (it.grow != 0.0 || it.draw_in > 0.0).then_some(it)
+        }
     }
 
     /// The outline as the print will have it, if the plastic does what it is
     /// drawn in for; `None` if it is not drawn in.
     pub fn squeezed(&self, outline: &Area) -> Option<Area> {
-        (self.draw_in > 0.0).then(|| offset(outline, self.grow, self.tolerance))
+        let grid = || EdgeGrid::new(outline, CELL);
+        (self.draw_in > 0.0).then(|| {
+            self.grown(outline, &grid(), &mut [])
+                .unwrap_or_else(|| outline.clone())
+        })
     }
 
-    /// The outline, moved.
-    pub fn apply(&self, outline: &Area) -> Area {
-        let area = offset(outline, self.grow, self.tolerance);
-        match self.draw_in > 0.0 {
-            true => self.drawn_in(&area),
-            false => area,
+    /// The outline to print, unless it is the one there is; `grid` has its
+    /// edges. `walls` are areas that lie so deep in it, and are changed as it
+    /// is.
+    pub fn apply(
+        &self,
+        outline: &Area,
+        grid: &EdgeGrid,
+        walls: &mut [(Mm, Area)],
+    ) -> Option<Area> {
+        let grown = self.grown(outline, grid, walls);
+        if self.draw_in == 0.0 {
+            return grown;
         }
+        for (_, wall) in walls {
+            *wall = self.drawn_in(wall);
+        }
+        Some(self.drawn_in(grown.as_ref().unwrap_or(outline)))
+    }
+
+    /// The outline with its slits filled, and grown.
+    fn grown(
+        &self,
+        outline: &Area,
+        grid: &EdgeGrid,
+        walls: &mut [(Mm, Area)],
+    ) -> Option<Area> {
+        let closed = self.closed(outline, grid, walls);
+        if self.grow == 0.0 {
+            return closed;
+        }
+        let grow = |area: &Area| offset(area, self.grow, self.tolerance);
+        for (_, wall) in walls.iter_mut() {
+            *wall = grow(wall);
+        }
+        let grown = grow(closed.as_ref().unwrap_or(outline));
+        // What was wider than a slit may be one now.
+        let closed = match self.grow > 0.0 {
+            true => self.closed(&grown, &EdgeGrid::new(&grown, CELL), walls),
+            false => None,
+        };
+        Some(closed.unwrap_or(grown))
+    }
+
+    /// The outline with its slits filled, if it has any.
+    fn closed(
+        &self,
+        outline: &Area,
+        grid: &EdgeGrid,
+        walls: &mut [(Mm, Area)],
+    ) -> Option<Area> {
+        if self.slit <= 0.0 {
+            return None;
+        }
+        let found = slits(outline, grid, self.slit, self.tolerance);
+        if found.is_empty() {
+            return None;
+        }
+        let closed = filled(outline, &found, self.slit, self.tolerance);
+        for (depth, wall) in walls {
+            let around = offset(&found, *depth + self.slit, self.tolerance);
+            let inner = offset(&closed, -*depth, self.tolerance);
+            *wall = union(wall, &intersection(&inner, &around));
+        }
+        Some(closed)
     }
 
     /// The area drawn in, but for the places that would become thinner than
@@ -74,6 +140,9 @@ impl Compensation {
 /// sticks out of the disc in it by √2 − 1 of its radius.
 const ROUNDING: f64 = 0.5;
 
+/// Size of the cells in which edges are looked up, mm.
+pub const CELL: Mm = 1.0;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,9 +167,20 @@ mod tests {
         }
     }
 
+    impl Compensation {
+        /// The outline to print.
+        fn printed(&self, outline: &Area) -> Area {
+            let grid = EdgeGrid::new(outline, CELL);
+            self.apply(outline, &grid, &mut [])
+                .unwrap_or_else(|| outline.clone())
+        }
+    }
+
     #[test]
     fn nothing_is_moved_by_default() {
-        assert_eq!(Compensation::new(&span(0), &Settings::default()), None);
+        let c = Compensation::new(&span(0), &Settings::default());
+        assert_eq!(c.printed(&disc(3.0)), disc(3.0));
+        assert_eq!(c.squeezed(&disc(3.0)), None);
     }
 
     #[test]
@@ -114,8 +194,7 @@ mod tests {
         hole.reverse();
         ring.rings.push(hole);
         let content = |s: &Settings| {
-            let c = Compensation::new(&span(9), s).unwrap();
-            c.apply(&ring).content()
+            Compensation::new(&span(9), s).printed(&ring).content()
         };
         let pi = std::f64::consts::PI;
         let exact = pi * (10.1_f64.powi(2) - 3.9_f64.powi(2));
@@ -134,12 +213,13 @@ mod tests {
         };
         let square = rect(0.0, 0.0, 20.0, 10.0);
         for (index, by) in [(0, 0.3), (1, 0.2), (2, 0.1)] {
-            let c = Compensation::new(&span(index), &settings).unwrap();
-            let got = c.apply(&square);
+            let c = Compensation::new(&span(index), &settings);
+            let got = c.printed(&square);
             let exact = (20.0 - 2.0 * by) * (10.0 - 2.0 * by);
             assert!((got.content() - exact).abs() < 1e-6, "{index}");
         }
-        assert_eq!(Compensation::new(&span(3), &settings), None);
+        let c = Compensation::new(&span(3), &settings);
+        assert_eq!(c.printed(&square), square);
     }
 
     #[test]
@@ -148,12 +228,12 @@ mod tests {
             elephant_foot: 0.3,
             ..Settings::default()
         };
-        let c = Compensation::new(&span(0), &settings).unwrap();
+        let c = Compensation::new(&span(0), &settings);
         // A block with a fin of 0.8 mm.
         let block = rect(0.0, 0.0, 20.0, 20.0);
         let fin = rect(20.0, 9.6, 40.0, 10.4);
         let both = union(&block, &fin);
-        let got = c.apply(&both);
+        let got = c.printed(&both);
         assert_eq!(got.rings.len(), 1, "in one piece");
         assert!(got.contains(DVec2::new(39.9, 10.35)));
         assert!(got.contains(DVec2::new(39.9, 9.65)));
@@ -163,5 +243,55 @@ mod tests {
         assert!(!got.contains(DVec2::new(0.25, 10.0)));
         assert!(!got.contains(DVec2::new(19.8, 2.0)));
         assert!(got.contains(DVec2::new(10.0, 0.35)));
+    }
+
+    /// Slits close before the outline moves inwards, which would widen them,
+    /// and after it has moved outwards, which narrows them.
+    #[test]
+    fn slits_are_told_by_what_is_left_of_them() {
+        let parts = |gap: f64, by: f64, closing: f64| {
+            let settings = Settings {
+                xy_compensation: by,
+                slit_closing: closing,
+                ..Settings::default()
+            };
+            let both = Area {
+                rings: [rect(-5.0, 0.0, -gap, 4.0), rect(0.0, 0.0, 5.0, 4.0)]
+                    .into_iter()
+                    .flat_map(|a| a.rings)
+                    .collect(),
+            };
+            let c = Compensation::new(&span(0), &settings);
+            c.printed(&both).rings.len()
+        };
+        assert_eq!(parts(0.05, 0.0, 0.05), 1);
+        assert_eq!(parts(0.05, 0.0, 0.0), 2);
+        assert_eq!(parts(0.05, -0.2, 0.05), 1);
+        assert_eq!(parts(0.25, 0.0, 0.05), 2);
+        assert_eq!(parts(0.25, 0.1, 0.05), 1);
+        assert_eq!(parts(0.35, 0.1, 0.05), 2);
+    }
+
+    /// Walls that are offsets of the expression close where the outline does.
+    #[test]
+    fn walls_of_the_field_close_with_the_outline() {
+        let both = |inset: f64| Area {
+            rings: [(-5.0, -0.05), (0.0, 5.0)]
+                .iter()
+                .flat_map(|&(a, b)| {
+                    rect(a + inset, inset, b - inset, 4.0 - inset).rings
+                })
+                .collect(),
+        };
+        let mut walls = [(0.2, both(0.2)), (0.6, both(0.6))];
+        let outline = both(0.0);
+        let grid = EdgeGrid::new(&outline, CELL);
+        let c = Compensation::new(&span(0), &Settings::default());
+        assert!(c.apply(&outline, &grid, &mut walls).is_some());
+        for (depth, wall) in walls {
+            assert_eq!(wall.rings.len(), 1, "{depth}");
+            let exact = (10.0 - 2.0 * depth) * (4.0 - 2.0 * depth);
+            assert!((wall.content() - exact).abs() < 2e-3, "{depth}");
+        }
     }
 }

@@ -24,6 +24,7 @@ pub mod neighbour;
 pub(crate) mod patch;
 pub mod ridge;
 mod run;
+pub mod slit;
 mod thin;
 mod tip;
 

@@ -61,7 +61,7 @@ pub use table::{Key, Range, keys};
 pub use value::Varying;
 pub use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
-    InfillMode, InfillPattern, SeamRule, SkinOrder, SkinPattern, WallOffset,
-    WallOrder,
+    InfillMode, InfillPattern, SeamRule, SkinOrder, SkinPattern, SkinWhere,
+    WallOffset, WallOrder,
 };
 pub use write::suggestions;

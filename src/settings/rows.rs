@@ -31,6 +31,10 @@ table::settings! {
         /// outlines. Details smaller than this may be missed, and curves
         /// tighter than a few times this lose accuracy.
         sample_spacing: Mm = 0.1, in 0.01..=2.0;
+        /// Slits in a layer that are narrower than twice this are closed, so
+        /// that bodies that all but touch are printed as one; 0 leaves them
+        /// open.
+        slit_closing: Mm = 0.05, in 0.0..=1.0;
 
         ["Walls"]
         /// Number of walls around each island and hole.
@@ -74,6 +78,10 @@ table::settings! {
         seam_wipe: Mm = 0.3, in 0.0..=5.0;
 
         ["Skin: the solid top and bottom"]
+        /// Where the part gets skin: below and above all of its faces that
+        /// are exposed, or only at its ends, the lowest and the highest
+        /// layers of the part, where skin then fills whole layers.
+        skin_where: SkinWhere = SkinWhere::Exposed;
         /// Thickness of solid material below each upward face.
         top_thickness: Mm = 0.8, in 0.0..=1000.0;
         /// Thickness of solid material above each downward face.
@@ -103,6 +111,9 @@ table::settings! {
         /// Direction of skin lines on even layers, counter-clockwise from
         /// the x axis; odd layers are turned by a right angle.
         skin_angle: Degrees = 45.0, in -360.0..=360.0;
+        /// Gap between the ring around skin and the lines inside it; 0 for
+        /// lines that reach the ring.
+        skin_ring_gap: Mm = 0.0, in 0.0..=10.0;
         /// How far skin reaches into the sparse infill beside it, so that
         /// its lines are anchored.
         skin_overlap: Mm = 0.6, in 0.0..=20.0;

@@ -135,6 +135,16 @@ value::words! {
 }
 
 value::words! {
+    /// Where a part is solid.
+    SkinWhere {
+        /// Wherever a layer near above or below leaves it open.
+        Exposed = "exposed",
+        /// In its lowest and highest layers.
+        Ends = "ends",
+    }
+}
+
+value::words! {
     /// Order of a skin's lines.
     SkinOrder {
         /// Swept one way: no line is printed between two older ones, so that

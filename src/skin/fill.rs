@@ -71,7 +71,8 @@ impl Filler<'_> {
         let plan = Lay::inside(width, self.height, settings);
         let around = patch(island, plan, TOLERANCE);
         let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
-        let inside = around.inside(half_nozzle, TOLERANCE);
+        let off_ring = half_nozzle + settings.skin_ring_gap;
+        let inside = around.inside(off_ring, TOLERANCE);
         let fills = self.fills(&inside, &around, sides);
         let mut lines = fills.iter().flat_map(|f| &f.lines);
         let bridge = lines.any(|l| l.role == Role::Bridge);

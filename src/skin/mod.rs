@@ -3,8 +3,9 @@
 //! ```text
 //!   ╭────────────╮   the ring runs half a bead's spacing inside the area's
 //!   │ ╱╱╱╱╱╱╱╱╱╱ │   border, around holes as well; lines end half a nozzle
-//!   │ ╱╱╱╱╱╱╱╱╱╱ │   off the ring's centre line, one spacing apart, turned
-//!   ╰────────────╯   by 90° from layer to layer
+//!   │ ╱╱╱╱╱╱╱╱╱╱ │   off the ring's centre line (`skin_ring_gap` more, if
+//!   ╰────────────╯   asked for), one spacing apart, turned by 90° from layer
+//!                    to layer
 //! ```
 //!
 //! Inside the ring the area is split by what the neighbouring layers leave

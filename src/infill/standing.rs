@@ -1,0 +1,171 @@
+//! Infill that stands on nothing, left out.
+//!
+//! ```text
+//!   ─┃ ○ ╭──────┃─   Where cells of two sizes blend into each other, some are
+//!   ─┃   ╰──────┃─   closed like bubbles: seen from below they begin as a
+//!   ─┃ ─────────┃─   ring (○) that neither lies on anything nor touches
+//!   ─┃──────────┃─   anything in its layer. It would fall into the infill.
+//! ```
+//!
+//! In: layers from below, as they are printed. Out: their infill without the
+//! beads that nothing holds; a bubble is left out until it meets something
+//! that stands.
+//!
+//! Patterns of one density have no such places. Those that vary, and people's
+//! own, may.
+
+use crate::bead::Bead;
+use crate::plane::grid::EdgeGrid;
+use crate::settings::{self, Settings};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// Beads whose middles are within this share of their width of each other
+/// hold each other.
+const HELD: f64 = 0.75;
+
+/// What a layer's infill may stand on.
+pub struct Standing {
+    reach: Mm,
+    /// The beads of the layer below, if it is known.
+    below: Option<EdgeGrid>,
+}
+
+impl Standing {
+    /// For infill that needs to be looked at.
+    pub fn new(settings: &Settings) -> Option<Standing> {
+        let own = !matches!(settings.infill, settings::Infill::Pattern(_));
+        let graded = settings.infill_density.constant().is_none();
+        (own || graded).then(|| Standing {
+            reach: HELD * settings.infill_width,
+            below: None,
+        })
+    }
+
+    /// Forgets the layer below: everything stands on the next one.
+    pub fn forget(&mut self) {
+        self.below = None;
+    }
+
+    /// Takes the next layer, and leaves out what of its infill stands on
+    /// nothing: so many beads. `others` are its other ones.
+    pub fn keep<'a>(
+        &mut self,
+        infill: &mut Vec<Bead>,
+        others: impl Iterator<Item = &'a Bead>,
+    ) -> usize {
+        crate::limits::check();
+        let below = self.below.take();
+        let held = |bead: &Bead, by: &EdgeGrid| {
+            let mut edges = edges(bead);
+            edges.any(|(a, b)| !by.clear(a, b, self.reach))
+        };
+        let stands =
+            |bead: &Bead| below.as_ref().is_none_or(|below| held(bead, below));
+        let grid = |beads: &[&Bead]| {
+            EdgeGrid::of_lines(beads.iter().map(|b| line(b)), self.reach)
+        };
+        let mut kept: Vec<&Bead> = others.collect();
+        let mut stays: Vec<bool> = infill.iter().map(stands).collect();
+        kept.extend(infill.iter().zip(&stays).filter(|b| *b.1).map(|b| b.0));
+        let mut here = grid(&kept);
+        // What touches what stands is held by it, and may hold more.
+        loop {
+            let mut found = false;
+            for (bead, stays) in infill.iter().zip(&mut stays) {
+                if !*stays && held(bead, &here) {
+                    (*stays, found) = (true, true);
+                    kept.push(bead);
+                }
+            }
+            if !found {
+                break;
+            }
+            here = grid(&kept);
+        }
+        self.below = Some(here);
+        let left_out = stays.iter().filter(|stays| !**stays).count();
+        let mut stays = stays.into_iter();
+        infill.retain(|_| stays.next().unwrap_or(true));
+        left_out
+    }
+}
+
+/// The bead's points, the first one again at the end of a closed one.
+fn line(bead: &Bead) -> impl Iterator<Item = DVec2> + '_ {
+    let again = usize::from(bead.closed);
+    bead.points
+        .iter()
+        .chain(bead.points.iter().take(again))
+        .copied()
+}
+
+/// The edges of a bead.
+fn edges(bead: &Bead) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+    line(bead).zip(line(bead).skip(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bead::Role;
+    use std::f64::consts::TAU;
+
+    fn bead(points: &[(f64, f64)]) -> Bead {
+        let points = points.iter().map(|&(x, y)| DVec2::new(x, y));
+        Bead {
+            role: Role::SparseInfill,
+            points: points.collect(),
+            closed: false,
+            width: 0.45,
+            widths: Vec::new(),
+            height: 0.2,
+            small: false,
+        }
+    }
+
+    fn ring(x: f64, radius: f64) -> Bead {
+        let at = |i: u32| DVec2::from_angle(TAU * f64::from(i) / 40.0) * radius;
+        Bead {
+            points: (0..40).map(|i| at(i) + DVec2::X * x).collect(),
+            closed: true,
+            ..bead(&[])
+        }
+    }
+
+    #[test]
+    fn a_bubble_begins_where_it_meets_something() {
+        let settings = Settings {
+            infill_density: settings::Varying::Expression("9+d".into()),
+            ..Settings::default()
+        };
+        let mut standing = Standing::new(&settings).unwrap();
+        let wall = bead(&[(0.0, -9.0), (0.0, 9.0)]);
+        let line = bead(&[(0.3, 5.0), (20.0, 5.0)]);
+        let mut layer = |beads: &[Bead]| {
+            let mut infill = [&[line.clone()], beads].concat();
+            let all = infill.len();
+            let left_out = standing.keep(&mut infill, [&wall].into_iter());
+            assert_eq!(infill.len() + left_out, all);
+            infill.len() - 1
+        };
+        // All of the first layer stands on the bed.
+        assert_eq!(layer(&[ring(15.0, 1.0)]), 1);
+        // The second ring stands on nothing, nor does what comes of it.
+        assert_eq!(layer(&[ring(15.0, 1.2), ring(7.0, 0.3)]), 1);
+        assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 0.6)]), 1);
+        // Until it meets the line.
+        assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 4.8)]), 2);
+        assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 4.9)]), 2);
+        // What begins at a wall is held by it, and holds what it touches.
+        let from_wall = bead(&[(0.3, -4.0), (3.0, -4.0)]);
+        let beside = bead(&[(3.2, -4.0), (3.2, -8.0)]);
+        let alone = bead(&[(13.2, -4.0), (13.2, -8.0)]);
+        assert_eq!(layer(&[beside, from_wall, alone.clone()]), 2);
+        standing.forget();
+        let mut infill = vec![alone];
+        standing.keep(&mut infill, [&wall].into_iter());
+        assert_eq!(infill.len(), 1);
+        assert!(Standing::new(&Settings::default()).is_none());
+    }
+}
