@@ -162,7 +162,7 @@ impl Shadows {
         let p = self.turn * place + self.shift;
         let n = self.turn * (normal * Vec3::new(1.0, -1.0, 1.0));
         let steepest = GRAZING * n.length();
-        if !(n.z > steepest) || !p.is_finite() {
+        if n.z <= steepest || !n.is_finite() || !p.is_finite() {
             return 0.0;
         }
         // The surface's rise from one pixel to the next.
@@ -179,7 +179,7 @@ impl Shadows {
         for j in 0..AROUND {
             let y = first.y + j as f32;
             let row = y as usize;
-            if !(y >= 0.0) || row >= self.height {
+            if y < 0.0 || row >= self.height {
                 continue;
             }
             let depths = &self.depths[row * self.width..(row + 1) * self.width];
@@ -187,7 +187,7 @@ impl Shadows {
             let weight = share(j, beyond.y);
             for i in 0..AROUND {
                 let x = first.x + i as f32;
-                if !(x >= 0.0) {
+                if x < 0.0 {
                     continue;
                 }
                 let depth = depths.get(x as usize);

@@ -104,7 +104,7 @@ fn between(
     for (sign, bound) in [(1.0, width), (-1.0, ROUNDING)] {
         let over = |x: f64| sign * gap(x) - bound;
         let (l, h) = (over(low), over(high));
-        if !(low < high) || (l > 0.0 && h > 0.0) {
+        if low >= high || (l > 0.0 && h > 0.0) {
             return None;
         }
         let cut = low + (high - low) * l / (l - h);
@@ -115,7 +115,8 @@ fn between(
         }
     }
     // A pointed end of the area has edges that all but touch at its tip.
-    if !(high - low > margin) {
+    let length = high - low;
+    if length.is_nan() || length <= margin {
         return None;
     }
     let corner = |x: f64, y: f64| a + u * x + v * y;
