@@ -34,9 +34,9 @@ const PITCH: f64 = 0.25;
 /// What is let pass in a slab's layers, together: where the blades of a fan
 /// meet, or the tips of a star, there are some mm² in each.
 const LET_PASS: Mm2 = 1000.0;
-/// A divided cell counts as so many: it costs as much as many leaves that are
-/// not divided, and a leaf with four of its cells in vain counts whole.
-const CELL: f64 = 16.0;
+/// A divided cell counts as a leaf, of which it costs as much as several that
+/// are not divided.
+const CELL: f64 = (LEAF * LEAF) as f64;
 
 /// Counts what is too fine in a slab.
 pub(super) struct Noise {
