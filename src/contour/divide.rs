@@ -21,6 +21,7 @@ use crate::field::{FieldError, Lattice, Sampler};
 use crate::plane::Rect;
 use crate::units::Mm;
 use glam::DVec2;
+use std::f64::consts::FRAC_PI_2;
 
 /// A cell to be divided.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +51,9 @@ pub(super) struct Divided {
     /// Per cell, the sides where the lattice's edge was wrong: south, east,
     /// north, west.
     pub wrong: Vec<[bool; 4]>,
+    /// Per cell, how wide what is inside and outside is on average, if that is
+    /// less than the smallest feature: its outline is not followed then.
+    pub widths: Vec<Option<Mm>>,
 }
 
 /// How a cell is divided and its outline followed.
@@ -59,6 +63,8 @@ pub(super) struct Fineness {
     pub parts: usize,
     pub tolerance: Mm,
     pub trusted: Mm,
+    /// Size of the least feature that is to be found.
+    pub smallest: Mm,
 }
 
 /// The field on a divided cell.
@@ -86,6 +92,22 @@ impl Patch {
             min: self.point(a, b),
             max: self.point(a + 1, b + 1),
         }
+    }
+
+    /// How wide what is inside and what is outside is on average, if every
+    /// fourth of its edges has a sign change: as in `noise`.
+    fn width(&self) -> Option<Mm> {
+        let (n, all) = (self.x.len(), &self.inside);
+        let along_x = |k: &usize| !(k + 1).is_multiple_of(n);
+        let changes = (0..all.len() - 1)
+            .filter(along_x)
+            .filter(|&k| all[k] != all[k + 1])
+            .count()
+            + (n..all.len()).filter(|&k| all[k] != all[k - n]).count();
+        let side = f64::from(self.x[n - 1]) - f64::from(self.x[0]);
+        let length = 2.0 * n as f64 * side;
+        let density = FRAC_PI_2 * changes as f64 / length;
+        (2 * changes > n * (n - 1)).then_some(1.0 / density)
     }
 
     fn slot(&self, a: usize, b: usize, dir: usize) -> usize {
@@ -120,6 +142,9 @@ pub(super) fn divide(
     }
     let mut patches =
         sample(cells, lattice, z, fineness.parts, sampler, scratch)?;
+    let least = fineness.smallest;
+    let widths = patches.iter().map(|p| p.width().filter(|w| *w < least));
+    out.widths = widths.collect();
     find_vertices(cells, &mut patches, lattice, z, &mut out, sampler, scratch)?;
     connect(cells, &patches, z, fineness, &mut out, sampler, scratch)?;
     Ok(out)
@@ -307,7 +332,8 @@ fn connect(
     let mut chords: Vec<Chord> = Vec::new();
     // Per chord its piece, and whether the one before is in the same cell.
     let mut owners: Vec<(usize, bool)> = Vec::new();
-    for (cell, p) in cells.iter().zip(patches) {
+    for (n, (cell, p)) in cells.iter().zip(patches).enumerate() {
+        let in_vain = out.widths[n].is_some();
         for (a, b) in all() {
             let case = case(p, a, b);
             let mut list = CASES[case];
@@ -328,11 +354,12 @@ fn connect(
                 let ends = [from, to].map(|v| out.vertices[v as usize].end);
                 let (near, far) = (fineness.tolerance, fineness.trusted);
                 // Both of a saddle, so that they can be compared.
-                if list.len() > 1
-                    || !matches!(
-                        look(ends[0], ends[1], near, far),
-                        Look::Straight
-                    )
+                if !in_vain
+                    && (list.len() > 1
+                        || !matches!(
+                            look(ends[0], ends[1], near, far),
+                            Look::Straight
+                        ))
                 {
                     owners.push((out.pieces.len(), n > 0));
                     chords.push(Chord {

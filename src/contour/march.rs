@@ -21,6 +21,7 @@ use super::doubt::doubts;
 use super::edges::Edges;
 use super::hidden::hidden;
 use super::link::{Chains, Crossing, NONE};
+use super::noise::Noise;
 use super::settle::{Order, settle};
 use super::trace::{Chord, End, Look, Traced, look, trace};
 use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
@@ -112,6 +113,7 @@ impl Precision {
             parts,
             tolerance: self.chord,
             trusted: 1.5 * self.smallest,
+            smallest: self.smallest,
         }
     }
 }
@@ -129,6 +131,7 @@ pub(super) struct Marcher<'a> {
     precision: Precision,
     z: Vec<f32>,
     nan: Vec<usize>,
+    noise: Noise,
     edges: Edges,
     /// Where the outlines cross the edges.
     vertices: Vec<Vertex>,
@@ -175,6 +178,7 @@ impl<'a> Marcher<'a> {
             precision,
             z: z.iter().map(|&z| z as f32).collect(),
             nan: vec![0; z.len()],
+            noise: Noise::new(precision.smallest),
             edges: Edges::default(),
             vertices: Vec::new(),
             segments: Vec::new(),
@@ -202,6 +206,14 @@ impl<'a> Marcher<'a> {
             let nan = values.iter().filter(|f| f.is_nan()).count();
             self.nan[leaf.layer] += nan;
         }
+        self.noise.look(
+            batch.leaves,
+            batch.values,
+            &self.z,
+            self.lattice,
+            batch.sampler,
+            &mut self.scratch,
+        )?;
         self.vertices(&mut batch)?;
         let (chords, traced) = self.trace(&mut *batch.sampler)?;
         let mut divide = doubts(
@@ -223,6 +235,7 @@ impl<'a> Marcher<'a> {
             batch.sampler,
             &mut self.scratch,
         )?);
+        divide.retain(|&(leaf, _)| !self.noise.is_in(leaf));
         let divided = self.divide(divide, true, &mut batch)?;
         self.append(layers, &chords, traced, &divided);
         Ok(())
@@ -281,6 +294,9 @@ impl<'a> Marcher<'a> {
         let (mut numbers, mut chords) = (Vec::new(), Vec::new());
         self.bends.clear();
         for (n, s) in self.segments.iter().enumerate() {
+            if self.noise.is_in(s.leaf) {
+                continue;
+            }
             let [from, to] =
                 [s.from, s.to].map(|v| self.vertices[v as usize].end);
             match look(from, to, tolerance, trusted) {
@@ -375,6 +391,12 @@ impl<'a> Marcher<'a> {
                     &mut *batch.sampler,
                     &mut self.scratch,
                 )?;
+                for (cell, width) in cells.iter().zip(&divided.widths) {
+                    if let Some(width) = *width {
+                        let z = self.z[cell.layer];
+                        self.noise.divided(cell.at, z, width, self.lattice)?;
+                    }
+                }
                 if spread {
                     for (cell, wrong) in cells.iter().zip(&divided.wrong) {
                         let [i, j] = cell.at.map(|k| k as i64);

@@ -11,7 +11,8 @@
 //! lattice is wide (by its nodes: `doubt`; on coarse lattices by proof:
 //! `hidden`), are sampled more finely (`divide`). The pieces are joined at
 //! shared lattice edges (`link`), what is too small is left out (`small`), and
-//! last the rings are thinned so that they do not cross (`untangle`).
+//! last the rings are thinned so that they do not cross (`untangle`). A field of
+//! which nothing would be left is refused before any of that (`noise`).
 //!
 //! Inside is f < 0; a NaN is outside. Where the field jumps from one to the
 //! other, that is the outline. Rings smaller than a given size are left out
@@ -30,6 +31,7 @@ mod edges;
 mod hidden;
 mod link;
 mod march;
+mod noise;
 mod refine;
 mod settle;
 mod small;
@@ -80,7 +82,8 @@ const AT_ONCE: usize = 1024;
 /// it takes goes to `timings`.
 ///
 /// # Errors
-/// If the evaluator fails, which is a bug.
+/// If the field changes its sign finer than `smallest` over large parts of the
+/// slab; or if the evaluator fails, which is a bug.
 pub fn outlines(
     field: &Field,
     z: &[Mm],

@@ -86,6 +86,24 @@ pub enum FieldError {
         /// Distance of the samples, mm.
         spacing: Mm,
     },
+    /// It changes its sign finer than anything can be printed.
+    #[error(
+        "the field changes its sign finer than anything can be printed: near \
+         x = {:.1}, y = {:.1}, z = {:.1} (mm, in the model's coordinates as \
+         it is turned and scaled) what is inside and what is outside is \
+         {width:.3} mm wide on average, and what is narrower than \
+         {smallest:.3} mm, a quarter of a line, is left out. Let the \
+         expression oscillate less, or scale the part up (--scale)",
+        .at[0], .at[1], .at[2]
+    )]
+    TooFine {
+        /// Where it does, for one.
+        at: [Mm; 3],
+        /// How wide what is there is on average, mm.
+        width: Mm,
+        /// Size of what is left out, mm.
+        smallest: Mm,
+    },
     /// fidget refused the expression or a batch of samples.
     #[error(
         "the expression cannot be evaluated ({0}); this is a bug of \
