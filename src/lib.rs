@@ -46,7 +46,8 @@
 //! [`pipeline`] runs these stages over a window of layers that moves up the
 //! part, on as many threads as there are; the result is the same on any
 //! number. [`timings`] measures them, [`limits`] stops them when they take too
-//! much time or memory, [`units`] names what is measured.
+//! much time or memory, [`files`] reads what they are given, [`units`] names
+//! what is measured.
 //!
 //! # A ball
 //!
@@ -142,6 +143,7 @@ pub mod bgcode;
 pub mod check;
 pub mod contour;
 pub mod field;
+pub mod files;
 pub mod fuzzy;
 pub mod gcode;
 pub mod hang;

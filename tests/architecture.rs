@@ -22,6 +22,8 @@ const ORDER: &[&[&str]] = &[
     &["units"],
     // Any loop may ask whether it is to go on.
     &["limits"],
+    // Reading a pipe may be waiting, so it asks as well.
+    &["files"],
     // A stopwatch for every stage; it knows none of them.
     &["timings"],
     // Plain geometry: it knows neither settings nor fields.

@@ -14,6 +14,7 @@ use std::os::unix::fs::{PermissionsExt, symlink};
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -34,8 +35,26 @@ fn program() -> PathBuf {
     assert_cmd::cargo::cargo_bin!("isoslice").to_owned()
 }
 
+/// The program, with all signals as they are by default: whoever runs the
+/// tests may ignore some, in the background or under nohup, and what they start
+/// would, too. GNU's `env` can do that.
 fn isoslice(folder: &Path) -> Command {
-    let mut command = Command::new(program());
+    static HELPS: OnceLock<bool> = OnceLock::new();
+    const BY_DEFAULT: &str = "--default-signal";
+    let helps = HELPS.get_or_init(|| {
+        let tried = Command::new("env")
+            .args([BY_DEFAULT, "true"])
+            .stderr(Stdio::null())
+            .status();
+        tried.is_ok_and(|status| status.success())
+    });
+    let mut command = match helps {
+        true => Command::new("env"),
+        false => Command::new(program()),
+    };
+    if *helps {
+        command.arg(BY_DEFAULT).arg(program());
+    }
     command
         .current_dir(folder)
         .stdin(Stdio::null())
@@ -480,30 +499,240 @@ fn a_reader_that_goes_away_ends_the_run_quietly() {
     }
 }
 
-/// What `nohup` asks for holds.
-#[test]
-fn a_signal_that_is_ignored_stays_so() {
-    let folder = folder();
-    let root = folder.path();
-    fs::write(root.join("ball.rhai"), LARGE).unwrap();
+/// A large part, sliced by a shell that first does as it is told.
+fn at_work_after(folder: &Path, orders: &str) -> Child {
+    fs::write(folder.join("ball.rhai"), LARGE).unwrap();
     let line = format!(
-        "trap '' HUP; exec '{}' slice ball.rhai --set layer_height=0.05 \
+        "{orders}; exec '{}' slice ball.rhai --set layer_height=0.05 \
          --set sample_spacing=0.05",
         program().display()
     );
     let mut child = Command::new("sh")
         .args(["-c", &line])
-        .current_dir(root)
+        .current_dir(folder)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    wait_for_work(root, &mut child);
-    signal(&child, "HUP");
-    std::thread::sleep(Duration::from_millis(500));
-    assert_eq!(child.try_wait().unwrap(), None, "it has ended");
-    signal(&child, "TERM");
-    assert_eq!(wait(&mut child).signal(), Some(15));
+    wait_for_work(folder, &mut child);
+    child
+}
+
+/// What `nohup`, and a shell that starts a job in the background, ask for holds;
+/// and what they do not ask for cleans up all the same.
+#[test]
+fn a_signal_that_is_ignored_stays_so() {
+    for (ignored, sent) in [("HUP", "TERM"), ("INT", "TERM"), ("INT", "HUP")] {
+        let folder = folder();
+        let root = folder.path();
+        let mut child = at_work_after(root, &format!("trap '' {ignored}"));
+        signal(&child, ignored);
+        std::thread::sleep(Duration::from_millis(500));
+        assert_eq!(child.try_wait().unwrap(), None, "it has ended");
+        if sent == "HUP" && hung_up_is_ignored() {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            continue;
+        }
+        signal(&child, sent);
+        let status = wait(&mut child);
+        assert_eq!(status.code(), Some(130), "{ignored}, {sent}: {status}");
+        assert_eq!(names(root), ["ball.rhai"], "{ignored}, {sent}");
+    }
+}
+
+/// True if whoever runs the tests ignores the end of a terminal, as nohup does.
+fn hung_up_is_ignored() -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|l| l.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|m| u64::from_str_radix(m.trim(), 16).ok());
+    mask.is_some_and(|mask| mask & 1 != 0)
+}
+
+/// Signals that end whoever does not care for them leave nothing, either.
+#[test]
+fn other_ways_to_be_ended_clean_up() {
+    for name in ["QUIT", "USR1", "ALRM", "XCPU"] {
+        let folder = folder();
+        let root = folder.path();
+        let mut child = at_work(root, &[]);
+        signal(&child, name);
+        let status = wait(&mut child);
+        assert_eq!(status.code(), Some(130), "{name}: {status}");
+        assert_eq!(names(root), ["ball.rhai"], "{name}");
+    }
+}
+
+/// The signal that a limit on the size of files sends is not the end.
+#[test]
+fn a_file_that_grows_too_large_is_an_error() {
+    let models = folder();
+    fs::write(models.path().join("ball.rhai"), LARGE).unwrap();
+    let line = format!(
+        "ulimit -f 16; exec '{}' slice ball.rhai --set layer_height=0.4",
+        program().display()
+    );
+    let output = Command::new("sh")
+        .args(["-c", &line])
+        .current_dir(models.path())
+        .output()
+        .unwrap();
+    assert_fails(&output, "File too large");
+    assert_eq!(names(models.path()), ["ball.rhai"]);
+}
+
+/// Rust's own runtime would have it written to /dev/null.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_standard_output_that_is_closed_is_an_error() {
+    let folder = folder();
+    let root = folder.path();
+    fs::write(root.join("ball.rhai"), SMALL).unwrap();
+    let run = |arguments: &str, streams: &str| {
+        let line = format!("'{}' {arguments} {streams}", program().display());
+        Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(root)
+            .output()
+            .unwrap()
+    };
+    for arguments in [
+        "slice ball.rhai -o -",
+        "slice ball.rhai -o /dev/stdout",
+        "render ball.rhai -o -",
+        "info ball.rhai",
+        "settings",
+        "profiles",
+        "man",
+    ] {
+        assert_fails(&run(arguments, ">&-"), "no standard output");
+        assert_eq!(names(root), ["ball.rhai"], "{arguments}");
+        let kept = run(arguments, ">/dev/null");
+        assert!(kept.status.success(), "{arguments}: {kept:?}");
+    }
+    // Nobody needs it where there is a file, nor the other streams.
+    for streams in [">&-", "2>&-", "<&-", "<&- >&- 2>&-"] {
+        assert!(run("slice ball.rhai", streams).status.success());
+        fs::remove_file(root.join("ball.gcode")).unwrap();
+        assert_eq!(names(root), ["ball.rhai"], "{streams}");
+    }
+}
+
+/// However little address space there is, it is said, and nothing is aborted.
+#[cfg(target_os = "linux")]
+#[test]
+fn too_little_address_space_is_said() {
+    let folder = folder();
+    let root = folder.path();
+    fs::write(root.join("ball.rhai"), SMALL).unwrap();
+    let formula = "-e 'sqrt(x^2+y^2+z^2)-3'";
+    for (kilobytes, arguments) in [
+        (40_000, "slice ball.rhai"),
+        (40_000, &format!("render {formula} -o ball.png")),
+        (100_000, &format!("info {formula}")),
+        (200_000, &format!("slice {formula}")),
+        (600_000, "slice ball.rhai"),
+    ] {
+        let line = format!(
+            "ulimit -v {kilobytes}; exec '{}' {arguments}",
+            program().display()
+        );
+        let output = Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(root)
+            .output()
+            .unwrap();
+        assert_fails(&output, "ulimit -v");
+        assert_eq!(names(root), ["ball.rhai"], "{arguments}");
+    }
+}
+
+/// What is no file, or has no end, is refused soon, whatever it was to be.
+#[cfg(target_os = "linux")]
+#[test]
+fn endless_files_are_refused() {
+    let folder = folder();
+    let root = folder.path();
+    fs::write(root.join("ball.rhai"), SMALL).unwrap();
+    symlink("/dev/zero", root.join("zero.toml")).unwrap();
+    symlink("/dev/zero", root.join("zero.rhai")).unwrap();
+    fs::write(root.join("heir.toml"), "inherits = \"zero.toml\"\n").unwrap();
+    for arguments in [
+        "slice ball.rhai --config /dev/zero",
+        "slice ball.rhai --config zero.toml",
+        "slice ball.rhai --printer ./zero.toml",
+        "slice ball.rhai --printer ./heir.toml",
+        "settings --config /dev/zero",
+        "slice zero.rhai",
+        "slice ball.rhai --set infill=zero.rhai",
+    ] {
+        let output = isoslice(root)
+            .args(arguments.split(' '))
+            .args(match arguments.starts_with("slice") {
+                true => &["--memory-limit", "120MB"][..],
+                false => &[],
+            })
+            .output()
+            .unwrap();
+        assert_fails(&output, "larger than");
+        assert!(!root.join("ball.gcode").exists(), "{arguments}");
+    }
+}
+
+/// A pipe that nobody writes to ends with the run's time.
+#[test]
+fn a_pipe_does_not_outlast_the_limit() {
+    let folder = folder();
+    let root = folder.path();
+    fs::write(root.join("ball.rhai"), SMALL).unwrap();
+    for name in ["pipe.rhai", "pipe.toml"] {
+        let made = Command::new("mkfifo").arg(root.join(name)).status();
+        assert!(made.unwrap().success());
+    }
+    let before = names(root);
+    for arguments in [
+        "slice pipe.rhai",
+        "info pipe.rhai",
+        "render pipe.rhai",
+        "slice ball.rhai --config pipe.toml",
+        "slice ball.rhai --printer ./pipe.toml",
+        "slice ball.rhai --set infill=pipe.rhai",
+    ] {
+        let output = isoslice(root)
+            .args(arguments.split(' '))
+            .args(["--time-limit", "0.5"])
+            .output()
+            .unwrap();
+        assert_fails(&output, "--time-limit");
+        assert_eq!(names(root), before, "{arguments}");
+    }
+    // One that somebody does write to is as good as a file.
+    let line = format!(
+        "cat ball.rhai > pipe.rhai & exec '{}' info pipe.rhai",
+        program().display()
+    );
+    let output = Command::new("sh")
+        .args(["-c", &line])
+        .current_dir(root)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
+fn profiles_do_not_inherit_for_ever() {
+    let folder = folder();
+    let root = folder.path();
+    fs::write(root.join("ball.rhai"), SMALL).unwrap();
+    for k in 0..2000 {
+        let text = format!("inherits = \"p{}.toml\"\n", k + 1);
+        fs::write(root.join(format!("p{k}.toml")), text).unwrap();
+    }
+    let output = isoslice(root)
+        .args(["slice", "ball.rhai", "--preset", "p0.toml"])
+        .output()
+        .unwrap();
+    assert_fails(&output, "p0, which inherits p1");
 }
 
 #[test]

@@ -222,6 +222,65 @@ fn islands_without_number() {
     }
 }
 
+/// A part whose field waves so finely that nothing of it could be printed is
+/// refused, with the place, before hours of work are done for it.
+#[test]
+fn fields_that_oscillate_finer_than_can_be_printed() {
+    const CUBE: &str = "max(max(abs(x),abs(y)),abs(z)) - 6";
+    let mods = (0..30).fold("x".to_owned(), |e, k| {
+        format!("(({e})*3.1 + y + z*{k}) % 1.7")
+    });
+    let settings = Settings::default();
+    for text in [
+        "sin(1e6*x) + sqrt(x^2+y^2+z^2) - 5",
+        "sin(1000*x) + sqrt(x^2+y^2+z^2) - 15",
+        &format!("max(tan(x*y*z*100), {CUBE})"),
+        &format!("max(sin(100*x)*sin(100*y)*sin(100*z), {CUBE})"),
+        &format!("max((floor(x*50) + floor(y*50)) % 2 - 0.5, {CUBE})"),
+        &format!("max({mods} - 0.8, {CUBE})"),
+        // A rough skin, no thicker than a hair.
+        "sqrt(x^2+y^2+z^2) - 8 + 0.02*sin(300*x)*sin(300*y)*sin(300*z)",
+    ] {
+        let error = slice(text, None, &settings).unwrap_err();
+        assert!(error.contains("finer than"), "{text}: {error}");
+        assert!(error.contains("near x ="), "{text}: {error}");
+    }
+    // The same whatever the lattice.
+    for spacing in ["0.05", "0.3", "1"] {
+        let spacing = format!("sample_spacing={spacing}");
+        let settings = common::settings(&[&spacing]);
+        let text = format!("max(sin(97*x)*sin(97*y)*sin(97*z), {CUBE})");
+        let error = slice(&text, None, &settings).unwrap_err();
+        assert!(error.contains("finer than"), "{spacing}: {error}");
+    }
+}
+
+/// What is fine, but no finer than a line or two, is a part.
+#[test]
+fn fine_lattices_are_printed() {
+    let settings = common::settings(&["thin_min=10%"]);
+    let gyroid = |k: &str| {
+        format!(
+            "sin(x*{k})*cos(y*{k}) + sin(y*{k})*cos(z*{k}) \
+             + sin(z*{k})*cos(x*{k})"
+        )
+    };
+    let cut = |f: &str| format!("max({f}, max(max(abs(x),abs(y)),abs(z)) - 3)");
+    for text in [
+        // Sheets of a gyroid with cells of 0.9 mm.
+        cut(&format!("abs({}) - 0.6", gyroid("6.981"))),
+        // Struts of 0.15 mm, 1 mm apart.
+        cut("sqrt(((x+50)%1-0.5)^2 + ((y+50)%1-0.5)^2) - 0.075"),
+        // Fins of 0.2 mm.
+        cut("abs((x+50)%0.4 - 0.2) - 0.1"),
+        // Forty blades that meet in the middle.
+        "max(sin(40*atan2(y,x)), max(sqrt(x^2+y^2) - 6, abs(z) - 3))".into(),
+    ] {
+        let gcode = slice(&text, None, &settings).unwrap();
+        assert_valid(&gcode, &settings, &text);
+    }
+}
+
 #[test]
 fn parts_thinner_than_any_bead() {
     for thickness in ["0.2", "0.05", "0.01", "1e-3", "1e-5", "1e-9"] {

@@ -5,13 +5,13 @@ use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use etcetera::BaseStrategy;
 use glam::DVec3;
+use isoslice::files;
 use isoslice::model::{
     self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
 };
 use isoslice::settings::{
     Builder, Infill, Origin, ProfileKind, Profiles, Settings,
 };
-use std::io::{Read, stdin};
 use std::path::{Path, PathBuf};
 
 /// Name of a model that is given as a formula.
@@ -224,13 +224,10 @@ fn standard_input() -> anyhow::Result<String> {
     /// As much as of the largest kind of file; what is too large for its kind
     /// is refused when it is loaded.
     const MAX_BYTES: u64 = 64 << 20;
-    let mut text = String::new();
-    stdin()
-        .lock()
-        .take(MAX_BYTES + 1)
-        .read_to_string(&mut text)
-        .context("cannot read the model from standard input")?;
-    Ok(text)
+    let bytes = files::read_standard_input(MAX_BYTES);
+    bytes
+        .and_then(files::text)
+        .context("cannot read the model from standard input")
 }
 
 /// Where settings come from.

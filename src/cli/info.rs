@@ -2,6 +2,7 @@
 
 use super::args::{ModelArgs, SettingsSource};
 use super::limits::{LimitArgs, watched};
+use super::output::print;
 use super::{print_json, terminal};
 use clap::Args;
 use glam::DVec3;
@@ -10,7 +11,6 @@ use isoslice::model::{Bounds, Model, Parameter};
 use isoslice::settings::Settings;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::io::{Write, stdout};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -51,8 +51,7 @@ fn show(args: &InfoArgs) -> anyhow::Result<()> {
         return print_json(&Json::new(&model, settings, warnings)?);
     }
     let text = describe(&model, settings)?;
-    stdout().lock().write_all(text.as_bytes())?;
-    Ok(())
+    print(text.as_bytes())
 }
 
 /// The keys of `--json`.

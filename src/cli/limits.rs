@@ -1,22 +1,17 @@
-//! How long a command may take, how much memory, and how it is interrupted.
+//! How long a command may take, and how much memory.
 //!
 //! Guaranteed: a command ends within seconds of its limits, with an error that
-//! says what it was at; one that is interrupted (Ctrl-C, a request to end)
-//! ends at once. Either way no half-written file is left.
+//! says what it was at, and no half-written file is left.
 
 use super::{output, terminal};
 use clap::Args;
-use isoslice::limits::{Limits, Watch};
+use isoslice::limits::{Limits, Watch, enough_space};
 use std::process::exit;
 use std::time::Duration;
 
 /// Seconds that a stage has to notice that it was stopped, after which the
 /// process ends without it.
 const GRACE: Duration = Duration::from_secs(2);
-
-/// Exit code of a command that was interrupted: as shells write it for the
-/// signal of Ctrl-C.
-const INTERRUPTED: i32 = 130;
 
 /// Limits on a command.
 #[derive(Args, Debug)]
@@ -62,6 +57,7 @@ pub(super) fn watched<T>(
     watch: &Watch,
     work: impl FnOnce() -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
+    enough_space()?;
     watch.last_resort(
         GRACE,
         &|stopped| {
@@ -72,23 +68,6 @@ pub(super) fn watched<T>(
         },
         work,
     )?
-}
-
-/// From now on a request to end removes what is half-written first. Where one
-/// of the signals is ignored, as under nohup, all stay as they are: one that
-/// is not ignored then leaves the hidden file.
-///
-/// # Errors
-/// If the system does not let us.
-pub(crate) fn end_cleanly_when_asked() -> anyhow::Result<()> {
-    let set = ctrlc::try_set_handler(|| {
-        let _pending = output::discard_all();
-        exit(INTERRUPTED);
-    });
-    match set {
-        Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
-        Err(error) => Err(error.into()),
-    }
 }
 
 /// A number and its unit; `none` is no limit.

@@ -2,13 +2,13 @@
 //! description is turned into.
 
 use super::Cli;
-use super::output::Output;
+use super::output::{Output, print};
 use anyhow::{Context, bail};
 use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, roman};
-use std::io::{Write, stdout};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 const COMPLETIONS: &str = "\
@@ -49,8 +49,7 @@ pub(super) fn completions(args: &CompletionsArgs) -> anyhow::Result<()> {
     let mut script = Vec::new();
     let mut command = Cli::command();
     clap_complete::generate(args.shell, &mut command, "isoslice", &mut script);
-    stdout().lock().write_all(&script)?;
-    Ok(())
+    print(&script)
 }
 
 pub(super) fn man(args: &ManArgs) -> anyhow::Result<()> {
@@ -68,8 +67,7 @@ pub(super) fn man(args: &ManArgs) -> anyhow::Result<()> {
             ),
         },
     };
-    stdout().lock().write_all(&page(command)?.1)?;
-    Ok(())
+    print(&page(command)?.1)
 }
 
 /// File name and text of a command's page.

@@ -6,6 +6,7 @@
 
 mod args;
 mod check;
+mod closed;
 mod formats;
 mod info;
 mod limits;
@@ -17,6 +18,8 @@ mod preview;
 mod profiles;
 mod render;
 mod settings;
+#[cfg(unix)]
+mod signals;
 mod slice;
 mod summary;
 pub(crate) mod terminal;
@@ -40,7 +43,7 @@ Exit codes:
   0    done
   1    something is wrong with the model, the settings or a file
   2    something is wrong with the command line
-  130  interrupted
+  130  interrupted by a signal
   141  whoever read our output has closed it before the end
 
 Environment:
@@ -93,7 +96,8 @@ enum Command {
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     cli.verbosity.apply();
     memory::return_large_blocks();
-    limits::end_cleanly_when_asked()?;
+    #[cfg(unix)]
+    signals::end_cleanly_when_asked()?;
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Preview(args) => preview::run(&args),
@@ -110,9 +114,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
 
 /// Prints a result as JSON.
 fn print_json(result: &impl serde::Serialize) -> anyhow::Result<()> {
-    use std::io::{Write, stdout};
     let mut text = serde_json::to_string_pretty(result)?;
     text.push('\n');
-    stdout().lock().write_all(text.as_bytes())?;
-    Ok(())
+    output::print(text.as_bytes())
 }

@@ -5,9 +5,11 @@
 //! for what is not a file, such as standard output, which is written as it
 //! comes, and not against the process being killed, which may leave a hidden
 //! file beside the destination, `.isoslice-….tmp`. Asked to end (Ctrl-C), the
-//! process removes that first: see [`discard_all`].
+//! process removes that first: see [`discard_all`]. (A file without a name would
+//! not even survive that, but could not take the place of another in one step.)
 
 use super::args::is_stream;
+use super::closed;
 use anyhow::{Context, bail};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write, stdout};
@@ -57,6 +59,9 @@ impl Output {
         path: &Path,
         inputs: &[&Path],
     ) -> anyhow::Result<Self> {
+        if is_stream(path) || closed::is_output(path) {
+            closed::need_output()?;
+        }
         if is_stream(path) {
             return Ok(Output::Stream(BufWriter::with_capacity(
                 BUFFER,
@@ -194,6 +199,17 @@ impl Write for Output {
             Output::Stream(writer) => writer.flush(),
         }
     }
+}
+
+/// Writes a command's result to standard output.
+///
+/// # Errors
+/// If that is closed, or not all of it is taken.
+pub(super) fn print(result: &[u8]) -> anyhow::Result<()> {
+    closed::need_output()?;
+    let mut out = stdout().lock();
+    out.write_all(result)?;
+    Ok(out.flush()?)
 }
 
 /// Whether two names, of files that may not be there yet, are one file's: also

@@ -1,13 +1,13 @@
 //! `isoslice profiles`: which printers, filaments and presets there are.
 
 use super::args::ProfilesSource;
+use super::output::print;
 use super::print_json;
 use anyhow::bail;
 use clap::{Args, Subcommand};
 use isoslice::settings::{Origin, Profile, ProfileKind};
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::io::{Write, stdout};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -106,8 +106,7 @@ fn list(args: &ListArgs) -> anyhow::Result<()> {
         return print_json(&all.map(Listed::new).collect::<Vec<_>>());
     }
     let text = describe(&found, &args.source)?;
-    stdout().lock().write_all(text.as_bytes())?;
-    Ok(())
+    print(text.as_bytes())
 }
 
 fn describe(
@@ -159,6 +158,5 @@ fn show(args: &ShowArgs) -> anyhow::Result<()> {
         let hint = profiles.suggestion(&ProfileKind::ALL, &args.name);
         bail!("there is no profile {:?}; {hint}", args.name);
     }
-    stdout().lock().write_all(text.as_bytes())?;
-    Ok(())
+    print(text.as_bytes())
 }

@@ -52,7 +52,7 @@ pub(super) struct Divided {
     /// north, west.
     pub wrong: Vec<[bool; 4]>,
     /// Per cell, how wide what is inside and outside is on average, if that is
-    /// less than the smallest feature: its outline is not followed then.
+    /// too fine for its outline to be followed.
     pub widths: Vec<Option<Mm>>,
 }
 
@@ -94,9 +94,10 @@ impl Patch {
         }
     }
 
-    /// How wide what is inside and what is outside is on average, if every
-    /// fourth of its edges has a sign change: as in `noise`.
-    fn width(&self) -> Option<Mm> {
+    /// How wide what is inside and what is outside is on average, as in
+    /// `noise`, if that is much less than the smallest feature: a third of it,
+    /// or less than it and so fine that every fourth edge has a sign change.
+    fn too_fine(&self, smallest: Mm) -> Option<Mm> {
         let (n, all) = (self.x.len(), &self.inside);
         let along_x = |k: &usize| !(k + 1).is_multiple_of(n);
         let changes = (0..all.len() - 1)
@@ -107,7 +108,12 @@ impl Patch {
         let side = f64::from(self.x[n - 1]) - f64::from(self.x[0]);
         let length = 2.0 * n as f64 * side;
         let density = FRAC_PI_2 * changes as f64 / length;
-        (2 * changes > n * (n - 1)).then_some(1.0 / density)
+        let width = 1.0 / density;
+        let most = match 2 * changes > n * (n - 1) {
+            true => smallest,
+            false => smallest / 3.0,
+        };
+        (width < most).then_some(width)
     }
 
     fn slot(&self, a: usize, b: usize, dir: usize) -> usize {
@@ -142,8 +148,7 @@ pub(super) fn divide(
     }
     let mut patches =
         sample(cells, lattice, z, fineness.parts, sampler, scratch)?;
-    let least = fineness.smallest;
-    let widths = patches.iter().map(|p| p.width().filter(|w| *w < least));
+    let widths = patches.iter().map(|p| p.too_fine(fineness.smallest));
     out.widths = widths.collect();
     find_vertices(cells, &mut patches, lattice, z, &mut out, sampler, scratch)?;
     connect(cells, &patches, z, fineness, &mut out, sampler, scratch)?;

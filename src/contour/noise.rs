@@ -33,10 +33,10 @@ const LINES: usize = 3;
 const PITCH: f64 = 0.25;
 /// What is let pass in a slab's layers, together: where the blades of a fan
 /// meet, or the tips of a star, there are some mm² in each.
-const LET_PASS: Mm2 = 200.0;
-/// A divided cell counts as so many: a leaf with a quarter of its cells in
-/// vain counts whole.
-const CELL: f64 = 4.0;
+const LET_PASS: Mm2 = 1000.0;
+/// A divided cell counts as a leaf, of which it costs as much as several that
+/// are not divided.
+const CELL: f64 = (LEAF * LEAF) as f64;
 
 /// Counts what is too fine in a slab.
 pub(super) struct Noise {

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// Longest time: thousands of times what a template takes.
 const LONGEST: Seconds = 10.0;
 /// Growth of the process's memory, to which other threads may add theirs.
-const MOST_BYTES: u64 = 1 << 30;
+const MOST_BYTES: u64 = 192 << 20;
 /// Time between looks, after the first of which few templates are not done.
 const EVERY: Duration = Duration::from_millis(2);
 /// Stack of the thread.
@@ -28,6 +28,11 @@ pub(super) enum GivenUp {
     Memory,
     #[error("it cannot be computed; make it simpler")]
     Failed,
+    #[error(
+        "there is no thread to be had for it: the system allows too little \
+         memory (ulimit -v) or too few threads (ulimit -u)"
+    )]
+    NoThread,
 }
 
 /// Does the work.
@@ -52,7 +57,7 @@ fn within<T: Send + 'static>(
             // Nobody listens any more if it took too long.
             let _ = sender.send(work());
         })
-        .map_err(|_| GivenUp::Failed)?;
+        .map_err(|_| GivenUp::NoThread)?;
     loop {
         match receiver.recv_timeout(EVERY) {
             Ok(result) => return Ok(result),

@@ -21,12 +21,15 @@
 //!
 //! Not guaranteed: memory is the whole process's, whatever else it does, and
 //! is not bounded where the system does not tell it. A single allocation that
-//! the system refuses ends the process.
+//! the system refuses ends the process; where the system bounds the address
+//! space, the work is stopped shortly before (`space`).
 
+mod space;
 mod stopped;
 #[cfg(test)]
 mod tests;
 
+pub use space::{TooLittleSpace, enough_space};
 pub use stopped::{Activity, Reason, Stopped};
 
 use std::cell::{Cell, RefCell};
@@ -216,6 +219,9 @@ impl Shared {
             && resident_bytes().is_some_and(|bytes| bytes > limit)
         {
             self.stop_for(Reason::Memory);
+        }
+        if space::is_used_up() {
+            self.stop_for(Reason::Space);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Work that was stopped: why, how far it had come, and what to do about it.
 
-use super::Limits;
+use super::{Limits, space};
 use std::fmt;
 
 /// Why work was stopped.
@@ -10,13 +10,19 @@ pub enum Reason {
     Time,
     /// The memory was used up.
     Memory,
+    /// Nearly all the address space that the system allows was taken.
+    Space,
     /// Somebody called [`Watch::cancel`](super::Watch::cancel).
     Cancelled,
 }
 
 impl Reason {
-    pub(super) const ALL: [Reason; 3] =
-        [Reason::Time, Reason::Memory, Reason::Cancelled];
+    pub(super) const ALL: [Reason; 4] = [
+        Reason::Time,
+        Reason::Memory,
+        Reason::Cancelled,
+        Reason::Space,
+    ];
 
     /// As the flag holds it; 0 is for work that may go on.
     pub(super) fn number(self) -> u8 {
@@ -24,6 +30,7 @@ impl Reason {
             Reason::Time => 1,
             Reason::Memory => 2,
             Reason::Cancelled => 3,
+            Reason::Space => 4,
         }
     }
 }
@@ -63,6 +70,12 @@ impl fmt::Display for Stopped {
                 f,
                 "stopped at {} MB of memory, the limit (--memory-limit)",
                 bytes >> 20
+            )?,
+            (Reason::Space, ..) => write!(
+                f,
+                "stopped short of the {} MB of address space that the system \
+                 allows (ulimit -v)",
+                space::allowed().unwrap_or_default() >> 20
             )?,
             _ => write!(f, "stopped")?,
         }

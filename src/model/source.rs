@@ -9,8 +9,8 @@ use super::formula::parse_formula;
 use super::param::{Parameter, none_wanted};
 use super::script::{ScriptLimits, run_script};
 use super::vm::parse_vm;
+use crate::files::{self, FileError};
 use fidget::context::Tree;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Largest file that is read. A .vm file of 10⁶ lines has about 20 MB.
@@ -161,18 +161,15 @@ fn most_bytes(kind: SourceKind) -> u64 {
 }
 
 fn read(path: &Path, most: u64) -> Result<Vec<u8>, LoadError> {
-    let failed = |source| LoadError::Read {
-        file: path.display().to_string(),
-        source,
-    };
-    let file = std::fs::File::open(path).map_err(failed)?;
-    let mut bytes = Vec::new();
-    // Not by the size in the directory: pipes and devices have none.
-    file.take(most + 1)
-        .read_to_end(&mut bytes)
-        .map_err(failed)?;
-    within(&bytes, most, &path.display().to_string())?;
-    Ok(bytes)
+    let file = path.display().to_string();
+    files::read(path, most).map_err(|error| match error {
+        FileError::System(source) => LoadError::Read { file, source },
+        FileError::TooLarge { most } => LoadError::TooLarge {
+            file,
+            limit_mb: most >> 20,
+        },
+        FileError::NotText { line } => LoadError::NotText { file, line },
+    })
 }
 
 fn within(bytes: &[u8], most: u64, file: &str) -> Result<(), LoadError> {

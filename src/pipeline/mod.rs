@@ -184,10 +184,16 @@ pub enum SliceError {
     #[error(transparent)]
     Report(#[from] ReportError),
     /// The threads cannot be started.
-    #[error("cannot start the worker threads; try --threads 1")]
+    #[error(
+        "cannot start the worker threads; try --threads 1, or raise what the \
+         system allows (ulimit -v, ulimit -u)"
+    )]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// Nor the one that hands them their work.
-    #[error("cannot start the worker threads; try --threads 1")]
+    #[error(
+        "cannot start the worker threads; try --threads 1, or raise what the \
+         system allows (ulimit -v, ulimit -u)"
+    )]
     LayersThread(#[source] io::Error),
     /// Nor the one that checks.
     #[error("cannot start a thread to check the G-code; try --no-check")]

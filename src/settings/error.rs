@@ -1,5 +1,6 @@
 //! Where settings were given, and why they may be refused.
 
+use crate::files::FileError;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -61,6 +62,18 @@ pub enum SettingsError {
         /// What the system says.
         #[source]
         cause: std::io::Error,
+    },
+    /// A file cannot be one of settings.
+    #[error(
+        "{} cannot be a file of settings: {cause}; give one as `isoslice \
+         settings` prints it",
+        path.display()
+    )]
+    NoSettings {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        cause: FileError,
     },
     /// A file is not TOML.
     #[error(
@@ -126,6 +139,19 @@ pub enum SettingsError {
         place: Place,
         /// The profiles.
         names: String,
+    },
+    /// Profiles inherit from one another without end, or nearly so.
+    #[error(
+        "{place}: more than {most} profiles inherit from one another, from \
+         {first} on; let some of them be one"
+    )]
+    TooDeep {
+        /// Where the last of them is named.
+        place: Place,
+        /// How many may.
+        most: usize,
+        /// The first of them, and what it inherits.
+        first: String,
     },
     /// A value is of the wrong type.
     #[error("{place}: {key} = {value} is not understood; write {expected}")]

@@ -20,6 +20,9 @@ use super::table::alternatives;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+/// Profiles that may inherit from one another, in a row.
+const MOST_INHERITED: usize = 32;
+
 /// What a profile is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProfileKind {
@@ -202,7 +205,7 @@ impl Profiles {
     ///
     /// # Errors
     /// If one of them does not exist, or inherits from itself in the end, or
-    /// as [`Profiles::list`].
+    /// there are too many, or as [`Profiles::list`].
     pub fn chain(
         &self,
         kind: ProfileKind,
@@ -234,6 +237,14 @@ impl Profiles {
             };
             if chain.iter().any(|earlier| earlier.is(&found)) {
                 return Err(circle(&chain));
+            }
+            if chain.len() == MOST_INHERITED {
+                let first = chain.iter().take(3).map(|p| p.name.as_str());
+                return Err(SettingsError::TooDeep {
+                    place: last.inherits_at.clone(),
+                    most: MOST_INHERITED,
+                    first: first.collect::<Vec<_>>().join(", which inherits "),
+                });
             }
             chain.push(found);
         }

@@ -10,6 +10,7 @@ use super::profile::{Profile, ProfileKind, Profiles};
 use super::table::{self, Key};
 use super::value::{Raw, Refused};
 use super::{Settings, keys};
+use crate::files::{self, FileError, MAX_SETTINGS_BYTES};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -282,9 +283,14 @@ fn refusal(
 
 /// The text of a settings file.
 pub(super) fn text_of(path: &Path) -> Result<String, SettingsError> {
-    std::fs::read_to_string(path).map_err(|cause| SettingsError::Unreadable {
-        path: path.to_owned(),
-        cause,
+    files::read_text(path, MAX_SETTINGS_BYTES).map_err(|error| {
+        let path = path.to_owned();
+        match error {
+            FileError::System(cause) => {
+                SettingsError::Unreadable { path, cause }
+            }
+            cause => SettingsError::NoSettings { path, cause },
+        }
     })
 }
 

@@ -93,7 +93,15 @@ pub(super) fn run_script(
         .name("script".to_owned())
         .stack_size(STACK_BYTES)
         .spawn(work)
-        .map_err(|e| bug(&format!("no thread: {e}")))?;
+        .map_err(|_| ScriptError::Limit {
+            line: None,
+            what: format!(
+                "cannot be run: it needs a thread and {} MB of address space \
+                 for its stack; raise what the system allows (ulimit -v, \
+                 ulimit -u)",
+                STACK_BYTES >> 20
+            ),
+        })?;
     /// Stops the script also if this thread is stopped.
     struct Leave<'a>(&'a AtomicU8);
     impl Drop for Leave<'_> {

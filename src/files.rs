@@ -1,0 +1,147 @@
+//! Reading what users give, whatever it is: a file, a pipe, a device, a folder.
+//!
+//! In: a path and the most bytes that such a file may have. Out: its bytes, or
+//! its text. Guaranteed: no more memory is taken than that, and a pipe that
+//! nobody writes to does not outlast the run's limit of time.
+
+use crate::limits;
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
+/// Largest file of settings, profile, or script with its templates, bytes: the
+/// longest that are in use have some 10 kB.
+pub const MAX_SETTINGS_BYTES: u64 = 1 << 20;
+
+/// Time between looks at the limits while a pipe is waited for.
+const EVERY: Duration = Duration::from_millis(20);
+
+/// Why a file is not read.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The system's reason.
+    #[error(transparent)]
+    System(#[from] io::Error),
+    /// There is more in it than may be.
+    #[error("it is larger than {} MB", .most >> 20)]
+    TooLarge {
+        /// The limit, bytes.
+        most: u64,
+    },
+    /// It is no text.
+    #[error("line {line} is not valid UTF-8; save the file as plain text")]
+    NotText {
+        /// Line of the first bad byte.
+        line: usize,
+    },
+}
+
+/// What is in a file, which may have at most `most` bytes.
+///
+/// # Errors
+/// If it cannot be read, or is larger.
+pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
+    let bytes = if fs::metadata(path)?.is_file() {
+        up_to(File::open(path)?, most)?
+    } else {
+        // Opening a pipe waits for somebody to write to it.
+        let path = path.to_owned();
+        waiting(move || up_to(File::open(path)?, most))?
+    };
+    within(bytes, most)
+}
+
+/// What comes from standard input, as [`read`].
+///
+/// # Errors
+/// As [`read`].
+pub fn read_standard_input(most: u64) -> Result<Vec<u8>, FileError> {
+    within(waiting(move || up_to(io::stdin().lock(), most))?, most)
+}
+
+/// The text in a file, as [`read`].
+///
+/// # Errors
+/// As [`read`], or if it is not UTF-8.
+pub fn read_text(path: &Path, most: u64) -> Result<String, FileError> {
+    text(read(path, most)?)
+}
+
+/// Bytes as text.
+///
+/// # Errors
+/// If they are not UTF-8.
+pub fn text(bytes: Vec<u8>) -> Result<String, FileError> {
+    String::from_utf8(bytes).map_err(|e| {
+        let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+        let line = 1 + good.iter().filter(|b| **b == b'\n').count();
+        FileError::NotText { line }
+    })
+}
+
+/// One byte more than may be, at most. Not by the size that the folder tells:
+/// pipes and devices have none.
+fn up_to(source: impl Read, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    source.take(most + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn within(bytes: Vec<u8>, most: u64) -> Result<Vec<u8>, FileError> {
+    match bytes.len() as u64 > most {
+        true => Err(FileError::TooLarge { most }),
+        false => Ok(bytes),
+    }
+}
+
+/// Does what may wait for others, on a thread of its own. When the run is
+/// stopped that is left to itself.
+fn waiting(
+    read: impl FnOnce() -> io::Result<Vec<u8>> + Send + 'static,
+) -> io::Result<Vec<u8>> {
+    let (sender, receiver) = channel();
+    let reading = thread::Builder::new().name("reading".into());
+    reading.spawn(move || {
+        // Nobody listens any more if the run was stopped.
+        let _ = sender.send(read());
+    })?;
+    loop {
+        match receiver.recv_timeout(EVERY) {
+            Ok(result) => return result,
+            Err(RecvTimeoutError::Timeout) => limits::check(),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(io::Error::other("reading it failed"));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_read_up_to_their_limit() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        fs::write(file.path(), b"a\nb\n\xff").unwrap();
+        assert_eq!(read(file.path(), 5).unwrap().len(), 5);
+        let error = read(file.path(), 4).unwrap_err();
+        assert!(matches!(error, FileError::TooLarge { most: 4 }));
+        let error = read_text(file.path(), 5).unwrap_err();
+        assert!(matches!(error, FileError::NotText { line: 3 }));
+        let folder = std::env::temp_dir();
+        let error = read(&folder, 5).unwrap_err();
+        assert!(matches!(error, FileError::System(_)));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_without_end_take_no_memory() {
+        let error = read(Path::new("/dev/zero"), 1 << 20).unwrap_err();
+        assert_eq!(error.to_string(), "it is larger than 1 MB");
+        assert_eq!(read(Path::new("/dev/null"), 1 << 20).unwrap(), b"");
+    }
+}
