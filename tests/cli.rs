@@ -1390,7 +1390,6 @@ fn layers_end_where_the_print_does() {
     let from = |text: &str| text[text.find(";Z:9\n").unwrap()..].to_owned();
     assert_eq!(from(&layers(&text)), from(&layers(&text_of_part)));
 }
-}
 
 #[test]
 fn a_drawing_gets_a_height() {
