@@ -270,7 +270,7 @@ fn later_layers_win() {
     assert!(density.ends_with("mine.toml:1"), "{density}");
     assert_eq!(
         origin("retract.length").as_deref(),
-        Some("shipped printers/ender-3.toml:26")
+        Some("shipped printers/ender-3.toml:27")
     );
     assert_eq!(origin("seam"), None);
 }

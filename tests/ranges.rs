@@ -41,7 +41,12 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
     let differs = whole.lines().zip(joined.lines()).position(|(a, b)| a != b);
     assert_eq!(differs, None, "lines of {cuts:?} that are not the same");
     assert_eq!(whole.len(), joined.len(), "{cuts:?}");
-    assert!((time - summary.time).abs() < 1e-6 * summary.time);
+    // Layers take the same; each further file has a head and a foot, too.
+    let more = (time - summary.time) / cuts.len() as f64;
+    assert!(
+        (0.0..20.0).contains(&more),
+        "{more} s for each head and foot"
+    );
     let length = summary.filament_length;
     assert!((filament - length).abs() < 1e-9 * length);
 }
