@@ -44,7 +44,8 @@
 //! [`pipeline`] runs these stages over a window of layers that moves up the
 //! part, on as many threads as there are; the result is the same on any
 //! number. [`timings`] measures them, [`limits`] stops them when they take too
-//! much time or memory, [`units`] names what is measured.
+//! much time or memory, [`units`] names what is measured, [`encoding`] takes
+//! text out of bytes.
 //!
 //! # A ball
 //!
@@ -136,6 +137,7 @@ pub mod adhesion;
 pub mod bead;
 pub mod check;
 pub mod contour;
+pub mod encoding;
 pub mod field;
 pub mod fuzzy;
 pub mod gcode;

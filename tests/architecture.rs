@@ -20,6 +20,8 @@ use std::path::{Path, PathBuf};
 /// not import one another.
 const ORDER: &[&[&str]] = &[
     &["units"],
+    // Whoever reads files of text.
+    &["encoding"],
     // Any loop may ask whether it is to go on.
     &["limits"],
     // A stopwatch for every stage; it knows none of them.

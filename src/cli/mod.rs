@@ -12,6 +12,8 @@ mod manual;
 mod memory;
 mod new;
 mod output;
+mod parse;
+mod plain;
 mod preview;
 mod profiles;
 mod render;
@@ -21,6 +23,7 @@ mod summary;
 pub(crate) mod terminal;
 
 use clap::{Parser, Subcommand};
+pub(crate) use parse::parse;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -110,7 +113,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
 /// Prints a result as JSON.
 fn print_json(result: &impl serde::Serialize) -> anyhow::Result<()> {
     use std::io::{Write, stdout};
-    let mut text = serde_json::to_string_pretty(result)?;
+    let mut text = plain::json(&serde_json::to_string_pretty(result)?);
     text.push('\n');
     stdout().lock().write_all(text.as_bytes())?;
     Ok(())

@@ -1,12 +1,11 @@
 //! `isoslice settings`: all settings, as TOML that can be fed back.
 
 use super::args::{Gathered, SettingsSource};
-use super::print_json;
+use super::{plain, print_json};
 use clap::Args;
 use isoslice::settings::{Key, keys};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
-use std::io::{Write, stdout};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -41,7 +40,7 @@ pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
         true => settings.to_toml_with_origins(|key| origin(&gathered, key)),
         false => settings.to_toml(),
     };
-    stdout().lock().write_all(text.as_bytes())?;
+    plain::print_file(&text)?;
     Ok(())
 }
 

@@ -4,13 +4,13 @@ use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource, is_stream};
 use super::limits::{LimitArgs, watched};
 use super::output::{Output, same_file};
 use super::summary::{Sums, describe};
-use super::terminal;
+use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
-use std::io::{Write, stderr, stdout};
+use std::io::{Write, stderr};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -176,9 +176,9 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         describe(&sums)?
     };
     if streamed {
-        stderr().write_all(text.as_bytes())?;
+        stderr().write_all(plain::lines(&text).as_bytes())?;
     } else {
-        stdout().write_all(text.as_bytes())?;
+        plain::print(&text)?;
     }
     Ok(())
 }

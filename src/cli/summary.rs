@@ -2,6 +2,7 @@
 
 use super::args::is_stream;
 use super::info::dimensions;
+use super::plain;
 use glam::DVec3;
 use isoslice::check::{Finding, Kind, Verdict};
 use isoslice::pipeline::Summary;
@@ -66,7 +67,7 @@ impl Sums<'_> {
                 .timings
                 .then(|| summary.timings.iter().map(of_stage).collect()),
         })?;
-        Ok(text + "\n")
+        Ok(plain::json(&text) + "\n")
     }
 }
 
@@ -109,8 +110,12 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
     let mut text = String::new();
     match is_stream(sums.output) {
-        true => writeln!(text, "{} (on standard output)", sums.model)?,
-        false => writeln!(text, "{}", sums.output.display())?,
+        true => writeln!(
+            text,
+            "{} (on standard output)",
+            plain::line(sums.model)
+        )?,
+        false => writeln!(text, "{}", plain::value(sums.output.display()))?,
     }
     writeln!(text, "  size        {}", dimensions(summary.size))?;
     let (layers, count) = (&summary.layers, summary.layer_count);

@@ -10,7 +10,9 @@ use super::profile::{Profile, ProfileKind, Profiles};
 use super::table::{self, Key};
 use super::value::{Raw, Refused};
 use super::{Settings, keys};
+use crate::encoding;
 use std::collections::BTreeMap;
+use std::io;
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -282,10 +284,15 @@ fn refusal(
 
 /// The text of a settings file.
 pub(super) fn text_of(path: &Path) -> Result<String, SettingsError> {
-    std::fs::read_to_string(path).map_err(|cause| SettingsError::Unreadable {
+    let unreadable = |cause| SettingsError::Unreadable {
         path: path.to_owned(),
         cause,
-    })
+    };
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    let text = encoding::text(&bytes).map_err(|error| {
+        unreadable(io::Error::new(io::ErrorKind::InvalidData, error))
+    })?;
+    Ok(text.to_owned())
 }
 
 /// What a profile says about itself.
