@@ -253,6 +253,10 @@ fn hint(name: &str) -> String {
                 --filament or --preset"
             .to_owned();
     }
+    let meant = table::ambiguous(name);
+    if meant.len() > 1 {
+        return format!("did you mean {}?", table::alternatives(&meant));
+    }
     match table::nearest(name) {
         Some(near) => format!("did you mean {near}?"),
         None => "`isoslice settings` lists them all".to_owned(),
