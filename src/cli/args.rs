@@ -5,6 +5,7 @@ use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use etcetera::BaseStrategy;
 use glam::DVec3;
+use isoslice::encoding;
 use isoslice::model::{
     self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
 };
@@ -224,13 +225,14 @@ fn standard_input() -> anyhow::Result<String> {
     /// As much as of the largest kind of file; what is too large for its kind
     /// is refused when it is loaded.
     const MAX_BYTES: u64 = 64 << 20;
-    let mut text = String::new();
+    const CANNOT: &str = "cannot read the model from standard input";
+    let mut bytes = Vec::new();
     stdin()
         .lock()
         .take(MAX_BYTES + 1)
-        .read_to_string(&mut text)
-        .context("cannot read the model from standard input")?;
-    Ok(text)
+        .read_to_end(&mut bytes)
+        .context(CANNOT)?;
+    Ok(encoding::text(&bytes).context(CANNOT)?.to_owned())
 }
 
 /// Where settings come from.
