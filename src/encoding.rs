@@ -23,12 +23,18 @@ pub enum NotText {
 /// # Errors
 /// If they are UTF-16.
 pub(crate) fn unmarked(bytes: &[u8]) -> Result<&[u8], NotText> {
-    let marked = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    let marked =
+        bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     // Without a mark: letters of English take every other byte.
     let every_other = |at: usize| {
         bytes.len() >= 4
             && bytes.iter().take(64).skip(at).step_by(2).all(|b| *b == 0)
-            && bytes.iter().take(64).skip(1 - at).step_by(2).all(|b| *b != 0)
+            && bytes
+                .iter()
+                .take(64)
+                .skip(1 - at)
+                .step_by(2)
+                .all(|b| *b != 0)
     };
     match marked || every_other(0) || every_other(1) {
         true => Err(NotText::Utf16),

@@ -48,7 +48,8 @@ fn what_strangers_wrote_is_shown_and_not_obeyed() {
     let text = shown(&folder, &["info", "throw.rhai"]);
     assert!(text.contains("\\u{1b}]0;owned\\u{7}\\r\\u{9b}2J"), "{text}");
 
-    let script = format!("param(\"r\", 3.0, \"of{evil}\nnobody\"); x*x+y*y+z*z-9");
+    let script =
+        format!("param(\"r\", 3.0, \"of{evil}\nnobody\"); x*x+y*y+z*z-9");
     write(&folder, "param.rhai", &script);
     let text = shown(&folder, &["info", "param.rhai"]);
     assert!(text.contains("\\nnobody"), "{text}");
@@ -64,7 +65,11 @@ fn what_strangers_wrote_is_shown_and_not_obeyed() {
     shown(&folder, &["slice", "-e", BALL, "--set", "walls=\u{1b}[31m"]);
     shown(&folder, &["slice", "--\u{1b}[31m\u{202e}"]);
     shown(&folder, &["check", "\u{1b}[31m.gcode"]);
-    write(&folder, "evil.gcode", format!("G28\nM{evil} X\nG1 X1 Y\u{1b}[31m\n"));
+    write(
+        &folder,
+        "evil.gcode",
+        format!("G28\nM{evil} X\nG1 X1 Y\u{1b}[31m\n"),
+    );
     shown(&folder, &["check", "evil.gcode"]);
     shown(&folder, &["check", "evil.gcode", "--json"]);
     shown(&folder, &["preview", "evil.gcode"]);
@@ -99,7 +104,10 @@ fn one_unreadable_profile_hides_no_other() {
     write(&folder, "profiles/printers/broken.toml", "walls = = 3");
     write(&folder, "profiles/printers/bytes.toml", b"a = \"\xff\"");
     let text = shown(&folder, &["profiles"]);
-    assert!(text.contains("good") && text.contains("fine\\u{1b}"), "{text}");
+    assert!(
+        text.contains("good") && text.contains("fine\\u{1b}"),
+        "{text}"
+    );
     assert!(text.contains("prusa-mk4"), "{text}");
     assert!(text.contains("broken.toml:1"), "{text}");
     assert!(text.contains("bytes.toml"), "{text}");
@@ -115,9 +123,13 @@ fn a_byte_order_mark_is_skipped_and_other_encodings_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let text = "x*x + y*y + z*z - 9";
     write(&folder, "a.rhai", format!("\u{feff}{text}"));
-    write(&folder, "a.vm", "\u{feff}_0 var-x\n_1 var-y\n_2 var-z\n\
+    write(
+        &folder,
+        "a.vm",
+        "\u{feff}_0 var-x\n_1 var-y\n_2 var-z\n\
         _3 square _0\n_4 square _1\n_5 square _2\n_6 add _3 _4\n\
-        _7 add _6 _5\n_8 const 9\n_9 sub _7 _8\n");
+        _7 add _6 _5\n_8 const 9\n_9 sub _7 _8\n",
+    );
     write(&folder, "a.toml", "\u{feff}walls = 3\n");
     write(
         &folder,
@@ -154,7 +166,10 @@ fn a_byte_order_mark_is_skipped_and_other_encodings_are_named() {
         let text = shown(&folder, args);
         assert!(text.contains("UTF-16"), "{text}");
     }
-    let stdin = isoslice(&folder).args(["info", "-"]).write_stdin(wide).output();
+    let stdin = isoslice(&folder)
+        .args(["info", "-"])
+        .write_stdin(wide)
+        .output();
     let text = String::from_utf8(stdin.unwrap().stderr).unwrap();
     assert!(text.contains("UTF-16"), "{text}");
 }
@@ -171,7 +186,10 @@ fn usual_mistakes_are_told_what_to_write() {
             &["--set", "temperature=200"],
             "filament.nozzle_temperature or filament.bed_temperature",
         ),
-        (&["--set", "outer_wall=30"], "speed.outer_wall or acceleration"),
+        (
+            &["--set", "outer_wall=30"],
+            "speed.outer_wall or acceleration",
+        ),
         (&["--repotr", "a"], "--report"),
     ] {
         let args = [&["slice", "-e", BALL][..], args].concat();

@@ -150,8 +150,11 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     if !model.parameters.is_empty() {
         writeln!(text, "  parameters (set with -D name=value)")?;
     }
-    let names: Vec<_> =
-        model.parameters.iter().map(|p| plain::line(&p.name)).collect();
+    let names: Vec<_> = model
+        .parameters
+        .iter()
+        .map(|p| plain::line(&p.name))
+        .collect();
     let width = names.iter().map(|name| name.chars().count()).max();
     let width = width.unwrap_or(0);
     for (name, parameter) in names.iter().zip(&model.parameters) {

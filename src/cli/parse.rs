@@ -31,7 +31,10 @@ const WORDS: &[(&str, &str)] = &[
     ("temp", TEMPERATURE),
     ("temperature", TEMPERATURE),
     ("nozzle", "--set printer.nozzle_diameter=0.4"),
-    ("speed", "--set speed.outer_wall=40, and others of the group speed"),
+    (
+        "speed",
+        "--set speed.outer_wall=40, and others of the group speed",
+    ),
     ("material", "--filament petg"),
     ("profile", "--printer, --filament or --preset"),
     ("quality", "--preset fine"),

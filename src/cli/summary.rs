@@ -110,11 +110,9 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
     let mut text = String::new();
     match is_stream(sums.output) {
-        true => writeln!(
-            text,
-            "{} (on standard output)",
-            plain::line(sums.model)
-        )?,
+        true => {
+            writeln!(text, "{} (on standard output)", plain::line(sums.model))?
+        }
         false => writeln!(text, "{}", plain::value(sums.output.display()))?,
     }
     writeln!(text, "  size        {}", dimensions(summary.size))?;

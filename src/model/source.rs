@@ -100,12 +100,13 @@ pub fn load_within(
     let (tree, parameters) = match kind {
         SourceKind::Vm => {
             no_parameters()?;
-            let tree = parse_vm(text(&bytes, &file)?.as_bytes()).map_err(
-                |error| LoadError::Vm {
-                    file: file.clone(),
-                    error,
-                },
-            )?;
+            let tree =
+                parse_vm(text(&bytes, &file)?.as_bytes()).map_err(|error| {
+                    LoadError::Vm {
+                        file: file.clone(),
+                        error,
+                    }
+                })?;
             (tree, Vec::new())
         }
         SourceKind::Formula => {

@@ -158,10 +158,14 @@ impl Profiles {
     /// All of a kind, by name, and what is wrong with the others: the folder
     /// or a profile in it cannot be read, or its beginning is not understood.
     /// Where there are two of a name it is the folder's.
-    pub fn list(&self, kind: ProfileKind) -> (Vec<Profile>, Vec<SettingsError>) {
+    pub fn list(
+        &self,
+        kind: ProfileKind,
+    ) -> (Vec<Profile>, Vec<SettingsError>) {
         let mut found = BTreeMap::new();
         let mut wrong = Vec::new();
-        let mut add = |name: &str, read: Result<Option<Profile>, _>| match read {
+        let mut add = |name: &str, read: Result<Option<Profile>, _>| match read
+        {
             Ok(Some(profile)) => drop(found.insert(name.to_owned(), profile)),
             Ok(None) => {}
             Err(error) => wrong.push(error),

@@ -210,7 +210,9 @@ pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
     let name = name.to_lowercase().replace('-', "_");
     let besides = |key: &Key| {
         let (whole, part) = (format!("_{}_", key.leaf()), format!("_{name}_"));
-        whole.contains(&part).then(|| key.leaf().matches('_').count())
+        whole
+            .contains(&part)
+            .then(|| key.leaf().matches('_').count())
     };
     let Some(least) = keys().iter().filter_map(besides).min() else {
         return Vec::new();

@@ -19,7 +19,10 @@ const FUNCTIONS: &[(&str, &str)] = &[
     ("move", "f.move([10, 0, 0])"),
     ("scale", "f.scale([1, 1, 2])"),
     ("scale_uniform", "f.scale_uniform(2)"),
-    ("rotate", "f.rotate(#{axis: [1, 1, 0], angle: 30, center: [0, 0, 0]})"),
+    (
+        "rotate",
+        "f.rotate(#{axis: [1, 1, 0], angle: 30, center: [0, 0, 0]})",
+    ),
     ("rotate_x", "f.rotate_x(90)"),
     ("rotate_y", "f.rotate_y(90)"),
     ("rotate_z", "f.rotate_z(90)"),
@@ -58,7 +61,10 @@ const FUNCTIONS: &[(&str, &str)] = &[
 
 /// Words of other programs, and what says the same here.
 const WORDS: &[(&str, &str)] = &[
-    ("cube", "rounded_box(#{lower: [0, 0, 0], upper: [30, 20, 10], edge: 0})"),
+    (
+        "cube",
+        "rounded_box(#{lower: [0, 0, 0], upper: [30, 20, 10], edge: 0})",
+    ),
     ("cuboid", "box(#{lower: [0, 0, 0], upper: [30, 20, 10]})"),
     ("ball", "sphere(10)"),
     ("disc", "circle(10)"),
@@ -108,7 +114,9 @@ const WORDS: &[(&str, &str)] = &[
 /// A call of a function of that name that works.
 fn example(name: &str) -> Option<&'static str> {
     let found = FUNCTIONS.iter().find(|(known, _)| *known == name);
-    found.map(|(_, call)| *call).or_else(|| shapes::example(name))
+    found
+        .map(|(_, call)| *call)
+        .or_else(|| shapes::example(name))
 }
 
 /// What to say of a function that there is not, or not for these values;

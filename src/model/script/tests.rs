@@ -208,7 +208,10 @@ fn names_that_are_none_have_suggestions() {
         ("quux(5)", "docs/shapes.md"),
         ("sphere(\"a\")", "sphere"),
         ("max(x)", "max does not take (a shape)"),
-        ("fn leg(a) { a } leg(x, y)", "the script's leg does not take"),
+        (
+            "fn leg(a) { a } leg(x, y)",
+            "the script's leg does not take",
+        ),
         ("let radius = 5; x - raduis", "did you mean radius?"),
         ("x - pi", "write PI"),
         ("let r = 5; fn f() { x - r } f()", "pass it as an argument"),

@@ -93,9 +93,8 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, Refused> {
     let mut found = Vec::new();
     let mut rest = text.trim_start();
     while let Some(first) = rest.chars().next() {
-        let while_ = |of: fn(char) -> bool| {
-            rest.find(|c| !of(c)).unwrap_or(rest.len())
-        };
+        let while_ =
+            |of: fn(char) -> bool| rest.find(|c| !of(c)).unwrap_or(rest.len());
         let (token, length) = if first.is_ascii_digit() || first == '.' {
             let n = while_(|c| c.is_ascii_digit() || c == '.');
             (Token::Number(&rest[..n]), n)
@@ -266,9 +265,7 @@ impl<'a> Parser<'a> {
                     Err(_) => Err(format!("`{text}` is no number")),
                 }
             }
-            Some(Token::Text(text)) => {
-                Ok((format!("{text:?}"), Kind::Other))
-            }
+            Some(Token::Text(text)) => Ok((format!("{text:?}"), Kind::Other)),
             Some(Token::Sign("(")) => {
                 let inner = self.choice()?;
                 self.expect(")")?;
@@ -327,7 +324,9 @@ impl<'a> Parser<'a> {
             (Some(Ours::Pair(x, _)), Some("0")) => (x.to_owned(), Kind::Number),
             (Some(Ours::Pair(_, y)), Some("1")) => (y.to_owned(), Kind::Number),
             (Some(Ours::Pair(..)), _) => {
-                return Err(format!("write {name}[0] for x or {name}[1] for y"));
+                return Err(format!(
+                    "write {name}[0] for x or {name}[1] for y"
+                ));
             }
             (_, Some(i)) if !first => {
                 return Err(format!(

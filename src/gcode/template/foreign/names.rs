@@ -30,8 +30,7 @@ const NO_NOTES: &str = "profiles have no notes: {{ printer.model }} and \
                         {{ gcode.flavour }} tell printers apart";
 const ONE_MATERIAL: &str = "isoslice prints one material with one extruder: \
                             leave out what is for several";
-const AT_THE_END: &str =
-    "it is known in gcode.end only, as {{ print_time }}, {{ filament_length \
+const AT_THE_END: &str = "it is known in gcode.end only, as {{ print_time }}, {{ filament_length \
      }} and {{ filament_mass }}";
 
 /// The names, in groups by what they mean.
@@ -87,7 +86,10 @@ pub(super) const NAMES: &[(&str, Ours)] = &[
     ("layer_count", Is(Whole, "layer_count")),
     ("layer_height", Is(Number, "layer_height")),
     ("first_layer_height", Is(Number, "first_layer_height")),
-    ("initial_layer_print_height", Is(Number, "first_layer_height")),
+    (
+        "initial_layer_print_height",
+        Is(Number, "first_layer_height"),
+    ),
     ("initial_layer_height", Is(Number, "first_layer_height")),
     ("layer_height_0", Is(Number, "first_layer_height")),
     ("z_offset", Is(Number, "0")),
@@ -106,7 +108,10 @@ pub(super) const NAMES: &[(&str, Ours)] = &[
     ("machine_name", Is(Other, "printer.model")),
     ("printer_notes", None(NO_NOTES)),
     ("filament_notes", None(NO_NOTES)),
-    ("curr_bed_type", None("profiles do not say which plate is on the bed")),
+    (
+        "curr_bed_type",
+        None("profiles do not say which plate is on the bed"),
+    ),
     // The part.
     ("first_layer_print_min", Pair("part_min_x", "part_min_y")),
     ("first_layer_print_max", Pair("part_max_x", "part_max_y")),
@@ -131,7 +136,10 @@ pub(super) const NAMES: &[(&str, Ours)] = &[
     ("material_type", Is(Other, "filament.material")),
     ("filament_density", Is(Number, "filament.density")),
     ("filament_cost", Is(Number, "filament.cost")),
-    ("filament_max_volumetric_speed", Is(Number, "filament.max_flow")),
+    (
+        "filament_max_volumetric_speed",
+        Is(Number, "filament.max_flow"),
+    ),
     ("retract_length", Is(Number, "retract_length")),
     ("retraction_length", Is(Number, "retract_length")),
     ("retraction_amount", Is(Number, "retract_length")),
@@ -148,10 +156,10 @@ pub(super) const NAMES: &[(&str, Ours)] = &[
     ("speed_travel", Is(Number, "speed.travel")),
     ("travel_speed_z", Is(Number, "printer.max_speed_z")),
     ("machine_max_acceleration_extruding", ACCELERATION),
-    ("machine_max_acceleration_travel", Is(
-        Number,
-        "printer.travel_acceleration",
-    )),
+    (
+        "machine_max_acceleration_travel",
+        Is(Number, "printer.travel_acceleration"),
+    ),
     ("default_acceleration", ACCELERATION),
     // How it is printed.
     ("perimeters", Is(Whole, "walls")),
@@ -171,7 +179,10 @@ pub(super) const NAMES: &[(&str, Ours)] = &[
     ("total_toolchanges", Is(Whole, "0")),
     ("is_extruder_used", Is(Other, "true")),
     ("has_wipe_tower", Is(Other, "false")),
-    ("has_single_extruder_multi_material_priming", Is(Other, "false")),
+    (
+        "has_single_extruder_multi_material_priming",
+        Is(Other, "false"),
+    ),
     ("next_extruder", None(ONE_MATERIAL)),
     ("previous_extruder", None(ONE_MATERIAL)),
     ("toolchange_z", None(ONE_MATERIAL)),

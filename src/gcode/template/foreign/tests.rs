@@ -25,7 +25,11 @@ fn templates(start: &str, layer: &str, end: &str) -> Result<String, String> {
 
 #[track_caller]
 fn assert_start(source: &str, expected: &str) {
-    assert_eq!(templates(source, "", "").as_deref(), Ok(expected), "{source}");
+    assert_eq!(
+        templates(source, "", "").as_deref(),
+        Ok(expected),
+        "{source}"
+    );
 }
 
 #[test]
@@ -33,7 +37,10 @@ fn the_usual_placeholders_of_other_slicers_are_ours() {
     for (theirs, ours) in [
         ("M104 S[first_layer_temperature]", "M104 S215"),
         ("M104 S{first_layer_temperature[0]}", "M104 S215"),
-        ("M104 S{first_layer_temperature[initial_extruder]}", "M104 S215"),
+        (
+            "M104 S{first_layer_temperature[initial_extruder]}",
+            "M104 S215",
+        ),
         ("M104 S[nozzle_temperature_initial_layer]", "M104 S215"),
         ("M104 S{material_print_temperature_layer_0}", "M104 S215"),
         (
@@ -45,7 +52,10 @@ fn the_usual_placeholders_of_other_slicers_are_ours() {
         ("M140 S{bed_temperature}", "M140 S60"),
         ("M140 S[ bed_temperature ]", "M140 S60"),
         ("G1 Z{max_layer_z + 0.5}", "G1 Z30.5"),
-        ("G1 X{print_bed_max[0]} Y{print_bed_max[1]/2}", "G1 X220 Y110"),
+        (
+            "G1 X{print_bed_max[0]} Y{print_bed_max[1]/2}",
+            "G1 X220 Y110",
+        ),
         ("T[initial_tool]", "T0"),
         ("START LAYERS={total_layer_count}", "START LAYERS=12"),
         ("M117 [input_filename_base]", "M117 gyroid ball"),
@@ -56,7 +66,10 @@ fn the_usual_placeholders_of_other_slicers_are_ours() {
             "M104 S{min(max(first_layer_temperature[0] - 70, 120), 150)}",
             "M104 S145",
         ),
-        ("G1 E{int(0.4*7)} F{round(12.6)} Z{-(1.5)}", "G1 E2 F13 Z-1.5"),
+        (
+            "G1 E{int(0.4*7)} F{round(12.6)} Z{-(1.5)}",
+            "G1 E2 F13 Z-1.5",
+        ),
         ("G4 P{bed_temperature[0] > 50 ? 100 : 5}", "G4 P100"),
         ("M117 {1}", "M117 1"),
         ("G28 ; [first_layer_temperature]", "G28 ; 215"),
@@ -66,7 +79,8 @@ fn the_usual_placeholders_of_other_slicers_are_ours() {
     let layer = "M117 [layer_num] {layer_z} {if layer_num==2}yes{endif}\nM400";
     let filled = templates("", layer, "");
     assert_eq!(filled.as_deref(), Ok("M117 2 0.6 yes\nM400\n"));
-    let end = templates("", "", "G1 Z{min(max_layer_z + 50, max_print_height)}");
+    let end =
+        templates("", "", "G1 Z{min(max_layer_z + 50, max_print_height)}");
     assert_eq!(end.as_deref(), Ok("G1 Z80\n"));
 }
 
@@ -144,10 +158,7 @@ fn text_that_is_no_placeholder_is_left_alone() {
         "RESPOND MSG=\"{% raw %}[info] {x}{% endraw %}\"\nG28",
         "RESPOND MSG=\"[info] {x}\"\nG28\n",
     );
-    assert_start(
-        "M117 {% raw %}[hi]{% endraw %}\nG28",
-        "M117 [hi]\nG28\n",
-    );
+    assert_start("M117 {% raw %}[hi]{% endraw %}\nG28", "M117 [hi]\nG28\n");
     assert_start("G1 Z5{% if true %} F9{% endif %}\nG28", "G1 Z5 F9\nG28\n");
 }
 

@@ -146,8 +146,10 @@ pub(super) fn names() -> impl Iterator<Item = &'static str> {
 
 fn call(row: &Row, mut given: Vec<Dynamic>) -> Outcome<Tree> {
     let wrong = |why: String| -> Outcome<Tree> {
-        Err(format!("{}: {why}; write for example {}", row.name, row.example)
-            .into())
+        Err(
+            format!("{}: {why}; write for example {}", row.name, row.example)
+                .into(),
+        )
     };
     let mut values: Vec<Option<Value>> = vec![None; row.arguments.len()];
     // The names come last: a shape may stand before them.
@@ -176,9 +178,11 @@ fn call(row: &Row, mut given: Vec<Dynamic>) -> Outcome<Tree> {
         }
     }
     for value in &given {
-        let free = row.arguments.iter().zip(&values).position(|(a, v)| {
-            v.is_none() && may_be(a.kind, value)
-        });
+        let free = row
+            .arguments
+            .iter()
+            .zip(&values)
+            .position(|(a, v)| v.is_none() && may_be(a.kind, value));
         let Some(at) = free else {
             return wrong(format!("it takes no {}", describe(value)));
         };
@@ -227,11 +231,13 @@ fn read(kind: Kind, value: &Dynamic) -> Option<Value> {
         Kind::Shape => shape(value).map(Value::Shape),
         Kind::Place => place(value).map(Value::Place),
         Kind::Points => points(value).map(Value::Points),
-        _ => number(value).map(Value::Number).filter(|v| match (kind, v) {
-            (Kind::Positive, Value::Number(n)) => *n > 0.0,
-            (Kind::Length, Value::Number(n)) => *n >= 0.0,
-            _ => kind.is_number(),
-        }),
+        _ => number(value)
+            .map(Value::Number)
+            .filter(|v| match (kind, v) {
+                (Kind::Positive, Value::Number(n)) => *n > 0.0,
+                (Kind::Length, Value::Number(n)) => *n >= 0.0,
+                _ => kind.is_number(),
+            }),
     }
 }
 

@@ -13,27 +13,47 @@ const MOST_CORNERS: usize = 1000;
 
 const fn positive(name: &'static str) -> Argument {
     let (kind, default) = (Kind::Positive, None);
-    Argument { name, kind, default }
+    Argument {
+        name,
+        kind,
+        default,
+    }
 }
 
 const fn length(name: &'static str, default: Option<f64>) -> Argument {
     let kind = Kind::Length;
-    Argument { name, kind, default }
+    Argument {
+        name,
+        kind,
+        default,
+    }
 }
 
 const fn number(name: &'static str, default: Option<f64>) -> Argument {
     let kind = Kind::Number;
-    Argument { name, kind, default }
+    Argument {
+        name,
+        kind,
+        default,
+    }
 }
 
 const fn place(name: &'static str) -> Argument {
     let (kind, default) = (Kind::Place, None);
-    Argument { name, kind, default }
+    Argument {
+        name,
+        kind,
+        default,
+    }
 }
 
 const fn shape(name: &'static str) -> Argument {
     let (kind, default) = (Kind::Shape, None);
-    Argument { name, kind, default }
+    Argument {
+        name,
+        kind,
+        default,
+    }
 }
 
 const POINTS: Argument = Argument {

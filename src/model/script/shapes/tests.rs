@@ -16,7 +16,9 @@ fn tree(text: &str) -> Result<Tree, String> {
 fn places() -> impl Iterator<Item = DVec3> {
     let mut state = 7u64;
     let mut next = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
         (state >> 33) as f64 / f64::from(1u32 << 31) * 60.0 - 30.0
     };
     std::iter::repeat_with(move || DVec3::new(next(), next(), next()))
@@ -118,8 +120,8 @@ fn distances_are_exact() {
     for sides in [3, 6, 17] {
         let corners: Vec<_> = (0..sides)
             .map(|i| {
-                let angle = std::f64::consts::TAU * f64::from(i)
-                    / f64::from(sides);
+                let angle =
+                    std::f64::consts::TAU * f64::from(i) / f64::from(sides);
                 [10.0 * angle.cos(), 10.0 * angle.sin()]
             })
             .collect();
@@ -182,11 +184,11 @@ fn any_simple_polygon_has_its_inside() {
             turn(at(0), at(1), at(2)) < 0.0
         }));
         let mut context = Context::new();
-        let node = context.import(&tree(&format!("polygon({points:?})")).unwrap());
+        let node =
+            context.import(&tree(&format!("polygon({points:?})")).unwrap());
         for p in places() {
-            let value = context
-                .eval_xyz(node, p.x as f32, p.y as f32, 0.0)
-                .unwrap();
+            let value =
+                context.eval_xyz(node, p.x as f32, p.y as f32, 0.0).unwrap();
             let wanted = of_polygon(points, p.x, p.y);
             let agree = (f64::from(value) < 0.0) == (wanted < 0.0);
             assert!(agree || wanted.abs() < 1e-4, "{p}: {value}, {wanted}");
@@ -238,7 +240,10 @@ fn every_example_works() {
 #[test]
 fn wrong_values_are_named() {
     for (text, words) in [
-        ("cylinder(5)", "cylinder: height is missing; write for example"),
+        (
+            "cylinder(5)",
+            "cylinder: height is missing; write for example",
+        ),
         ("cylinder(#{radius: 5, hight: 3})", "there is no \"hight\""),
         ("cylinder(-5, 3)", "radius is to be a number of more than 0"),
         ("cylinder(5, 3, 4)", "it takes no the number 4"),
