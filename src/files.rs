@@ -4,6 +4,7 @@
 //! its text. Guaranteed: no more memory is taken than that, and a pipe that
 //! nobody writes to does not outlast the run's limit of time.
 
+use crate::encoding::{self, NotText};
 use crate::limits;
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -32,11 +33,8 @@ pub enum FileError {
         most: u64,
     },
     /// It is no text.
-    #[error("line {line} is not valid UTF-8; save the file as plain text")]
-    NotText {
-        /// Line of the first bad byte.
-        line: usize,
-    },
+    #[error(transparent)]
+    NotText(#[from] NotText),
 }
 
 /// What is in a file, which may have at most `most` bytes.
@@ -67,19 +65,15 @@ pub fn read_standard_input(most: u64) -> Result<Vec<u8>, FileError> {
 /// # Errors
 /// As [`read`], or if it is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> Result<String, FileError> {
-    text(read(path, most)?)
+    text(&read(path, most)?)
 }
 
 /// Bytes as text.
 ///
 /// # Errors
 /// If they are not UTF-8.
-pub fn text(bytes: Vec<u8>) -> Result<String, FileError> {
-    String::from_utf8(bytes).map_err(|e| {
-        let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
-        let line = 1 + good.iter().filter(|b| **b == b'\n').count();
-        FileError::NotText { line }
-    })
+pub fn text(bytes: &[u8]) -> Result<String, FileError> {
+    Ok(encoding::text(bytes)?.to_owned())
 }
 
 /// One byte more than may be, at most. Not by the size that the folder tells:
@@ -131,7 +125,7 @@ mod tests {
         let error = read(file.path(), 4).unwrap_err();
         assert!(matches!(error, FileError::TooLarge { most: 4 }));
         let error = read_text(file.path(), 5).unwrap_err();
-        assert!(matches!(error, FileError::NotText { line: 3 }));
+        assert!(matches!(error, FileError::NotText(NotText::Line(3))));
         let folder = std::env::temp_dir();
         let error = read(&folder, 5).unwrap_err();
         assert!(matches!(error, FileError::System(_)));

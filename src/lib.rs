@@ -46,8 +46,8 @@
 //! [`pipeline`] runs these stages over a window of layers that moves up the
 //! part, on as many threads as there are; the result is the same on any
 //! number. [`timings`] measures them, [`limits`] stops them when they take too
-//! much time or memory, [`files`] reads what they are given, [`units`] names
-//! what is measured.
+//! much time or memory, [`files`] reads what they are given, [`encoding`]
+//! takes text out of bytes, [`units`] names what is measured.
 //!
 //! # A ball
 //!
@@ -142,6 +142,7 @@ pub mod bead;
 pub mod bgcode;
 pub mod check;
 pub mod contour;
+pub mod encoding;
 pub mod field;
 pub mod files;
 pub mod fuzzy;

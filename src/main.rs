@@ -20,7 +20,6 @@
 
 mod cli;
 
-use clap::Parser;
 use std::io::ErrorKind::BrokenPipe;
 use std::process::ExitCode;
 
@@ -28,7 +27,7 @@ use std::process::ExitCode;
 const BROKEN_PIPE: u8 = 141;
 
 fn main() -> ExitCode {
-    match cli::run(cli::Cli::parse()) {
+    match cli::run(cli::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::from(BROKEN_PIPE),
         Err(error) => {

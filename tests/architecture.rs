@@ -20,6 +20,8 @@ use std::path::{Path, PathBuf};
 /// not import one another.
 const ORDER: &[&[&str]] = &[
     &["units"],
+    // Whoever reads files of text.
+    &["encoding"],
     // Any loop may ask whether it is to go on.
     &["limits"],
     // Reading a pipe may be waiting, so it asks as well.

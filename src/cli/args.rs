@@ -238,7 +238,7 @@ fn standard_input() -> anyhow::Result<String> {
     const MAX_BYTES: u64 = 64 << 20;
     let bytes = files::read_standard_input(MAX_BYTES);
     bytes
-        .and_then(files::text)
+        .and_then(|bytes| files::text(&bytes))
         .context("cannot read the model from standard input")
 }
 

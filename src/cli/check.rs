@@ -2,7 +2,7 @@
 
 use super::args::SettingsSource;
 use super::limits::{LimitArgs, watched};
-use super::terminal;
+use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::check::{Rules, Severity, Verdict, check};
@@ -65,16 +65,18 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
     };
     let mut out = io::stdout().lock();
     if args.json {
-        writeln!(out, "{:#}", described(&name, &verdict))?;
+        let text = format!("{:#}", described(&name, &verdict));
+        writeln!(out, "{}", plain::json(&text))?;
     } else {
         for fault in verdict.sentences(&name, Severity::Fault) {
-            writeln!(out, "fault: {fault}")?;
+            writeln!(out, "fault: {}", plain::line(&fault))?;
         }
         terminal::warn(&verdict.sentences(&name, Severity::Warning));
         if !terminal::is_quiet() {
             writeln!(
                 out,
-                "{name}: {} moves in {} layers, {}, {}{}",
+                "{}: {} moves in {} layers, {}, {}{}",
+                plain::line(&name),
                 verdict.moves,
                 verdict.layers,
                 counted(verdict.count(Severity::Fault), "fault"),

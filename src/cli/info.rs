@@ -2,8 +2,7 @@
 
 use super::args::{ModelArgs, SettingsSource};
 use super::limits::{LimitArgs, watched};
-use super::output::print;
-use super::{print_json, terminal};
+use super::{plain, print_json, terminal};
 use clap::Args;
 use glam::DVec3;
 use isoslice::layers;
@@ -51,7 +50,7 @@ fn show(args: &InfoArgs) -> anyhow::Result<()> {
         return print_json(&Json::new(&model, settings, warnings)?);
     }
     let text = describe(&model, settings)?;
-    print(text.as_bytes())
+    plain::print(&text)
 }
 
 /// The keys of `--json`.
@@ -126,7 +125,7 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     let size = model.bounds.size();
     let layers = layer_count(model, settings)?;
     let mut text = String::new();
-    writeln!(text, "{}", model.name)?;
+    writeln!(text, "{}", plain::line(&model.name))?;
     writeln!(text, "  size        {}", dimensions(size))?;
     let drawn = model.drawn_bounds();
     writeln!(
@@ -151,25 +150,24 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     if !model.parameters.is_empty() {
         writeln!(text, "  parameters (set with -D name=value)")?;
     }
-    let width = |text: &str| text.chars().count();
-    let names = model.parameters.iter().map(|p| width(&p.name)).max();
-    let names = names.unwrap_or(0);
-    for parameter in &model.parameters {
-        let mut value =
-            format!("{} = {}", pad(&parameter.name, names), parameter.value);
+    let names: Vec<_> = model
+        .parameters
+        .iter()
+        .map(|p| plain::line(&p.name))
+        .collect();
+    let width = names.iter().map(|name| name.chars().count()).max();
+    let width = width.unwrap_or(0);
+    for (name, parameter) in names.iter().zip(&model.parameters) {
+        let mut value = format!("{name:<width$} = {}", parameter.value);
         if parameter.value != parameter.default {
             write!(value, " (default {})", parameter.default)?;
         }
-        match parameter.description.as_str() {
+        match &*plain::line(&parameter.description) {
             "" => writeln!(text, "    {value}")?,
             description => writeln!(text, "    {value}  {description}")?,
         }
     }
     Ok(text)
-}
-
-fn pad(name: &str, width: usize) -> String {
-    format!("{name:<width$}")
 }
 
 /// `60.00 × 40.00 × 12.50 mm`

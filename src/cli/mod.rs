@@ -14,6 +14,8 @@ mod manual;
 mod memory;
 mod new;
 mod output;
+mod parse;
+mod plain;
 mod preview;
 mod profiles;
 mod render;
@@ -25,6 +27,7 @@ mod summary;
 pub(crate) mod terminal;
 
 use clap::{Parser, Subcommand};
+pub(crate) use parse::parse;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -114,7 +117,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
 
 /// Prints a result as JSON.
 fn print_json(result: &impl serde::Serialize) -> anyhow::Result<()> {
-    let mut text = serde_json::to_string_pretty(result)?;
+    let mut text = plain::json(&serde_json::to_string_pretty(result)?);
     text.push('\n');
     output::print(text.as_bytes())
 }

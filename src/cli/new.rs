@@ -4,12 +4,12 @@
 //! written, completely, or none.
 
 use super::output::Output;
-use super::terminal;
+use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::settings::suggestions;
 use std::fs;
-use std::io::{Write, stdout};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -66,6 +66,10 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
     let Some(stem) = base.file_name().and_then(|name| name.to_str()) else {
         bail!("{given} is no name for a file; write part, for example");
     };
+    // It is a line of both files.
+    if stem.contains(plain::is_obeyed) {
+        bail!("{given} has characters that no editor shows; write part");
+    }
     // A name may have a point in it: with_extension would cut there.
     let beside =
         |extension: &str| base.with_file_name(format!("{stem}.{extension}"));
@@ -95,12 +99,12 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
         }
     }
     if !terminal::is_quiet() {
-        let (script, settings) = (script.display(), settings.display());
-        writeln!(
-            stdout(),
+        let script = plain::value(script.display());
+        let settings = plain::value(settings.display());
+        plain::print(&format!(
             "{script}\n{settings}\n\nNext: isoslice slice {script} --config \
-             {settings}"
-        )?;
+             {settings}\n"
+        ))?;
     }
     Ok(())
 }

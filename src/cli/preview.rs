@@ -3,7 +3,7 @@
 use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
 use super::limits::{LimitArgs, watched};
 use super::output::Output;
-use super::terminal;
+use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, FromArgMatches};
 use isoslice::gcode::Format;
@@ -143,9 +143,9 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     if !terminal::is_quiet() {
         let text = describe(&path, &toolpath, started)?;
         if streamed {
-            io::stderr().write_all(text.as_bytes())?;
+            io::stderr().write_all(plain::lines(&text).as_bytes())?;
         } else {
-            io::stdout().write_all(text.as_bytes())?;
+            plain::print(&text)?;
         }
     }
     if args.open {
@@ -317,9 +317,9 @@ fn describe(
     let statistics = toolpath.statistics();
     let time = statistics.said_time.unwrap_or(statistics.time);
     let mut text = String::new();
-    writeln!(text, "{}", path.display())?;
+    writeln!(text, "{}", plain::value(path.display()))?;
     if let Some(generator) = &statistics.generator {
-        writeln!(text, "  made by     {generator}")?;
+        writeln!(text, "  made by     {}", plain::line(generator))?;
     }
     writeln!(text, "  layers      {}", toolpath.layer_count())?;
     writeln!(text, "  moves       {}", toolpath.len())?;

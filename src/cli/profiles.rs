@@ -1,11 +1,10 @@
 //! `isoslice profiles`: which printers, filaments and presets there are.
 
 use super::args::ProfilesSource;
-use super::output::print;
-use super::print_json;
+use super::{plain, print_json, terminal};
 use anyhow::bail;
 use clap::{Args, Subcommand};
-use isoslice::settings::{Origin, Profile, ProfileKind};
+use isoslice::settings::{Origin, Profile, ProfileKind, Profiles};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -99,14 +98,28 @@ fn list(args: &ListArgs) -> anyhow::Result<()> {
     };
     let mut found = Vec::new();
     for kind in ProfileKind::ALL.into_iter().filter(wanted) {
-        found.push((kind, profiles.list(kind)?));
+        found.push((kind, readable(&profiles, kind)));
     }
     if args.json {
         let all = found.iter().flat_map(|(_, profiles)| profiles);
         return print_json(&all.map(Listed::new).collect::<Vec<_>>());
     }
     let text = describe(&found, &args.source)?;
-    print(text.as_bytes())
+    plain::print(&text)
+}
+
+/// The profiles of a kind; a warning says which cannot be read.
+fn readable(profiles: &Profiles, kind: ProfileKind) -> Vec<Profile> {
+    let (found, wrong) = profiles.list(kind);
+    let chains = wrong.into_iter().map(|error| {
+        let parts: Vec<_> = anyhow::Error::from(error)
+            .chain()
+            .map(ToString::to_string)
+            .collect();
+        format!("left out: {}", parts.join(": "))
+    });
+    terminal::warn(&chains.collect::<Vec<_>>());
+    found
 }
 
 fn describe(
@@ -115,13 +128,14 @@ fn describe(
 ) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     let names = found.iter().flat_map(|(_, profiles)| profiles);
-    let width = names.map(|p| p.name.chars().count()).max().unwrap_or(0);
+    let length = |p: &Profile| plain::line(&p.name).chars().count();
+    let width = names.map(length).max().unwrap_or(0);
     for (kind, profiles) in found {
         writeln!(text, "{} (--{} NAME)", kind.folder(), kind.word())?;
         for profile in profiles {
-            write!(text, "  {:<width$}", profile.name)?;
+            write!(text, "  {:<width$}", plain::line(&profile.name))?;
             if !profile.description.is_empty() {
-                write!(text, "  {}", profile.description)?;
+                write!(text, "  {}", plain::line(&profile.description))?;
             }
             if profile.origin != Origin::Shipped {
                 write!(text, " (yours)")?;
@@ -135,7 +149,7 @@ fn describe(
             text,
             "Your own go into the folders printers, filaments and presets of\n\
              {}",
-            folder.display()
+            plain::value(folder.display())
         )?,
         None => writeln!(text, "Your own are looked for in --profiles DIR")?,
     }
@@ -146,7 +160,7 @@ fn show(args: &ShowArgs) -> anyhow::Result<()> {
     let profiles = args.source.find()?;
     let mut text = String::new();
     for kind in ProfileKind::ALL {
-        let of_kind = profiles.list(kind)?;
+        let of_kind = readable(&profiles, kind);
         for profile in of_kind.iter().filter(|p| p.name == args.name) {
             if !text.is_empty() {
                 text.push('\n');
@@ -158,5 +172,5 @@ fn show(args: &ShowArgs) -> anyhow::Result<()> {
         let hint = profiles.suggestion(&ProfileKind::ALL, &args.name);
         bail!("there is no profile {:?}; {hint}", args.name);
     }
-    print(text.as_bytes())
+    plain::print_file(&text)
 }

@@ -1,8 +1,7 @@
 //! `isoslice settings`: all settings, as TOML that can be fed back.
 
 use super::args::{Gathered, SettingsSource};
-use super::output::print;
-use super::print_json;
+use super::{plain, print_json};
 use clap::Args;
 use isoslice::settings::{Key, keys};
 use serde::Serialize;
@@ -41,7 +40,7 @@ pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
         true => settings.to_toml_with_origins(|key| origin(&gathered, key)),
         false => settings.to_toml(),
     };
-    print(text.as_bytes())
+    plain::print_file(&text)
 }
 
 fn origin(gathered: &Gathered, key: &Key) -> String {

@@ -5,7 +5,7 @@ use super::formats::format_of;
 use super::limits::{LimitArgs, watched};
 use super::output::{Output, same_file};
 use super::summary::{Sums, describe};
-use super::terminal;
+use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::gcode::Format;
@@ -13,7 +13,7 @@ use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
 use isoslice::settings::Flavour;
-use std::io::{Write, stderr, stdout};
+use std::io::{Write, stderr};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -190,9 +190,9 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         describe(&sums)?
     };
     if streamed {
-        stderr().write_all(text.as_bytes())?;
+        stderr().write_all(plain::lines(&text).as_bytes())?;
     } else {
-        stdout().write_all(text.as_bytes())?;
+        plain::print(&text)?;
     }
     Ok(())
 }

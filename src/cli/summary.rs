@@ -2,6 +2,7 @@
 
 use super::args::is_stream;
 use super::info::dimensions;
+use super::plain;
 use glam::DVec3;
 use isoslice::check::{Finding, Kind, Verdict};
 use isoslice::hang::{Hanging, Sum};
@@ -68,7 +69,7 @@ impl Sums<'_> {
                 .timings
                 .then(|| summary.timings.iter().map(of_stage).collect()),
         })?;
-        Ok(text + "\n")
+        Ok(plain::json(&text) + "\n")
     }
 }
 
@@ -203,8 +204,10 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
     let mut text = String::new();
     match is_stream(sums.output) {
-        true => writeln!(text, "{} (on standard output)", sums.model)?,
-        false => writeln!(text, "{}", sums.output.display())?,
+        true => {
+            writeln!(text, "{} (on standard output)", plain::line(sums.model))?
+        }
+        false => writeln!(text, "{}", plain::value(sums.output.display()))?,
     }
     writeln!(text, "  size        {}", dimensions(summary.size))?;
     let (layers, count) = (&summary.layers, summary.layer_count);
@@ -237,7 +240,7 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     if let Some(outline) = p99(summary.outline_error) {
         write!(text, "  accuracy    outline within {outline}")?;
         if let Some(walls) = p99(summary.wall_error) {
-            write!(text, ", outer wall within {walls}")?;
+            write!(text, ", outer wall of even width within {walls}")?;
         }
         writeln!(text, " (99 % of the points measured)")?;
     }

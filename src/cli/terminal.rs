@@ -4,10 +4,14 @@
 //! said: `-q` leaves out progress and summaries, `-qq` warnings as well; `-v`
 //! adds notes, `-vv` where the time went. Errors are always shown.
 //!
+//! Whatever is said goes through [`plain`] first, since parts of it may be a
+//! stranger's words.
+//!
 //! Colours only on a terminal whose user has not set `NO_COLOR`
 //! (<https://no-color.org>); a stream that cannot be written to is given up
 //! silently, since there is nobody to tell.
 
+use super::plain;
 use clap::builder::styling::{AnsiColor, Effects, Style};
 use clap::{ArgAction, Args};
 use indicatif::{
@@ -15,6 +19,8 @@ use indicatif::{
     ProgressStyle,
 };
 use isoslice::limits::Watch;
+use isoslice::pipeline::SliceError;
+use std::error::Error;
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::atomic::{AtomicI8, Ordering};
 use std::time::Duration;
@@ -75,10 +81,22 @@ pub(super) fn wants_timings() -> bool {
 pub(crate) fn report_error(error: &anyhow::Error) {
     let mut chain = error.chain();
     if let Some(first) = chain.next() {
-        say(ERROR, "error", &first.to_string());
+        say(ERROR, "error", &shown(first));
     }
     for cause in chain {
-        let _ = writeln!(stderr(), "  because: {cause}");
+        let _ = writeln!(stderr(), "  because: {}", shown(cause));
+    }
+}
+
+/// An error as it is shown: in one line, but for those that list faults.
+fn shown(error: &(dyn Error + 'static)) -> String {
+    let text = error.to_string();
+    match error.downcast_ref::<SliceError>() {
+        Some(SliceError::Unsafe(_)) => {
+            let lines: Vec<_> = text.lines().map(plain::line).collect();
+            lines.join("\n")
+        }
+        _ => plain::line(&text).into_owned(),
     }
 }
 
@@ -89,7 +107,7 @@ pub(super) fn warn(warnings: &[String]) {
     }
     for (i, warning) in warnings.iter().enumerate() {
         if !warnings[..i].contains(warning) {
-            say(WARNING, "warning", warning);
+            say(WARNING, "warning", &plain::line(warning));
         }
     }
 }
@@ -98,7 +116,7 @@ pub(super) fn warn(warnings: &[String]) {
 pub(super) fn note(notes: &[String]) {
     if level() > 0 {
         for note in notes {
-            say(NOTE, "note", note);
+            say(NOTE, "note", &plain::line(note));
         }
     }
 }

@@ -137,7 +137,7 @@ impl<W: Write> Writer<'_, W> {
     fn heated_start(&mut self, start: &str, header: &Header) {
         let settings = self.settings;
         let filament = &settings.filament;
-        let source = self.templates.start;
+        let source = self.templates.start_source();
         let bed = match bed_heated(settings) {
             true => heating(
                 source,

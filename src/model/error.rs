@@ -5,6 +5,7 @@ use super::formula::FormulaError;
 use super::param::ParamError;
 use super::script::ScriptError;
 use super::vm::VmError;
+use crate::encoding::NotText;
 
 /// Why a model cannot be loaded. All are the user's to mend, except
 /// `ScriptError::Bug`.
@@ -40,14 +41,12 @@ pub enum LoadError {
         found: String,
     },
     /// Not text.
-    #[error(
-        "{file}, line {line}: not valid UTF-8; save the file as plain text"
-    )]
+    #[error("{file}: {error}")]
     NotText {
         /// File.
         file: String,
-        /// Line of the first bad byte.
-        line: usize,
+        /// What it is.
+        error: NotText,
     },
     /// A malformed `.vm` file.
     #[error("{file}, {error}")]

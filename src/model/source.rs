@@ -9,6 +9,7 @@ use super::formula::parse_formula;
 use super::param::{Parameter, none_wanted};
 use super::script::{ScriptLimits, run_script};
 use super::vm::parse_vm;
+use crate::encoding;
 use crate::files::{self, FileError};
 use fidget::context::Tree;
 use std::path::{Path, PathBuf};
@@ -99,10 +100,13 @@ pub fn load_within(
     let (tree, parameters) = match kind {
         SourceKind::Vm => {
             no_parameters()?;
-            let tree = parse_vm(&bytes).map_err(|error| LoadError::Vm {
-                file: file.clone(),
-                error,
-            })?;
+            let tree =
+                parse_vm(text(&bytes, &file)?.as_bytes()).map_err(|error| {
+                    LoadError::Vm {
+                        file: file.clone(),
+                        error,
+                    }
+                })?;
             (tree, Vec::new())
         }
         SourceKind::Formula => {
@@ -168,7 +172,7 @@ fn read(path: &Path, most: u64) -> Result<Vec<u8>, LoadError> {
             file,
             limit_mb: most >> 20,
         },
-        FileError::NotText { line } => LoadError::NotText { file, line },
+        FileError::NotText(error) => LoadError::NotText { file, error },
     })
 }
 
@@ -183,11 +187,8 @@ fn within(bytes: &[u8], most: u64, file: &str) -> Result<(), LoadError> {
 }
 
 fn text<'a>(bytes: &'a [u8], file: &str) -> Result<&'a str, LoadError> {
-    std::str::from_utf8(bytes).map_err(|e| LoadError::NotText {
+    encoding::text(bytes).map_err(|error| LoadError::NotText {
         file: file.to_owned(),
-        line: 1 + bytes[..e.valid_up_to()]
-            .iter()
-            .filter(|b| **b == b'\n')
-            .count(),
+        error,
     })
 }

@@ -158,33 +158,43 @@ impl Profiles {
         Self { folder }
     }
 
-    /// All of a kind, by name. Where there are two of a name it is the
-    /// folder's.
-    ///
-    /// # Errors
-    /// If the folder or a profile in it cannot be read, or its beginning is
-    /// not understood.
+    /// All of a kind, by name, and what is wrong with the others: the folder
+    /// or a profile in it cannot be read, or its beginning is not understood.
+    /// Where there are two of a name it is the folder's.
     pub fn list(
         &self,
         kind: ProfileKind,
-    ) -> Result<Vec<Profile>, SettingsError> {
+    ) -> (Vec<Profile>, Vec<SettingsError>) {
         let mut found = BTreeMap::new();
+        let mut wrong = Vec::new();
+        let mut add = |name: &str, read: Result<Option<Profile>, _>| match read
+        {
+            Ok(Some(profile)) => drop(found.insert(name.to_owned(), profile)),
+            Ok(None) => {}
+            Err(error) => wrong.push(error),
+        };
         for (name, text) in shipped(kind) {
-            let profile = Profile::new(kind, name, Origin::Shipped, text)?;
-            found.insert(name.to_owned(), profile);
+            let profile = Profile::new(kind, name, Origin::Shipped, text);
+            add(name, profile.map(Some));
         }
-        for name in self.own(kind)? {
-            if let Some(profile) = self.find_own(kind, &name)? {
-                found.insert(name, profile);
+        match self.own(kind) {
+            Ok(mut names) => {
+                // The system lists them as it pleases.
+                names.sort();
+                for name in names {
+                    add(&name, self.find_own(kind, &name));
+                }
             }
+            Err(error) => wrong.push(error),
         }
-        Ok(found.into_values().collect())
+        (found.into_values().collect(), wrong)
     }
 
     /// The profile of that name, or in that file if it is the path of one.
     ///
     /// # Errors
-    /// If there is none, or as [`Profiles::list`].
+    /// If there is none, it cannot be read, or its beginning is not
+    /// understood.
     pub fn find(
         &self,
         kind: ProfileKind,
@@ -205,7 +215,7 @@ impl Profiles {
     ///
     /// # Errors
     /// If one of them does not exist, or inherits from itself in the end, or
-    /// there are too many, or as [`Profiles::list`].
+    /// there are too many, or as [`Profiles::find`].
     pub fn chain(
         &self,
         kind: ProfileKind,

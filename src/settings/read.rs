@@ -12,6 +12,7 @@ use super::value::{Raw, Refused};
 use super::{Settings, keys};
 use crate::files::{self, FileError, MAX_SETTINGS_BYTES};
 use std::collections::BTreeMap;
+use std::io;
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -251,6 +252,10 @@ fn hint(name: &str) -> String {
         return "only profiles have it, which are named with --printer, \
                 --filament or --preset"
             .to_owned();
+    }
+    let meant = table::ambiguous(name);
+    if meant.len() > 1 {
+        return format!("did you mean {}?", table::alternatives(&meant));
     }
     match table::nearest(name) {
         Some(near) => format!("did you mean {near}?"),

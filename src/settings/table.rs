@@ -203,6 +203,24 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
         .map(|(_, name)| name)
 }
 
+/// The names that a part of one, in whole words, may stand for: those with
+/// the fewest words besides, in the table's order.
+pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
+    const MOST: usize = 4;
+    let name = name.to_lowercase().replace('-', "_");
+    let besides = |key: &Key| {
+        let (whole, part) = (format!("_{}_", key.leaf()), format!("_{name}_"));
+        whole
+            .contains(&part)
+            .then(|| key.leaf().matches('_').count())
+    };
+    let Some(least) = keys().iter().filter_map(besides).min() else {
+        return Vec::new();
+    };
+    let all = keys().iter().filter(|key| besides(key) == Some(least));
+    all.map(|key| key.name).take(MOST).collect()
+}
+
 /// `a, b or c`.
 pub(super) fn alternatives(words: &[&str]) -> String {
     match words {

@@ -22,36 +22,11 @@ pub struct TemplateError {
 
 /// What to say about a name that is not known.
 pub(super) fn unknown_name(name: &str, scope: Scope) -> String {
-    let elsewhere = PLACEHOLDERS
-        .iter()
-        .find(|p| p.name == name && p.scope != scope);
-    match elsewhere.map(|p| p.scope) {
-        Some(Scope::Layer) => {
-            return format!("{name} is known in {LAYER} only");
-        }
-        Some(Scope::End) => {
-            return format!("{name} is known in {END} only");
-        }
-        _ => {}
+    if let Some(place) = known_elsewhere(name, scope) {
+        return format!("{name} is known in {place} only");
     }
-    // Below this two names have little more than a letter in common.
-    const NEAR: f64 = 0.8;
-    let like = |known: &str| {
-        // The right name in the wrong group is near, too.
-        let leaf = known.rsplit('.').next().unwrap_or(known);
-        let own = name.rsplit('.').next().unwrap_or(name);
-        let whole = strsim::jaro_winkler(name, known);
-        whole.max(0.95 * strsim::jaro_winkler(own, leaf))
-    };
-    let hint = placeholders::names(scope)
-        .map(|known| (like(known), known))
-        .filter(|(likeness, _)| *likeness >= NEAR)
-        // The first of several that are as near.
-        .fold(None::<(f64, &str)>, |best, this| match best {
-            Some(best) if best.0 >= this.0 => Some(best),
-            _ => Some(this),
-        })
-        .map(|(_, known)| format!(", did you mean {{{{ {known} }}}}?"))
+    let hint = meant(name, scope)
+        .map(|known| format!(", did you mean {{{{ {known} }}}}?"))
         .unwrap_or_default();
     let all: Vec<&str> = PLACEHOLDERS
         .iter()
@@ -65,13 +40,45 @@ pub(super) fn unknown_name(name: &str, scope: Scope) -> String {
     )
 }
 
-/// An error of the engine's in our words.
-pub(super) fn failure(
-    template: &'static str,
-    source: &str,
-    failed: &Error,
-) -> TemplateError {
-    let start = failed.range().map(|r| r.start);
+/// The only template that knows a name, if there is one.
+pub(super) fn known_elsewhere(
+    name: &str,
+    scope: Scope,
+) -> Option<&'static str> {
+    let elsewhere = PLACEHOLDERS
+        .iter()
+        .find(|p| p.name == name && p.scope != scope);
+    match elsewhere?.scope {
+        Scope::Layer => Some(LAYER),
+        Scope::End => Some(END),
+        Scope::All => None,
+    }
+}
+
+/// The name that is most like one that is not known.
+pub(super) fn meant(name: &str, scope: Scope) -> Option<&'static str> {
+    // Below this two names have little more than a letter in common.
+    const NEAR: f64 = 0.8;
+    let like = |known: &str| {
+        // The right name in the wrong group is near, too.
+        let leaf = known.rsplit('.').next().unwrap_or(known);
+        let own = name.rsplit('.').next().unwrap_or(name);
+        let whole = strsim::jaro_winkler(name, known);
+        whole.max(0.95 * strsim::jaro_winkler(own, leaf))
+    };
+    placeholders::names(scope)
+        .map(|known| (like(known), known))
+        .filter(|(likeness, _)| *likeness >= NEAR)
+        // The first of several that are as near.
+        .fold(None::<(f64, &str)>, |best, this| match best {
+            Some(best) if best.0 >= this.0 => Some(best),
+            _ => Some(this),
+        })
+        .map(|(_, known)| known)
+}
+
+/// An error of the engine's in our words, and its place in bytes.
+pub(super) fn failure(failed: &Error) -> (Option<usize>, String) {
     let mut message = match failed.kind() {
         ErrorKind::OutOfFuel => GivenUp::Time.to_string(),
         ErrorKind::UndefinedError => "this has no value".to_owned(),
@@ -80,15 +87,7 @@ pub(super) fn failure(
     if let Some(detail) = failed.detail() {
         message = format!("{message}: {detail}");
     }
-    match start {
-        Some(at) => error(template, source, at, message),
-        None => TemplateError {
-            template,
-            line: failed.line().unwrap_or(1),
-            column: 1,
-            message,
-        },
-    }
+    (failed.range().map(|r| r.start), message)
 }
 
 /// A mistake at a place in the source, in bytes.

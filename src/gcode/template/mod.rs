@@ -6,8 +6,9 @@
 //! Out: G-code. [`PLACEHOLDERS`](super::PLACEHOLDERS) is the list of names.
 //!
 //! Guarantees: a name nobody knows is an error that says where, also in a
-//! branch that is not taken, and so is a placeholder in another slicer's
-//! brackets, and a control character; nothing is left out silently. All templates are tried before the
+//! branch that is not taken, and so is a control character. Placeholders of
+//! other slicers mean what they mean there, or are errors, too; nothing is
+//! left out silently. All templates are tried before the
 //! first line is written. Numbers are written as firmware reads them. A
 //! template can neither read files nor run for ever, nor take much memory
 //! (see [`bounded`](super::bounded)).
@@ -15,6 +16,7 @@
 mod control;
 mod engine;
 mod error;
+mod foreign;
 mod pieces;
 #[cfg(test)]
 mod tests;
@@ -30,7 +32,8 @@ use control::control;
 use engine::engine;
 use error::{error, failure, unknown_name};
 use minijinja::{Environment, Value};
-use pieces::{find, foreign, pieces};
+use pieces::{find, pieces};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -50,10 +53,59 @@ pub(super) struct Templates<'a> {
     header: Header,
     /// Values that every template knows.
     known: BTreeMap<String, Value>,
-    /// The start's text, as the user wrote it.
-    pub start: &'a str,
-    end: &'a str,
-    has_layer: bool,
+    start: Source<'a>,
+    end: Source<'a>,
+    layer: Source<'a>,
+}
+
+/// A template's text.
+#[derive(Debug)]
+struct Source<'a> {
+    name: &'static str,
+    scope: Scope,
+    /// As the user wrote it.
+    written: &'a str,
+    /// In our syntax.
+    ours: Cow<'a, str>,
+}
+
+impl<'a> Source<'a> {
+    fn new(
+        name: &'static str,
+        scope: Scope,
+        written: &'a str,
+    ) -> Result<Self, TemplateError> {
+        if let Some((at, message)) = control(written) {
+            return Err(error(name, written, at, message));
+        }
+        let ours = foreign::translated(written, &pieces(written), scope)
+            .map_err(|(at, message)| error(name, written, at, message))?;
+        Ok(Source {
+            name,
+            scope,
+            written,
+            ours,
+        })
+    }
+
+    /// A mistake at a byte of our text.
+    fn error(&self, at: usize, message: String) -> TemplateError {
+        let at = foreign::origin(self.written, &self.ours, at);
+        error(self.name, self.written, at, message)
+    }
+
+    /// An error of the engine's.
+    fn failure(&self, failed: &minijinja::Error) -> TemplateError {
+        match failure(failed) {
+            (Some(at), message) => self.error(at, message),
+            (None, message) => TemplateError {
+                template: self.name,
+                line: failed.line().unwrap_or(1),
+                column: 1,
+                message,
+            },
+        }
+    }
 }
 
 impl<'a> Templates<'a> {
@@ -63,12 +115,17 @@ impl<'a> Templates<'a> {
         header: &Header,
     ) -> Result<Self, TemplateError> {
         let gcode = &settings.gcode;
-        let own = |text: &'a str, default| match text.trim().is_empty() {
-            true => default,
-            false => text,
+        let own = |text: &'a str, default| {
+            // Pasted with a file's beginning.
+            let text = text.trim_start_matches('\u{feff}');
+            match text.trim().is_empty() {
+                true => default,
+                false => text,
+            }
         };
         let start = own(&gcode.start, flavour::default_start(gcode.flavour));
         let end = own(&gcode.end, flavour::default_end(gcode.flavour));
+        let layer = own(&gcode.layer, "");
         let mut known = placeholders::of_settings(settings);
         let of_all = Known {
             settings,
@@ -86,23 +143,26 @@ impl<'a> Templates<'a> {
                 ..header.clone()
             },
             known,
-            start,
-            end,
-            has_layer: !gcode.layer.trim().is_empty(),
+            start: Source::new(START, Scope::All, start)?,
+            end: Source::new(END, Scope::End, end)?,
+            layer: Source::new(LAYER, Scope::Layer, layer)?,
         };
-        templates.add(START, start, Scope::All)?;
-        templates.add(END, end, Scope::End)?;
-        templates.add(LAYER, &gcode.layer, Scope::Layer)?;
-        templates.try_end()?;
-        if templates.has_layer {
-            templates.layer(Moment::of_trial(settings))?;
+        for source in [&templates.start, &templates.end, &templates.layer] {
+            add(&mut templates.engine, source)?;
         }
+        templates.try_end()?;
+        templates.layer(Moment::of_trial(settings))?;
         Ok(templates)
+    }
+
+    /// The start's text, in our syntax.
+    pub(super) fn start_source(&self) -> &str {
+        &self.start.ours
     }
 
     /// What stands at the file's start.
     pub(super) fn start(&self) -> Result<String, TemplateError> {
-        self.render(START, Scope::All, Moment::default(), Totals::default())
+        self.render(&self.start, Moment::default(), Totals::default())
     }
 
     /// What stands at a layer's beginning, if anything.
@@ -110,10 +170,9 @@ impl<'a> Templates<'a> {
         &self,
         moment: Moment,
     ) -> Result<Option<String>, TemplateError> {
-        self.has_layer
-            .then(|| {
-                self.render(LAYER, Scope::Layer, moment, Totals::default())
-            })
+        let layer = &self.layer;
+        (!layer.written.is_empty())
+            .then(|| self.render(layer, moment, Totals::default()))
             .transpose()
     }
 
@@ -132,57 +191,16 @@ impl<'a> Templates<'a> {
 
     /// What stands at the file's end.
     pub(super) fn end(&self, totals: Totals) -> Result<String, TemplateError> {
-        self.render(END, Scope::End, Moment::default(), totals)
-    }
-
-    /// Reads a template and looks for names that are not known.
-    fn add(
-        &mut self,
-        name: &'static str,
-        source: &'a str,
-        scope: Scope,
-    ) -> Result<(), TemplateError> {
-        if let Some((at, message)) = control(source) {
-            return Err(error(name, source, at, message));
-        }
-        let failed = |e| failure(name, source, &e);
-        Arc::make_mut(&mut self.engine)
-            .add_template_owned(name, source.to_owned())
-            .map_err(failed)?;
-        let template = self.engine.get_template(name).map_err(failed)?;
-        let globals: Vec<&str> =
-            self.engine.globals().map(|(name, _)| name).collect();
-        let known: Vec<&str> = placeholders::names(scope).collect();
-        let is_known = |used: &str| {
-            let group = |k: &&str| k.split('.').next() == Some(used);
-            globals.contains(&used)
-                || known.contains(&used)
-                || known.iter().any(group)
-        };
-        let pieces = pieces(source);
-        let mut unknown: Vec<(usize, String)> = template
-            .undeclared_variables(true)
-            .into_iter()
-            .filter(|used| !is_known(used))
-            .map(|used| (find(source, &pieces, &used), used))
-            .collect();
-        unknown.sort();
-        if let Some((at, used)) = unknown.first() {
-            return Err(error(name, source, *at, unknown_name(used, scope)));
-        }
-        match foreign(source, &pieces, &known) {
-            Some((at, message)) => Err(error(name, source, at, message)),
-            None => Ok(()),
-        }
+        self.render(&self.end, Moment::default(), totals)
     }
 
     fn render(
         &self,
-        name: &'static str,
-        scope: Scope,
+        source: &Source<'_>,
         moment: Moment,
         totals: Totals,
     ) -> Result<String, TemplateError> {
+        let (name, scope) = (source.name, source.scope);
         let now = Known {
             settings: self.settings,
             header: &self.header,
@@ -194,15 +212,14 @@ impl<'a> Templates<'a> {
             values.extend(placeholders::of(scope, &now));
         }
         let engine = self.engine.clone();
-        let source = self.source(name);
-        let too_much = |message| error(name, source, 0, message);
+        let too_much = |message| source.error(0, message);
         let rendered = bounded(move || {
             engine
                 .get_template(name)
                 .and_then(|t| t.render(Value::from_iter(values)))
         })
         .map_err(|why| too_much(why.to_string()))?
-        .map_err(|e| failure(name, source, &e))?;
+        .map_err(|e| source.failure(&e))?;
         if rendered.len() > LONGEST {
             return Err(too_much(format!(
                 "it comes to more than {} MB of text; make it shorter",
@@ -213,7 +230,7 @@ impl<'a> Templates<'a> {
         if let Some((at, message)) = control(&rendered) {
             let line = rendered[..at].matches('\n').count() + 1;
             let message = format!("line {line} of what it comes to: {message}");
-            return Err(error(name, source, 0, message));
+            return Err(source.error(0, message));
         }
         let mut out = String::with_capacity(rendered.len() + 1);
         for line in rendered.lines() {
@@ -222,12 +239,39 @@ impl<'a> Templates<'a> {
         }
         Ok(out)
     }
+}
 
-    fn source(&self, name: &str) -> &'a str {
-        match name {
-            START => self.start,
-            LAYER => &self.settings.gcode.layer,
-            _ => self.end,
+/// Reads a template and looks for names that are not known.
+fn add(
+    engine: &mut Arc<Environment<'static>>,
+    source: &Source<'_>,
+) -> Result<(), TemplateError> {
+    let failed = |e| source.failure(&e);
+    let (name, ours) = (source.name, &*source.ours);
+    Arc::make_mut(engine)
+        .add_template_owned(name, ours.to_owned())
+        .map_err(failed)?;
+    let template = engine.get_template(name).map_err(failed)?;
+    let globals: Vec<&str> = engine.globals().map(|(name, _)| name).collect();
+    let known: Vec<&str> = placeholders::names(source.scope).collect();
+    let is_known = |used: &str| {
+        let group = |k: &&str| k.split('.').next() == Some(used);
+        globals.contains(&used)
+            || known.contains(&used)
+            || known.iter().any(group)
+    };
+    let pieces = pieces(ours);
+    let mut unknown: Vec<(usize, String)> = template
+        .undeclared_variables(true)
+        .into_iter()
+        .filter(|used| !is_known(used))
+        .map(|used| (find(ours, &pieces, &used), used))
+        .collect();
+    unknown.sort();
+    match unknown.first() {
+        Some((at, used)) => {
+            Err(source.error(*at, unknown_name(used, source.scope)))
         }
+        None => Ok(()),
     }
 }

@@ -1,5 +1,4 @@
-//! A template's text, taken apart: to find names in it, and what only looks
-//! like a placeholder.
+//! A template's text, taken apart: to find names in it, and what is plain.
 
 use std::ops::Range;
 
@@ -7,9 +6,9 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Piece {
     /// Where it is, in bytes.
-    at: Range<usize>,
+    pub at: Range<usize>,
     /// Whether it is an expression or a condition, and not plain text.
-    code: bool,
+    pub code: bool,
 }
 
 /// The pieces of a template: plain text, and what is between braces.
@@ -72,35 +71,4 @@ pub(super) fn find(source: &str, pieces: &[Piece], name: &str) -> usize {
                 && !after.is_some_and(part)
         })
         .unwrap_or(0)
-}
-
-/// A placeholder in brackets of another kind, `{name}` or `[name]`, that
-/// would reach the printer as it is.
-pub(super) fn foreign(
-    source: &str,
-    pieces: &[Piece],
-    known: &[&str],
-) -> Option<(usize, String)> {
-    pieces.iter().filter(|p| !p.code).find_map(|p| {
-        let piece = &source[p.at.clone()];
-        piece.match_indices(['{', '[']).find_map(|(i, open)| {
-            // Comments may hold anything.
-            let line = piece[..i].rsplit('\n').next().unwrap_or("");
-            let close = if open == "{" { '}' } else { ']' };
-            let end = i + piece[i..].find(close)?;
-            let name = piece[i + 1..end].trim();
-            let plain = !name.is_empty()
-                && name.chars().all(|c| c.is_alphanumeric() || c == '_')
-                && !name.starts_with(|c: char| c.is_ascii_digit());
-            let meant = plain && (open == "{" || known.contains(&name));
-            (meant && !line.contains(';')).then(|| {
-                let message = format!(
-                    "{} would reach the printer as it is; write \
-                     {{{{ {name} }}}} for a placeholder",
-                    &piece[i..=end]
-                );
-                (p.at.start + i, message)
-            })
-        })
-    })
 }

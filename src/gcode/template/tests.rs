@@ -1,7 +1,7 @@
 use super::*;
 use glam::DVec3;
 
-fn header() -> Header {
+pub(super) fn header() -> Header {
     Header {
         model_name: "gyroid\nball".to_owned(),
         layer_count: 12,
@@ -106,16 +106,6 @@ fn errors_say_where() {
         "{{ layer }}",
         "line 1, column 4: layer is known in gcode.layer only",
     );
-    assert_refused(
-        "G28\n\nM190 S{bed_temperature}",
-        "line 3, column 7: {bed_temperature} would reach the printer as \
-         it is",
-    );
-    assert_refused(
-        "M190 S[bed_temperature]",
-        "line 1, column 7: [bed_temperature] would reach the printer as \
-         it is",
-    );
     for broken in ["G28 {{ bed_x", "G28 {{ bed_x + }}", "{% if true %}"] {
         let error = filled(broken).unwrap_err();
         assert!(error.contains("line 1, column"), "{error}");
@@ -125,12 +115,6 @@ fn errors_say_where() {
         let error = filled(wrong).unwrap_err();
         assert!(error.contains("line 2, column 4"), "{error}");
     }
-}
-
-#[test]
-fn text_that_only_looks_like_a_placeholder_is_left_alone() {
-    let plain = "G1 X1 ; {any} [thing]\nM117 [100] {1} [hi]\n";
-    assert_filled(plain, plain);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::limits::{
     MAX_ARRAY, MAX_CALLS, MAX_MAP, MAX_STRING, ScriptLimits, Stop,
 };
+use super::suggest;
 use crate::model::param::ParamError;
 use rhai::{EvalAltResult, Position};
 
@@ -72,6 +73,7 @@ pub(super) fn explain(
     error: &EvalAltResult,
     parameter: Option<ParamError>,
     limits: &ScriptLimits,
+    text: &str,
 ) -> ScriptError {
     let innermost = unwrapped(error);
     let position = innermost.position();
@@ -110,9 +112,30 @@ pub(super) fn explain(
                 .to_owned(),
         ),
         EvalAltResult::ErrorRuntime(value, _) => failed(value.to_string()),
+        EvalAltResult::ErrorFunctionNotFound(signature, _) => {
+            let own = suggest::declared(text, &["fn"]);
+            failed(suggest::function(signature, &own))
+        }
+        EvalAltResult::ErrorVariableNotFound(name, _) => {
+            failed(suggest::variable(name, text))
+        }
+        EvalAltResult::ErrorMismatchDataType(wanted, found, _)
+            if wanted == "bool" && found.ends_with("Tree") =>
+        {
+            failed(
+                "a field is neither true nor false: the script runs once, \
+                 and x, y and z have no values yet; write max, min or \
+                 compare instead of if"
+                    .to_owned(),
+            )
+        }
         other => {
             let mut plain = rhai_message(other);
             for (symbol, remedy) in [
+                (
+                    "Expecting ';'",
+                    "; is there a ; missing at the end of the line before?",
+                ),
                 ("'import'", "; models cannot import other files"),
                 ("'eval'", "; models cannot run text as code"),
             ] {

@@ -47,6 +47,27 @@ fn not_a_power<A, B>(_: A, _: B) -> Outcome<Tree> {
     Err(REMEDY.into())
 }
 
+/// Comparisons of fields, which are refused: a script runs once, before any
+/// place is known.
+pub(super) fn add_comparisons(engine: &mut Engine) {
+    fn refused<A, B>(_: A, _: B) -> Outcome<bool> {
+        const REMEDY: &str = "a field cannot be compared: the script runs \
+            once, and x, y and z have no values yet. Write what `if` would \
+            do as a field: max(f, g) is where both are, min(f, g) where \
+            either is, max(f, -x) is f where x > 0, and compare(x, 0) is -1, \
+            0 or 1";
+        Err(REMEDY.into())
+    }
+    for operator in ["==", "!=", "<", ">", "<=", ">="] {
+        engine
+            .register_fn(operator, refused::<Tree, Tree>)
+            .register_fn(operator, refused::<Tree, i64>)
+            .register_fn(operator, refused::<Tree, f64>)
+            .register_fn(operator, refused::<i64, Tree>)
+            .register_fn(operator, refused::<f64, Tree>);
+    }
+}
+
 /// `draw(shape)`, also of an array of shapes.
 pub(super) fn add_draw(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
     /// Shapes drawn at most: keeps a `draw` in an endless loop small.

@@ -3,9 +3,9 @@
 //! In: the text of a script and the `-D` definitions. Out: an expression tree
 //! and the script's parameters.
 //!
-//! The engine is fidget's, with all its shapes and transforms, and four
-//! additions: `param`, `draw`, the power operator `**` (also `pow`), and
-//! limits. The model is the union of what is passed to `draw`; without a
+//! The engine is fidget's, with all its shapes and transforms, and some
+//! additions: more shapes (`shapes`), `param`, `draw`, the power operator
+//! `**` (also `pow`), and limits. The model is the union of what is passed to `draw`; without a
 //! `draw`, the script's last value.
 //!
 //! `^` is not a power here: rhai binds it weaker than `+`, so `2*x^2` would
@@ -27,6 +27,8 @@ mod functions;
 mod limits;
 mod sandbox;
 mod shape;
+mod shapes;
+mod suggest;
 #[cfg(test)]
 mod tests;
 
@@ -37,11 +39,12 @@ use super::param::{Parameter, Table};
 use crate::limits::{check, doing, resident_bytes};
 use error::explain;
 use fidget::context::Tree;
-use functions::{Shared, add_draw, add_param, add_powers};
+use functions::{Shared, add_comparisons, add_draw, add_param, add_powers};
 use limits::{GO_ON, Stop};
 use rhai::Dynamic;
 use sandbox::{add_limits, add_replace};
 use shape::{describe, shape, union};
+use shapes::add_shapes;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -162,6 +165,8 @@ fn run_here(
     let mut engine = fidget::rhai::engine();
     add_limits(&mut engine, limits.operations, stop.clone());
     add_replace(&mut engine);
+    add_shapes(&mut engine);
+    add_comparisons(&mut engine);
     add_powers(&mut engine);
     add_draw(&mut engine, &shared);
     add_param(&mut engine, &shared);
@@ -171,7 +176,7 @@ fn run_here(
     let last = match result {
         Ok(value) => value,
         Err(error) => {
-            return Err(explain(&error, state.error.take(), limits));
+            return Err(explain(&error, state.error.take(), limits, text));
         }
     };
     let drawn = std::mem::take(&mut state.drawn);

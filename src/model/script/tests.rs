@@ -195,3 +195,33 @@ fn deep_values_do_not_overflow_the_stack() {
     let e = run("let a = []; for i in 0..1000 { a = [a]; } a");
     assert!(matches!(e, Err(ScriptError::NoModel { .. })));
 }
+
+/// What a user is told of names that are none.
+#[test]
+fn names_that_are_none_have_suggestions() {
+    for (text, words) in [
+        ("spehre(5)", "did you mean sphere, as in sphere(#{center"),
+        ("cyinder(5, 3)", "did you mean cylinder"),
+        ("cube(5)", "write rounded_box"),
+        ("translate(x, [1, 2, 3])", "write f.move"),
+        ("smooth_union(x, y, 3)", "write blend(a, b, 3)"),
+        ("quux(5)", "docs/shapes.md"),
+        ("sphere(\"a\")", "sphere"),
+        ("max(x)", "max does not take (a shape)"),
+        (
+            "fn leg(a) { a } leg(x, y)",
+            "the script's leg does not take",
+        ),
+        ("let radius = 5; x - raduis", "did you mean radius?"),
+        ("x - pi", "write PI"),
+        ("let r = 5; fn f() { x - r } f()", "pass it as an argument"),
+        ("sphere", "sphere is a function"),
+        ("if x > 0 { y } else { z }", "line 1"),
+        ("if x > 0 { y } else { z }", "max(f, g)"),
+        ("if x { y } else { z }", "max, min or compare"),
+        ("let a = 5\nx", "is there a ; missing"),
+    ] {
+        let e = error(text);
+        assert!(e.contains(words), "{text}: {e}");
+    }
+}

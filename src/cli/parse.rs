@@ -1,0 +1,151 @@
+//! The arguments, and what is said about those that are none.
+//!
+//! Settings are no options. Who writes one as an option, or uses another
+//! slicer's word for one, is told what to write.
+
+use super::{Cli, plain};
+use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use isoslice::settings;
+use std::process::exit;
+
+/// Words of other slicers, and of ours in other places, as options.
+const WORDS: &[(&str, &str)] = &[
+    ("supports", NO_SUPPORTS),
+    ("support", NO_SUPPORTS),
+    ("support-material", NO_SUPPORTS),
+    ("raft", NO_SUPPORTS),
+    ("brim", "--set brim.place=outer, and brim.width"),
+    ("brim-width", "--set brim.place=outer --set brim.width=5"),
+    ("skirt", "--set skirt.loops=1"),
+    ("skirts", "--set skirt.loops=1"),
+    ("infill", "--set infill_density=25% or --set infill=gyroid"),
+    ("fill-density", "--set infill_density=25%"),
+    ("fill-pattern", "--set infill=gyroid"),
+    ("density", "--set infill_density=25%"),
+    ("perimeters", "--set walls=3"),
+    ("shells", "--set walls=3"),
+    ("wall-count", "--set walls=3"),
+    ("top-solid-layers", "--set top_layers=4"),
+    ("bottom-solid-layers", "--set bottom_layers=3"),
+    ("temp", TEMPERATURE),
+    ("temperature", TEMPERATURE),
+    ("nozzle", "--set printer.nozzle_diameter=0.4"),
+    (
+        "speed",
+        "--set speed.outer_wall=40, and others of the group speed",
+    ),
+    ("material", "--filament petg"),
+    ("profile", "--printer, --filament or --preset"),
+    ("quality", "--preset fine"),
+    ("load", "--config FILE"),
+    ("settings", "--config FILE"),
+    ("center", "--at X,Y"),
+    ("centre", "--at X,Y"),
+    ("position", "--at X,Y"),
+    ("rotate", "--rotate-x, --rotate-y or --rotate-z"),
+    ("scale-to-fit", "--size S"),
+    ("export-gcode", "-o FILE"),
+    ("out", "-o FILE"),
+    ("param", "-D name=value"),
+    ("jobs", "--threads N"),
+    ("verbose-level", "-v"),
+    ("gcode-flavor", "--set gcode.flavour=klipper"),
+    ("flavor", "--set gcode.flavour=klipper"),
+];
+
+const TEMPERATURE: &str = "--set filament.nozzle_temperature=210";
+const NO_SUPPORTS: &str = "isoslice makes no supports or rafts yet: turn the \
+                           part, or model them";
+
+/// The command line, or the end of the program.
+pub(crate) fn parse() -> Cli {
+    let mut error = match Cli::try_parse() {
+        Ok(cli) => return cli,
+        Err(error) => error,
+    };
+    suggest_setting(&mut error);
+    let code = error.exit_code();
+    // What was written is repeated, letter for letter.
+    let obeyed = |arg: std::ffi::OsString| {
+        arg.to_string_lossy().contains(plain::is_obeyed)
+    };
+    match error.use_stderr() && std::env::args_os().any(obeyed) {
+        true => {
+            eprint!("{}", plain::lines(&error.render().to_string()));
+        }
+        // Nobody is there to be told that it cannot be shown.
+        false => drop(error.print()),
+    }
+    exit(code)
+}
+
+/// An option that is the name of a setting is not a misspelt option.
+fn suggest_setting(error: &mut clap::Error) {
+    if error.kind() != ErrorKind::UnknownArgument {
+        return;
+    }
+    let Some(ContextValue::String(given)) =
+        error.get(ContextKind::InvalidArg).cloned()
+    else {
+        return;
+    };
+    let Some(tip) = tip(&given) else {
+        return;
+    };
+    // Others would only be like it by chance.
+    for kind in [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand] {
+        error.remove(kind);
+    }
+    let tips = ContextValue::StyledStrs(vec![tip.into()]);
+    error.insert(ContextKind::Suggested, tips);
+}
+
+/// What to write instead of an option.
+fn tip(given: &str) -> Option<String> {
+    let name = given.trim_start_matches('-').split('=').next()?;
+    let name = name.to_lowercase().replace('_', "-");
+    if let Some((_, instead)) = WORDS.iter().find(|(word, _)| *word == name) {
+        return Some(match instead.starts_with('-') {
+            true => format!("write {instead}"),
+            false => (*instead).to_owned(),
+        });
+    }
+    let setting = name.replace('-', "_");
+    let named: Vec<_> = settings::keys()
+        .iter()
+        .filter(|key| {
+            let leaf = key.name.rsplit('.').next();
+            key.name == setting
+                || leaf == Some(&setting)
+                || key.name.replace('.', "_") == setting
+        })
+        .take(3)
+        .map(|key| {
+            let default = key.default();
+            match default.contains(['\n', '"']) {
+                true => format!("--set {}=VALUE", key.name),
+                false => format!("--set {}={default}", key.name),
+            }
+        })
+        .collect();
+    (!named.is_empty())
+        .then(|| format!("it is a setting: write {}", named.join(" or ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_as_options_are_told_from_misspelt_options() {
+        let tip = |given| tip(given).unwrap_or_default();
+        assert!(tip("--layer-height").contains("--set layer_height=0.2"));
+        assert!(tip("--walls=3").contains("--set walls=2"));
+        assert!(tip("--supports").contains("no supports"));
+        assert!(tip("--bed-temperature").contains("filament.bed_temperature"));
+        assert!(tip("--retract-length").contains("retract.length=0.8"));
+        assert!(tip("--temperature").contains("nozzle_temperature"));
+        assert!(tip("--repotr").is_empty());
+    }
+}

@@ -1,0 +1,149 @@
+//! Text on its way to a terminal: what it shows is what is there.
+//!
+//! In: text with parts that strangers may have written (names of files,
+//! messages of scripts, descriptions in profiles, lines of G-code). Out: the
+//! same without anything that a terminal would obey instead of showing it:
+//! control characters of both sets, marks that turn the direction of writing,
+//! other ends of lines, and letters without a width, each as `\u{1b}`. What
+//! nobody would read to its end is shortened in its middle.
+
+use super::output;
+use std::borrow::Cow;
+use std::io::{IsTerminal, stdout};
+
+/// Longest message or value, characters.
+const LONGEST: usize = 1600;
+/// As many of them are from its beginning; its end often has the remedy.
+const HEAD: usize = 1000;
+
+/// One line: the ends of lines in it are escaped as well.
+pub(super) fn line(text: &str) -> Cow<'_, str> {
+    escaped(shortened(text), |_| false)
+}
+
+/// A value within a line.
+pub(super) fn value(value: impl ToString) -> String {
+    line(&value.to_string()).into_owned()
+}
+
+/// Text whose lines are our own.
+pub(super) fn lines(text: &str) -> Cow<'_, str> {
+    escaped(Cow::Borrowed(text), |c| c == '\n')
+}
+
+/// JSON, which has escapes of its own.
+pub(super) fn json(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        match is_obeyed(c) && c != '\n' {
+            true => {
+                for unit in c.encode_utf16(&mut [0; 2]) {
+                    plain.push_str(&format!("\\u{unit:04x}"));
+                }
+            }
+            false => plain.push(c),
+        }
+    }
+    plain
+}
+
+/// Writes a result for people to standard output.
+pub(super) fn print(text: &str) -> anyhow::Result<()> {
+    output::print(lines(text).as_bytes())
+}
+
+/// Writes the text of a file to standard output: as it is, unless somebody
+/// looks at it there.
+pub(super) fn print_file(text: &str) -> anyhow::Result<()> {
+    match stdout().is_terminal() {
+        true => print(text),
+        false => output::print(text.as_bytes()),
+    }
+}
+
+/// True for what a terminal obeys, or hides.
+pub(super) fn is_obeyed(c: char) -> bool {
+    c.is_control()
+        || matches!(c,
+            '\u{61c}'
+            | '\u{200b}' | '\u{200e}' | '\u{200f}'
+            | '\u{2028}'..='\u{202e}'
+            | '\u{2060}'..='\u{206f}'
+            | '\u{feff}'
+            | '\u{fff9}'..='\u{fffb}'
+            | '\u{e0000}'..='\u{e007f}')
+}
+
+fn escaped(text: Cow<'_, str>, keep: impl Fn(char) -> bool) -> Cow<'_, str> {
+    let obeyed = |c: char| is_obeyed(c) && !keep(c);
+    if !text.contains(obeyed) {
+        return text;
+    }
+    let mut plain = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match obeyed(c) {
+            true => plain.extend(c.escape_default()),
+            false => plain.push(c),
+        }
+    }
+    Cow::Owned(plain)
+}
+
+fn shortened(text: &str) -> Cow<'_, str> {
+    // Bytes first: most messages are short.
+    let count = match text.len() <= LONGEST {
+        true => return Cow::Borrowed(text),
+        false => text.chars().count(),
+    };
+    if count <= LONGEST {
+        return Cow::Borrowed(text);
+    }
+    let at = |n: usize| text.char_indices().nth(n).map_or(0, |(i, _)| i);
+    let (head, tail) = (at(HEAD), at(count - (LONGEST - HEAD)));
+    Cow::Owned(format!(
+        "{}… ({} characters left out) …{}",
+        &text[..head],
+        count - LONGEST,
+        &text[tail..]
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_terminal_obeys_is_shown() {
+        let evil = "a\u{1b}]0;t\u{7}\r\n\0\u{9b}2J\u{202e}\u{2028}\u{feff}é…";
+        let shown = line(evil);
+        assert_eq!(
+            shown,
+            "a\\u{1b}]0;t\\u{7}\\r\\n\\u{0}\\u{9b}2J\\u{202e}\\u{2028}\
+             \\u{feff}é…"
+        );
+        assert!(!shown.contains(is_obeyed));
+        assert_eq!(lines("a\n\tb"), "a\n\\tb");
+        assert_eq!(line("plain, é, 日本"), "plain, é, 日本");
+    }
+
+    #[test]
+    fn json_stays_json() {
+        let text = serde_json::to_string_pretty(&["\u{9b}\u{202e}\u{e0001}\n"])
+            .unwrap();
+        let plain = json(&text);
+        assert!(plain.contains("\\u009b\\u202e\\udb40\\udc01\\n"), "{plain}");
+        let back: Vec<String> = serde_json::from_str(&plain).unwrap();
+        assert_eq!(back, ["\u{9b}\u{202e}\u{e0001}\n"]);
+    }
+
+    #[test]
+    fn what_is_long_is_shortened_in_its_middle() {
+        let long = format!("begin {} end", "é".repeat(10_000_000));
+        let short = line(&long);
+        assert!(short.chars().count() < LONGEST + 60, "{}", short.len());
+        assert!(short.starts_with("begin é") && short.ends_with("é end"));
+        assert!(short.contains("characters left out"));
+        let just = "é".repeat(LONGEST);
+        assert_eq!(line(&just), just);
+    }
+}

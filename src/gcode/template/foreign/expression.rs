@@ -1,0 +1,363 @@
+//! Expressions in the language of PrusaSlicer's templates, which OrcaSlicer's
+//! are in, too: `max(bed_temperature[0] - 5, 0)`. Cura's names are among them.
+//!
+//! ```text
+//! choice  = either [ "?" choice ":" choice ]
+//! either  = both { ("or" | "||") both }
+//! both    = same { ("and" | "&&") same }
+//! same    = sum [ ("==" | "!=" | "<>" | "<" | ">" | "<=" | ">=") sum ]
+//! sum     = product { ("+" | "-") product }
+//! product = sign { ("*" | "/" | "%") sign }
+//! sign    = ("-" | "+" | "not" | "!") sign | atom
+//! atom    = number | text | name [ "[" choice "]" ]
+//!         | name "(" choice { "," choice } ")" | "(" choice ")"
+//! ```
+
+use super::names::{Ours, ours};
+use crate::gcode::placeholders::{Scope, names};
+
+/// What an expression comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A whole number: PrusaSlicer divides two of them without a rest.
+    Whole,
+    /// Any number.
+    Number,
+    /// Text, or true or false.
+    Other,
+}
+
+/// Why an expression is not understood: a sentence.
+pub(super) type Refused = String;
+
+/// Nesting of an expression.
+const DEEPEST: usize = 32;
+
+/// Ways to name the only extruder.
+const FIRST_TOOL: [&str; 6] = [
+    "0",
+    "initial_tool",
+    "initial_extruder",
+    "initial_no_support_extruder",
+    "current_extruder",
+    "current_tool",
+];
+
+/// The expression of ours that does what theirs does.
+pub(super) fn translated(text: &str, scope: Scope) -> Result<String, Refused> {
+    let mut parser = Parser {
+        tokens: tokens(text)?,
+        at: 0,
+        depth: 0,
+        scope,
+    };
+    let (ours, _) = parser.choice()?;
+    // Cura's `{name, extruder}`.
+    if parser.take(",") && parser.next().is_none_or(|t| !t.is_name_or_zero()) {
+        return Err("isoslice prints with one extruder".to_owned());
+    }
+    match parser.tokens.get(parser.at) {
+        None => Ok(ours),
+        Some(token) => Err(format!("{} is not understood", token.shown())),
+    }
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Token<'a> {
+    Number(&'a str),
+    Text(&'a str),
+    Name(&'a str),
+    Sign(&'a str),
+}
+
+impl Token<'_> {
+    fn shown(&self) -> String {
+        match self {
+            Token::Number(text) | Token::Name(text) | Token::Sign(text) => {
+                format!("`{text}`")
+            }
+            Token::Text(text) => format!("{text:?}"),
+        }
+    }
+
+    fn is_name_or_zero(&self) -> bool {
+        matches!(self, Token::Name(_) | Token::Number("0"))
+    }
+}
+
+fn tokens(text: &str) -> Result<Vec<Token<'_>>, Refused> {
+    const SIGNS: [&str; 24] = [
+        "==", "!=", "<>", "<=", ">=", "&&", "||", "=~", "!~", "<", ">", "+",
+        "-", "*", "/", "%", "(", ")", "[", "]", ",", "?", ":", "!",
+    ];
+    let mut found = Vec::new();
+    let mut rest = text.trim_start();
+    while let Some(first) = rest.chars().next() {
+        let while_ =
+            |of: fn(char) -> bool| rest.find(|c| !of(c)).unwrap_or(rest.len());
+        let (token, length) = if first.is_ascii_digit() || first == '.' {
+            let n = while_(|c| c.is_ascii_digit() || c == '.');
+            (Token::Number(&rest[..n]), n)
+        } else if first.is_ascii_alphabetic() || first == '_' {
+            let n = while_(|c| c.is_ascii_alphanumeric() || c == '_');
+            (Token::Name(&rest[..n]), n)
+        } else if first == '"' {
+            let Some(n) = rest[1..].find('"') else {
+                return Err("a text has no end".to_owned());
+            };
+            (Token::Text(&rest[1..=n]), n + 2)
+        } else {
+            match SIGNS.into_iter().find(|s| rest.starts_with(s)) {
+                Some("=~" | "!~") => {
+                    return Err("patterns (=~) are not known here".to_owned());
+                }
+                Some(sign) => (Token::Sign(sign), sign.len()),
+                None => return Err(format!("{first:?} is not understood")),
+            }
+        };
+        found.push(token);
+        rest = rest[length..].trim_start();
+    }
+    Ok(found)
+}
+
+struct Parser<'a> {
+    tokens: Vec<Token<'a>>,
+    at: usize,
+    depth: usize,
+    scope: Scope,
+}
+
+type Parsed = Result<(String, Kind), Refused>;
+
+impl<'a> Parser<'a> {
+    fn next(&mut self) -> Option<Token<'a>> {
+        let token = self.tokens.get(self.at).cloned();
+        self.at += 1;
+        token
+    }
+
+    /// Takes a sign, or a word, if it comes next.
+    fn take(&mut self, word: &str) -> bool {
+        let is = match self.tokens.get(self.at) {
+            Some(Token::Sign(s) | Token::Name(s)) => *s == word,
+            _ => false,
+        };
+        self.at += usize::from(is);
+        is
+    }
+
+    fn one_of<const N: usize>(
+        &mut self,
+        words: [(&'static str, &'static str); N],
+    ) -> Option<&'static str> {
+        let found = words.into_iter().find(|(theirs, _)| self.take(theirs));
+        found.map(|(_, ours)| ours)
+    }
+
+    fn expect(&mut self, sign: &str) -> Result<(), Refused> {
+        match self.take(sign) {
+            true => Ok(()),
+            false => Err(format!("`{sign}` is missing")),
+        }
+    }
+
+    fn choice(&mut self) -> Parsed {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err("it is nested too deeply".to_owned());
+        }
+        let mut first = self.either()?;
+        if self.take("?") {
+            let (yes, kind) = self.choice()?;
+            self.expect(":")?;
+            let (no, _) = self.choice()?;
+            first = (format!("({yes} if {} else {no})", first.0), kind);
+        }
+        self.depth -= 1;
+        Ok(first)
+    }
+
+    fn either(&mut self) -> Parsed {
+        let words = [("or", "or"), ("||", "or")];
+        self.chain(Self::both, words, |_, _, _| Kind::Other)
+    }
+
+    fn both(&mut self) -> Parsed {
+        let words = [("and", "and"), ("&&", "and")];
+        self.chain(Self::same, words, |_, _, _| Kind::Other)
+    }
+
+    fn same(&mut self) -> Parsed {
+        let words = [
+            ("==", "=="),
+            ("!=", "!="),
+            ("<>", "!="),
+            ("<=", "<="),
+            (">=", ">="),
+            ("<", "<"),
+            (">", ">"),
+        ];
+        self.chain(Self::sum, words, |_, _, _| Kind::Other)
+    }
+
+    fn sum(&mut self) -> Parsed {
+        let words = [("+", "+"), ("-", "-")];
+        self.chain(Self::product, words, |_, a, b| wider(a, b))
+    }
+
+    fn product(&mut self) -> Parsed {
+        let words = [("*", "*"), ("/", "/"), ("%", "%")];
+        self.chain(Self::sign, words, |_, a, b| wider(a, b))
+    }
+
+    fn chain<const N: usize>(
+        &mut self,
+        part: fn(&mut Self) -> Parsed,
+        words: [(&'static str, &'static str); N],
+        kind: fn(&str, Kind, Kind) -> Kind,
+    ) -> Parsed {
+        let (mut left, mut of) = part(self)?;
+        while let Some(sign) = self.one_of(words) {
+            let (right, of_right) = part(self)?;
+            let both = kind(sign, of, of_right);
+            left = format!("({left} {sign} {right})");
+            if sign == "/" && both == Kind::Whole {
+                left = format!("({left} | int)");
+            }
+            of = both;
+        }
+        Ok((left, of))
+    }
+
+    fn sign(&mut self) -> Parsed {
+        let mut signs = Vec::new();
+        let words = [("-", "-"), ("+", "+"), ("not", "not "), ("!", "not ")];
+        while let Some(sign) = self.one_of(words) {
+            signs.push(sign);
+            if signs.len() > DEEPEST {
+                return Err("it has too many signs".to_owned());
+            }
+        }
+        let (mut text, mut kind) = self.atom()?;
+        for sign in signs.into_iter().rev() {
+            match sign {
+                "+" => {}
+                "-" => text = format!("(-{text})"),
+                not => {
+                    text = format!("({not}{text})");
+                    kind = Kind::Other;
+                }
+            }
+        }
+        Ok((text, kind))
+    }
+
+    fn atom(&mut self) -> Parsed {
+        match self.next() {
+            Some(Token::Number(text)) => {
+                let kind = match text.contains('.') {
+                    true => Kind::Number,
+                    false => Kind::Whole,
+                };
+                match text.parse::<f64>() {
+                    Ok(_) => Ok((text.trim_end_matches('.').to_owned(), kind)),
+                    Err(_) => Err(format!("`{text}` is no number")),
+                }
+            }
+            Some(Token::Text(text)) => Ok((format!("{text:?}"), Kind::Other)),
+            Some(Token::Sign("(")) => {
+                let inner = self.choice()?;
+                self.expect(")")?;
+                Ok(inner)
+            }
+            Some(Token::Name(name @ ("true" | "false"))) => {
+                Ok((name.to_owned(), Kind::Other))
+            }
+            Some(Token::Name(name)) if self.take("(") => self.call(name),
+            Some(Token::Name(name)) => self.name(name),
+            Some(token) => Err(format!("{} is not understood", token.shown())),
+            None => Err("something is missing at its end".to_owned()),
+        }
+    }
+
+    fn call(&mut self, name: &str) -> Parsed {
+        let mut all = vec![self.choice()?];
+        while self.take(",") {
+            all.push(self.choice()?);
+        }
+        self.expect(")")?;
+        let kind = all.iter().fold(Kind::Whole, |k, (_, of)| wider(k, *of));
+        let of: Vec<_> = all.into_iter().map(|(text, _)| text).collect();
+        match (name, of.as_slice()) {
+            ("min" | "max", [_, _, ..]) => {
+                Ok((format!("([{}] | {name})", of.join(", ")), kind))
+            }
+            ("int", [x]) => Ok((format!("({x} | int)"), Kind::Whole)),
+            ("round", [x]) => Ok((format!("({x} | round | int)"), Kind::Whole)),
+            ("abs", [x]) => Ok((format!("({x} | abs)"), kind)),
+            ("floor", [x]) => Ok((format!("({x} // 1)"), Kind::Whole)),
+            ("ceil", [x]) => Ok((format!("(-((-{x}) // 1))"), Kind::Whole)),
+            _ => Err(format!(
+                "the function {name} of {} values is not known; min, max, \
+                 int, round, floor, ceil and abs are",
+                of.len()
+            )),
+        }
+    }
+
+    /// A name, with its index if it has one.
+    fn name(&mut self, name: &str) -> Parsed {
+        let index = match self.take("[") {
+            true => {
+                let index = match self.next() {
+                    Some(Token::Number(text) | Token::Name(text)) => text,
+                    _ => return Err(format!("{name}[…] is not understood")),
+                };
+                self.expect("]")?;
+                Some(index)
+            }
+            false => None,
+        };
+        let first = index.is_none_or(|i| FIRST_TOOL.contains(&i));
+        let found = match (ours(name), index) {
+            (Some(Ours::Pair(x, _)), Some("0")) => (x.to_owned(), Kind::Number),
+            (Some(Ours::Pair(_, y)), Some("1")) => (y.to_owned(), Kind::Number),
+            (Some(Ours::Pair(..)), _) => {
+                return Err(format!(
+                    "write {name}[0] for x or {name}[1] for y"
+                ));
+            }
+            (_, Some(i)) if !first => {
+                return Err(format!(
+                    "isoslice prints with one extruder, so there is no \
+                     {name}[{i}]"
+                ));
+            }
+            (Some(Ours::Is(kind, ours)), _) => (ours.to_owned(), kind),
+            (Some(Ours::ByScope(kind, of_layer, _)), _)
+                if self.scope == Scope::Layer =>
+            {
+                (of_layer.to_owned(), kind)
+            }
+            (Some(Ours::ByScope(kind, _, other)), _) => {
+                (other.to_owned(), kind)
+            }
+            // One of ours may have another meaning elsewhere.
+            _ if names(self.scope).any(|known| known == name) => {
+                (name.to_owned(), Kind::Number)
+            }
+            (Some(Ours::None(why)), _) => return Err(why.to_owned()),
+            (None, _) => return Err(super::unknown(name, self.scope)),
+        };
+        Ok(found)
+    }
+}
+
+fn wider(a: Kind, b: Kind) -> Kind {
+    match (a, b) {
+        (Kind::Whole, Kind::Whole) => Kind::Whole,
+        (Kind::Other, _) | (_, Kind::Other) => Kind::Other,
+        _ => Kind::Number,
+    }
+}

@@ -1,0 +1,160 @@
+//! Distances from convex outlines in a plane.
+//!
+//! Inside, the distance is that of the nearest side's line. Outside it is the
+//! greatest of these, unless the nearest point is a corner. Beyond a corner,
+//! let u be the greater of the distances from the lines of its two sides, and
+//! v how far the foot on that line lies past the corner: the distance is
+//! √(u² + v²). Past both ends, v is the lesser of the two; elsewhere it is 0.
+//! Written as u + v² / (√(u² + v²) + |u|) this has a gradient everywhere,
+//! where √ alone would have none on the outline.
+
+use fidget::context::Tree;
+
+/// The distance where `u` and `v` are as above.
+fn cornered(u: &Tree, v: &Tree) -> Tree {
+    /// Keeps the root from zero: far below what an f32 tells apart.
+    const LEAST: f32 = 1e-12;
+    let v2 = v.square();
+    let root = (u.square() + v2.clone() + LEAST).sqrt();
+    u.clone() + v2 / (root + u.abs())
+}
+
+/// What is in both of two bodies whose faces are at right angles: exact if
+/// they are.
+pub(super) fn corner(a: Tree, b: Tree) -> Tree {
+    let u = a.max(b.clone());
+    let v = a.min(b).max(0.0);
+    cornered(&u, &v)
+}
+
+/// Distance from the region on the left of a line through `points`, which
+/// turns left only. An open one begins and ends on a line of symmetry.
+pub(super) fn convex(
+    points: &[[f64; 2]],
+    closed: bool,
+    x: &Tree,
+    y: &Tree,
+) -> Tree {
+    let count = points.len();
+    let mut sides = Vec::new();
+    for i in 0..if closed { count } else { count - 1 } {
+        let ([ax, ay], [bx, by]) = (points[i], points[(i + 1) % count]);
+        let (dx, dy) = (bx - ax, by - ay);
+        let length = dx.hypot(dy);
+        if length > 0.0 {
+            let (tx, ty) = (dx / length, dy / length);
+            let along = |px: f64, py: f64| -> Tree {
+                let k = tx * px + ty * py;
+                x.clone() * tx as f32 + y.clone() * ty as f32 - k as f32
+            };
+            sides.push(Side {
+                off: x.clone() * ty as f32
+                    - y.clone() * tx as f32
+                    - (ty * ax - tx * ay) as f32,
+                before: -along(ax, ay),
+                after: along(bx, by),
+            });
+        }
+    }
+    let off = sides.iter().map(|side| side.off.clone());
+    let u = off.reduce(|a, b| a.max(b));
+    let mut past = Vec::new();
+    for (i, side) in sides.iter().enumerate() {
+        match sides.get(i + 1).or(closed.then(|| &sides[0])) {
+            Some(next) => past.push(side.after.min(next.before.clone())),
+            None => past.push(side.after.clone()),
+        }
+    }
+    let v = past.into_iter().reduce(|a, b| a.max(b));
+    match (u, v) {
+        (Some(u), Some(v)) => cornered(&u, &v.max(0.0)),
+        _ => Tree::constant(f32::INFINITY),
+    }
+}
+
+struct Side {
+    /// Distance from its line, positive on its right.
+    off: Tree,
+    /// How far a foot lies before its beginning, and past its end.
+    before: Tree,
+    after: Tree,
+}
+
+/// Twice the area, positive if it turns left.
+pub(super) fn area(points: &[[f64; 2]]) -> f64 {
+    let next = points.iter().cycle().skip(1);
+    let cross = |(a, b): (&[f64; 2], &[f64; 2])| a[0] * b[1] - a[1] * b[0];
+    points.iter().zip(next).map(cross).sum()
+}
+
+/// How much it turns left at `b`.
+pub(super) fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+}
+
+/// The region within a simple polygon that turns left: its hull without its
+/// pockets, each a polygon of its own. A distance only where it is convex.
+/// (S. Tor, A. Middleditch: Convex decomposition of simple polygons, ACM
+/// Transactions on Graphics 3(4), 1984.)
+pub(super) fn polygon(
+    points: &[[f64; 2]],
+    x: &Tree,
+    y: &Tree,
+    depth: usize,
+) -> Result<Tree, String> {
+    /// Pockets within pockets.
+    const DEEPEST: usize = 16;
+    if depth > DEEPEST {
+        return Err("the polygon is wound up too deeply".to_owned());
+    }
+    let hull = hull(points);
+    if hull.len() < 3 {
+        return Err("the polygon crosses itself, or has no area".to_owned());
+    }
+    let corners: Vec<_> = hull.iter().map(|&i| points[i]).collect();
+    let mut body = convex(&corners, true, x, y);
+    for (k, &from) in hull.iter().enumerate() {
+        let to = hull[(k + 1) % hull.len()];
+        let between = (to + points.len() - from) % points.len();
+        if between < 2 {
+            continue;
+        }
+        let mut pocket: Vec<_> = (0..=between)
+            .map(|i| points[(from + i) % points.len()])
+            .collect();
+        // It is on the other side of the same line.
+        pocket.reverse();
+        if area(&pocket) > 0.0 {
+            let pocket = polygon(&pocket, x, y, depth + 1)?;
+            body = body.max(-pocket);
+        }
+    }
+    Ok(body)
+}
+
+/// The corners of the hull in the polygon's own order.
+fn hull(points: &[[f64; 2]]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&i, &j| {
+        let (a, b) = (points[i], points[j]);
+        a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
+    });
+    let half = |order: &mut dyn Iterator<Item = usize>| {
+        let mut chain: Vec<usize> = Vec::new();
+        for i in order {
+            while let [.., a, b] = chain[..]
+                && turn(points[a], points[b], points[i]) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(i);
+        }
+        chain.pop();
+        chain
+    };
+    let mut all = half(&mut order.iter().copied());
+    all.extend(half(&mut order.iter().rev().copied()));
+    // The same corners as the polygon's path meets them.
+    all.sort_unstable();
+    all
+}

@@ -1,0 +1,261 @@
+use super::super::{ScriptLimits, run_script};
+use super::convex::turn;
+use super::*;
+use fidget::context::Context;
+
+fn tree(text: &str) -> Result<Tree, String> {
+    let limits = ScriptLimits {
+        memory_bytes: u64::MAX,
+        ..ScriptLimits::default()
+    };
+    let script = run_script(text, &[], &limits);
+    script.map(|s| s.tree).map_err(|e| e.to_string())
+}
+
+/// Places all over a cube of 60 mm, the same each time.
+fn places() -> impl Iterator<Item = DVec3> {
+    let mut state = 7u64;
+    let mut next = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 33) as f64 / f64::from(1u32 << 31) * 60.0 - 30.0
+    };
+    std::iter::repeat_with(move || DVec3::new(next(), next(), next()))
+        .take(2000)
+}
+
+/// Distance from a polygon, by its sides one by one; negative inside.
+fn of_polygon(points: &[[f64; 2]], x: f64, y: f64) -> f64 {
+    let mut least = f64::INFINITY;
+    let mut inside = false;
+    for (i, &[ax, ay]) in points.iter().enumerate() {
+        let [bx, by] = points[(i + 1) % points.len()];
+        let (dx, dy) = (bx - ax, by - ay);
+        let t = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy);
+        let t = t.clamp(0.0, 1.0);
+        least = least.min((x - ax - t * dx).hypot(y - ay - t * dy));
+        if (ay > y) != (by > y) && x < ax + (y - ay) / dy * dx {
+            inside = !inside;
+        }
+    }
+    if inside { -least } else { least }
+}
+
+/// What is extruded: the distance from it, by the distance in the plane.
+fn extruded(plan: f64, z: f64) -> f64 {
+    plan.max(z).min(0.0) + plan.max(0.0).hypot(z.max(0.0))
+}
+
+#[track_caller]
+fn assert_distance(text: &str, distance: impl Fn(DVec3) -> f64) {
+    let mut context = Context::new();
+    let node = context.import(&tree(text).unwrap());
+    for p in places() {
+        let [x, y, z] = p.to_array().map(|v| v as f32);
+        let value = context.eval_xyz(node, x, y, z).unwrap();
+        let wanted = distance(DVec3::new(x.into(), y.into(), z.into()));
+        assert!(
+            (f64::from(value) - wanted).abs() < 2e-4,
+            "{text} at {p}: {value}, not {wanted}"
+        );
+    }
+}
+
+/// A body of revolution, by the polygon of its section, mirrored.
+fn revolved(points: &'static [[f64; 2]]) -> impl Fn(DVec3) -> f64 {
+    let mirrored = points.iter().rev().map(|[r, z]| [-r, *z]);
+    let mut all: Vec<_> = points.iter().copied().chain(mirrored).collect();
+    all.dedup();
+    move |p| of_polygon(&all, p.x.hypot(p.y), p.z)
+}
+
+#[test]
+fn distances_are_exact() {
+    let cylinder = revolved(&[[5.0, -10.0], [5.0, 10.0]]);
+    assert_distance("cylinder(5, 20)", &cylinder);
+    assert_distance("cylinder([1, 2, 3], 5, 20)", |p| {
+        cylinder(p - DVec3::new(1.0, 2.0, 3.0))
+    });
+    assert_distance(
+        "cone(#{radius: 10, top: 4, height: 20})",
+        revolved(&[[10.0, -10.0], [4.0, 10.0]]),
+    );
+    assert_distance(
+        "cone(#{radius: 3, top: 12, height: 8})",
+        revolved(&[[3.0, -4.0], [12.0, 4.0]]),
+    );
+    assert_distance(
+        "cone(#{radius: 10, height: 20})",
+        revolved(&[[10.0, -10.0], [0.0, 10.0]]),
+    );
+    let inner = revolved(&[[4.0, -9.0], [4.0, 9.0]]);
+    assert_distance(
+        "rounded_cylinder(#{radius: 5, height: 20, edge: 1})",
+        |p| inner(p) - 1.0,
+    );
+    let wall = [[6.0, -10.0], [8.0, -10.0], [8.0, 10.0], [6.0, 10.0]];
+    assert_distance("tube(8, 6, 20)", |p| {
+        of_polygon(&wall, p.x.hypot(p.y), p.z)
+    });
+    assert_distance("torus(15, 4)", |p| {
+        (p.x.hypot(p.y) - 15.0).hypot(p.z) - 4.0
+    });
+    assert_distance("capsule([1, 0, 0], [1, 5, 20], 3)", |p| {
+        let (a, d) = (DVec3::X, DVec3::new(0.0, 5.0, 20.0));
+        let t = ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0);
+        (p - a - t * d).length() - 3.0
+    });
+    assert_distance("capsule([1, 0, 0], [1, 0, 0], 3)", |p| {
+        (p - DVec3::X).length() - 3.0
+    });
+    for edge in [0.0, 2.0, 5.0] {
+        let text = format!("rounded_box([0, 0, 0], [30, 20, 10], {edge})");
+        assert_distance(&text, |p| {
+            let half = DVec3::new(15.0, 10.0, 5.0) - edge;
+            let q = (p - DVec3::new(15.0, 10.0, 5.0)).abs() - half;
+            q.max(DVec3::ZERO).length() + q.max_element().min(0.0) - edge
+        });
+    }
+    for sides in [3, 6, 17] {
+        let corners: Vec<_> = (0..sides)
+            .map(|i| {
+                let angle =
+                    std::f64::consts::TAU * f64::from(i) / f64::from(sides);
+                [10.0 * angle.cos(), 10.0 * angle.sin()]
+            })
+            .collect();
+        assert_distance(&format!("prism({sides}, 10, 5)"), |p| {
+            extruded(of_polygon(&corners, p.x, p.y), p.z.abs() - 2.5)
+        });
+    }
+    let side = [[0.0, 0.0], [30.0, 0.0], [0.0, 10.0]];
+    assert_distance("wedge([0, -10, 0], [30, 10, 10])", |p| {
+        extruded(of_polygon(&side, p.x, p.z), p.y.abs() - 10.0)
+    });
+    assert_distance("half_space([0, 3, 4], 2)", |p| {
+        (3.0 * p.y + 4.0 * p.z) / 5.0 - 2.0
+    });
+    let plan = [[2.0, 2.0], [28.0, 2.0], [28.0, 18.0], [2.0, 18.0]];
+    assert_distance("rounded_rectangle([0, 0], [30, 20], 2)", |p| {
+        of_polygon(&plan, p.x, p.y) - 2.0
+    });
+    let five = [[-20.0, -8.0], [15.0, -20.0], [25.0, 4.0], [3.0, 22.0]];
+    for order in ["", ".reverse()"] {
+        let text = format!(
+            "let p = [[-20, -8], [15, -20], [25, 4], [3, 22]]; p{order}; \
+             polygon(p)"
+        );
+        assert_distance(&text, |p| of_polygon(&five, p.x, p.y));
+    }
+}
+
+/// Only its sign is right outside of corners that turn inwards.
+#[test]
+fn any_simple_polygon_has_its_inside() {
+    let star: Vec<[f64; 2]> = (0..14)
+        .map(|i| {
+            let r = if i % 2 == 0 { 25.0 } else { 9.0 };
+            let angle = f64::from(i) * std::f64::consts::TAU / 14.0;
+            [r * angle.cos(), r * angle.sin()]
+        })
+        .collect();
+    let spiral = [
+        [-25.0, -25.0],
+        [25.0, -25.0],
+        [25.0, 25.0],
+        [-20.0, 25.0],
+        [-20.0, -15.0],
+        [15.0, -15.0],
+        [15.0, 15.0],
+        [-10.0, 15.0],
+        [-10.0, 10.0],
+        [10.0, 10.0],
+        [10.0, -10.0],
+        [-15.0, -10.0],
+        [-15.0, 20.0],
+        [20.0, 20.0],
+        [20.0, -20.0],
+        [-25.0, -20.0],
+    ];
+    for points in [&star[..], &spiral[..]] {
+        assert!((0..points.len()).any(|i| {
+            let at = |k: usize| points[(i + k) % points.len()];
+            turn(at(0), at(1), at(2)) < 0.0
+        }));
+        let mut context = Context::new();
+        let node =
+            context.import(&tree(&format!("polygon({points:?})")).unwrap());
+        for p in places() {
+            let value =
+                context.eval_xyz(node, p.x as f32, p.y as f32, 0.0).unwrap();
+            let wanted = of_polygon(points, p.x, p.y);
+            let agree = (f64::from(value) < 0.0) == (wanted < 0.0);
+            assert!(agree || wanted.abs() < 1e-4, "{p}: {value}, {wanted}");
+            assert!(f64::from(value).abs() <= wanted.abs() + 1e-4, "{p}");
+        }
+    }
+}
+
+fn value(text: &str, x: f32, y: f32, z: f32) -> f32 {
+    let mut context = Context::new();
+    let node = context.import(&tree(text).unwrap());
+    context.eval_xyz(node, x, y, z).unwrap()
+}
+
+#[test]
+fn operations_do_what_they_say() {
+    assert_eq!(value("sphere(10).shell(2)", 9.0, 0.0, 0.0), -1.0);
+    assert_eq!(value("sphere(10).grow(1)", 10.0, 0.0, 0.0), -1.0);
+    let twisted = "x.twist(40)";
+    assert!((value(twisted, 0.0, 3.0, 10.0) - 3.0).abs() < 1e-5);
+    assert_eq!(value("x.mirror_x()", -3.0, 0.0, 0.0), 3.0);
+    let ring = "circle([10, 0], 3).revolve_z()";
+    assert_eq!(value(ring, 0.0, 14.0, 0.0), 1.0);
+    let row = "sphere(2).linear_array([10, 0, 0], 4)";
+    assert_eq!(value(row, 30.0, 0.0, 0.0), -2.0);
+    assert_eq!(value(row, 40.0, 0.0, 0.0), 8.0);
+    let around = "sphere([10, 0, 0], 2).polar_array(4)";
+    assert!((value(around, 0.0, -10.0, 0.0) + 2.0).abs() < 1e-5);
+    // Where both are near, material is taken, or left, softly.
+    let soft = value("blend_intersection(x, y, 3)", 0.0, 0.0, 0.0);
+    assert_eq!(soft, 0.75);
+    let soft = value("blend_difference(x, -y, 3)", 0.0, 0.0, 0.0);
+    assert_eq!(soft, 0.75);
+    assert!((value("gyroid(10, 1)", 0.0, 0.0, 0.0) + 0.5).abs() < 1e-6);
+}
+
+#[test]
+fn every_example_works() {
+    for row in ROWS {
+        let text = format!(
+            "let f = sphere(3); let a = sphere(5); let b = sphere([4, 0, 0], \
+             5); {}",
+            row.example
+        );
+        assert!(tree(&text).is_ok(), "{text}: {:?}", tree(&text).err());
+    }
+}
+
+#[test]
+fn wrong_values_are_named() {
+    for (text, words) in [
+        (
+            "cylinder(5)",
+            "cylinder: height is missing; write for example",
+        ),
+        ("cylinder(#{radius: 5, hight: 3})", "there is no \"hight\""),
+        ("cylinder(-5, 3)", "radius is to be a number of more than 0"),
+        ("cylinder(5, 3, 4)", "it takes no the number 4"),
+        ("tube(6, 8, 20)", "inner is to be less"),
+        ("prism(2.5, 8, 20)", "sides is to be a whole number"),
+        ("rounded_box([0, 0, 0], [3, 3, 3], 2)", "fits up to 1.5"),
+        ("polygon([[0, 0], [1, 1], [2, 2]])", "no area"),
+        ("cylinder(\"5\", 3)", "it takes no a string"),
+        ("sphere(3).polar_array(1e9)", "1 to 1000"),
+        ("half_space([0, 0, 0])", "no direction"),
+    ] {
+        let e = tree(text).unwrap_err();
+        assert!(e.contains(words), "{text}: {e}");
+    }
+}
