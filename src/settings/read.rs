@@ -12,7 +12,6 @@ use super::value::{Raw, Refused};
 use super::{Settings, keys};
 use crate::files::{self, FileError, MAX_SETTINGS_BYTES};
 use std::collections::BTreeMap;
-use std::io;
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
