@@ -500,10 +500,10 @@ fn a_layer_template_may_do_what_it_likes() {
 
 #[test]
 fn klipper_is_warned_of_purge_lines_that_it_refuses() {
-    let start = "gcode.start=G28\nG1 X0 Y0 F6000\nG1 X20 E15 F600";
+    let start = "gcode.start=M109 S210\nG28\nG1 X0 Y0 F6000\nG1 X20 E15 F600";
     let (model, settings) = ball(&["gcode.flavour=klipper", start]);
     let (_, summary) = slice(&model, &settings, 2);
     let warned = summary.warnings.join("\n");
     assert!(warned.contains("max_extrude_cross_section"), "{warned}");
-    assert!(warned.contains("gcode.start, line 3"), "{warned}");
+    assert!(warned.contains("gcode.start, line 4"), "{warned}");
 }
