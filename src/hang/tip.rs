@@ -13,7 +13,7 @@
 //!
 //! In: the rims of layers, from below. Out: the islands that count.
 
-use super::look::{Look, Place};
+use super::look::{Limits, Look, Place};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::signed_area;
 use crate::units::{Mm, Mm2};
@@ -32,8 +32,9 @@ pub(super) struct Island {
     pub at: DVec3,
     /// Whether it hangs inside the part.
     pub in_cavity: bool,
-    /// How high it is by now.
+    /// How high it is by now, and how large it was at most.
     height: Mm,
+    most: Mm2,
     /// Its ring in the layer below the next one: the numbers of its edges,
     /// and a point.
     ring: (f64, f64),
@@ -67,7 +68,7 @@ impl Tips {
                     island.ring = rings[k][0].ring;
                     island.now = rings[k][0].at;
                     island.height += look.height;
-                    self.keep(island, rings[k], &mut counts);
+                    self.keep(island, rings[k], look, &mut counts);
                 }
                 Above::Nothing => {
                     // Under solid whose rim is far away, or beside it, it is
@@ -75,7 +76,7 @@ impl Tips {
                     let (p, lip) = (island.now, look.limits.lip);
                     let caught =
                         here.contains(p) || here.nearest_edge(p, lip).is_some();
-                    if !caught {
+                    if !caught && island.most >= speck(look.limits) {
                         counts.push(island);
                     }
                 }
@@ -92,10 +93,11 @@ impl Tips {
                 at: place(begins.at),
                 in_cavity: begins.in_cavity,
                 height: look.height,
+                most: 0.0,
                 ring: ring[0].ring,
                 now: begins.at,
             };
-            self.keep(island, ring, &mut counts);
+            self.keep(island, ring, look, &mut counts);
         }
         // By place, for the next layer to find them.
         self.0.sort_by(|a, b| a.ring.0.total_cmp(&b.ring.0));
@@ -103,24 +105,45 @@ impl Tips {
     }
 
     /// A layer of this height that is the same as the one below.
-    pub fn same(&mut self, height: Mm) -> Vec<Island> {
+    pub fn same(&mut self, height: Mm, limits: Limits) -> Vec<Island> {
         self.0.iter_mut().for_each(|i| i.height += height);
-        self.0.extract_if(.., |i| i.height >= HIGH).collect()
+        self.0.extract_if(.., |i| i.counts(limits)).collect()
     }
 
     /// Those of which nothing more will be known.
-    pub fn rest(&mut self) -> Vec<Island> {
-        std::mem::take(&mut self.0)
+    pub fn rest(&mut self, limits: Limits) -> Vec<Island> {
+        let mut rest = std::mem::take(&mut self.0);
+        rest.retain(|i| i.most >= speck(limits));
+        rest
     }
 
     /// Keeps an island whose ring is now `ring`, or counts it.
-    fn keep(&mut self, island: Island, ring: &[Place], to: &mut Vec<Island>) {
+    fn keep(
+        &mut self,
+        mut island: Island,
+        ring: &[Place],
+        look: &Look,
+        to: &mut Vec<Island>,
+    ) {
         let ring: Vec<DVec2> = ring.iter().map(|p| p.at).collect();
-        let counts = island.height >= HIGH || signed_area(&ring) >= LARGE;
-        match counts {
+        island.most = island.most.max(signed_area(&ring));
+        match island.counts(look.limits) {
             true => to.push(island),
             false => self.0.push(island),
         }
+    }
+}
+
+/// What is smaller than the square of a line's width becomes no bead.
+fn speck(limits: Limits) -> Mm2 {
+    (0.5 * limits.lip).powi(2)
+}
+
+impl Island {
+    /// True if it is no tip.
+    fn counts(&self, limits: Limits) -> bool {
+        let high = self.height >= HIGH && self.most >= speck(limits);
+        high || self.most >= LARGE
     }
 }
 

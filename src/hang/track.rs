@@ -43,8 +43,9 @@ struct Slope {
 impl Tracker {
     /// Forgets all layers so far: what follows is taken to be held. Islands
     /// of which it is not known what becomes of them count, if that is asked.
-    pub fn restart(&mut self, count: bool) {
-        let begins = self.tips.rest();
+    pub fn restart(&mut self, count: bool, settings: &Settings) {
+        let limits = Limits::new(settings.layer_height, settings);
+        let begins = self.tips.rest(limits);
         if count {
             self.count(begins);
         }
@@ -214,11 +215,12 @@ impl Tracker {
     /// A layer that is the same as the one below, this high: rims come nearer to
     /// what is held.
     pub fn same(&mut self, height: Mm, count: bool, settings: &Settings) {
-        let begins = self.tips.same(height);
+        let limits = Limits::new(height, settings);
+        let begins = self.tips.same(height, limits);
         if count {
             self.count(begins);
         }
-        let held = Limits::new(height, settings).held;
+        let held = limits.held;
         let mut any = false;
         for (_, state) in &mut self.rim {
             state.excess = (state.excess - held).max(0.0);

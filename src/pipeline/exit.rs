@@ -268,7 +268,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         // With the block, or with the part.
         let next = span.index + 1;
         if next.is_multiple_of(BLOCK) || next == self.layer_count {
-            tracker.restart(written);
+            tracker.restart(written, self.settings);
         }
         if span.index == 0 && written {
             let outline = &shell.outline.area;
