@@ -24,10 +24,7 @@ const BALL: &str = "examples/gyroid-ball.rhai";
 
 fn load(path: &str, size: Option<f64>) -> Result<model::Model, Box<dyn Error>> {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    // The whole ball, as ever, to compare with earlier figures.
-    let whole = [("flat".to_owned(), "0".to_owned())];
-    let defines = if path == BALL { &whole[..] } else { &[] };
-    let loaded = model::load(&Source::File(root.join(path)), defines)?;
+    let loaded = model::load(&Source::File(root.join(path)), &[])?;
     let placement = Placement {
         size,
         ..Placement::default()
