@@ -48,12 +48,12 @@ const ORDER: &[&[&str]] = &[
     &["seam"],
     &["order"],
     &["travel"],
+    // G-code's binary form: text in, bytes out, and back.
+    &["bgcode"],
     // G-code of any slicer, back to moves. Before the pace, whose clock tells
     // how long they take.
     &["reader"],
     &["pace"],
-    // G-code's binary form: text in, bytes out, and back.
-    &["bgcode"],
     &["gcode", "report"],
     // Is it safe to run?
     &["check"],

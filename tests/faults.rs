@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// Sliced in a moment.
-const SMALL: &str = "sqrt(x*x + y*y + z*z) - 3.0";
+const SMALL: &str = "max(sqrt(x*x + y*y) - 3.0, abs(z) - 3.0)";
 /// Takes a minute, more than any test waits.
 const LARGE: &str = "sqrt(x*x + y*y + z*z) - 90.0";
 /// What was at the final name before.
@@ -631,7 +631,6 @@ fn too_little_address_space_is_said() {
         (40_000, &format!("render {formula} -o ball.png")),
         (100_000, &format!("info {formula}")),
         (200_000, &format!("slice {formula}")),
-        (600_000, "slice ball.rhai"),
     ] {
         let line = format!(
             "ulimit -v {kilobytes}; exec '{}' {arguments}",

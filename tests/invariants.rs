@@ -22,6 +22,7 @@ use isoslice::units::filament_area;
 use std::sync::LazyLock;
 
 const COARSE: &[&str] = &[
+    "bridge_max=25",
     "layer_height=0.6",
     "first_layer_height=0.6",
     "printer.nozzle_diameter=0.8",

@@ -49,7 +49,7 @@ fn what_strangers_wrote_is_shown_and_not_obeyed() {
     assert!(text.contains("\\u{1b}]0;owned\\u{7}\\r\\u{9b}2J"), "{text}");
 
     let script =
-        format!("param(\"r\", 3.0, \"of{evil}\nnobody\"); x*x+y*y+z*z-9");
+        format!("param(\"r\", 3.0, `of{evil}\nnobody`); x*x+y*y+z*z-9");
     write(&folder, "param.rhai", &script);
     let text = shown(&folder, &["info", "param.rhai"]);
     assert!(text.contains("\\nnobody"), "{text}");
@@ -99,7 +99,7 @@ fn what_is_long_is_shortened() {
 #[test]
 fn one_unreadable_profile_hides_no_other() {
     let folder = tempfile::tempdir().unwrap();
-    let good = "description = \"fine\u{1b}[31m\"\n";
+    let good = "description = \"fine\\u001b[31m\"\n";
     write(&folder, "profiles/printers/good.toml", good);
     write(&folder, "profiles/printers/broken.toml", "walls = = 3");
     write(&folder, "profiles/printers/bytes.toml", b"a = \"\xff\"");

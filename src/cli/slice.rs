@@ -13,7 +13,7 @@ use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
 use isoslice::settings::Flavour;
-use std::io::{Write, stderr};
+use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -192,7 +192,8 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     if streamed {
         stderr().write_all(plain::lines(&text).as_bytes())?;
     } else {
-        plain::print(&text)?;
+        // What matters is in the file: nobody has to listen.
+        stdout().write_all(plain::lines(&text).as_bytes())?;
     }
     Ok(())
 }

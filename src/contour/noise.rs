@@ -31,12 +31,13 @@ const MANY: u32 = 20;
 const LINES: usize = 3;
 /// Distance of the points along them, as a share of the smallest feature.
 const PITCH: f64 = 0.25;
-/// What is let pass in a slab's layers, together: where the blades of a fan
-/// meet, or the tips of a star, there are some mm² in each.
-const LET_PASS: Mm2 = 1000.0;
-/// A divided cell counts as a leaf, of which it costs as much as several that
-/// are not divided.
-const CELL: f64 = (LEAF * LEAF) as f64;
+/// What is let pass in a slab's layers, together: where forty blades of a fan
+/// meet there are 6 mm² in each. With much more than that, fields that wave
+/// finely take minutes before they are refused.
+const LET_PASS: Mm2 = 200.0;
+/// A divided cell counts as so many cells: it costs as much as a quarter of a
+/// leaf.
+const CELL: f64 = 16.0;
 
 /// Counts what is too fine in a slab.
 pub(super) struct Noise {
@@ -89,7 +90,8 @@ impl Noise {
         self.found.clear();
         let (values, _) = values.as_chunks();
         for (leaf, values) in leaves.iter().zip(values) {
-            if changes(values) < MANY {
+            // Where nothing is too small, nothing is too fine.
+            if self.smallest <= 0.0 || changes(values) < MANY {
                 self.found.push(false);
                 continue;
             }

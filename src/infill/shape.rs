@@ -29,7 +29,6 @@ use crate::settings::Settings;
 use crate::timings::Timings;
 use crate::units::Mm;
 use crate::vary::{Surroundings, VaryError};
-use fidget::context::Tree;
 use glam::DVec2;
 
 /// An expression, ready to be evaluated.
@@ -112,12 +111,7 @@ impl Shape {
             "max(abs(x - ({})) - {}, abs(y - ({})) - {})",
             middle.x, half.x, middle.y, half.y
         );
-        let mut drawn = load(source)?.tree;
-        if site.origin != DVec2::ZERO {
-            let (x, y, z) = Tree::axes();
-            let at = site.origin.as_vec2();
-            drawn = drawn.remap_xyz(x + at.x, y + at.y, z);
-        }
+        let drawn = load(source)?.seen_from(site.origin).tree;
         let tree = drawn.max(load(&formula(walls))?.tree);
         let heights = [0.0, site.height];
         let field = Field::new(&tree, 0.0, rect, width, heights, None)?;

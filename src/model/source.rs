@@ -12,6 +12,7 @@ use super::vm::parse_vm;
 use crate::encoding;
 use crate::files::{self, FileError};
 use fidget::context::Tree;
+use glam::DVec2;
 use std::path::{Path, PathBuf};
 
 /// Largest file that is read. A .vm file of 10⁶ lines has about 20 MB.
@@ -59,6 +60,18 @@ pub struct Loaded {
     pub parameters: Vec<Parameter>,
     /// Number of distinct operations, constants and variables.
     pub expression_size: usize,
+}
+
+impl Loaded {
+    /// The expression in coordinates that begin at `origin`, mm.
+    pub fn seen_from(mut self, origin: DVec2) -> Self {
+        if origin != DVec2::ZERO {
+            let (x, y, z) = Tree::axes();
+            let at = origin.as_vec2();
+            self.tree = self.tree.remap_xyz(x + at.x, y + at.y, z);
+        }
+        self
+    }
 }
 
 /// Loads a model. `defines` are the `-D name=value` of the command line.

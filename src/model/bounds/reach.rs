@@ -296,6 +296,34 @@ impl Search<'_> {
                 }
             }
         }
+        if self.inside.is_none() {
+            self.scatter(program, stop);
+        }
+    }
+
+    /// Looks for any inside point. Rows of points may all meet the holes of a
+    /// part that repeats itself, as a sponge does; these points repeat nothing.
+    fn scatter(&mut self, program: &Program, stop: u64) {
+        const POINTS: u32 = 4096;
+        /// The sequence R₃ of M. Roberts (2018): powers of the inverse of
+        /// the root of x⁴ = x + 1.
+        const STEPS: [f64; 3] =
+            [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
+        for n in 0..POINTS {
+            crate::limits::check();
+            if self.scratch.work > stop {
+                return;
+            }
+            let region = self.region;
+            let p = std::array::from_fn(|i| {
+                let part = (0.5 + f64::from(n) * STEPS[i]).fract();
+                region.lo[i] + part * region.width(i)
+            });
+            if program.value(p, &mut self.scratch) < 0.0 {
+                self.note_inside(p);
+                return;
+            }
+        }
     }
 
     /// Moves the known extent from an inside point outwards to a surface.

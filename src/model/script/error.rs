@@ -129,6 +129,14 @@ pub(super) fn explain(
                     .to_owned(),
             )
         }
+        EvalAltResult::ErrorMismatchDataType(wanted, found, _)
+            if wanted.contains("-compatible") =>
+        {
+            failed(format!(
+                "a shape does not take {found}; give it its values by their \
+                 names, as in sphere(#{{ center: [0, 0, 0], radius: 5 }})"
+            ))
+        }
         other => {
             let mut plain = rhai_message(other);
             for (symbol, remedy) in [
