@@ -23,6 +23,8 @@ use std::sync::LazyLock;
 
 const COARSE: &[&str] = &[
     "bridge_max=25",
+    // The outlines are those of the field.
+    "slit_closing=0",
     "layer_height=0.6",
     "first_layer_height=0.6",
     "printer.nozzle_diameter=0.8",

@@ -25,7 +25,7 @@
 //! without harm: a bead laid beside one that is held sticks to it, and so
 //! does the next. So lips, small holes and the undersides of most lattices
 //! carry themselves and are not told of. Nor are the tips of a lattice that begin
-//! on nothing and soon are one with it ([`tip`]).
+//! on nothing and soon are one with it (`tip`).
 //!
 //! Bridges are those that the skin's lines make: straight lines across a gap,
 //! in the direction that the [`skin`](crate::skin) has for them, held at both

@@ -143,7 +143,7 @@ mod tests {
         let wall = bead(&[(0.0, -9.0), (0.0, 9.0)]);
         let line = bead(&[(0.3, 5.0), (20.0, 5.0)]);
         let mut layer = |beads: &[Bead]| {
-            let mut infill = [&[line.clone()], beads].concat();
+            let mut infill = [std::slice::from_ref(&line), beads].concat();
             let all = infill.len();
             let left_out = standing.keep(&mut infill, [&wall].into_iter());
             assert_eq!(infill.len() + left_out, all);

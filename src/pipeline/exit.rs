@@ -79,8 +79,12 @@ pub(super) struct Done {
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
-    /// For writing `layers` of a part's `layer_count`; those of the same block before them have to be
-    /// given, too.
+    /// For writing `layers` of a part's `layer_count`; those of the same block
+    /// before them have to be given, too.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "each is a part that the caller has made, and is used once"
+    )]
     pub fn new(
         timings: &'a Timings,
         offset: DVec2,

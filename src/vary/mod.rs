@@ -215,7 +215,6 @@ impl Quantity {
         let range = Range {
             min: range.min.max(own.min),
             max: range.max.min(own.max),
-            ..own
         };
         let place = Place {
             at: DVec2::ZERO.extend(z),
