@@ -7,8 +7,16 @@
 //! is not. Inside they reckon in `f64`; what they return is the nearest `f32`
 //! but for one case in thousands, and there the one next to it.
 //!
-//! Sine and cosine: the kernels of FreeBSD's msun (Sun Microsystems 1993,
-//! Bruce D. Evans), after reduction by multiples of π/2 in two parts.
+//! Sine and cosine: the kernels `__kernel_sindf` and `__kernel_cosdf` of
+//! FreeBSD's msun (Bruce D. Evans), after reduction by multiples of π/2 in two
+//! parts. Their notice:
+//!
+//! > Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
+//! >
+//! > Developed at SunPro, a Sun Microsystems, Inc. business.
+//! > Permission to use, copy, modify, and distribute this
+//! > software is freely granted, provided that this notice
+//! > is preserved.
 
 use super::dual::Part;
 use super::tape::Number;

@@ -38,7 +38,6 @@
 //! | `time` | how long the file's head and foot take |
 //! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
 
-mod bounded;
 mod comments;
 mod ends;
 mod facts;

@@ -181,7 +181,7 @@ pub(super) fn of_settings(settings: &Settings) -> BTreeMap<String, Value> {
         }
     }
     for (group, members) in groups {
-        values.insert(group.to_owned(), Value::from_iter(members));
+        values.insert(group.to_owned(), Value::from(members));
     }
     values
 }

@@ -2,7 +2,6 @@
 
 use super::{END, LAYER};
 use crate::gcode::PLACEHOLDERS;
-use crate::gcode::bounded::GivenUp;
 use crate::gcode::placeholders::{self, Scope};
 use minijinja::{Error, ErrorKind};
 
@@ -80,7 +79,9 @@ pub(super) fn meant(name: &str, scope: Scope) -> Option<&'static str> {
 /// An error of the engine's in our words, and its place in bytes.
 pub(super) fn failure(failed: &Error) -> (Option<usize>, String) {
     let mut message = match failed.kind() {
-        ErrorKind::OutOfFuel => GivenUp::Time.to_string(),
+        ErrorKind::OutOfFuel => {
+            "it takes too much time or memory; make it shorter".to_owned()
+        }
         ErrorKind::UndefinedError => "this has no value".to_owned(),
         kind => kind.to_string(),
     };

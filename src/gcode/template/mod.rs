@@ -10,8 +10,7 @@
 //! other slicers mean what they mean there, or are errors, too; nothing is
 //! left out silently. All templates are tried before the
 //! first line is written. Numbers are written as firmware reads them. A
-//! template can neither read files nor run for ever, nor take much memory
-//! (see [`bounded`](super::bounded)).
+//! template can neither read files nor run for ever, nor take much memory.
 
 mod control;
 mod engine;
@@ -24,7 +23,6 @@ mod tests;
 pub use error::TemplateError;
 
 use super::Header;
-use super::bounded::bounded;
 use super::placeholders::{self, Known, Moment, Scope};
 use super::{Totals, flavour};
 use crate::settings::Settings;
@@ -35,7 +33,6 @@ use minijinja::{Environment, Value};
 use pieces::{find, pieces};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 /// Longest text that a template may come to, bytes.
 const LONGEST: usize = 1 << 20;
@@ -48,7 +45,7 @@ const LAYER: &str = "gcode.layer";
 /// A print's templates.
 #[derive(Debug)]
 pub(super) struct Templates<'a> {
-    engine: Arc<Environment<'static>>,
+    engine: Environment<'static>,
     settings: &'a Settings,
     header: Header,
     /// Values that every template knows.
@@ -134,8 +131,10 @@ impl<'a> Templates<'a> {
             totals: Totals::default(),
         };
         known.extend(placeholders::of(Scope::All, &of_all));
+        let start = Source::new(START, Scope::All, start)?;
+        let engine = engine().map_err(|e| start.failure(&e))?;
         let mut templates = Self {
-            engine: Arc::new(engine()),
+            engine,
             settings,
             header: Header {
                 thumbnails: Vec::new(),
@@ -143,7 +142,7 @@ impl<'a> Templates<'a> {
                 ..header.clone()
             },
             known,
-            start: Source::new(START, Scope::All, start)?,
+            start,
             end: Source::new(END, Scope::End, end)?,
             layer: Source::new(LAYER, Scope::Layer, layer)?,
         };
@@ -211,20 +210,17 @@ impl<'a> Templates<'a> {
         if scope != Scope::All {
             values.extend(placeholders::of(scope, &now));
         }
-        let engine = self.engine.clone();
-        let too_much = |message| source.error(0, message);
-        let rendered = bounded(move || {
-            engine
-                .get_template(name)
-                .and_then(|t| t.render(Value::from_iter(values)))
-        })
-        .map_err(|why| too_much(why.to_string()))?
-        .map_err(|e| source.failure(&e))?;
+        let rendered = self
+            .engine
+            .get_template(name)
+            .and_then(|t| t.render(Value::from(values)))
+            .map_err(|e| source.failure(&e))?;
         if rendered.len() > LONGEST {
-            return Err(too_much(format!(
+            let message = format!(
                 "it comes to more than {} MB of text; make it shorter",
                 LONGEST >> 20
-            )));
+            );
+            return Err(source.error(0, message));
         }
         // What an expression comes to may have one as well.
         if let Some((at, message)) = control(&rendered) {
@@ -243,12 +239,12 @@ impl<'a> Templates<'a> {
 
 /// Reads a template and looks for names that are not known.
 fn add(
-    engine: &mut Arc<Environment<'static>>,
+    engine: &mut Environment<'static>,
     source: &Source<'_>,
 ) -> Result<(), TemplateError> {
     let failed = |e| source.failure(&e);
     let (name, ours) = (source.name, &*source.ours);
-    Arc::make_mut(engine)
+    engine
         .add_template_owned(name, ours.to_owned())
         .map_err(failed)?;
     let template = engine.get_template(name).map_err(failed)?;

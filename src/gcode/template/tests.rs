@@ -121,7 +121,7 @@ fn errors_say_where() {
 fn a_template_that_goes_on_for_ever_is_stopped() {
     let bomb = "{% for i in range(9999) %}{% for j in range(9999) %}G4\n\
                 {% endfor %}{% endfor %}";
-    assert!(filled(bomb).unwrap_err().contains("too long"));
+    assert!(filled(bomb).unwrap_err().contains("too much time"));
 }
 
 #[test]
@@ -129,18 +129,20 @@ fn a_template_that_grows_without_end_is_refused() {
     let doubled = "{% set ns = namespace(s='aaaaaaaaaaaaaaaa') %}\
         {% for i in range(60) %}{% set ns.s = ns.s ~ ns.s %}{% endfor %}";
     for (source, words) in [
-        (doubled, "too much memory"),
-        ("{{ 'a' * 9999999 }}", "more than 1 MB"),
-        ("{{ '%999999999999999d' | format(3) }}", "two digits"),
-        ("{{ '%.999999999999999f' | format(3.5) }}", "two digits"),
-        ("{{ '%(\u{6c2}99' | format(5) }}", "no conversion"),
-        ("{{ '5 %' | format(5) }}", "no conversion"),
+        (doubled, "too much"),
+        ("{{ 'a' * 2000000 }}", "more than 1 MB"),
+        ("{{ 'a' * 999999999 }}", "too much"),
+        ("{{ '%999999999999999d' | format(3) }}", "too much"),
+        ("{{ '%.999999999999999f' | format(3.5) }}", "too much"),
+        ("{{ '%(\u{6c2}99' | format(5) }}", "has a %("),
+        ("{{ '5 %' | format(5) }}", "format"),
+        ("{{ 'a' | indent(999999999999999, true) }}", "too much"),
+        ("{{ [1] | batch(999999999999999, 0) }}", "too much"),
+        ("{{ [1] | slice(999999999999999, 0) }}", "too much"),
         (
-            "{{ 'a' | indent(999999999999999, true) }}",
-            "unknown filter",
+            "{% macro m(n) %}{{ m(n + 1) }}{% endmacro %}{{ m(0) }}",
+            "recursion",
         ),
-        ("{{ [1] | batch(999999999999999, 0) }}", "unknown filter"),
-        ("{{ [1] | slice(999999999999999, 0) }}", "unknown filter"),
     ] {
         let error = filled(source).unwrap_err();
         assert!(error.contains(words), "{source}: {error}");
@@ -149,10 +151,9 @@ fn a_template_that_grows_without_end_is_refused() {
     assert_filled("{{ '%+.1f %d%%' | format(2.25, 7) }}", "+2.2 7%\n");
 }
 
-/// Some have no end: their elements are made as they are asked for.
 #[test]
 fn a_list_is_not_written() {
-    for list in ["[0] * 99999999999999", "[1, 2]", "{'a': 1}", "range(3)"] {
+    for list in ["[0] * 9", "[1, 2]", "{'a': 1}", "range(3)"] {
         let error = filled(&format!("{{{{ {list} }}}}")).unwrap_err();
         assert!(error.contains("a list"), "{error}");
     }
