@@ -8,7 +8,6 @@
 
 mod common;
 
-use isoslice::field::Backend;
 use isoslice::model::Model;
 use isoslice::pipeline::{self, Options};
 use isoslice::settings::Settings;
@@ -24,15 +23,9 @@ const COARSE: [&str; 6] = [
     "retract.z_hop=0.3",
 ];
 
-fn slice(
-    model: &Model,
-    settings: &Settings,
-    threads: usize,
-    backend: Option<Backend>,
-) -> String {
+fn slice(model: &Model, settings: &Settings, threads: usize) -> String {
     let options = Options {
         threads: Some(threads),
-        backend,
         ..Options::default()
     };
     let mut bytes = Vec::new();
@@ -65,17 +58,16 @@ fn check(name: &str, extra: &[&str]) {
     let mut all = COARSE.to_vec();
     all.extend(extra);
     let (model, settings) = example.place(&all);
-    let first = slice(&model, &settings, 1, Some(Backend::Vm));
+    let first = slice(&model, &settings, 1);
     assert!(first.matches(";LAYER_CHANGE").count() > 10, "{name}");
-    for (threads, backend) in [(2, Some(Backend::Jit)), (7, Some(Backend::Vm))]
-    {
-        let again = slice(&model, &settings, threads, backend);
-        let what = format!("{name}, {threads} threads, {backend:?}");
+    for threads in [2, 7] {
+        let again = slice(&model, &settings, threads);
+        let what = format!("{name}, {threads} threads");
         assert_same(&first, &again, &what);
     }
     // Read once more, from the script on.
     let (model, settings) = example.place(&all);
-    let again = slice(&model, &settings, 1, None);
+    let again = slice(&model, &settings, 1);
     assert_same(&first, &again, &format!("{name}, read again"));
 }
 

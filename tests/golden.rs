@@ -18,7 +18,7 @@ fn table(model: &Model, settings: &Settings) -> String {
     let (gcode, summary) = slice(model, settings, 2);
     assert_eq!(summary.warnings, [""; 0]);
     let printed = parse(&gcode);
-    let (_, outlines) = layers(model, settings, None);
+    let (_, outlines) = layers(model, settings);
     assert_eq!(printed.len(), outlines.len());
     let mut table = String::new();
     for (layer, outline) in printed.iter().zip(&outlines) {

@@ -12,7 +12,6 @@ use common::{
     formula, parse, settings, slice,
 };
 use glam::{DVec2, DVec3};
-use isoslice::field::Backend;
 use isoslice::layers::LayerSpan;
 use isoslice::model::Model;
 use isoslice::plane::Area;
@@ -43,7 +42,6 @@ const ROUNDING: f64 = 0.001;
 /// An example's print, read back, beside the outlines it was made from.
 struct Print {
     name: String,
-    model: Model,
     settings: Settings,
     spans: Vec<LayerSpan>,
     /// On the bed.
@@ -63,14 +61,13 @@ impl Print {
         let (model, settings) = example.place(COARSE);
         let (text, summary) = slice(&model, &settings, 2);
         assert_eq!(summary.warnings, [""; 0], "{}", example.name);
-        let (spans, outlines) = common::layers(&model, &settings, None);
+        let (spans, outlines) = common::layers(&model, &settings);
         let by = model.offset.truncate();
         let outlines = outlines.into_iter().map(|o| moved(o.area, by));
         Print {
             name: example.name.clone(),
             outlines: outlines.collect(),
             layers: parse(&text),
-            model,
             settings,
             spans,
             text,
@@ -347,25 +344,6 @@ fn the_skirt_keeps_off_the_part() {
                 let near = edges.nearest_within(p, gap);
                 assert!(near.is_none(), "{near:?} {}", print.at(m));
             }
-        }
-    }
-}
-
-#[test]
-fn evaluators_agree_on_every_example() {
-    for print in PRINTS.iter() {
-        let settings = Settings {
-            // Not all layers: this is about the evaluators.
-            layer_height: 5.3,
-            ..print.settings.clone()
-        };
-        let [vm, jit] = [Backend::Vm, Backend::Jit].map(|backend| {
-            common::layers(&print.model, &settings, Some(backend)).1
-        });
-        assert_eq!(vm.len(), jit.len());
-        for (a, b) in vm.iter().zip(&jit) {
-            assert_eq!(a.area, b.area, "{}", print.name);
-            assert_eq!(a.forced_rings, 0, "{}", print.name);
         }
     }
 }

@@ -4,7 +4,6 @@
 
 mod common;
 
-use isoslice::field::Backend;
 use isoslice::limits::resident_bytes;
 use isoslice::model::Model;
 use isoslice::pipeline::{self, Options};
@@ -31,10 +30,9 @@ fn part() -> (Model, Settings) {
     (model, settings)
 }
 
-fn slice(model: &Model, settings: &Settings, backend: Backend) -> Vec<u8> {
+fn slice(model: &Model, settings: &Settings) -> Vec<u8> {
     let options = Options {
         threads: Some(2),
-        backend: Some(backend),
         ..Options::default()
     };
     let mut bytes = Vec::new();
@@ -57,11 +55,7 @@ fn two_hundred_slices_in_a_row_keep_no_memory() {
     for round in 0..200 {
         // All of it, from the text on.
         let (model, settings) = part();
-        let backend = match round % 2 {
-            0 => Backend::Vm,
-            _ => Backend::Jit,
-        };
-        let gcode = slice(&model, &settings, backend);
+        let gcode = slice(&model, &settings);
         assert!(gcode.len() > 10_000);
         match &first {
             Some(first) => assert!(*first == gcode, "slice {round} differs"),
@@ -82,13 +76,12 @@ fn two_hundred_slices_in_a_row_keep_no_memory() {
 fn eight_at_once_are_the_same() {
     let _alone = ALONE.lock().unwrap();
     let (model, settings) = part();
-    let alone = slice(&model, &settings, Backend::Vm);
+    let alone = slice(&model, &settings);
     let all: Vec<Vec<u8>> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..8)
-            .map(|k| {
+            .map(|_| {
                 let (model, settings) = (&model, &settings);
-                let backend = [Backend::Vm, Backend::Jit][k % 2];
-                scope.spawn(move || slice(model, settings, backend))
+                scope.spawn(move || slice(model, settings))
             })
             .collect();
         threads.into_iter().map(|t| t.join().unwrap()).collect()

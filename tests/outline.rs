@@ -3,10 +3,14 @@
 // A test that cannot go on should say so and stop.
 #![allow(clippy::unwrap_used)]
 
+use fidget::context::Context;
 use fidget::context::Tree;
+use fidget::eval::{BulkEvaluator, Function, MathFunction};
+use fidget::var::Var;
+use fidget::vm::VmFunction;
 use glam::DVec2;
 use isoslice::contour::{Detail, Outline, outlines};
-use isoslice::field::{Backend, Field};
+use isoslice::field::{Field, NODES};
 use isoslice::plane::{Area, Rect, edges, ring_length};
 use isoslice::timings::Timings;
 
@@ -15,35 +19,22 @@ const DETAIL: Detail = Detail {
     accuracy: ACCURACY,
     smallest: 0.11,
 };
-const HEIGHTS: [f64; 2] = [-25.0, 25.0];
 
-fn slice_with(
-    tree: &Tree,
-    half: f64,
-    z: &[f64],
-    backend: Backend,
-) -> Vec<Outline> {
-    spaced(tree, half, z, 0.1, backend)
+fn slice_with(tree: &Tree, half: f64, z: &[f64]) -> Vec<Outline> {
+    spaced(tree, half, z, 0.1)
 }
 
-fn spaced(
-    tree: &Tree,
-    half: f64,
-    z: &[f64],
-    spacing: f64,
-    backend: Backend,
-) -> Vec<Outline> {
+fn spaced(tree: &Tree, half: f64, z: &[f64], spacing: f64) -> Vec<Outline> {
     let bounds = Rect {
         min: DVec2::splat(-half),
         max: DVec2::splat(half),
     };
-    let field =
-        Field::new(tree, 0.0, bounds, spacing, HEIGHTS, Some(backend)).unwrap();
+    let field = Field::new(tree, 0.0, bounds, spacing).unwrap();
     outlines(&field, z, DETAIL, &Timings::default()).unwrap()
 }
 
 fn slice(tree: &Tree, half: f64, z: f64) -> Area {
-    let o = slice_with(tree, half, &[z], Backend::Jit).remove(0);
+    let o = slice_with(tree, half, &[z]).remove(0);
     assert_eq!(o.forced_rings, 0);
     o.area
 }
@@ -164,16 +155,56 @@ fn gyroid_ball() -> Tree {
     (g.abs() - 0.55).max(ball)
 }
 
+/// Samples are what fidget's own interpreter says of the whole expression,
+/// whatever was simplified or taken out of it, but for the last digits of
+/// sines.
 #[test]
-fn evaluators_agree_to_the_bit() {
+fn samples_are_those_of_fidgets_interpreter() {
+    let tree = gyroid_ball();
+    let mut ctx = Context::new();
+    let root = ctx.import(&tree);
+    let f = VmFunction::new(&ctx, &[root]).unwrap();
+    let tape = f.float_slice_tape(Default::default());
+    let mut fidget = VmFunction::new_float_slice_eval();
+    let bounds = Rect {
+        min: DVec2::splat(-25.0),
+        max: DVec2::splat(25.0),
+    };
+    let field = Field::new(&tree, 0.0, bounds, 0.1).unwrap();
     let z: Vec<f64> = (0..8).map(|i| -3.0 + 0.2 * f64::from(i)).collect();
-    let vm = slice_with(&gyroid_ball(), 25.0, &z, Backend::Vm);
-    let jit = slice_with(&gyroid_ball(), 25.0, &z, Backend::Jit);
-    for (a, b) in vm.iter().zip(&jit) {
-        assert_eq!(a.area, b.area);
-        assert_eq!(a.forced_rings, 0);
-        assert!(a.area.rings.len() > 3);
-    }
+    let mut compared = 0;
+    let lattice = field.lattice();
+    field
+        .slab(&z, &mut |batch| {
+            for (leaf, values) in
+                batch.leaves.iter().zip(batch.values.chunks(NODES * NODES))
+            {
+                let mut points: [Vec<f32>; 3] = Default::default();
+                for j in leaf.j..leaf.j + NODES {
+                    for i in leaf.i..leaf.i + NODES {
+                        let p =
+                            [lattice.x[i], lattice.y[j], z[leaf.layer] as f32];
+                        for (all, v) in points.iter_mut().zip(p) {
+                            all.push(v);
+                        }
+                    }
+                }
+                let mut inputs = [&[][..]; 3];
+                for (var, points) in
+                    [Var::X, Var::Y, Var::Z].iter().zip(&points)
+                {
+                    inputs[f.vars().get(var).unwrap()] = points;
+                }
+                let expected = fidget.eval(&tape, &inputs).unwrap();
+                for (a, b) in values.iter().zip(&expected[0]) {
+                    assert!((a - b).abs() < 5e-6, "{a} for {b}");
+                    compared += 1;
+                }
+            }
+            Ok(())
+        })
+        .unwrap();
+    assert!(compared > 100_000, "{compared}");
 }
 
 /// The topology of the tiled walk against the `contour` crate on the whole
@@ -185,8 +216,7 @@ fn rings_are_those_of_the_contour_crate() {
         max: DVec2::splat(25.0),
     };
     let tree = gyroid_ball();
-    let field = Field::new(&tree, 0.0, bounds, 0.1, HEIGHTS, Some(Backend::Vm))
-        .unwrap();
+    let field = Field::new(&tree, 0.0, bounds, 0.1).unwrap();
     let lattice = field.lattice();
     let h = 1.3_f32;
     let k = std::f32::consts::TAU / 10.0;
@@ -234,7 +264,7 @@ fn nan_is_outside_and_counted() {
     // sqrt(x) is no number left of the plane x = 0.
     let f = (x.sqrt() * 1e-9)
         + ((x.square() + y.square() + z.square()).sqrt() - 5.0);
-    let o = slice_with(&f, 5.0, &[0.0], Backend::Vm).remove(0);
+    let o = slice_with(&f, 5.0, &[0.0]).remove(0);
     assert!(o.nan_samples > 100);
     let half_disc = 0.5 * std::f64::consts::PI * 25.0;
     assert!((o.area.content() - half_disc).abs() < 0.05);
@@ -258,7 +288,7 @@ fn small_circles_are_round_on_any_lattice() {
     for spacing in [0.1, 0.4, 2.0] {
         for r in [0.15_f32, 0.3, 1.0] {
             let f = (x.square() + y.square()).sqrt() - r;
-            let o = spaced(&f, 4.0, &[0.0], spacing, Backend::Vm).remove(0);
+            let o = spaced(&f, 4.0, &[0.0], spacing).remove(0);
             assert_eq!(o.area.rings.len(), 1, "{spacing} {r}");
             let (worst, mean) =
                 deviation(&o.area, |p| p.length() - f64::from(r));
@@ -327,8 +357,7 @@ fn what_is_thinner_than_the_lattice_is_found() {
             let slit = ((u.abs() - 6.0).max(v.abs() - 6.0))
                 .max(0.1 - (u.clone() - 0.3).abs());
             let pin = (u.square() + v.square()).sqrt() - 0.1;
-            let slice =
-                |f| spaced(f, 9.0, &[0.0], spacing, Backend::Vm).remove(0);
+            let slice = |f| spaced(f, 9.0, &[0.0], spacing).remove(0);
             for (f, rings, content) in [
                 (&wall, 1, 2.4),
                 (&slit, 2, 144.0 - 2.4),
@@ -360,7 +389,7 @@ fn a_hidden_slit_is_found_on_a_coarse_lattice() {
             let part = (y.abs() - 0.4).max(x.abs() - 5.0);
             let hole = 0.15 - ((x.clone() - at).square() + y.square()).sqrt();
             let f = part.max(hole);
-            let o = spaced(&f, 6.0, &[0.0], spacing, Backend::Vm).remove(0);
+            let o = spaced(&f, 6.0, &[0.0], spacing).remove(0);
             assert_eq!(o.area.rings.len(), 2, "{spacing} {at}");
             let content = 8.0 - 0.0225 * std::f64::consts::PI;
             let off = (o.area.content() - content).abs();
@@ -376,7 +405,7 @@ fn cracks_thinner_than_the_accuracy_are_left_out() {
     let block = (x.abs() - 5.0).max(y.abs() - 2.0);
     // 2 µm wide, and less than a hundredth off the rows of the lattice.
     let crack = (y.clone() + x.clone() * 0.009).abs() - 0.001;
-    let o = spaced(&block.max(-crack), 6.0, &[0.0], 0.1, Backend::Vm).remove(0);
+    let o = spaced(&block.max(-crack), 6.0, &[0.0], 0.1).remove(0);
     assert_eq!(o.area.rings.len(), 1);
     assert!(o.dropped_rings > 0);
 }

@@ -16,7 +16,7 @@ mod csg;
 use csg::{Solid, solid};
 use glam::DVec2;
 use isoslice::contour::{Detail, Outline, outlines};
-use isoslice::field::{Backend, Field};
+use isoslice::field::Field;
 use isoslice::model::{Source, SourceKind, load};
 use isoslice::plane::Rect;
 use isoslice::timings::Timings;
@@ -51,10 +51,7 @@ fn sliced(solid: &Solid, spacing: f64, z: f64) -> Outline {
         min: DVec2::splat(-HALF),
         max: DVec2::splat(HALF),
     };
-    let heights = [-HALF, HALF];
-    let vm = Some(Backend::Vm);
-    let field =
-        Field::new(&solid.tree(), 0.0, bounds, spacing, heights, vm).unwrap();
+    let field = Field::new(&solid.tree(), 0.0, bounds, spacing).unwrap();
     outlines(&field, &[z], DETAIL, &Timings::default())
         .unwrap()
         .remove(0)
@@ -190,9 +187,8 @@ proptest! {
             min: DVec2::splat(-2.0),
             max: DVec2::splat(2.0),
         };
-        let heights = [-2.0, 2.0];
         let field =
-            Field::new(&model.tree, 0.0, bounds, 0.25, heights, None).unwrap();
+            Field::new(&model.tree, 0.0, bounds, 0.25).unwrap();
         let layers = [-0.8, 0.01, 0.7];
         let found =
             outlines(&field, &layers, DETAIL, &Timings::default()).unwrap();

@@ -194,7 +194,6 @@ impl PreviewArgs {
             check: false,
             timestamp: None,
             format: Format::Text,
-            backend: None,
             on_layer: &|done, total| {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);

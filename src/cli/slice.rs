@@ -130,7 +130,6 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         check: !args.no_check,
         timestamp: args.timestamp.then(now).transpose()?,
         format,
-        backend: None,
         on_layer: &|done, total| {
             bar.set_length(total as u64);
             bar.set_position(done as u64);

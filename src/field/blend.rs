@@ -96,7 +96,7 @@ fn binary(op: BinaryOpcode, a: Term, b: Term) -> Term {
 
 #[cfg(test)]
 mod tests {
-    use super::super::ranges::{Ranges, Readable};
+    use super::super::ranges::Ranges;
     use super::*;
     use crate::model::Interval;
     use fidget::compiler::RegOp;
@@ -165,7 +165,7 @@ mod tests {
                 f.simplify(trace, storage, &mut ws).unwrap()
             });
             let is_exp = |op: &&RegOp| matches!(op, RegOp::ExpReg(..));
-            let left = simpler.as_ref().unwrap_or(f).operations();
+            let left = simpler.as_ref().unwrap_or(f).data().asm();
             (range, left.iter().filter(is_exp).count())
         };
         for x in [5.0, 25.0] {

@@ -1,17 +1,16 @@
-//! The walk over tiles, for either of fidget's evaluators.
+//! The walk over tiles.
 
 use super::axis::{Axis, Grouping, Level};
+use super::expr::Expr;
 use super::split::{Axes, Split};
-use super::tapes::{Evaluable, Tapes};
 use super::workspace::{Proof, Workspace};
 use super::{
     Batch, Bound, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, bug,
 };
 use crate::model::Interval;
 use crate::plane::Rect;
-use crate::units::{Mm, Seconds};
-use std::sync::Arc;
-use std::time::Instant;
+use fidget::eval::MathFunction;
+use fidget::vm::VmFunction;
 
 /// Cells along the side of a slab's tiles; they span all layers of the slab.
 const TILE: usize = 64;
@@ -59,7 +58,7 @@ const UPWARDS: [Grouping; 3] = [
     },
 ];
 
-/// What both back ends share.
+/// What the expression and the lattice decide before any layer is known.
 pub(super) struct Plane {
     pub split: Split,
     x: Axis,
@@ -89,35 +88,20 @@ impl Plane {
     }
 }
 
-/// An expression bound to one of fidget's evaluators.
-pub(super) trait Engine: Send + Sync {
-    /// Time for a thousand samples across the lattice: the best of a few
-    /// tries.
-    fn trial(&self, z: Mm) -> Result<Seconds, FieldError>;
-
-    fn slab(&self, z: &[f32], visit: &mut Visit<'_>) -> Result<(), FieldError>;
-
-    fn leaves(
-        &self,
-        z: &[f32],
-        leaves: &[Leaf],
-        visit: &mut Visit<'_>,
-    ) -> Result<(), FieldError>;
+/// An expression, and the lattice it is evaluated on.
+pub(super) struct Engine {
+    root: VmFunction,
+    plane: Plane,
 }
 
-pub(super) struct FidgetEngine<F> {
-    root: F,
-    plane: Arc<Plane>,
-}
-
-impl<F: Evaluable> FidgetEngine<F> {
-    pub(super) fn new(plane: Arc<Plane>) -> Result<Self, FieldError> {
+impl Engine {
+    pub(super) fn new(plane: Plane) -> Result<Self, FieldError> {
         let Split { context, root, .. } = &plane.split;
-        let root = F::new(context, &[*root]).map_err(bug)?;
+        let root = VmFunction::new(context, &[*root]).map_err(bug)?;
         Ok(Self { root, plane })
     }
 
-    fn walk<'a>(&'a self, layers: &'a Axis) -> Walk<'a, F> {
+    fn walk<'a>(&'a self, layers: &'a Axis) -> Walk<'a> {
         Walk {
             axes: Axes([&self.plane.x, &self.plane.y, layers]),
             cells: self.plane.cells(),
@@ -130,25 +114,25 @@ impl<F: Evaluable> FidgetEngine<F> {
 }
 
 /// A walk over the tiles of a slab.
-struct Walk<'a, F: Evaluable> {
+struct Walk<'a> {
     axes: Axes<'a>,
     /// Cells of the lattice along x and y.
     cells: [usize; 2],
-    ws: Workspace<'a, F>,
+    ws: Workspace<'a>,
     /// Of a block, the leaves that are to be sampled.
     boxes: Vec<[usize; 3]>,
     leaves: Vec<Leaf>,
     values: Vec<f32>,
 }
 
-/// A batch's tapes with the thread's workspace.
-struct TapeSampler<'w, 'a, F: Evaluable> {
-    tapes: &'w mut Tapes<F>,
-    ws: &'w mut Workspace<'a, F>,
+/// A batch's expression with the thread's workspace.
+struct ExprSampler<'w, 'a> {
+    expr: &'w Expr,
+    ws: &'w mut Workspace<'a>,
     axes: Axes<'a>,
 }
 
-impl<F: Evaluable> Sampler for TapeSampler<'_, '_, F> {
+impl Sampler for ExprSampler<'_, '_> {
     fn values(
         &mut self,
         x: &[f32],
@@ -156,7 +140,8 @@ impl<F: Evaluable> Sampler for TapeSampler<'_, '_, F> {
         z: &[f32],
         out: &mut Vec<f32>,
     ) -> Result<(), FieldError> {
-        self.ws.values(self.tapes, self.axes, [x, y, z], out)
+        self.ws.values(self.expr, self.axes, [x, y, z], out);
+        Ok(())
     }
 
     fn slopes(
@@ -166,7 +151,7 @@ impl<F: Evaluable> Sampler for TapeSampler<'_, '_, F> {
         z: &[f32],
         out: &mut Vec<[f32; 3]>,
     ) {
-        self.ws.slopes(self.tapes, self.axes, [x, y, z], out);
+        self.ws.slopes(self.expr, self.axes, [x, y, z], out);
     }
 
     fn bounds(&mut self, boxes: &[(Rect, f32)], out: &mut Vec<Bound>) {
@@ -177,11 +162,11 @@ impl<F: Evaluable> Sampler for TapeSampler<'_, '_, F> {
                 [x, y, Interval::point(f64::from(*z))]
             })
             .collect();
-        self.ws.bounds(self.tapes, &boxes, out);
+        self.ws.bounds(self.expr, &boxes, out);
     }
 }
 
-impl<F: Evaluable> Walk<'_, F> {
+impl Walk<'_> {
     /// Numbers of the smaller boxes in box `b` of an axis that has `count`
     /// of its smallest units.
     fn inside(
@@ -198,7 +183,7 @@ impl<F: Evaluable> Walk<'_, F> {
     /// blocks.
     fn tile(
         &mut self,
-        root: &mut Tapes<F>,
+        root: &Expr,
         at: [usize; 2],
         visit: &mut Visit<'_>,
     ) -> Result<(), FieldError> {
@@ -206,11 +191,11 @@ impl<F: Evaluable> Walk<'_, F> {
         let proof =
             self.ws
                 .prove(root, self.axes, Level::Tile, [i, j, 0], true)?;
-        let mut own = match proof {
+        let own = match proof {
             Proof::Uniform => return Ok(()),
             Proof::Ambiguous(simpler) => simpler,
         };
-        let tapes = own.as_mut().unwrap_or(root);
+        let expr = own.as_ref().unwrap_or(root);
         let layers = self.axes.0[2].nodes().len();
         let mut blocks = Vec::new();
         for k in 0..layers.div_ceil(BLOCK_LAYERS) {
@@ -219,12 +204,12 @@ impl<F: Evaluable> Walk<'_, F> {
                 blocks.extend(row.map(|i| [i, j, k]));
             }
         }
-        self.ws.sift(tapes, self.axes, Level::Block, &mut blocks)?;
+        self.ws.sift(expr, self.axes, Level::Block, &mut blocks)?;
         for at in blocks {
-            self.block(tapes, at, visit)?;
+            self.block(expr, at, visit)?;
         }
-        if let Some(tapes) = own {
-            self.ws.recycle(tapes);
+        if let Some(expr) = own {
+            self.ws.recycle(expr);
         }
         Ok(())
     }
@@ -232,18 +217,18 @@ impl<F: Evaluable> Walk<'_, F> {
     /// Block number `at`: simplify for it, then sample its leaves.
     fn block(
         &mut self,
-        parent: &mut Tapes<F>,
+        parent: &Expr,
         at: [usize; 3],
         visit: &mut Visit<'_>,
     ) -> Result<(), FieldError> {
         crate::limits::check();
         let [i, j, k] = at;
         let proof = self.ws.prove(parent, self.axes, Level::Block, at, true)?;
-        let mut own = match proof {
+        let own = match proof {
             Proof::Uniform => return Ok(()),
             Proof::Ambiguous(simpler) => simpler,
         };
-        let tapes = own.as_mut().unwrap_or(parent);
+        let expr = own.as_ref().unwrap_or(parent);
         let layers = self.axes.0[2].nodes().len();
         let mut boxes = std::mem::take(&mut self.boxes);
         boxes.clear();
@@ -253,7 +238,7 @@ impl<F: Evaluable> Walk<'_, F> {
                 boxes.extend(row.map(|i| [i, j, layer]));
             }
         }
-        self.ws.sift(tapes, self.axes, Level::Leaf, &mut boxes)?;
+        self.ws.sift(expr, self.axes, Level::Leaf, &mut boxes)?;
         self.leaves.clear();
         self.leaves.extend(boxes.iter().map(|&[i, j, layer]| Leaf {
             layer,
@@ -261,9 +246,9 @@ impl<F: Evaluable> Walk<'_, F> {
             j: j * LEAF,
         }));
         self.boxes = boxes;
-        self.sample(tapes, visit)?;
-        if let Some(tapes) = own {
-            self.ws.recycle(tapes);
+        self.sample(expr, visit)?;
+        if let Some(expr) = own {
+            self.ws.recycle(expr);
         }
         Ok(())
     }
@@ -272,66 +257,47 @@ impl<F: Evaluable> Walk<'_, F> {
     /// them.
     fn sample(
         &mut self,
-        tapes: &mut Tapes<F>,
+        expr: &Expr,
         visit: &mut Visit<'_>,
     ) -> Result<(), FieldError> {
         if self.leaves.is_empty() {
             return Ok(());
         }
         let (ws, axes) = (&mut self.ws, self.axes);
-        ws.leaves(tapes, axes, &self.leaves, &mut self.values)?;
+        ws.leaves(expr, axes, &self.leaves, &mut self.values);
         visit(Batch {
             leaves: &self.leaves,
             values: &self.values,
-            sampler: &mut TapeSampler { tapes, ws, axes },
+            sampler: &mut ExprSampler { expr, ws, axes },
         })
     }
 }
 
-impl<F: Evaluable> Engine for FidgetEngine<F> {
-    fn trial(&self, z: Mm) -> Result<Seconds, FieldError> {
-        const LEAVES: usize = 12;
-        let layers = self.plane.layers(&[z as f32]);
-        let mut walk = self.walk(&layers);
-        let pick = |k: usize, cells: usize| k * 7919 % (cells / LEAF) * LEAF;
-        let leaves: Vec<Leaf> = (0..LEAVES)
-            .map(|k| Leaf {
-                layer: 0,
-                i: pick(k, walk.cells[0]),
-                j: pick(3 * k, walk.cells[1]),
-            })
-            .collect();
-        let mut tapes = Tapes::new(self.root.clone());
-        let mut best = f64::INFINITY;
-        for _ in 0..4 {
-            let start = Instant::now();
-            let (ws, out) = (&mut walk.ws, &mut walk.values);
-            ws.leaves(&mut tapes, walk.axes, &leaves, out)?;
-            best = best.min(start.elapsed().as_secs_f64());
-        }
-        Ok(best)
-    }
-
-    fn slab(&self, z: &[f32], visit: &mut Visit<'_>) -> Result<(), FieldError> {
+impl Engine {
+    pub(super) fn slab(
+        &self,
+        z: &[f32],
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
         let z = &z[..z.len().min(SLAB)];
         if z.is_empty() {
             return Ok(());
         }
         let layers = self.plane.layers(z);
         let mut walk = self.walk(&layers);
-        let mut root = Tapes::new(self.root.clone());
+        let root = Expr::new(self.root.clone());
         let [columns, rows] = walk.cells.map(|n| n.div_ceil(TILE));
         let mut tiles: Vec<[usize; 3]> = (0..rows)
             .flat_map(|j| (0..columns).map(move |i| [i, j, 0]))
             .collect();
         walk.ws.sift(&root, walk.axes, Level::Tile, &mut tiles)?;
         for [i, j, _] in tiles {
-            walk.tile(&mut root, [i, j], visit)?;
+            walk.tile(&root, [i, j], visit)?;
         }
         Ok(())
     }
 
-    fn leaves(
+    pub(super) fn leaves(
         &self,
         z: &[f32],
         leaves: &[Leaf],
@@ -343,6 +309,6 @@ impl<F: Evaluable> Engine for FidgetEngine<F> {
         let layers = self.plane.layers(z);
         let mut walk = self.walk(&layers);
         walk.leaves = leaves.to_vec();
-        walk.sample(&mut Tapes::new(self.root.clone()), visit)
+        walk.sample(&Expr::new(self.root.clone()), visit)
     }
 }

@@ -23,8 +23,7 @@
 //! What one coordinate alone decides, like sin(k·x), is taken out of the
 //! expression (`hoist`, `split`) and evaluated once per column, row or layer
 //! (`axis`); `ranges` proves, `lanes` interprets (`tape`), for many points
-//! (`wide`, `dual`) or boxes (`span`) at a time, `tapes` compiles what is faster
-//! so, and `workspace` brings them together for the walk in `engine`. `sight`
+//! (`wide`, `dual`) or boxes (`span`) at a time, and `workspace` brings them together for the walk in `engine`. `sight`
 //! looks at the whole part from somewhere.
 //!
 //! This is the one place where `f64` millimetres become fidget's `f32`.
@@ -33,6 +32,7 @@ mod axis;
 mod blend;
 mod dual;
 mod engine;
+mod expr;
 mod hoist;
 mod lanes;
 mod lattice;
@@ -42,7 +42,6 @@ mod slopes;
 mod span;
 mod split;
 mod tape;
-mod tapes;
 mod wide;
 mod workspace;
 
@@ -52,13 +51,11 @@ pub use slopes::Bound;
 
 use crate::plane::Rect;
 use crate::units::Mm;
-use engine::{Engine, FidgetEngine, Plane};
+use engine::{Engine, Plane};
 use fidget::context::{Context, Tree};
 use fidget::eval::{Function, MathFunction};
-use fidget::jit::JitFunction;
 use fidget::vm::VmFunction;
 use split::Split;
-use std::sync::Arc;
 
 /// Cells along a leaf's side.
 pub const LEAF: usize = 8;
@@ -134,7 +131,7 @@ pub trait Sampler {
     /// Field values at the points, written over `out`.
     ///
     /// # Errors
-    /// If the evaluator fails, which is a bug.
+    /// If the work is to stop.
     fn values(
         &mut self,
         x: &[f32],
@@ -170,27 +167,15 @@ pub struct Batch<'a> {
 /// What is done with a batch.
 pub type Visit<'a> = dyn FnMut(Batch<'_>) -> Result<(), FieldError> + 'a;
 
-/// How the expression is evaluated. Both give the same values, bit for bit;
-/// which one is faster depends on the expression.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Backend {
-    /// Interpretation of fidget's tape.
-    Vm,
-    /// fidget's native code.
-    Jit,
-}
-
 /// A model's expression on a lattice over its box.
 pub struct Field {
     lattice: Lattice,
-    engine: Box<dyn Engine>,
-    backend: Backend,
+    engine: Engine,
 }
 
 impl Field {
     /// The field `tree` + `depth` over the box `bounds`, sampled every
-    /// `spacing` millimetres, at heights from `z[0]` to `z[1]`. The faster
-    /// back end is found by trial if none is given.
+    /// `spacing` millimetres.
     ///
     /// # Errors
     /// If the lattice would be too large, or fidget refuses the expression.
@@ -199,8 +184,6 @@ impl Field {
         depth: f64,
         bounds: Rect,
         spacing: Mm,
-        z: [Mm; 2],
-        backend: Option<Backend>,
     ) -> Result<Field, FieldError> {
         let lattice = Lattice::over(bounds, spacing)?;
         let tree = match depth {
@@ -214,27 +197,9 @@ impl Field {
         if f.vars().has_free_vars() {
             return Err(bug("it has variables besides x, y and z"));
         }
-        let plane = Arc::new(Plane::new(Split::new(&ctx, root)?, &lattice));
-        let vm = FidgetEngine::<VmFunction>::new(plane.clone())?;
-        let jit = FidgetEngine::<JitFunction>::new(plane)?;
-        let z = 0.5 * (z[0] + z[1]);
-        let backend = match backend {
-            Some(b) => b,
-            // On x86-64 native code is up to 20 × slower than the
-            // interpreter where the expression calls sin or exp, and up to
-            // 20 × faster elsewhere: only a trial tells.
-            None if vm.trial(z)? < jit.trial(z)? => Backend::Vm,
-            None => Backend::Jit,
-        };
-        let engine: Box<dyn Engine> = match backend {
-            Backend::Vm => Box::new(vm),
-            Backend::Jit => Box::new(jit),
-        };
-        Ok(Field {
-            lattice,
-            engine,
-            backend,
-        })
+        let plane = Plane::new(Split::new(&ctx, root)?, &lattice);
+        let engine = Engine::new(plane)?;
+        Ok(Field { lattice, engine })
     }
 
     /// The lattice the field is sampled on.
@@ -251,11 +216,6 @@ impl Field {
             layers /= 2;
         }
         layers
-    }
-
-    /// The evaluator in use.
-    pub fn backend(&self) -> Backend {
-        self.backend
     }
 
     /// Visits every leaf of the layers at heights `z` (at most [`SLAB`]) that

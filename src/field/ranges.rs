@@ -4,44 +4,12 @@
 //! its result, and a trace of the branches of `min`, `max`, `and` and `or`
 //! that are never taken, from which fidget makes a shorter tape.
 //!
-//! Why not fidget's own interval evaluators: they panic (the compiled ones
-//! abort the process) where one end of a range becomes NaN, as ∞ − ∞ does,
-//! and compiling a tape for each tile costs more than the interpretation of
-//! a few hundred operations. These never fail, and both back ends decide
-//! alike, since they share them.
+//! Why not fidget's own interval evaluator: it panics where one end of a range
+//! becomes NaN, as ∞ − ∞ does. This one never fails.
 
 use crate::model::Interval;
-use fidget::compiler::{RegOp, RegTape};
-use fidget::jit::JitFunction;
-use fidget::vm::{Choice, GenericVmFunction, VmFunction, VmTrace};
-
-/// A function whose operations can be read.
-pub(super) trait Readable {
-    /// Its operations, last one first.
-    fn operations(&self) -> &RegTape;
-    /// How many of them choose between branches.
-    fn choices(&self) -> usize;
-}
-
-impl<const N: usize> Readable for GenericVmFunction<N> {
-    fn operations(&self) -> &RegTape {
-        self.data().asm()
-    }
-    fn choices(&self) -> usize {
-        self.choice_count()
-    }
-}
-
-impl Readable for JitFunction {
-    fn operations(&self) -> &RegTape {
-        let f: &GenericVmFunction<_> = self.into();
-        f.operations()
-    }
-    fn choices(&self) -> usize {
-        let f: &GenericVmFunction<_> = self.into();
-        f.choice_count()
-    }
-}
+use fidget::compiler::RegOp;
+use fidget::vm::{Choice, VmFunction, VmTrace};
 
 /// Evaluates tapes over boxes. Kept between uses for its memory.
 #[derive(Default)]
@@ -55,12 +23,12 @@ impl Ranges {
     /// inputs, and the trace of its choices if it rules out any branch.
     pub(super) fn eval(
         &mut self,
-        f: &impl Readable,
+        f: &VmFunction,
         input: impl Fn(usize) -> Interval,
     ) -> (Interval, Option<&VmTrace>) {
-        let tape = f.operations();
+        let tape = f.data().asm();
         self.slots.resize(tape.slot_count(), Interval::ANYTHING);
-        self.trace.resize(f.choices(), Choice::Both);
+        self.trace.resize(f.choice_count(), Choice::Both);
         let v = &mut self.slots;
         let choices = self.trace.as_mut_slice();
         let mut chosen = 0;
@@ -206,21 +174,6 @@ fn nonzero(a: Interval, b: Interval) -> Choice {
         Choice::Right => Choice::Left,
         other => other,
     }
-}
-
-/// The indices of the inputs that a function reads.
-pub(super) fn inputs(f: &impl Readable) -> Vec<usize> {
-    let mut used: Vec<usize> = f
-        .operations()
-        .iter()
-        .filter_map(|op| match op {
-            RegOp::Input(_, i) => Some(*i as usize),
-            _ => None,
-        })
-        .collect();
-    used.sort_unstable();
-    used.dedup();
-    used
 }
 
 /// The range of a function of one variable.

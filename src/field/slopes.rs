@@ -9,7 +9,7 @@
 //! Where the field jumps or may not be a number, the derivatives may be
 //! anything.
 
-use super::ranges::{Readable, greater, lesser};
+use super::ranges::{greater, lesser};
 use crate::model::Interval;
 use fidget::compiler::RegOp;
 use fidget::vm::{Choice, VmFunction};
@@ -290,10 +290,10 @@ impl Slopes {
     /// inputs.
     pub(super) fn eval(
         &mut self,
-        f: &impl Readable,
+        f: &VmFunction,
         input: impl Fn(usize) -> Slope,
     ) -> Slope {
-        let tape = f.operations();
+        let tape = f.data().asm();
         let nothing = Slope {
             value: Interval::ANYTHING,
             along: [Interval::ANYTHING; 2],

@@ -138,24 +138,3 @@ pub(super) fn run<T: Number, const N: usize>(
         }
     }
 }
-
-/// Whether a tape calls functions that native code has to leave itself for.
-pub(super) fn calls(tape: &RegTape) -> bool {
-    use RegOp::*;
-    tape.iter().any(|op| {
-        matches!(
-            op,
-            SinReg(..)
-                | CosReg(..)
-                | TanReg(..)
-                | AsinReg(..)
-                | AcosReg(..)
-                | AtanReg(..)
-                | ExpReg(..)
-                | LnReg(..)
-                | AtanRegReg(..)
-                | AtanRegImm(..)
-                | AtanImmReg(..)
-        )
-    })
-}

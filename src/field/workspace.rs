@@ -1,11 +1,11 @@
 //! Evaluators and buffers: the memory to prove and to sample with.
 
 use super::axis::{self, Level, Located};
-use super::lanes::Seed;
-use super::ranges::{Ranges, inputs};
+use super::expr::Expr;
+use super::lanes::{Lanes, Seed};
+use super::ranges::Ranges;
 use super::slopes::{Bound, Slope, Slopes, coordinate, slope_of};
 use super::split::{Axes, Source, Split};
-use super::tapes::{Evaluable, Runner, Tapes};
 use super::{FieldError, Leaf, NODES, bug};
 use crate::model::Interval;
 use fidget::eval::Function;
@@ -15,15 +15,15 @@ use fidget::vm::VmFunction;
 const AT_ONCE: usize = 12;
 
 /// What interval arithmetic says of a box.
-pub(super) enum Proof<F: Function> {
+pub(super) enum Proof {
     /// No sign change in it.
     Uniform,
     /// May have one; the expression for use inside, if a simpler one exists.
-    Ambiguous(Option<Tapes<F>>),
+    Ambiguous(Option<Expr>),
 }
 
 /// Evaluators and buffers of one thread.
-pub(super) struct Workspace<'a, F: Function> {
+pub(super) struct Workspace<'a> {
     parts: &'a [Vec<VmFunction>; 3],
     /// By input of the tapes. Simplified tapes keep the order.
     sources: Vec<Source>,
@@ -33,13 +33,11 @@ pub(super) struct Workspace<'a, F: Function> {
     bounder: Slopes,
     /// By input, its bounds over each box.
     bounds: Vec<Vec<Slope>>,
-    runner: Runner<F>,
-    simplify: F::Workspace,
+    lanes: Lanes,
+    simplify: <VmFunction as Function>::Workspace,
     axis: axis::Scratch,
-    /// Memory of functions and tapes that are done with: mapping executable
-    /// memory anew for each tile would cost more than using it.
-    functions: Vec<F::Storage>,
-    tapes: Vec<F::TapeStorage>,
+    /// Memory of functions that are done with.
+    functions: Vec<<VmFunction as Function>::Storage>,
     /// By input: what it is at each point.
     values: Vec<Vec<f32>>,
     /// By input: its slope at each point.
@@ -48,8 +46,8 @@ pub(super) struct Workspace<'a, F: Function> {
     located: [Located; 3],
 }
 
-impl<'a, F: Evaluable> Workspace<'a, F> {
-    pub(super) fn new(root: &F, split: &'a Split) -> Self {
+impl<'a> Workspace<'a> {
+    pub(super) fn new(root: &VmFunction, split: &'a Split) -> Self {
         let mut sources = vec![Source::Coordinate(0); root.vars().len()];
         for (var, slot) in root.vars().iter() {
             if let (Some(s), Some(known)) =
@@ -66,11 +64,10 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             found: Vec::new(),
             bounder: Slopes::default(),
             bounds: vec![Vec::new(); slots],
-            runner: Runner::new(),
+            lanes: Lanes::default(),
             simplify: Default::default(),
             axis: axis::Scratch::default(),
             functions: Vec::new(),
-            tapes: Vec::new(),
             values: vec![Vec::new(); slots],
             slopes: vec![Vec::new(); slots],
             located: Default::default(),
@@ -81,7 +78,7 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
     /// field may change its sign.
     pub(super) fn sift(
         &mut self,
-        tapes: &Tapes<F>,
+        expr: &Expr,
         axes: Axes<'_>,
         level: Level,
         boxes: &mut Vec<[usize; 3]>,
@@ -89,8 +86,8 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         let sources = &self.sources;
-        self.runner.lanes.ranges(
-            &tapes.f,
+        self.lanes.ranges(
+            &expr.f,
             boxes.len(),
             |slot, k| axes.over(sources.get(slot), level, boxes[k]),
             &mut found,
@@ -101,7 +98,7 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             let uniform = match range {
                 Some(range) => range.lo >= 0.0 || range.hi < 0.0,
                 None => {
-                    let proof = self.prove(tapes, axes, level, at, false)?;
+                    let proof = self.prove(expr, axes, level, at, false)?;
                     matches!(proof, Proof::Uniform)
                 }
             };
@@ -119,15 +116,15 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
     /// wished, simplifies for it.
     pub(super) fn prove(
         &mut self,
-        tapes: &Tapes<F>,
+        expr: &Expr,
         axes: Axes<'_>,
         level: Level,
         at: [usize; 3],
         simplify: bool,
-    ) -> Result<Proof<F>, FieldError> {
+    ) -> Result<Proof, FieldError> {
         let sources = &self.sources;
         let input = |slot: usize| axes.over(sources.get(slot), level, at);
-        let (range, trace) = self.ranges.eval(&tapes.f, input);
+        let (range, trace) = self.ranges.eval(&expr.f, input);
         // A field that is nowhere below zero has no inside, even where it
         // touches zero.
         if !range.nan && (range.lo >= 0.0 || range.hi < 0.0) {
@@ -136,11 +133,11 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         let simpler = match trace {
             Some(trace) if simplify => {
                 let storage = self.functions.pop().unwrap_or_default();
-                let f = tapes
+                let f = expr
                     .f
                     .simplify(trace, storage, &mut self.simplify)
                     .map_err(bug)?;
-                Some(Tapes::new(f))
+                Some(Expr::new(f))
             }
             _ => None,
         };
@@ -151,14 +148,14 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
     /// axis, written over `out`.
     pub(super) fn bounds(
         &mut self,
-        tapes: &mut Tapes<F>,
+        expr: &Expr,
         boxes: &[[Interval; 3]],
         out: &mut Vec<Bound>,
     ) {
-        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
-        let lanes = &mut self.runner.lanes;
+        let used = expr.inputs();
+        let lanes = &mut self.lanes;
         let mut found = Vec::new();
-        for &slot in &*used {
+        for &slot in used {
             let bounds = &mut self.bounds[slot];
             bounds.clear();
             match self.sources[slot] {
@@ -181,11 +178,11 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         let bounds = &self.bounds;
         let over = |slot: usize, k: usize| bounds[slot][k];
         found.clear();
-        lanes.bounds(&tapes.f, boxes.len(), over, &mut found);
+        lanes.bounds(&expr.f, boxes.len(), over, &mut found);
         out.clear();
         for (k, found) in found.into_iter().enumerate() {
             let bounder = &mut self.bounder;
-            let alone = || bounder.eval(&tapes.f, |slot| over(slot, k));
+            let alone = || bounder.eval(&expr.f, |slot| over(slot, k));
             out.push(Bound::new(found.unwrap_or_else(alone)));
         }
     }
@@ -193,17 +190,16 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
     /// The field at the nodes of leaves, written over `out`.
     pub(super) fn leaves(
         &mut self,
-        tapes: &mut Tapes<F>,
+        expr: &Expr,
         axes: Axes<'_>,
         leaves: &[Leaf],
         out: &mut Vec<f32>,
-    ) -> Result<(), FieldError> {
+    ) {
         out.clear();
-        let native = tapes.is_native();
-        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
+        let used = expr.inputs();
         for leaves in leaves.chunks(AT_ONCE) {
             let count = leaves.len() * NODES * NODES;
-            for &slot in &*used {
+            for &slot in used {
                 let (axis, nodes) = axes.along(self.sources[slot]);
                 let values = &mut self.values[slot];
                 values.clear();
@@ -231,19 +227,11 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             }
             let mut vars: Vec<&[f32]> =
                 vec![&self.values[any][..count]; self.values.len()];
-            for &slot in &*used {
+            for &slot in used {
                 vars[slot] = &self.values[slot];
             }
-            self.runner.run(
-                (&tapes.f, &mut tapes.float),
-                native,
-                &vars,
-                count,
-                &mut self.tapes,
-                out,
-            )?;
+            self.lanes.eval(&expr.f, &vars, count, out);
         }
-        Ok(())
     }
 
     /// Which nodes the points are on, for the axes that have parts.
@@ -260,15 +248,14 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
     /// The field at any points, written over `out`.
     pub(super) fn values(
         &mut self,
-        tapes: &mut Tapes<F>,
+        expr: &Expr,
         axes: Axes<'_>,
         points: [&[f32]; 3],
         out: &mut Vec<f32>,
-    ) -> Result<(), FieldError> {
-        let native = tapes.is_native();
-        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
+    ) {
+        let used = expr.inputs();
         self.locate(used, axes, points);
-        for &slot in &*used {
+        for &slot in used {
             if let Source::Part(a, p) = self.sources[slot] {
                 axes.0[a].values_at(
                     p,
@@ -280,7 +267,7 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             }
         }
         let mut vars: Vec<&[f32]> = vec![points[0]; self.values.len()];
-        for &slot in &*used {
+        for &slot in used {
             vars[slot] = match self.sources[slot] {
                 Source::Coordinate(a) => points[a],
                 Source::Part(..) => &self.values[slot],
@@ -288,27 +275,20 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         }
         out.clear();
         let count = points[0].len();
-        self.runner.run(
-            (&tapes.f, &mut tapes.float),
-            native,
-            &vars,
-            count,
-            &mut self.tapes,
-            out,
-        )
+        self.lanes.eval(&expr.f, &vars, count, out);
     }
 
     /// Value and in-plane slopes at any points, written over `out`.
     pub(super) fn slopes(
         &mut self,
-        tapes: &mut Tapes<F>,
+        expr: &Expr,
         axes: Axes<'_>,
         points: [&[f32]; 3],
         out: &mut Vec<[f32; 3]>,
     ) {
-        let used = tapes.inputs.get_or_insert_with(|| inputs(&tapes.f));
+        let used = expr.inputs();
         self.locate(used, axes, points);
-        for &slot in &*used {
+        for &slot in used {
             if let Source::Part(a, p) = self.sources[slot] {
                 axes.0[a].slopes_at(
                     p,
@@ -327,7 +307,7 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
         };
         // Inputs that are not read may be anything.
         let mut seeds = vec![seed(points[0], None, 0); self.values.len()];
-        for &slot in &*used {
+        for &slot in used {
             seeds[slot] = match self.sources[slot] {
                 Source::Coordinate(a) => seed(points[a], None, a),
                 Source::Part(a, _) => {
@@ -337,14 +317,12 @@ impl<'a, F: Evaluable> Workspace<'a, F> {
             };
         }
         out.clear();
-        let lanes = &mut self.runner.lanes;
-        lanes.slopes(&tapes.f, &seeds, points[0].len(), out);
+        let lanes = &mut self.lanes;
+        lanes.slopes(&expr.f, &seeds, points[0].len(), out);
     }
 
-    /// Takes back the memory of tapes that are done with.
-    pub(super) fn recycle(&mut self, tapes: Tapes<F>) {
-        use fidget::eval::Tape;
-        self.tapes.extend(tapes.float.and_then(Tape::recycle));
-        self.functions.extend(tapes.f.recycle());
+    /// Takes back the memory of an expression that is done with.
+    pub(super) fn recycle(&mut self, expr: Expr) {
+        self.functions.extend(expr.f.recycle());
     }
 }

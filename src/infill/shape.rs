@@ -113,8 +113,7 @@ impl Shape {
         );
         let drawn = load(source)?.seen_from(site.origin).tree;
         let tree = drawn.max(load(&formula(walls))?.tree);
-        let heights = [0.0, site.height];
-        let field = Field::new(&tree, 0.0, rect, width, heights, None)?;
+        let field = Field::new(&tree, 0.0, rect, width)?;
         Ok(Shape::Field(Box::new(field)))
     }
 

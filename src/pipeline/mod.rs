@@ -34,7 +34,7 @@ mod supply;
 mod tally;
 
 use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
-use crate::field::{Backend, FieldError, SLAB};
+use crate::field::{FieldError, SLAB};
 use crate::gcode::{
     Format, Header, Thumbnail, WriteError, Writer, needs_outline,
 };
@@ -81,9 +81,6 @@ pub struct Options<'a> {
     /// Check the G-code while it is written; what could hurt the printer is
     /// then an error.
     pub check: bool,
-    /// How the model is evaluated; the faster way is found by trial if not
-    /// given. The result is the same.
-    pub backend: Option<Backend>,
     /// Told about progress: layers written, layers in all.
     pub on_layer: &'a (dyn Fn(usize, usize) + Sync),
 }
@@ -99,7 +96,6 @@ impl Default for Options<'_> {
             check: true,
             timestamp: None,
             format: Format::Text,
-            backend: None,
             on_layer: &|_, _| {},
         }
     }
@@ -319,8 +315,7 @@ fn write(
         .build()?;
     let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
     let around = Surroundings::new(model);
-    let stages =
-        Stages::new(model, settings, &around, gauge, options.backend, spans)?;
+    let stages = Stages::new(model, settings, &around, gauge, spans)?;
     let printed = stages.printed(&pool, spans)?;
     if printed == 0 {
         return Err(SliceError::NothingToPrint {

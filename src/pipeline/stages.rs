@@ -8,7 +8,7 @@ use super::shell::{Inside, Shell};
 use super::{BLOCK, SliceError};
 use crate::adhesion::{Skirt, brim};
 use crate::contour::{Detail, Outline, outlines};
-use crate::field::{Backend, Field, FieldError};
+use crate::field::{Field, FieldError};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
 use crate::infill::{self, Infill};
@@ -72,35 +72,24 @@ impl<'a> Stages<'a> {
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
-        backend: Option<Backend>,
         spans: &[LayerSpan],
     ) -> Result<Self, SliceError> {
         let rect = Rect {
             min: model.bounds.min.truncate(),
             max: model.bounds.max.truncate(),
         };
-        let heights = [model.bounds.min.z, model.bounds.max.z];
-        let make = |depth: Mm, backend| {
-            Field::new(
-                &model.tree,
-                depth,
-                rect,
-                settings.sample_spacing,
-                heights,
-                backend,
-            )
-        };
-        let field = make(0.0, backend)?;
+        let spacing = settings.sample_spacing;
+        let make = |depth: Mm| Field::new(&model.tree, depth, rect, spacing);
+        let field = make(0.0)?;
         let wall_fields = match settings.wall_offset {
             WallOffset::Distance => Vec::new(),
             WallOffset::Field => {
                 let height = settings.layer_height;
                 let (mut depths, border) = wall_depths(height, settings);
                 depths.push(border);
-                let backend = Some(field.backend());
                 depths
                     .into_iter()
-                    .map(|d| Ok((d, make(d, backend)?)))
+                    .map(|d| Ok((d, make(d)?)))
                     .collect::<Result<_, FieldError>>()?
             }
         };

@@ -9,7 +9,7 @@
 
 use glam::{DVec2, DVec3};
 use isoslice::contour::{Detail, Outline, outlines};
-use isoslice::field::{Backend, Field, SLAB};
+use isoslice::field::{Field, SLAB};
 use isoslice::layers::{LayerRange, LayerSpan, plan};
 use isoslice::model::{
     BuildVolume, Model, Placement, Source, SourceKind, load, place,
@@ -94,7 +94,6 @@ pub fn slice_layers(
 pub fn layers(
     model: &Model,
     settings: &Settings,
-    backend: Option<Backend>,
 ) -> (Vec<LayerSpan>, Vec<Outline>) {
     let spans = plan(
         model.bounds.max.z + model.offset.z,
@@ -106,15 +105,8 @@ pub fn layers(
         min: model.bounds.min.truncate(),
         max: model.bounds.max.truncate(),
     };
-    let field = Field::new(
-        &model.tree,
-        0.0,
-        rect,
-        settings.sample_spacing,
-        [model.bounds.min.z, model.bounds.max.z],
-        backend,
-    )
-    .unwrap();
+    let field =
+        Field::new(&model.tree, 0.0, rect, settings.sample_spacing).unwrap();
     let timings = Timings::default();
     let detail = Detail {
         accuracy: OUTLINE_SHARE * settings.accuracy,

@@ -1,0 +1,37 @@
+//! An expression as it is evaluated: whole, or simplified for a tile.
+
+use fidget::compiler::RegOp;
+use fidget::vm::VmFunction;
+use std::cell::OnceCell;
+
+/// A function, and the inputs it reads.
+pub(super) struct Expr {
+    pub f: VmFunction,
+    /// Once they were asked for.
+    inputs: OnceCell<Vec<usize>>,
+}
+
+impl Expr {
+    pub(super) fn new(f: VmFunction) -> Self {
+        Expr {
+            f,
+            inputs: OnceCell::new(),
+        }
+    }
+
+    /// The indices of the inputs that the function reads.
+    pub(super) fn inputs(&self) -> &[usize] {
+        self.inputs.get_or_init(|| {
+            let operations = self.f.data().asm().iter();
+            let mut used: Vec<usize> = operations
+                .filter_map(|op| match op {
+                    RegOp::Input(_, i) => Some(*i as usize),
+                    _ => None,
+                })
+                .collect();
+            used.sort_unstable();
+            used.dedup();
+            used
+        })
+    }
+}
