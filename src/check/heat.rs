@@ -7,7 +7,7 @@
 //! if it has been told to cool down since. A macro of the printer's may have
 //! done anything; then nobody knows.
 
-use super::{TOOLS, bit};
+use super::TOOLS;
 use crate::reader::{Heater, Named, number};
 use crate::units::Celsius;
 
@@ -57,20 +57,31 @@ pub(super) enum Readiness {
     NotAwaited,
 }
 
+/// What is known of a nozzle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Nozzle {
+    /// What it was told last.
+    target: Option<Celsius>,
+    /// What it has reached at least.
+    reached: Celsius,
+    /// A macro may have heated it.
+    unknown: bool,
+}
+
+/// The place of the nozzle that all tools share, behind those of the tools.
+const SHARED: usize = TOOLS as usize;
+
 /// What is known of the heaters.
 #[derive(Debug)]
 pub(super) struct Heat {
     /// Least temperature for pushing filament.
     least: Celsius,
-    /// What each tool was told last.
-    targets: [Option<Celsius>; TOOLS as usize],
-    /// What each tool has reached at least.
-    reached: [Celsius; TOOLS as usize],
+    /// The nozzle of each tool, and the one that they may share: which of them
+    /// there are is not known until a command names a tool.
+    nozzles: [Nozzle; SHARED + 1],
     /// A command has named a tool but the first: each has a nozzle. Else all
     /// share one, as those do whose filament is changed behind it.
     apart: bool,
-    /// A bit for each tool that a macro may have heated.
-    unknown: u64,
     /// What a macro was told of the nozzle.
     macro_told: Option<Celsius>,
     pub bed: Celsius,
@@ -81,10 +92,8 @@ impl Heat {
     pub fn new(least: Celsius) -> Self {
         Heat {
             least,
-            targets: [None; TOOLS as usize],
-            reached: [0.0; TOOLS as usize],
+            nozzles: [Nozzle::default(); SHARED + 1],
             apart: false,
-            unknown: 0,
             macro_told: None,
             bed: 0.0,
             chamber: 0.0,
@@ -101,30 +110,36 @@ impl Heat {
                 of.unwrap_or(tool)
             }
         };
-        let of = self.nozzle(of);
-        let i = of as usize;
-        self.targets[i] = Some(to);
-        if wait {
-            self.reached[i] = to;
-            self.unknown &= !bit(of);
-        } else if to < self.least {
-            self.reached[i] = self.reached[i].min(to);
-            self.unknown &= !bit(of);
+        let least = self.least;
+        for i in [place(of), SHARED] {
+            let nozzle = &mut self.nozzles[i];
+            nozzle.target = Some(to);
+            if wait {
+                nozzle.reached = to;
+                nozzle.unknown = false;
+            } else if to < least {
+                nozzle.reached = nozzle.reached.min(to);
+                nozzle.unknown = false;
+            }
         }
     }
 
     /// The nozzle of a tool.
-    fn nozzle(&self, tool: u32) -> u32 {
+    fn nozzle(&self, tool: u32) -> &Nozzle {
         match self.apart {
-            true => tool.min(TOOLS - 1),
-            false => 0,
+            true => &self.nozzles[place(tool)],
+            false => &self.nozzles[SHARED],
         }
     }
 
     /// Everything is turned off.
     pub fn off(&mut self) {
+        let cold = Nozzle {
+            target: Some(0.0),
+            ..Nozzle::default()
+        };
         *self = Heat {
-            targets: [Some(0.0); TOOLS as usize],
+            nozzles: [cold; SHARED + 1],
             apart: self.apart,
             ..Heat::new(self.least)
         };
@@ -132,29 +147,28 @@ impl Heat {
 
     /// The printer waits for a heater, or for all.
     pub fn wait(&mut self, heater: Option<Heater>, least: Option<Celsius>) {
-        let tools = match heater {
-            None => 0..TOOLS,
-            Some(Heater::Nozzle(tool)) => {
-                let tool = self.nozzle(tool.unwrap_or(0));
-                tool..tool + 1
-            }
+        let one = match heater {
+            None => None,
+            Some(Heater::Nozzle(tool)) => Some(place(tool.unwrap_or(0))),
             Some(_) => return,
         };
-        for tool in tools {
-            let i = tool as usize;
-            let awaited = least.or(self.targets[i]).unwrap_or(0.0);
+        for (i, nozzle) in self.nozzles.iter_mut().enumerate() {
+            if one.is_some_and(|one| i != one && i != SHARED) {
+                continue;
+            }
+            let awaited = least.or(nozzle.target).unwrap_or(0.0);
             if awaited >= self.least {
-                self.reached[i] = awaited;
-                self.unknown &= !bit(tool);
+                nozzle.reached = awaited;
+                nozzle.unknown = false;
             }
         }
     }
 
     /// A macro is called: it may heat.
     pub fn macro_called(&mut self, named: &Named) {
-        self.unknown = u64::MAX;
-        for target in &mut self.targets {
-            *target = target.filter(|to| *to >= self.least);
+        for nozzle in &mut self.nozzles {
+            nozzle.unknown = true;
+            nozzle.target = nozzle.target.filter(|to| *to >= self.least);
         }
         for (heater, to) in told(named) {
             if to > WARM && matches!(heater, Heater::Nozzle(_)) {
@@ -165,12 +179,11 @@ impl Heat {
 
     /// Can this tool push filament?
     pub fn readiness(&self, tool: u32) -> Readiness {
-        let tool = self.nozzle(tool);
-        let i = tool as usize;
-        match self.targets[i] {
+        let nozzle = self.nozzle(tool);
+        match nozzle.target {
             Some(to) if to < self.least => Readiness::Told(to),
-            _ if self.reached[i] >= self.least => Readiness::Hot,
-            _ if self.unknown & bit(tool) != 0 => match self.macro_told {
+            _ if nozzle.reached >= self.least => Readiness::Hot,
+            _ if nozzle.unknown => match self.macro_told {
                 Some(to) if to < self.least => Readiness::Told(to),
                 _ => Readiness::Unknown,
             },
@@ -181,12 +194,19 @@ impl Heat {
 
     /// From now on this tool is taken to be hot, until it is told otherwise.
     pub fn trust(&mut self, tool: u32) {
-        self.reached[self.nozzle(tool) as usize] = f64::INFINITY;
+        for i in [place(tool), SHARED] {
+            self.nozzles[i].reached = f64::INFINITY;
+        }
     }
 
     /// The heaters that are on, with what they were told.
     pub fn on(&self) -> impl Iterator<Item = (&'static str, Celsius)> {
-        let hottest = self.targets.iter().flatten().fold(0.0, |a, b| b.max(a));
+        let there = match self.apart {
+            true => &self.nozzles[..SHARED],
+            false => &self.nozzles[SHARED..],
+        };
+        let targets = there.iter().filter_map(|nozzle| nozzle.target);
+        let hottest = targets.fold(0.0, f64::max);
         [
             ("nozzle", hottest),
             ("bed", self.bed),
@@ -195,6 +215,11 @@ impl Heat {
         .into_iter()
         .filter(|(_, to)| *to > 0.0)
     }
+}
+
+/// A tool's place among the nozzles.
+fn place(tool: u32) -> usize {
+    tool.min(TOOLS - 1) as usize
 }
 
 /// The temperatures that a macro is told, by the names of its parameters:

@@ -403,9 +403,18 @@ impl<'a> State<'a> {
 
     /// A command that is a name.
     fn named<R: Read>(&mut self, line: u64, reader: &Reader<R>) {
+        /// Longest name that is shown whole.
+        const LONGEST: usize = 40;
         let named = reader.named();
         if named.name().is_empty() {
             self.own_start = true;
+        } else if named.is("SET_HEATER_TEMPERATURE") {
+            // The reader knows all but the heater.
+            let heater = named.get("HEATER").unwrap_or_default();
+            let heater = &heater[..heater.len().min(LONGEST)];
+            let heater = String::from_utf8_lossy(heater);
+            let word = format!("SET_HEATER_TEMPERATURE HEATER={heater}");
+            return self.word(line, &word, None);
         } else if let Some(effect) = words::of_name(named) {
             if effect != Effect::None {
                 let name = String::from_utf8_lossy(named.name());
@@ -430,7 +439,6 @@ impl<'a> State<'a> {
         }
         if !named.name().is_empty() {
             // A name consists of letters, digits and _, so it can be shown.
-            const LONGEST: usize = 40;
             let name = named.name();
             let name = &name[..name.len().min(LONGEST)];
             self.word(line, &String::from_utf8_lossy(name), None);

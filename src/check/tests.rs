@@ -98,6 +98,11 @@ fn tools_have_a_heat_and_a_retraction_each() {
     assert!(verdict(&format!("{change}{END}")).is_safe());
     let forgotten = verdict(&format!("{change}G1 X10 E0.2\n"));
     assert_eq!(forgotten.counts.get(&Kind::Unprimed), Some(&1));
+    // What a tool was told before any was named stays its own.
+    let late = "T1\nM109 S200\nM104 T1 S205\n";
+    let all = verdict(&format!("{late}{bead}M104 S0\n"));
+    assert!(!all.counts.contains_key(&Kind::Cold), "{all:?}");
+    assert!(!all.counts.contains_key(&Kind::LeftOn), "{all:?}");
     // So many tools that no table holds them.
     assert!(safe("M109 T4000000000 S200\nT4000000000\n"));
 }
@@ -611,4 +616,18 @@ fn other_slicers_codes_are_no_faults() {
         let serious: Vec<_> = kinds.filter(|k| !harmless.contains(k)).collect();
         assert!(serious.is_empty(), "{all:#?}\n{text}");
     }
+}
+
+#[test]
+fn a_target_that_is_no_number_does_not_turn_a_heater_off() {
+    let heater = "SET_HEATER_TEMPERATURE HEATER=";
+    for to in ["{temperature}", "9999999999", "hot"] {
+        let all = verdict(&format!("{START}{heater}extruder TARGET={to}\n"));
+        assert_eq!(count(&all, Kind::Senseless), 1, "{to}");
+        assert_eq!(count(&all, Kind::LeftOn), 1, "{to}");
+    }
+    // Nothing is said of a heater that nobody knows, and that is said.
+    let all = verdict(&format!("{START}{heater}drybox TARGET=400\n{END}"));
+    let unknown: Vec<_> = all.unknown_words().collect();
+    assert_eq!(unknown, [("SET_HEATER_TEMPERATURE HEATER=drybox", 1)]);
 }

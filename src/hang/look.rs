@@ -14,6 +14,7 @@ use crate::region::floating::{Floating, floating};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
+use std::collections::HashSet;
 
 /// How far a layer may stick out.
 #[derive(Clone, Copy, Debug)]
@@ -106,11 +107,13 @@ impl Look {
         crate::limits::check();
         let limits = Limits::new(height, settings);
         let begins = floating(here.area, &below);
-        // A ring's first point names it.
-        let is_new = |ring: &Ring| {
-            let mut all = begins.iter().flat_map(|f| &f.island.rings);
-            all.any(|own| own.first() == ring.first())
+        let rings_of = |f: &'_ Floating| -> Vec<Name> {
+            let firsts = f.island.rings.iter().filter_map(|r| r.first());
+            firsts.map(|p| name(*p)).collect()
         };
+        let new: HashSet<Name> = begins.iter().flat_map(rings_of).collect();
+        let is_new =
+            |ring: &Ring| ring.first().is_some_and(|p| new.contains(&name(*p)));
         let mut look = Look {
             limits,
             height,
@@ -200,7 +203,12 @@ impl Look {
             // A little inside: the gap has the rim in common.
             let next = match self.rim.get(i + 1) {
                 Some(next) if next.ring == place.ring => next.at,
-                _ => continue,
+                // The last one of a ring is followed by its first.
+                _ => {
+                    let from = place.ring.0;
+                    let first = self.rim.partition_point(|p| p.on < from);
+                    self.rim[first].at
+                }
             };
             let along = (next - place.at).normalize_or_zero();
             let p = place.at.midpoint(next) + 0.02 * along.perp();
@@ -213,6 +221,14 @@ impl Look {
             };
         }
     }
+}
+
+/// What names a ring: its first point, to the last bit.
+pub(super) type Name = [u64; 2];
+
+/// The name of the ring that begins here.
+pub(super) fn name(first: DVec2) -> Name {
+    first.to_array().map(f64::to_bits)
 }
 
 /// Finds out how far the places of a ring stick out, and adds boxes around
@@ -362,5 +378,35 @@ fn under_lids(
             };
         }
         boxes.extend(run);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::rect;
+
+    #[test]
+    fn a_bridge_is_held_wherever_its_ring_begins() {
+        let mut below = rect(0.0, 0.0, 10.0, 10.0);
+        below.rings.extend(rect(20.0, 0.0, 30.0, 10.0).rings);
+        let at = |x: f64, y: f64| DVec2::new(x, y);
+        // It begins in the middle of the gap.
+        let ring =
+            vec![at(15.0, 0.0), at(30.0, 0.0), at(30.0, 10.0), at(0.0, 10.0)];
+        let ring = [ring, vec![at(0.0, 0.0)]].concat();
+        let here = Area { rings: vec![ring] };
+        let grids = [&here, &below].map(|area| EdgeGrid::new(area, 1.0));
+        let [here, below] = [(&here, &grids[0]), (&below, &grids[1])]
+            .map(|(area, grid)| Cover { area, grid });
+        let look = Look::new(here, below, 5, 0.2, &Settings::default());
+        let ledges: Vec<Ledge> = look
+            .rim
+            .iter()
+            .map(|place| place.ledge)
+            .filter(|ledge| *ledge != Ledge::No)
+            .collect();
+        assert!(ledges.len() > 10, "{ledges:?}");
+        assert!(ledges.iter().all(|l| *l == Ledge::Held), "{ledges:?}");
     }
 }

@@ -24,8 +24,8 @@
 //! the wall is upright again ([`Tracker`]). Up to two lines' width hang
 //! without harm: a bead laid beside one that is held sticks to it, and so
 //! does the next. So lips, small holes and the undersides of most lattices
-//! carry themselves and are not told of. Nor are the tips of a lattice that begin
-//! on nothing and soon are one with it (`tip`).
+//! carry themselves and are not told of. Neither are the tips of a lattice that
+//! begin on nothing and soon grow together with it (`tip`).
 //!
 //! Bridges are those that the skin's lines make: straight lines across a gap,
 //! in the direction that the [`skin`](crate::skin) has for them, held at both
@@ -33,10 +33,10 @@
 //!
 //! Whether the whole part stands firmly is another matter: [`foot`].
 //!
-//! Not guaranteed: that a reach which adds up over more layers than a block of
-//! the pipeline has is counted in full; what a run of a range tells of a layer
-//! must not depend on all of the layers below. Nor is anything known of the
-//! material: how far a bridge or a slope holds is for the settings to say.
+//! Not guaranteed: a reach that adds up over more layers than the pipeline
+//! takes in one block may be counted in part, because what a run of a range
+//! tells of a layer must not depend on every layer below it. Nothing is known
+//! of the material, either: the settings say how far a bridge or a slope holds.
 
 pub mod foot;
 mod gap;

@@ -7,17 +7,18 @@
 //!      ▒▒             little, and caught
 //! ```
 //!
-//! A lattice that a slanted surface cuts has tips all over. An island is told
-//! of only if it is large, or gets high before it is one with anything that
-//! stands, or never is.
+//! A lattice that a slanted surface cuts has tips all over, and they print well
+//! enough. So an island is told of only if it is large, if it gets high before
+//! it meets what stands on the bed, or if it never does.
 //!
 //! In: the rims of layers, from below. Out: the islands that count.
 
-use super::look::{Limits, Look, Place};
+use super::look::{Limits, Look, Name, Place, name};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::signed_area;
 use crate::units::{Mm, Mm2};
 use glam::{DVec2, DVec3};
+use std::collections::HashMap;
 
 /// From here on an island is no tip, mm².
 const LARGE: Mm2 = 10.0;
@@ -71,8 +72,9 @@ impl Tips {
                     self.keep(island, rings[k], look, &mut counts);
                 }
                 Above::Nothing => {
-                    // Under solid whose rim is far away, or beside it, it is
-                    // caught. Where it just ends, it was never held.
+                    // No rim is near, or none that stands on it. If there is
+                    // solid above or beside it, that has caught it; if there
+                    // is none, it ends here, and nothing ever held it.
                     let (p, lip) = (island.now, look.limits.lip);
                     let caught =
                         here.contains(p) || here.nearest_edge(p, lip).is_some();
@@ -82,10 +84,13 @@ impl Tips {
                 }
             }
         }
+        let named: HashMap<Name, &[Place]> = match look.begins.is_empty() {
+            true => HashMap::new(),
+            false => rings.iter().map(|r| (name(r[0].at), *r)).collect(),
+        };
         for begins in &look.begins {
             let first = begins.island.rings.first().and_then(|r| r.first());
-            let own = |ring: &&&[Place]| first == Some(&ring[0].at);
-            let Some(ring) = rings.iter().find(own) else {
+            let Some(ring) = first.and_then(|p| named.get(&name(*p))) else {
                 continue;
             };
             let island = Island {
@@ -180,5 +185,54 @@ fn ringed(islands: &[Island], rings: &[&[Place]]) -> Vec<Above> {
             }
         }
     }
+    // Islands that have met share a ring, and what becomes of it.
+    for k in (1..islands.len()).rev() {
+        if islands[k - 1].ring == islands[k].ring {
+            above[k - 1] = above[k];
+        }
+    }
     above
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hang::look::Ledge;
+
+    #[test]
+    fn islands_that_have_met_fare_alike() {
+        let island = |ring: (f64, f64)| Island {
+            area: 1.0,
+            at: DVec3::ZERO,
+            in_cavity: false,
+            height: 0.2,
+            most: 1.0,
+            ring,
+            now: DVec2::ZERO,
+        };
+        let place = |foot: f64| Place {
+            at: DVec2::ZERO,
+            on: 0.0,
+            ring: (0.0, 4.0),
+            length: 1.0,
+            foot: Some(foot),
+            beyond: 0.0,
+            strip: 0.0,
+            ledge: Ledge::No,
+        };
+        let below =
+            [island((0.0, 4.0)), island((0.0, 4.0)), island((5.0, 9.0))];
+        let above = |feet: &[f64]| -> Vec<Above> {
+            let ring: Vec<Place> = feet.iter().map(|f| place(*f)).collect();
+            ringed(&below, &[&ring])
+        };
+        use Above::{Hangs, Nothing, Stands};
+        let found = above(&[1.0, 3.0]);
+        assert!(
+            matches!(found[..], [Hangs(0), Hangs(0), Nothing]),
+            "{found:?}"
+        );
+        let found = above(&[1.0, 20.0]);
+        assert!(matches!(found[..], [Stands, Stands, Nothing]), "{found:?}");
+    }
 }

@@ -41,8 +41,8 @@ struct Slope {
 }
 
 impl Tracker {
-    /// Forgets all layers so far: what follows is taken to be held. Islands
-    /// of which it is not known what becomes of them count, if that is asked.
+    /// Forgets all layers so far: what follows is taken to be held. If `count`
+    /// says so, islands count that have not met anything yet.
     pub fn restart(&mut self, count: bool, settings: &Settings) {
         let limits = Limits::new(settings.layer_height, settings);
         let begins = self.tips.rest(limits);
@@ -52,8 +52,8 @@ impl Tracker {
         self.rim.clear();
     }
 
-    /// Takes the next layer, `here`, and counts what hangs in it, if it is asked to;
-    /// `place` makes a point of the layer one of the bed.
+    /// Takes the next layer, `here`. Counts what hangs in it if `count` says
+    /// so; `place` turns a point of the layer into one on the bed.
     pub fn layer(
         &mut self,
         look: &Look,
@@ -212,8 +212,8 @@ impl Tracker {
         }
     }
 
-    /// A layer that is the same as the one below, this high: rims come nearer to
-    /// what is held.
+    /// Takes a layer of this height that is the same as the one below: what
+    /// hung there comes nearer to being held.
     pub fn same(&mut self, height: Mm, count: bool, settings: &Settings) {
         let limits = Limits::new(height, settings);
         let begins = self.tips.same(height, limits);

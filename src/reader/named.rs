@@ -32,6 +32,8 @@ pub struct Named {
     text: Vec<u8>,
     /// Length of the name.
     name: usize,
+    /// Its end was left out.
+    cut: bool,
 }
 
 impl Named {
@@ -39,10 +41,21 @@ impl Named {
     pub(super) fn take(&mut self, line: &[u8]) -> bool {
         self.clear();
         let end = memchr::memchr(b';', line).unwrap_or(line.len());
-        let text = line[..end.min(LONGEST)].trim_ascii();
+        let mut text = &line[..end.min(LONGEST)];
+        self.cut = end > LONGEST;
+        if self.cut {
+            // Whole words.
+            let blank = text.iter().rposition(u8::is_ascii_whitespace);
+            text = &text[..blank.unwrap_or(text.len())];
+        }
+        let text = text.trim_ascii();
         self.text.extend_from_slice(text);
         let at = text.iter().position(u8::is_ascii_whitespace);
         self.name = at.unwrap_or(text.len());
+        let hash = unquoted(&text[self.name..], |b| b == b'#');
+        if let (Some(at), false) = (hash, self.is_free()) {
+            self.text.truncate(self.name + at);
+        }
         self.makes_sense()
     }
 
@@ -50,6 +63,18 @@ impl Named {
     pub(super) fn clear(&mut self) {
         self.text.clear();
         self.name = 0;
+        self.cut = false;
+    }
+
+    /// True if the command is longer than what is kept of it.
+    pub(super) fn is_cut(&self) -> bool {
+        self.cut
+    }
+
+    /// True if anything may stand behind the name.
+    fn is_free(&self) -> bool {
+        self.text.first() == Some(&b'@')
+            || META.iter().any(|m| self.name().eq_ignore_ascii_case(m))
     }
 
     fn makes_sense(&self) -> bool {
@@ -62,9 +87,7 @@ impl Named {
         let is_name = name.len() > 1
             && (name[0].is_ascii_alphabetic() || name[0] == b'_')
             && name.iter().all(|b| b.is_ascii_alphanumeric() || *b == b'_');
-        let free = self.text.first() == Some(&b'@')
-            || META.iter().any(|m| name.eq_ignore_ascii_case(m));
-        is_name && (free || self.words().all(|w| w.contains(&b'=')))
+        is_name && (self.is_free() || self.words().all(|w| w.contains(&b'=')))
     }
 
     /// The name as it is written.
@@ -82,19 +105,7 @@ impl Named {
         let mut rest = &self.text[self.name..];
         std::iter::from_fn(move || {
             rest = rest.trim_ascii_start();
-            let mut quote = None;
-            let end = rest.iter().position(|b| match (quote, b) {
-                (Some(q), _) if q == *b => {
-                    quote = None;
-                    false
-                }
-                (Some(_), _) => false,
-                (None, b'"' | b'\'') => {
-                    quote = Some(*b);
-                    false
-                }
-                (None, _) => b.is_ascii_whitespace(),
-            });
+            let end = unquoted(rest, |b| b.is_ascii_whitespace());
             let (word, left) = rest.split_at(end.unwrap_or(rest.len()));
             rest = left;
             (!word.is_empty()).then_some(word)
@@ -127,6 +138,23 @@ impl Named {
     }
 }
 
+/// Where one of some characters is first, outside of quotes.
+fn unquoted(text: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
+    let mut quote = None;
+    text.iter().position(|&b| match (quote, b) {
+        (Some(q), _) if q == b => {
+            quote = None;
+            false
+        }
+        (Some(_), _) => false,
+        (None, b'"' | b'\'') => {
+            quote = Some(b);
+            false
+        }
+        (None, _) => is(b),
+    })
+}
+
 /// A value that is a number, within what can be computed with.
 pub fn number(value: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(value.trim_ascii()).ok()?;
@@ -154,6 +182,18 @@ mod tests {
         assert_eq!(pairs, expected);
         assert_eq!(found.number("bed"), Some(60.0));
         assert_eq!((found.number("MSG"), found.get("NOT")), (None, None));
+        // A # ends a command, unless it is in quotes.
+        let (found, sense) = named("START_PRINT A='#1' BED=60 # B=5 it is hot");
+        assert!(sense, "{found:?}");
+        assert_eq!(
+            (found.get("A"), found.number("BED")),
+            (Some(&b"#1"[..]), Some(60.0))
+        );
+        assert_eq!(found.get("B"), None);
+        // What is not kept is not passed over silently.
+        let (found, sense) = named(&format!("AB {}", "B=1 ".repeat(2000)));
+        assert!(sense && found.is_cut());
+        assert!(!named(&format!("A1 B=1 ;{}", " x".repeat(9000))).0.is_cut());
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::info::Info;
 use super::layering::Layering;
 use super::lines::{Line, LineEnd};
 use super::machine::{Machine, Target};
-use super::named::Named;
+use super::named::{Named, number};
 use super::problem::{Problem, Problems};
 use super::role::Role;
 use super::words::{Command, Words, parse};
@@ -102,7 +102,7 @@ impl Parser {
         let parsed = parse(text, &mut self.words);
         match parsed.command {
             Command::Blank => {}
-            Command::Text => self.name(text),
+            Command::Text => self.name(text, line.whole),
             Command::Code(letter, tenths) => {
                 self.tally.codes += 1;
                 if !line.whole {
@@ -117,13 +117,16 @@ impl Parser {
     }
 
     /// A line that is no letter with a number.
-    fn name(&mut self, text: &[u8]) {
+    fn name(&mut self, text: &[u8], whole: bool) {
         if !self.named.take(text) {
             self.tally.senseless += 1;
             self.problem(Problem::NoCommand);
             return;
         }
         self.tally.names += 1;
+        if !whole || self.named.is_cut() {
+            self.problem(Problem::LongLine);
+        }
         let line = self.line;
         let named = &self.named;
         let event = if named.is("SET_VELOCITY_LIMIT") {
@@ -141,10 +144,11 @@ impl Parser {
             Event::HeatersOff { line }
         } else if named.is("SET_HEATER_TEMPERATURE") {
             // Without a target it is off.
-            let to = named.number("TARGET").unwrap_or(0.0);
-            match named.get("HEATER").and_then(heater) {
-                Some(heater) => self.heat(heater, to, false),
-                None => Event::Macro { line },
+            let to = named.get("TARGET").map_or(Some(0.0), number);
+            match (named.get("HEATER").and_then(heater), to) {
+                (Some(heater), Some(to)) => self.heat(heater, to, false),
+                (_, None) => return self.problem(Problem::NoTemperature),
+                (None, _) => Event::Macro { line },
             }
         } else if named.is("TEMPERATURE_WAIT") {
             match named.get("SENSOR").and_then(heater) {

@@ -23,6 +23,8 @@ pub enum Problem {
     Curve,
     /// Two commands in one line, of which most firmware takes the first.
     TwoCommands,
+    /// A heater's temperature that is no number.
+    NoTemperature,
     /// A line that is neither a command nor a name.
     NoCommand,
     /// A carriage return ends the line: not for every firmware.
@@ -46,6 +48,9 @@ impl fmt::Display for Problem {
             Problem::LongLine => write!(f, "a line too long to be a command"),
             Problem::Curve => write!(f, "a curve, which is not followed"),
             Problem::TwoCommands => write!(f, "two commands in one line"),
+            Problem::NoTemperature => {
+                write!(f, "a temperature that is no number")
+            }
             Problem::NoCommand => write!(f, "a line that is no command"),
             Problem::CarriageReturn => write!(
                 f,

@@ -237,6 +237,9 @@ impl<'a> Templates<'a> {
     }
 }
 
+/// Names that are not known, of which the first is told.
+const FEW: usize = 100;
+
 /// Reads a template and looks for names that are not known.
 fn add(
     engine: &mut Environment<'static>,
@@ -257,16 +260,20 @@ fn add(
             || known.iter().any(group)
     };
     let pieces = pieces(ours);
-    let mut unknown: Vec<(usize, String)> = template
+    let mut unknown: Vec<String> = template
         .undeclared_variables(true)
         .into_iter()
         .filter(|used| !is_known(used))
-        .map(|used| (find(ours, &pieces, &used), used))
         .collect();
+    // The first one in the text; of very many, one of the first by name, since
+    // each is looked for in all of the text.
     unknown.sort();
-    match unknown.first() {
+    unknown.truncate(FEW);
+    let place = |used: &String| (find(ours, &pieces, used), used.clone());
+    let first = unknown.iter().map(place).min();
+    match first {
         Some((at, used)) => {
-            Err(source.error(*at, unknown_name(used, source.scope)))
+            Err(source.error(at, unknown_name(&used, source.scope)))
         }
         None => Ok(()),
     }

@@ -379,3 +379,33 @@ fn simplest_between(lo: f64, hi: f64) -> f64 {
     }
     hi
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{SearchOptions, flattened};
+    use super::*;
+    use crate::model::program::Scratch;
+    use fidget::context::Tree;
+
+    /// Blocks with slots between them, in which all rows of points lie that
+    /// are looked at from a face.
+    #[test]
+    fn a_point_is_found_where_all_rows_meet_holes() {
+        let slots = |axis: Tree| 1.0 - (axis.modulo(10.0) - 3.8).abs();
+        let (x, y, z) = Tree::axes();
+        let tree = slots(x).max(slots(y)).max(slots(z));
+        let bounds = Bounds {
+            min: DVec3::ZERO,
+            max: DVec3::splat(80.0),
+        };
+        let options = SearchOptions {
+            within: Some(bounds),
+            ..SearchOptions::default()
+        };
+        let program = flattened(&tree).unwrap();
+        let mut search = Search::new(&options).unwrap();
+        search.probe(Side::all()[0], &program, 1e-4, options.max_work);
+        let found = search.inside.expect("a point inside").centre();
+        assert!(program.value(found, &mut Scratch::default()) < 0.0);
+    }
+}

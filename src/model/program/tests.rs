@@ -172,3 +172,15 @@ fn simplify_drops_the_far_body() {
     let simple = p.simplify(&scratch).unwrap();
     assert!(simple.len() < p.len());
 }
+
+#[test]
+fn operands_out_of_range_are_not_shown_in_range() {
+    let why = |tree: Tree| {
+        let found = program(&tree).why_nan([0.0; 3], &mut Scratch::default());
+        found.unwrap()
+    };
+    let x = Tree::x();
+    assert!(why((x.clone() - 1e-5).sqrt()).contains("root of -1.000e-5"));
+    assert!(why((x.clone() + 1.0001).asin()).contains("sine of 1.0001"));
+    assert!(why((x - 4.0).ln()).contains("logarithm of -4 "));
+}

@@ -67,10 +67,10 @@ pub(super) fn binary_value(op: BinaryOpcode, a: f64, b: f64) -> f64 {
 /// What a step is asked that has no answer, in words.
 pub(super) fn no_number(step: &Step, operands: &[f64]) -> String {
     let shown = |i: usize| match operands.get(i) {
-        Some(v) if v.abs() < 1e5 => {
-            // As few digits as tell it.
-            format!("{}", (v * 1e3).round() / 1e3 + 0.0)
-        }
+        // As few digits as tell it: what is just out of range must not be
+        // rounded into it.
+        Some(v) if *v == 0.0 => "0".to_owned(),
+        Some(v) if (1e-4..1e5).contains(&v.abs()) => format!("{}", *v as f32),
         Some(v) => format!("{v:.3e}"),
         None => String::new(),
     };

@@ -16,10 +16,14 @@ use super::pieces::Piece;
 use crate::gcode::placeholders::Scope;
 use std::borrow::Cow;
 use std::fmt::Write as _;
+use std::ops::Range;
 
 /// What there is to do about text that is meant as it is.
 const AS_IT_IS: &str = "text that is meant for the printer as it is stands \
                         between {% raw %} and {% endraw %}";
+
+/// Longest placeholder, bytes.
+const LONGEST: usize = 2048;
 
 /// A template in our syntax, or a place in bytes and what is wrong there.
 pub(super) fn translated<'a>(
@@ -33,6 +37,9 @@ pub(super) fn translated<'a>(
         out: String::new(),
         copied: 0,
         open: 0,
+        looked: 0,
+        comment: false,
+        lines: None,
     };
     for piece in pieces.iter().filter(|p| !p.code) {
         work.plain(piece.at.start, piece.at.end)?;
@@ -53,6 +60,11 @@ struct Translation<'a> {
     copied: usize,
     /// Conditions of theirs that are open.
     open: usize,
+    /// Up to where it was looked for comments, and whether one is open there.
+    looked: usize,
+    comment: bool,
+    /// The lines that `is_alone` was asked about last, and what it said.
+    lines: Option<(Range<usize>, bool)>,
 }
 
 impl Translation<'_> {
@@ -62,10 +74,15 @@ impl Translation<'_> {
         while let Some(found) = self.source[at..to].find(['{', '[']) {
             let start = at + found;
             let text = &self.source[start..to];
-            let comment = line_before(self.source, start).contains(';');
+            let comment = self.is_comment(start);
             let Some(length) = extent(text) else {
                 if text.starts_with('{') && !comment {
-                    return Err((start, format!("{{ has no }}; {AS_IT_IS}")));
+                    return Err((
+                        start,
+                        format!(
+                            "{{ has no }} within {LONGEST} bytes; {AS_IT_IS}"
+                        ),
+                    ));
                 }
                 at = start + 1;
                 continue;
@@ -147,25 +164,51 @@ impl Translation<'_> {
         }))
     }
 
-    /// True if there are only conditions in these lines.
-    fn is_alone(&self, start: usize, end: usize) -> bool {
+    /// True if a place is in a comment; each place is behind the last one.
+    fn is_comment(&mut self, at: usize) -> bool {
+        for byte in &self.source.as_bytes()[self.looked..at] {
+            match byte {
+                b';' => self.comment = true,
+                b'\n' => self.comment = false,
+                _ => {}
+            }
+        }
+        self.looked = at;
+        self.comment
+    }
+
+    /// True if there are only conditions in these lines. They are looked at
+    /// once, however many conditions are in them.
+    fn is_alone(&mut self, start: usize, end: usize) -> bool {
+        if let Some((lines, alone)) = &self.lines
+            && lines.start <= start
+            && end <= lines.end
+        {
+            return *alone;
+        }
         let from = self.source[..start].rfind('\n').map_or(0, |i| i + 1);
         let to = self.source[end..].find('\n');
         let to = to.map_or(self.source.len(), |i| end + i);
-        let mut rest = &self.source[from..to];
-        loop {
-            rest = rest.trim_start();
-            let word = rest.strip_prefix('{').map(str::trim_start);
-            let words = ["if", "elsif", "else", "endif"];
-            match word {
-                Some(w) if words.iter().any(|word| w.starts_with(word)) => {
-                    match extent(rest) {
-                        Some(length) => rest = &rest[length..],
-                        None => return false,
-                    }
+        let alone = only_conditions(&self.source[from..to]);
+        self.lines = Some((from..to, alone));
+        alone
+    }
+}
+
+/// True if there are only conditions in a text.
+fn only_conditions(mut rest: &str) -> bool {
+    loop {
+        rest = rest.trim_start();
+        let word = rest.strip_prefix('{').map(str::trim_start);
+        let words = ["if", "elsif", "else", "endif"];
+        match word {
+            Some(w) if words.iter().any(|word| w.starts_with(word)) => {
+                match extent(rest) {
+                    Some(length) => rest = &rest[length..],
+                    None => return false,
                 }
-                _ => return rest.is_empty(),
             }
+            _ => return rest.is_empty(),
         }
     }
 }
@@ -173,6 +216,9 @@ impl Translation<'_> {
 /// How far the brackets go that a text begins with; nothing if they cannot
 /// hold a placeholder.
 fn extent(text: &str) -> Option<usize> {
+    // Without an end to the search, brackets by the hundred thousand that are
+    // never closed would take minutes.
+    let text = &text[..text.floor_char_boundary(LONGEST)];
     if text.starts_with('[') {
         let length = text.find(']')? + 1;
         let name = text[1..length - 1].trim();
@@ -185,10 +231,6 @@ fn extent(text: &str) -> Option<usize> {
         quoted ^= c == '"';
         (c == '}' && !quoted).then_some(i + 1)
     })
-}
-
-fn line_before(source: &str, at: usize) -> &str {
-    source[..at].rsplit('\n').next().unwrap_or("")
 }
 
 /// A block at the end of a line with other text does not take the line's end

@@ -203,3 +203,31 @@ fn a_macro_that_is_given_the_temperature_waits_for_it() {
     let found = heating(&ours, rendered, "M104", "M109", &names);
     assert_eq!(found, Heating::Waits);
 }
+
+/// A template as large as one may be, of the same again and again, takes no
+/// longer than it takes to read.
+#[test]
+fn long_templates_are_read_in_no_time() {
+    let many = |piece: &str| piece.repeat(900_000 / piece.len());
+    let started = std::time::Instant::now();
+    for text in [
+        format!("G28 ; {}", many("[ ")),
+        format!("G28 ; {}", many("{ ")),
+        format!("G28 {}", many("[1]")),
+        format!("M109 S{{1{}}}", many("+1")),
+        format!("; {{1{}}}", "+1".repeat(900)),
+        format!("G28 ; {}", many("{if 1==1}{endif}")),
+    ] {
+        let pieces = crate::gcode::template::pieces::pieces(&text);
+        let _ = translated(&text, &pieces, Scope::All);
+    }
+    let unknown: String =
+        (0..60_000).map(|i| format!("{{{{a{i}}}}}")).collect();
+    let error = templates(&format!("; {unknown}"), "", "").unwrap_err();
+    assert!(error.contains("{{ a0 }}"), "{}", &error[..200]);
+    let took = started.elapsed().as_secs_f64();
+    assert!(took < 10.0, "{took}");
+    let long = format!("M109 S{{1{}}}", "+1".repeat(1100));
+    let error = templates(&long, "", "").unwrap_err();
+    assert!(error.contains("{ has no } within 2048 bytes"), "{error}");
+}
