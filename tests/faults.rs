@@ -678,6 +678,24 @@ fn endless_files_are_refused() {
     }
 }
 
+/// Devices that are no G-code are known to be none, without any limit.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_check_refuses_what_has_no_end() {
+    let folder = folder();
+    for device in ["/dev/zero", "/dev/urandom"] {
+        let started = Instant::now();
+        let output = isoslice(folder.path())
+            .args(["check", device])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(said.contains("this is no G-code"), "{said}");
+        assert!(started.elapsed() < PATIENCE, "{device}");
+    }
+}
+
 /// A pipe that nobody writes to ends with the run's time.
 #[test]
 fn a_pipe_does_not_outlast_the_limit() {
@@ -746,11 +764,15 @@ fn reading_and_drawing_have_their_limits() {
     .unwrap();
     let render = "render dust.rhai --bounds=-50,-50,0:50,50,100 \
                   --pixels 4096x4096 --time-limit 0.3";
-    let check = "check /dev/zero --time-limit 0.3";
+    // G-code without end, which could be a long file.
+    let check = "check - --time-limit 0.3";
     for arguments in [render, check] {
         let started = Instant::now();
-        let output = isoslice(root)
-            .args(arguments.split_whitespace())
+        let line =
+            format!("yes G4 | exec '{}' {arguments}", program().display());
+        let output = Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(root)
             .output()
             .unwrap();
         assert_fails(&output, "the time limit (--time-limit)");

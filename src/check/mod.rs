@@ -194,11 +194,19 @@ pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
     let mut reader =
         Reader::new(input).filament_diameter(rules.filament_diameter);
     let mut state = State::new(rules);
-    while let Some(event) = reader.next() {
+    let nothing = loop {
         limits::check();
-        state.take(event?, &reader);
+        match reader.next() {
+            Some(Ok(event)) => state.take(event, &reader),
+            Some(Err(ReadError::NoGcode(why))) => break Some(why),
+            Some(Err(error)) => return Err(error),
+            None => break None,
+        }
+    };
+    match nothing {
+        Some(why) => state.no_gcode(&why.to_string()),
+        None => state.finish(&reader),
     }
-    state.finish(&reader);
     let mut verdict = state.verdict;
     verdict.lines = reader.lines();
     verdict.generator = reader.info().generator.clone();
@@ -711,7 +719,9 @@ impl<'a> State<'a> {
             self.verdict.add(Kind::Jump, step.line, step.to, || {
                 format!(
                     "a bead at z = {z:.3}; the highest one below it is at \
-                     {top:.3}"
+                     {top:.3}, and nothing is printed between: what holds it \
+                     may be thinner than a line there; scale the model up \
+                     (--scale), or make that part of it thicker"
                 )
             });
         }
@@ -750,23 +760,29 @@ impl<'a> State<'a> {
         });
     }
 
+    /// The file is none.
+    fn no_gcode(&mut self, why: &str) {
+        // What else there is to say of it helps nobody.
+        self.verdict = Verdict::default();
+        self.verdict.add(Kind::NoGcode, 0, DVec3::NAN, || {
+            format!(
+                "this is no G-code: {why}; name the file that a slicer has \
+                 written"
+            )
+        });
+    }
+
     fn finish<R: Read>(&mut self, reader: &Reader<R>) {
         self.next_layer();
         let tally = reader.tally();
         let commands = tally.codes + tally.names;
         if commands == 0 || tally.senseless > commands {
             let senseless = tally.senseless;
-            let why = match (commands, senseless) {
+            let lines = commands + senseless;
+            return self.no_gcode(&match (commands, senseless) {
                 (0, 0) => "there is no command in it".to_owned(),
-                _ => format!(
-                    "this is no G-code: {senseless} of {} lines are no \
-                     commands; name the file that a slicer has written",
-                    commands + senseless
-                ),
-            };
-            // What else there is to say of it helps nobody.
-            self.verdict = Verdict::default();
-            return self.verdict.add(Kind::NoGcode, 0, DVec3::NAN, || why);
+                _ => format!("{senseless} of {lines} lines are no commands"),
+            });
         }
         let (line, nowhere) = (reader.lines(), DVec3::NAN);
         let unfinished = reader.is_unfinished();

@@ -370,6 +370,14 @@ fn files_that_are_no_gcode_are_said_to_be_none() {
         assert!(!all.is_safe());
     }
     assert_eq!(count(&verdict("START_PRINT\n"), Kind::NoGcode), 0);
+    for (text, words) in [
+        (&b"\x1f\x8b\x08\x00x"[..], "zcat"),
+        (b"PK\x03\x04\n", "zip archive"),
+    ] {
+        let all = check(text, &Rules::new(&Settings::default())).unwrap();
+        assert_eq!(count(&all, Kind::NoGcode), 1);
+        assert!(all.findings[0].message.contains(words), "{all:?}");
+    }
     // A line among others that is none.
     assert_eq!(found("hello there\n"), [(Kind::Senseless, 1)]);
 }
@@ -630,4 +638,43 @@ fn a_target_that_is_no_number_does_not_turn_a_heater_off() {
     let all = verdict(&format!("{START}{heater}drybox TARGET=400\n{END}"));
     let unknown: Vec<_> = all.unknown_words().collect();
     assert_eq!(unknown, [("SET_HEATER_TEMPERATURE HEATER=drybox", 1)]);
+}
+
+/// The same text again and again, without end.
+struct Endless(Vec<u8>, usize);
+
+impl Read for Endless {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        let (text, at) = (&self.0, self.1);
+        let n = out.len().min(text.len() - at);
+        out[..n].copy_from_slice(&text[at..at + n]);
+        self.1 = (at + n) % text.len();
+        Ok(n)
+    }
+}
+
+#[test]
+fn streams_without_end_are_no_gcode() {
+    let noise: Vec<u8> = (0..1u64 << 16)
+        .map(|k| (k * k).wrapping_mul(0x9E37_79B9_7F4A_7C15).to_le_bytes()[6])
+        .collect();
+    for (text, words) in [
+        (vec![0], "line 1 is longer than 64 MB"),
+        (noise, "lines are no commands"),
+        (b"y\n".to_vec(), "lines are no commands"),
+        (b"; a comment\n\n".to_vec(), "no command in its first 64 MB"),
+    ] {
+        let rules = Rules::new(&Settings::default());
+        let all = check(Endless(text, 0), &rules).unwrap();
+        assert_eq!(all.counts.len(), 1, "{all:?}");
+        assert_eq!(count(&all, Kind::NoGcode), 1, "{all:?}");
+        assert!(all.findings[0].message.contains(words), "{all:?}");
+    }
+    // A long file of true G-code is read to its end, whatever its head is.
+    let head = "; thumbnail\n".repeat(100_000);
+    let text = "G28\nSTART_OBJECT\nG1 X10 F6000\n".repeat(100_000);
+    let rest = "written by hand\n".repeat(5_000);
+    let all = verdict(&format!("{head}{rest}{text}"));
+    assert_eq!(all.moves, 100_000);
+    assert_eq!(count(&all, Kind::NoGcode), 0);
 }

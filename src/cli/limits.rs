@@ -3,6 +3,7 @@
 //! Guaranteed: a command ends within seconds of its limits, with an error that
 //! says what it was at, and no half-written file is left.
 
+use super::patience::Patience;
 use super::{output, terminal};
 use clap::Args;
 use isoslice::limits::{Limits, Watch, enough_space};
@@ -58,6 +59,7 @@ pub(super) fn watched<T>(
     work: impl FnOnce() -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     enough_space()?;
+    let _patience = Patience::new(watch);
     watch.last_resort(
         GRACE,
         &|stopped| {

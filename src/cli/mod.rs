@@ -15,6 +15,7 @@ mod memory;
 mod new;
 mod output;
 mod parse;
+mod patience;
 mod plain;
 mod preview;
 mod profiles;

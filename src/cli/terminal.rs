@@ -22,7 +22,7 @@ use isoslice::limits::Watch;
 use isoslice::pipeline::SliceError;
 use std::error::Error;
 use std::io::{IsTerminal, Write, stderr};
-use std::sync::atomic::{AtomicI8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI8, Ordering};
 use std::time::Duration;
 
 const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
@@ -32,6 +32,9 @@ const NOTE: Style = AnsiColor::Cyan.on_default().effects(Effects::BOLD);
 
 /// How much to say: 0 is as usual, less is quieter.
 static LEVEL: AtomicI8 = AtomicI8::new(0);
+
+/// Whether a bar shows how far the run has come.
+static BAR: AtomicBool = AtomicBool::new(false);
 
 /// How much is said.
 #[derive(Args, Debug)]
@@ -112,6 +115,13 @@ pub(super) fn warn(warnings: &[String]) {
     }
 }
 
+/// Shows how far the run has come, unless a bar does.
+pub(super) fn progress(word: &str) {
+    if !BAR.load(Ordering::Relaxed) {
+        say(NOTE, "note", &plain::line(word));
+    }
+}
+
 /// Shows what only the curious want to know.
 pub(super) fn note(notes: &[String]) {
     if level() > 0 {
@@ -159,5 +169,6 @@ pub(super) fn layer_progress(quiet: bool, watch: &Watch) -> ProgressBar {
     // Also when the work is stopped half-way.
     let bar = bar.with_finish(ProgressFinish::AndClear);
     bar.enable_steady_tick(EVERY);
+    BAR.store(true, Ordering::Relaxed);
     bar
 }

@@ -101,6 +101,12 @@ pub enum FieldError {
         /// Size of what is left out, mm.
         smallest: Mm,
     },
+    /// Looking at it takes more operations than were allowed for it.
+    #[error("a look at the part takes more than {most} operations")]
+    Costly {
+        /// How many were allowed.
+        most: u64,
+    },
     /// fidget refused the expression or a batch of samples.
     #[error(
         "the expression cannot be evaluated ({0}); this is a bug of \

@@ -47,6 +47,13 @@ pub struct Activity {
     pub layers: Option<(usize, usize)>,
 }
 
+impl Activity {
+    /// What makes that cheaper which most of the time went into.
+    pub fn remedy(&self) -> &'static str {
+        remedy(self.shares.first().map(|(name, _)| *name))
+    }
+}
+
 /// Work that was stopped before it was done.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct Stopped {
@@ -82,12 +89,12 @@ impl fmt::Display for Stopped {
         if let Some((done, all)) = self.activity.layers {
             write!(f, ", with {done} of {all} layers done")?;
         }
-        let mut slow: Option<&'static str> = None;
+        let mut slow = false;
         for (name, share) in self.activity.shares.iter().take(2) {
             let percent = 100.0 * share;
-            if slow.is_none() {
+            if !slow {
                 write!(f, "; {percent:.0} % of the time went into {name}")?;
-                slow = Some(name);
+                slow = true;
             } else if percent >= 10.0 {
                 write!(f, ", {percent:.0} % into {name}")?;
             }
@@ -95,7 +102,7 @@ impl fmt::Display for Stopped {
         if self.reason == Reason::Cancelled {
             return Ok(());
         }
-        write!(f, ". {}, or raise the limit", remedy(slow))
+        write!(f, ". {}, or raise the limit", self.activity.remedy())
     }
 }
 

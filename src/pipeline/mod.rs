@@ -331,6 +331,15 @@ fn write(
     for span in &spans[layers.clone()] {
         rater.temperature(span)?;
     }
+    let pictures = pool.install(|| {
+        let timings = &stages.timings;
+        timings.time(Stage::Picture, || pictures_of(model, settings))
+    })?;
+    let no_picture = pictures.is_none().then(|| {
+        "the file has no picture of the part, as drawing this expression would \
+         take too long; gcode.thumbnails = [] asks for none"
+            .to_owned()
+    });
     let header = Header {
         model_name: model.name.clone(),
         layer_count: spans.len(),
@@ -350,18 +359,14 @@ fn write(
             })?,
             false => Vec::new(),
         },
-        thumbnails: pool.install(|| {
-            stages
-                .timings
-                .time(Stage::Picture, || pictures_of(model, settings))
-        })?,
+        thumbnails: pictures.unwrap_or_default(),
         format: options.format,
     };
     let frame = Rect {
         min: low.truncate(),
         max: high.truncate(),
     };
-    let pictures = options
+    let drawings = options
         .svg_dir
         .map(|dir| {
             Pictures::new(dir, frame, &layers, spans.len())
@@ -376,7 +381,7 @@ fn write(
         layers.clone(),
         spans.len(),
         options,
-        pictures,
+        drawings,
         writer,
         Pacer::new(settings, rater),
     );
@@ -385,6 +390,7 @@ fn write(
         .each(|ready| exit.layer(ready))?;
     let done = exit.finish()?;
     let (tally, mut warnings) = (done.tally, of_templates);
+    warnings.extend(no_picture);
     warnings.extend(done.warnings);
     let mut hanging = done.hanging;
     hanging.foot = done.foot.filter(|foot| top > foot.holds);
@@ -443,15 +449,16 @@ fn outline_of(model: &Model, reach: Mm) -> Result<Vec<DVec2>, PictureError> {
     Ok(grown.rings.into_iter().next().unwrap_or_default())
 }
 
-/// The pictures for the file's head.
+/// The pictures for the file's head, if they can be afforded.
 fn pictures_of(
     model: &Model,
     settings: &Settings,
-) -> Result<Vec<Thumbnail>, PictureError> {
+) -> Result<Option<Vec<Thumbnail>>, PictureError> {
     let sizes = settings.gcode.thumbnails.all();
-    let files = thumbnails(model, sizes)?;
-    let pictures = sizes.iter().zip(files);
-    Ok(pictures
-        .map(|(&size, file)| Thumbnail { size, file })
-        .collect())
+    Ok(thumbnails(model, sizes)?.map(|files| {
+        let pictures = sizes.iter().zip(files);
+        pictures
+            .map(|(&size, file)| Thumbnail { size, file })
+            .collect()
+    }))
 }

@@ -9,6 +9,7 @@
 use super::image::Picture;
 use super::raster::{PictureError, Subject, View};
 use super::shade::{KEY_FROM, shade};
+use crate::field::FieldError;
 use crate::model::Model;
 use crate::settings::PictureSize;
 
@@ -25,6 +26,15 @@ const MAP: f64 = 1.5;
 /// Longer side that they are drawn with at least.
 const LEAST: f64 = 128.0;
 
+/// Operations that a picture in a file's head may take. What oscillates, or is
+/// a sum of a thousand waves, cannot be proved to be empty anywhere, so nearly
+/// every sample is evaluated, and a picture could take longer than the print's
+/// outlines; none of the examples takes so many.
+const AFFORDABLE: u64 = 6_000_000_000;
+/// Pixels along the side, for one, that are tried in turn until one picture is
+/// affordable. Half as many are an eighth of the samples.
+const COARSER: [f64; 3] = [1.0, 0.5, 0.25];
+
 /// Draws a model, on a transparent background.
 ///
 /// # Errors
@@ -37,43 +47,50 @@ pub fn draw(
     let [width, height] = size.map(|n| n.max(1));
     let longest = width.max(height);
     let block = if longest <= SMOOTHED { SMOOTH } else { 1 };
-    drawn(model, view, [width, height], block)
+    drawn(&Subject::new(model, view)?, [width, height], block)
 }
 
 /// The picture, of blocks of that many pixels.
 fn drawn(
-    model: &Model,
-    view: View,
+    subject: &Subject,
     [width, height]: [usize; 2],
     block: usize,
 ) -> Result<Picture, PictureError> {
-    let subject = Subject::new(model, view)?;
     let seen = subject.fitted(width * block, height * block)?;
     let lit = subject.seen_by(KEY_FROM.as_dvec3(), MAP * seen.pixel)?;
     Ok(shade(&seen, &lit, block))
 }
 
 /// Pictures of a model in several sizes, as files: the largest is drawn and
-/// the others are made of it.
+/// the others are made of it. Nothing if even a coarse one would take too
+/// long, which depends on the model and the sizes alone.
 ///
 /// # Errors
 /// If fidget refuses the model's expression.
 pub fn thumbnails(
     model: &Model,
     sizes: &[PictureSize],
-) -> Result<Vec<Vec<u8>>, PictureError> {
+) -> Result<Option<Vec<Vec<u8>>>, PictureError> {
     let whole = |size: &PictureSize| size.pixels.map(|n| n as usize);
     let largest = sizes.iter().map(whole).max_by_key(|[w, h]| w * h);
     let Some(largest) = largest else {
-        return Ok(Vec::new());
+        return Ok(Some(Vec::new()));
     };
     let longest = largest[0].max(largest[1]) as f64;
     let finer = THUMBNAIL.max(LEAST / longest);
-    let size = largest.map(|n| (finer * n as f64).ceil() as usize);
-    let drawn = drawn(model, View::THUMBNAIL, size, 1)?;
-    let file = |size: &PictureSize| {
-        let [width, height] = whole(size);
-        drawn.shrunk(width, height).file(size.format)
-    };
-    sizes.iter().map(file).collect()
+    for share in COARSER {
+        let size = largest
+            .map(|n| (share * finer * n as f64).ceil().max(1.0) as usize);
+        let subject = Subject::at_most(AFFORDABLE, model, View::THUMBNAIL)?;
+        let drawn = match drawn(&subject, size, 1) {
+            Err(PictureError::Field(FieldError::Costly { .. })) => continue,
+            drawn => drawn?,
+        };
+        let file = |size: &PictureSize| {
+            let [width, height] = whole(size);
+            drawn.shrunk(width, height).file(size.format)
+        };
+        return sizes.iter().map(file).collect::<Result<_, _>>().map(Some);
+    }
+    Ok(None)
 }

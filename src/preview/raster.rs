@@ -169,6 +169,15 @@ struct Frame {
 impl Subject {
     /// `model` as it will be printed, seen from `view`.
     pub(super) fn new(model: &Model, view: View) -> Result<Self, PictureError> {
+        Subject::at_most(u64::MAX, model, view)
+    }
+
+    /// The same; all looks at it together fail beyond so many operations.
+    pub(super) fn at_most(
+        operations: u64,
+        model: &Model,
+        view: View,
+    ) -> Result<Self, PictureError> {
         let mut bounds = model.bounds;
         let mut tree = model.tree.clone();
         let bed = -model.offset.z;
@@ -177,7 +186,8 @@ impl Subject {
             tree = tree.max(Tree::constant(bed as f32) - z);
             bounds.min.z = bed;
         }
-        let sight = Arc::new(Sight::new(&tree)?);
+        let sight = Sight::new(&tree)?.at_most(operations);
+        let sight = Arc::new(sight);
         Ok(Subject::of(sight, view.axes(), bounds))
     }
 

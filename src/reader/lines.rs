@@ -3,15 +3,20 @@
 //! In: bytes. Out: lines without their ends, and their numbers. A line feed
 //! ends a line, a carriage return does as well, and both together are one
 //! end: Marlin and RepRapFirmware read files so. A line that is longer than
-//! the buffer is cut off there and marked; nothing is assumed about the text,
-//! which may be any bytes at all.
+//! the buffer is cut off there and marked; one without end is refused. Else
+//! nothing is assumed about the text, which may be any bytes at all.
 
+use super::NoGcode;
 use crate::bgcode::Unpacked;
 use std::io::{self, Read};
 
 /// Longest line that is read whole, bytes. Slicers write their templates into
 /// single comment lines of some kilobytes.
 const LONGEST: usize = 1 << 18;
+
+/// Longest line that is passed over, bytes. No slicer writes one; devices and
+/// files without any line's end are read no further.
+const ENDLESS: u64 = 1 << 26;
 
 /// Reads lines.
 #[derive(Debug)]
@@ -22,8 +27,12 @@ pub(super) struct Lines<R> {
     start: usize,
     end: usize,
     number: u64,
+    /// Bytes read so far.
+    read: u64,
     /// The rest of a line that was cut off is still to be skipped.
     skipping: bool,
+    /// Bytes of it that were.
+    skipped: u64,
     /// A carriage return was met; if a line feed follows, it belongs to it.
     returned: bool,
     ended: bool,
@@ -60,7 +69,9 @@ impl<R: Read> Lines<R> {
             start: 0,
             end: 0,
             number: 0,
+            read: 0,
             skipping: false,
+            skipped: 0,
             returned: false,
             ended: false,
         }
@@ -72,7 +83,15 @@ impl<R: Read> Lines<R> {
         self.number.saturating_sub(self.input.preface())
     }
 
+    /// Bytes of text read so far.
+    pub fn bytes(&self) -> u64 {
+        self.read
+    }
+
     /// The next line, or nothing at the end.
+    ///
+    /// # Errors
+    /// If the input fails, or a line has no end.
     pub fn next(&mut self) -> io::Result<Option<Line<'_>>> {
         // Bytes from `start` that are known to hold no line's end.
         let mut searched = 0;
@@ -113,7 +132,13 @@ impl<R: Read> Lines<R> {
                 return Ok(Some(self.line(from, to, true, end)));
             }
             if self.skipping {
+                self.skipped += (self.end - self.start) as u64;
                 self.start = self.end;
+                if self.skipped > ENDLESS {
+                    let megabytes = ENDLESS >> 20;
+                    let line = self.number();
+                    return Err(NoGcode::LongLine { line, megabytes }.into());
+                }
             }
             searched = self.end - self.start;
             if self.ended {
@@ -126,6 +151,7 @@ impl<R: Read> Lines<R> {
             }
             if searched == self.buffer.len() {
                 self.skipping = true;
+                self.skipped = 0;
                 let (from, to) = (self.start, self.end);
                 self.start = self.end;
                 return Ok(Some(self.line(from, to, false, LineEnd::Feed)));
@@ -148,6 +174,7 @@ impl<R: Read> Lines<R> {
             }
         };
         self.end += read;
+        self.read += read as u64;
         self.ended = read == 0;
         Ok(())
     }
@@ -238,5 +265,15 @@ mod tests {
         assert_eq!(found.len(), 2);
         assert_eq!((found[0].1.len(), found[0].2), (LONGEST, false));
         assert_eq!(found[1], (2, "G28".to_owned(), true));
+    }
+
+    #[test]
+    fn a_line_without_end_is_refused() {
+        let text = (&b"G28\n"[..]).chain(io::repeat(0));
+        let mut lines = Lines::new(text);
+        assert!(lines.next().unwrap().unwrap().whole);
+        assert!(!lines.next().unwrap().unwrap().whole);
+        let error = lines.next().unwrap_err().to_string();
+        assert!(error.contains("line 2 is longer than 64 MB"), "{error}");
     }
 }

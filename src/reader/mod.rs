@@ -20,6 +20,8 @@
 //!   so ([`Event::Problem`]) and counted ([`Reader::problems`]);
 //! - every number handed out is finite, and positions are within 300 m;
 //! - memory does not grow with the file, whatever is in it;
+//! - what is no G-code is an error after some megabytes
+//!   ([`ReadError::NoGcode`]), also where it has no end;
 //! - what is read depends on the bytes alone.
 //!
 //! Not guaranteed: that a firmware would do the same. Homing leads to zero,
@@ -54,6 +56,7 @@
 //! | `comments`, `role`, `info` | what slicers say in comments |
 //! | `layering` | layers, widths and heights |
 //! | `problem` | what makes no sense |
+//! | `nothing` | files that are no G-code, without end or not |
 //! | `parser` | from lines to events |
 
 mod arc;
@@ -64,6 +67,7 @@ mod layering;
 mod lines;
 mod machine;
 mod named;
+mod nothing;
 mod parser;
 mod problem;
 mod role;
@@ -73,6 +77,7 @@ pub use event::{Event, Heater, Move};
 pub use info::Info;
 pub use machine::State;
 pub use named::{Named, number};
+pub use nothing::NoGcode;
 pub use problem::{Problem, Problems};
 pub use role::Role;
 pub use words::Words;
@@ -101,6 +106,29 @@ pub enum ReadError {
     /// It is binary G-code, but not whole.
     #[error("the binary G-code cannot be read: {0}")]
     Binary(Damaged),
+    /// It is something else.
+    #[error("this is no G-code: {0}")]
+    NoGcode(NoGcode),
+}
+
+impl ReadError {
+    /// What failed behind that line.
+    fn new(line: u64, source: io::Error) -> Self {
+        let source = match source.downcast() {
+            Ok(damaged) => return ReadError::Binary(damaged),
+            Err(source) => source,
+        };
+        match source.downcast() {
+            Ok(nothing) => ReadError::NoGcode(nothing),
+            Err(source) => ReadError::Io { line, source },
+        }
+    }
+}
+
+impl From<NoGcode> for ReadError {
+    fn from(why: NoGcode) -> Self {
+        ReadError::NoGcode(why)
+    }
 }
 
 /// Reads a file, event by event.
@@ -177,17 +205,15 @@ impl<R: Read> Reader<R> {
                 return Ok(Some(event));
             }
             let number = self.lines.number();
-            let failed = |source: io::Error| match source.downcast() {
-                Ok(damaged) => ReadError::Binary(damaged),
-                Err(source) => ReadError::Io {
-                    line: number,
-                    source,
-                },
-            };
+            nothing::so_far(&self.parser.tally, self.lines.bytes())?;
+            let failed = |source| ReadError::new(number, source);
             let line = self.lines.next().map_err(failed)?;
             let Some(line) = line else {
                 return Ok(None);
             };
+            if number == 0 {
+                nothing::first_line(line.text)?;
+            }
             self.parser.take(number + 1, &line);
         }
     }

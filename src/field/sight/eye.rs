@@ -74,7 +74,7 @@ impl<'a> Eye<'a> {
         let tiles = self.grid.size[2].div_ceil(TILE);
         let tiles = (0..tiles).rev().map(|k| [at[0], at[1], k * TILE]);
         let tiles: Vec<[usize; 3]> = tiles.collect();
-        for (tile, known) in self.sift(f, &tiles, TILE) {
+        for (tile, known) in self.sift(f, &tiles, TILE)? {
             limits::check();
             self.visit(f, tile, known, TILE)?;
         }
@@ -94,8 +94,7 @@ impl<'a> Eye<'a> {
         }
         if known == Known::Full {
             self.fill(at, size);
-            self.arrive(f);
-            return Ok(());
+            return self.arrive(f);
         }
         let axes = &self.sight.axes;
         let extent = self.extent(at, size);
@@ -118,16 +117,16 @@ impl<'a> Eye<'a> {
             .filter(|part| (0..3).all(|a| part[a] < self.grid.size[a]))
             .filter(|part| !self.is_covered(*part, side))
             .collect();
-        let parts = self.sift(g, &parts, side);
+        let parts = self.sift(g, &parts, side)?;
         if side == BLOCK {
             for (part, known) in parts {
                 self.visit(g, part, known, side)?;
             }
         } else {
             for layer in parts.chunk_by(|a, b| a.0[2] == b.0[2]) {
-                self.boxes(g, layer);
+                self.boxes(g, layer)?;
             }
-            self.arrive(g);
+            self.arrive(g)?;
         }
         if let Some(done) = own {
             self.storage.extend(done.recycle());
@@ -141,7 +140,9 @@ impl<'a> Eye<'a> {
         f: &VmFunction,
         cubes: &[[usize; 3]],
         size: usize,
-    ) -> Vec<([usize; 3], Known)> {
+    ) -> Result<Vec<([usize; 3], Known)>, FieldError> {
+        // A range has two ends.
+        self.sight.spend(f, 2 * cubes.len())?;
         let axes = &self.sight.axes;
         let extents: Vec<[Interval; 3]> =
             cubes.iter().map(|&at| self.extent(at, size)).collect();
@@ -163,7 +164,7 @@ impl<'a> Eye<'a> {
                 out.push((cubes[k], known));
             }
         }
-        out
+        Ok(out)
     }
 
     /// Where the samples of a cube lie.
@@ -234,7 +235,11 @@ impl<'a> Eye<'a> {
     }
 
     /// Looks into boxes beside each other.
-    fn boxes(&mut self, f: &VmFunction, boxes: &[([usize; 3], Known)]) {
+    fn boxes(
+        &mut self,
+        f: &VmFunction,
+        boxes: &[([usize; 3], Known)],
+    ) -> Result<(), FieldError> {
         let mut asked: Vec<(usize, [usize; 2])> = Vec::new();
         self.points.iter_mut().for_each(Vec::clear);
         for &(at, known) in boxes {
@@ -251,6 +256,7 @@ impl<'a> Eye<'a> {
             }
         }
         let count = self.points[0].len();
+        self.sight.spend(f, count)?;
         let axes = &self.sight.axes;
         let inputs: Vec<&[f32]> =
             axes.iter().map(|&a| &self.points[a][..]).collect();
@@ -266,11 +272,14 @@ impl<'a> Eye<'a> {
             }
         }
         self.values = values;
+        Ok(())
     }
 
     /// Finds the gradients where lines have just met something, and with them
     /// the surface itself, which is between two samples.
-    fn arrive(&mut self, f: &VmFunction) {
+    fn arrive(&mut self, f: &VmFunction) -> Result<(), FieldError> {
+        // Twice a value and two slopes.
+        self.sight.spend(f, 6 * self.fresh.len())?;
         let fresh = std::mem::take(&mut self.fresh);
         self.points.iter_mut().for_each(Vec::clear);
         for &(line, sample) in &fresh {
@@ -312,5 +321,6 @@ impl<'a> Eye<'a> {
         }
         self.fresh = fresh;
         self.fresh.clear();
+        Ok(())
     }
 }

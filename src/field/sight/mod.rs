@@ -31,6 +31,7 @@ use fidget::var::Var;
 use fidget::vm::VmFunction;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Samples in front of a viewer: columns, rows, and along each line of sight
 /// towards the viewer.
@@ -58,6 +59,9 @@ pub struct Sight {
     f: VmFunction,
     /// By input of the function, its coordinate.
     axes: Vec<usize>,
+    /// Operations that all looks together may take, and have taken.
+    most: u64,
+    taken: AtomicU64,
 }
 
 impl Sight {
@@ -84,13 +88,38 @@ impl Sight {
                 *known = axis;
             }
         }
-        Ok(Sight { f, axes })
+        Ok(Sight {
+            f,
+            axes,
+            most: u64::MAX,
+            taken: AtomicU64::new(0),
+        })
+    }
+
+    /// Gives up once all looks together have taken more than so many
+    /// operations. Whether they do depends neither on time nor on the number
+    /// of threads: what each tile takes does not depend on the others.
+    pub fn at_most(mut self, operations: u64) -> Sight {
+        self.most = operations;
+        self
+    }
+
+    /// Notes that a function is evaluated for so many numbers.
+    fn spend(&self, f: &VmFunction, count: usize) -> Result<(), FieldError> {
+        let now = f.size() as u64 * count as u64;
+        let taken = self.taken.fetch_add(now, Ordering::Relaxed);
+        let most = self.most;
+        match taken.saturating_add(now) > most {
+            true => Err(FieldError::Costly { most }),
+            false => Ok(()),
+        }
     }
 
     /// What each line of sight meets, row by row.
     ///
     /// # Errors
-    /// If the evaluator fails, which is a bug.
+    /// If it takes too many operations, or the evaluator fails, which is a
+    /// bug.
     pub fn look(&self, grid: &Grid) -> Result<Vec<Option<Hit>>, FieldError> {
         let [width, height, _] = grid.size;
         let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));

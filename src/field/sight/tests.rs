@@ -98,3 +98,20 @@ fn surfaces_are_found_between_the_samples() {
     }
     assert!(count > 800, "{count}");
 }
+
+#[test]
+fn a_look_has_its_limit() {
+    let (x, y, z) = Tree::axes();
+    let ball = (x.square() + y.square() + z.square()).sqrt() - 5.0;
+    let grid = Grid {
+        origin: DVec3::splat(-6.0),
+        steps: [DVec3::X * 0.1, DVec3::Z * 0.1, DVec3::Y * 0.1],
+        size: [120; 3],
+    };
+    let look = |most| Sight::new(&ball).unwrap().at_most(most).look(&grid);
+    assert!(look(u64::MAX).is_ok());
+    for _ in 0..3 {
+        let error = look(100_000).unwrap_err();
+        assert!(matches!(error, FieldError::Costly { most: 100_000 }));
+    }
+}

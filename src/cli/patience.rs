@@ -1,0 +1,131 @@
+//! A word to those who wait: what a long run is at, how long it will be, and
+//! how to have it shorter.
+//!
+//! Said on the error stream after ten seconds, and then at ever longer
+//! intervals, unless a bar shows it. The time left is that which the layers
+//! so far took, for those that are left.
+
+use super::terminal;
+use isoslice::limits::{Activity, Watch};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// When the first word comes.
+const FIRST: Duration = Duration::from_secs(10);
+/// The time of the next one, as a multiple of the last one's.
+const NEXT: u32 = 3;
+/// Time between looks.
+const EVERY: Duration = Duration::from_millis(250);
+
+/// Says a word now and then until it is dropped.
+pub(super) struct Patience {
+    /// Nothing is sent; the thread ends when this is gone.
+    _alive: Option<Sender<()>>,
+}
+
+impl Patience {
+    /// For the work under a watch, which begins now.
+    pub(super) fn new(watch: &Watch) -> Self {
+        if terminal::is_quiet() {
+            return Patience { _alive: None };
+        }
+        let (alive, gone) = channel();
+        let watch = watch.clone();
+        let wait = move || {
+            let started = Instant::now();
+            let (mut next, mut begun) = (FIRST, None);
+            while gone.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
+                let activity = watch.activity();
+                if let (None, Some((done, _))) = (begun, activity.layers) {
+                    begun = Some((Instant::now(), done));
+                }
+                if started.elapsed() < next {
+                    continue;
+                }
+                let left = begun
+                    .and_then(|(at, done)| left(&activity, at.elapsed(), done));
+                terminal::progress(&word(next, &activity, left));
+                next *= NEXT;
+            }
+        };
+        let name = thread::Builder::new().name("patience".into());
+        // Without a thread there is no word, which is no reason to fail.
+        let spawned = name.spawn(wait);
+        Patience {
+            _alive: spawned.is_ok().then_some(alive),
+        }
+    }
+}
+
+/// How long the layers that are left will take, if those since `before` were
+/// done in that time.
+fn left(
+    activity: &Activity,
+    took: Duration,
+    before: usize,
+) -> Option<Duration> {
+    let (done, all) = activity.layers?;
+    let share =
+        all.checked_sub(done)? as f64 / done.checked_sub(before)? as f64;
+    Duration::try_from_secs_f64(share * took.as_secs_f64()).ok()
+}
+
+/// What is said after that time.
+fn word(
+    after: Duration,
+    activity: &Activity,
+    left: Option<Duration>,
+) -> String {
+    let mut text = format!("still at work after {}", spoken(after));
+    if let Some(now) = activity.now {
+        text += &format!(", now at {now}");
+    }
+    if let Some((done, all)) = activity.layers {
+        text += &format!(", with {done} of {all} layers done");
+    }
+    if let Some(left) = left {
+        text += &format!(", about {} to go", spoken(left));
+    }
+    let remedy = activity.remedy();
+    text += &format!(
+        ". Ctrl-C ends it and leaves no file; --time-limit is its end. To have \
+         it sooner: {remedy}"
+    );
+    text
+}
+
+/// `40 s`, `3 min`, `2.5 h`.
+fn spoken(time: Duration) -> String {
+    match time.as_secs_f64() {
+        s if s < 100.0 => format!("{s:.0} s"),
+        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_run_is_told_of() {
+        let mut activity = Activity {
+            shares: vec![("bounds", 0.9)],
+            now: Some("bounds"),
+            layers: None,
+        };
+        let ten = Duration::from_secs(10);
+        assert_eq!(left(&activity, ten, 0), None);
+        let text = word(ten, &activity, None);
+        assert!(text.contains("after 10 s, now at bounds. Ctrl-C"), "{text}");
+        assert!(text.contains("--bounds"), "{text}");
+        activity.layers = Some((30, 330));
+        let estimate = left(&activity, ten, 10);
+        assert_eq!(estimate, Some(Duration::from_secs(150)));
+        let text = word(ten, &activity, estimate);
+        assert!(text.contains("30 of 330 layers done, about 2 min to go"));
+        // Nothing was done since.
+        assert_eq!(left(&activity, ten, 30), None);
+    }
+}
