@@ -589,6 +589,49 @@ fn a_report_says_how_accurate_the_print_is() {
     assert_eq!(names(folder.path()), left);
 }
 
+/// A wall of one bead: its width varies, and its edges count.
+#[test]
+fn the_summary_measures_beads_of_varying_width() {
+    let folder = folder();
+    let tube = "max(abs(sqrt(x^2 + y^2) - 8) - 0.3, abs(z) - 1)";
+    let mut slice = isoslice(&folder);
+    slice.args(["slice", "-e", tube, "--json"]);
+    let off = json(&mut slice)["outer_wall_p99_um"].as_f64().unwrap();
+    assert!(off < 5.0, "{off}");
+}
+
+/// Nothing is sliced for a printer that cannot get so hot.
+#[test]
+fn temperatures_beyond_the_printer_are_refused_before_slicing() {
+    let folder = folder();
+    for (sets, told) in [
+        (
+            [
+                "filament.nozzle_temperature=280",
+                "printer.max_nozzle_temperature=250",
+            ],
+            "filament.nozzle_temperature = 280 °C is more than \
+             printer.max_nozzle_temperature = 250 °C",
+        ),
+        (
+            [
+                "filament.bed_temperature=110",
+                "printer.max_bed_temperature=100",
+            ],
+            "filament.bed_temperature = 110 °C is more than \
+             printer.max_bed_temperature = 100 °C",
+        ),
+    ] {
+        // Its model would not be found: settings come first.
+        isoslice(&folder)
+            .args(["slice", "no-such.rhai", "--set", sets[0], "--set", sets[1]])
+            .assert()
+            .code(1)
+            .stderr(contains(told).and(contains("from --set")));
+    }
+    assert!(names(folder.path()).is_empty());
+}
+
 #[test]
 fn threads_do_not_show_in_the_file() {
     let folder = folder();
@@ -1362,6 +1405,12 @@ fn a_part_of_which_nothing_is_printed_is_an_error() {
 fn layers_end_where_the_print_does() {
     let folder = folder();
     let cone = "max(sqrt(x^2 + y^2) - 10 + z, -z)";
+    // Nobody can know that before it is sliced: `info` says what is planned.
+    isoslice(&folder)
+        .args(["info", "-e", cone])
+        .assert()
+        .success()
+        .stdout(contains("  layers      50 planned, of 0.2 mm\n"));
     let slice = |layers: &str| {
         let mut command = isoslice(&folder);
         command
