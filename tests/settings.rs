@@ -388,6 +388,7 @@ fn unwise_settings_are_warned_of() {
                 &["outer_wall_width=1.3"],
                 &["sample_spacing=0.5"],
                 &["flow=150"],
+                &["infill_density=0.15"],
                 &["speed.sparse_infill=200"],
                 &["speed.first_layer=90"],
                 &["cooling.min_speed=100"],

@@ -50,6 +50,7 @@ pub(super) fn conflicts(
     retraction(s, &mut warnings)?;
     temperatures(s)?;
     total_flow(s, &mut warnings);
+    share_of_one(s, &mut warnings);
     let given =
         |key: &str| places.get(key).is_some_and(|place| place.is_given());
     too_fast(s, &given, &mut warnings);
@@ -68,6 +69,20 @@ fn total_flow(s: &Settings, warnings: &mut Vec<String>) {
             s.filament.flow,
             round(flow),
             if flow < 100.0 { "weak" } else { "swollen" },
+        ));
+    }
+}
+
+/// Other slicers write 15 % as 0.15.
+fn share_of_one(s: &Settings, warnings: &mut Vec<String>) {
+    if let Some(density) = s.infill_density.constant()
+        && density > 0.0
+        && density < 1.0
+    {
+        warnings.push(format!(
+            "infill_density = {density}% is next to nothing; write {}% if \
+             that was meant as a share of one",
+            round(100.0 * density),
         ));
     }
 }
