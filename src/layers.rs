@@ -62,7 +62,7 @@ pub enum PlanError {
     /// A range of layers that lies above the part.
     #[error(
         "layers from {first} on were asked for, but the part has {count} \
-         layers"
+         layers; ask for layers from 1 to {count}"
     )]
     Beyond {
         /// First layer of the range, counted from 1.

@@ -589,6 +589,99 @@ fn a_report_says_how_accurate_the_print_is() {
     assert_eq!(names(folder.path()), left);
 }
 
+/// A wall of one bead: its width varies, and its edges count.
+#[test]
+fn the_summary_measures_beads_of_varying_width() {
+    let folder = folder();
+    let tube = "max(abs(sqrt(x^2 + y^2) - 8) - 0.3, abs(z) - 1)";
+    let mut slice = isoslice(&folder);
+    slice.args(["slice", "-e", tube, "--json"]);
+    let off = json(&mut slice)["outer_wall_p99_um"].as_f64().unwrap();
+    assert!(off < 10.0, "{off}");
+}
+
+/// What a new user gets wrong, and what has to be done.
+#[test]
+fn typical_mistakes_are_told_what_to_write() {
+    let folder = folder();
+    write(&folder, "ok.rhai", "sqrt(x*x + y*y + z*z) - 5.0");
+    write(&folder, "text.rhai", "sqrt(x*x + y*y) - \"5\"");
+    write(&folder, "python.rhai", "def f(a):\n  return a\n");
+    write(&folder, "unit.toml", "walls = 2\nlayer_height = 0.2mm\n");
+    std::fs::create_dir(folder.path().join("parts")).unwrap();
+    for (arguments, told) in [
+        ("slice none.rhai", "cannot read none.rhai: check its name"),
+        ("slice parts", "parts is a folder; "),
+        ("slice ok", "did you mean ok.rhai?"),
+        ("slice a.stl", "a.stl is a mesh or a drawing"),
+        ("slice ok.gcode", "check and preview read that"),
+        ("slice sqrt(x^2+y^2)-3", "write -e 'sqrt(x^2+y^2)-3'"),
+        (
+            "slice ok.rhai --set walls 3",
+            "write --set walls=3, without a space",
+        ),
+        ("slice ok.rhai b.rhai", "one model at a time"),
+        ("ok.rhai", "write isoslice slice ok.rhai"),
+        ("slice ok.rhai --size 50mm", "without a unit, as in 50"),
+        ("slice ok.rhai --config unit.toml", "unit.toml:2: "),
+        (
+            "slice ok.rhai --config unit.toml",
+            "in `layer_height = 0.2mm`",
+        ),
+        ("slice ok.rhai --config unit.toml", "numbers have no unit"),
+        ("slice ok.rhai --layers 99..", "ask for layers from 1 to 50"),
+        ("slice ok.rhai --set infill_density=0.15", "write 15% if"),
+        ("slice text.rhai", "a text in quotes, but a field is wanted"),
+        ("slice python.rhai", "a function is fn name(a, b) { a + b }"),
+        ("slice -e x2+y^2-9", "did you mean `x^2`?"),
+        ("slice -e x^2+y²-9", "did you mean `y^2`?"),
+        ("slice -e x^2+y^2=9", "write a - b for a < b or a = b"),
+        ("render ok.rhai -o ok.jpg", "render draws PNG pictures"),
+        ("check none.gcode", "cannot read none.gcode: check its name"),
+        (
+            "preview none.gcode",
+            "cannot read none.gcode: check its name",
+        ),
+    ] {
+        isoslice(&folder)
+            .args(arguments.split(' '))
+            .assert()
+            .stderr(contains(told));
+    }
+}
+
+/// Nothing is sliced for a printer that cannot get so hot.
+#[test]
+fn temperatures_beyond_the_printer_are_refused_before_slicing() {
+    let folder = folder();
+    for (sets, told) in [
+        (
+            [
+                "filament.nozzle_temperature=280",
+                "printer.max_nozzle_temperature=250",
+            ],
+            "filament.nozzle_temperature = 280 °C is more than \
+             printer.max_nozzle_temperature = 250 °C",
+        ),
+        (
+            [
+                "filament.bed_temperature=110",
+                "printer.max_bed_temperature=100",
+            ],
+            "filament.bed_temperature = 110 °C is more than \
+             printer.max_bed_temperature = 100 °C",
+        ),
+    ] {
+        // Its model would not be found: settings come first.
+        isoslice(&folder)
+            .args(["slice", "no-such.rhai", "--set", sets[0], "--set", sets[1]])
+            .assert()
+            .code(1)
+            .stderr(contains(told).and(contains("from --set")));
+    }
+    assert!(names(folder.path()).is_empty());
+}
+
 #[test]
 fn threads_do_not_show_in_the_file() {
     let folder = folder();
@@ -1362,6 +1455,12 @@ fn a_part_of_which_nothing_is_printed_is_an_error() {
 fn layers_end_where_the_print_does() {
     let folder = folder();
     let cone = "max(sqrt(x^2 + y^2) - 10 + z, -z)";
+    // Nobody can know that before it is sliced: `info` says what is planned.
+    isoslice(&folder)
+        .args(["info", "-e", cone])
+        .assert()
+        .success()
+        .stdout(contains("  layers      50 planned, of 0.2 mm\n"));
     let slice = |layers: &str| {
         let mut command = isoslice(&folder);
         command

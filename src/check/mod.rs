@@ -151,13 +151,13 @@ impl Rules {
                 "printer.max_nozzle_temperature",
                 printer.max_nozzle_temperature,
                 300.0,
-                450.0,
+                settings.max_nozzle_temperature(),
             ),
             bed_heat: HeatLimit::new(
                 "printer.max_bed_temperature",
                 printer.max_bed_temperature,
                 120.0,
-                200.0,
+                settings.max_bed_temperature(),
             ),
             chamber_heat: HeatLimit::new(
                 "printer.max_chamber_temperature",

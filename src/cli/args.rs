@@ -371,7 +371,10 @@ fn define(given: &str) -> Result<(String, String), String> {
 fn finite(given: &str) -> Result<f64, String> {
     match given.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("{given:?} is not a number")),
+        _ => Err(format!(
+            "{given:?} is not a number; write it without a unit, as in 50 or \
+             0.5"
+        )),
     }
 }
 

@@ -57,8 +57,9 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
             if args.file.is_dir() {
                 bail!("{name} is a folder; name a file in it");
             }
-            let file = File::open(&args.file)
-                .with_context(|| format!("cannot read {name}"))?;
+            let file = File::open(&args.file).with_context(|| {
+                format!("cannot read {name}: check its name")
+            })?;
             let verdict = judge(file, &name, &rules)?;
             (name, verdict)
         }

@@ -60,6 +60,8 @@ struct Json<'a> {
     size_mm: [f64; 3],
     bounds_mm: [[f64; 3]; 2],
     on_the_bed_mm: [[f64; 3]; 2],
+    /// As planned: a last one in which nothing is as thick as a line is not
+    /// printed.
     layer_count: usize,
     layer_height_mm: f64,
     first_layer_height_mm: f64,
@@ -143,7 +145,7 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     )?;
     writeln!(
         text,
-        "  layers      {layers} of {} mm",
+        "  layers      {layers} planned, of {} mm",
         settings.layer_height
     )?;
     writeln!(text, "  expression  {} operations", model.expression_size)?;

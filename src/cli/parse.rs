@@ -80,17 +80,29 @@ pub(crate) fn parse() -> Cli {
     exit(code)
 }
 
-/// An option that is the name of a setting is not a misspelt option.
+/// An option that is the name of a setting is not a misspelt option, and a
+/// model is no command.
 fn suggest_setting(error: &mut clap::Error) {
-    if error.kind() != ErrorKind::UnknownArgument {
-        return;
-    }
-    let Some(ContextValue::String(given)) =
-        error.get(ContextKind::InvalidArg).cloned()
-    else {
+    let kind = match error.kind() {
+        ErrorKind::UnknownArgument => ContextKind::InvalidArg,
+        ErrorKind::InvalidSubcommand => ContextKind::InvalidSubcommand,
+        _ => return,
+    };
+    let Some(ContextValue::String(given)) = error.get(kind).cloned() else {
         return;
     };
-    let Some(tip) = tip(&given) else {
+    let before = std::env::args()
+        .zip(std::env::args().skip(1))
+        .find(|(_, arg)| *arg == given)
+        .map_or_else(String::new, |(before, _)| before);
+    let tip = match kind {
+        ContextKind::InvalidSubcommand => {
+            is_model(&given).then(|| format!("write isoslice slice {given}"))
+        }
+        _ if given.starts_with('-') => tip(&given),
+        _ => stray(&given, &before),
+    };
+    let Some(tip) = tip else {
         return;
     };
     // Others would only be like it by chance.
@@ -99,6 +111,21 @@ fn suggest_setting(error: &mut clap::Error) {
     }
     let tips = ContextValue::StyledStrs(vec![tip.into()]);
     error.insert(ContextKind::Suggested, tips);
+}
+
+fn is_model(given: &str) -> bool {
+    given.ends_with(".rhai") || given.ends_with(".vm")
+}
+
+/// What to write instead of something that is no option, after `before`.
+fn stray(given: &str, before: &str) -> Option<String> {
+    let is_name = settings::keys().iter().any(|key| key.name == before);
+    if is_name {
+        return Some(format!("write --set {before}={given}, without a space"));
+    }
+    is_model(given).then(|| {
+        "one model at a time; a script holds several bodies as min(f, g)".into()
+    })
 }
 
 /// What to write instead of an option.
@@ -147,5 +174,10 @@ mod tests {
         assert!(tip("--retract-length").contains("retract.length=0.8"));
         assert!(tip("--temperature").contains("nozzle_temperature"));
         assert!(tip("--repotr").is_empty());
+        let stray = |given, before| stray(given, before).unwrap_or_default();
+        let told = stray("0.2", "layer_height");
+        assert!(told.contains("--set layer_height=0.2,"), "{told}");
+        assert!(stray("b.rhai", "a.rhai").starts_with("one model"));
+        assert!(stray("b", "a").is_empty());
     }
 }

@@ -121,7 +121,8 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
         }
         Kind::Stdin => read(io::stdin().lock(), "standard input")?,
         Kind::Gcode(path) => {
-            let cannot = || format!("cannot read {}", path.display());
+            let cannot =
+                || format!("cannot read {}: check its name", path.display());
             if path.is_dir() {
                 bail!("{} is a folder; name a file in it", path.display());
             }

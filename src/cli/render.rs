@@ -1,10 +1,10 @@
 //! `isoslice render`: a picture of a model, straight from its function.
 
-use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
+use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource, is_stream};
 use super::limits::{LimitArgs, watched};
 use super::output::Output;
 use super::terminal;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::limits;
 use isoslice::preview::{Picture, View, draw};
@@ -119,6 +119,13 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
     let gathered = args.settings.gather()?;
     let path = args.output_path();
     // Before the work, so that a mistaken name costs none.
+    if !path_is_png(&path) {
+        bail!(
+            "cannot write {}: render draws PNG pictures; name it \
+             FILE.png",
+            path.display()
+        );
+    }
     let mut output = Output::create(&path, &args.model.inputs(&gathered))?;
     let model = args.model.load(&gathered.settings)?;
     terminal::warn(&model.warnings);
@@ -141,6 +148,12 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
     let no_picture = || format!("cannot write {}", path.display());
     output.write_all(&png).with_context(no_picture)?;
     output.finish().with_context(no_picture)
+}
+
+/// False for a name that promises another kind of file.
+fn path_is_png(path: &Path) -> bool {
+    let end = path.extension().and_then(|end| end.to_str());
+    is_stream(path) || end.is_none_or(|end| end.eq_ignore_ascii_case("png"))
 }
 
 impl RenderArgs {

@@ -111,6 +111,10 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let path = args.output_path();
     // Before the work, so that a mistaken name costs none.
     let inputs = args.model.inputs(&gathered);
+    if args.output.is_none() && inputs.contains(&path.as_path()) {
+        // G-code in a model's place: loading it says so.
+        args.model.load(settings)?;
+    }
     let mut output = Output::create(&path, &inputs)?;
     let format = format_of(&path)?;
     let report = args.report_output(&path, &inputs)?;

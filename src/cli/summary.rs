@@ -240,7 +240,7 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     if let Some(outline) = p99(summary.outline_error) {
         write!(text, "  accuracy    outline within {outline}")?;
         if let Some(walls) = p99(summary.wall_error) {
-            write!(text, ", outer wall of even width within {walls}")?;
+            write!(text, ", outer wall within {walls}")?;
         }
         writeln!(text, " (99 % of the points measured)")?;
     }

@@ -12,7 +12,10 @@ use crate::encoding::NotText;
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file cannot be read.
-    #[error("cannot read {file}")]
+    #[error(
+        "cannot read {file}: check its name, and that it is a readable text \
+         file"
+    )]
     Read {
         /// File.
         file: String,
@@ -29,16 +32,18 @@ pub enum LoadError {
         /// The limit.
         limit_mb: u64,
     },
-    /// The file's format is not known.
+    /// The file's name is not a model's.
     #[error(
-        "{file} has {found}; models are .rhai scripts or .vm files \
-         (fidget's text format); a formula is given with -e"
+        "{file} {found}; models are .rhai scripts or .vm files (fidget's text \
+         format), and a formula is given with -e: {advice}"
     )]
-    UnknownExtension {
+    NoModel {
         /// File.
         file: String,
-        /// Its extension.
+        /// What it is instead.
         found: String,
+        /// What to do.
+        advice: String,
     },
     /// Not text.
     #[error("{file}: {error}")]

@@ -159,13 +159,37 @@ fn kind_of(path: &Path) -> Result<SourceKind, LoadError> {
     match extension.as_deref() {
         Some("rhai") => Ok(SourceKind::Script),
         Some("vm") => Ok(SourceKind::Vm),
-        other => Err(LoadError::UnknownExtension {
-            file: path.display().to_string(),
-            found: match other {
-                None => "no extension".to_owned(),
-                Some(e) => format!("the extension .{e}"),
-            },
-        }),
+        other => Err(no_model(path, other)),
+    }
+}
+
+/// What a path with another name than a model's is, and what to do with it.
+fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
+    let file = path.display().to_string();
+    let script = path.with_extension("rhai");
+    let looks_computed = || file.contains(['(', '*', '^', '+']);
+    let found = match extension {
+        _ if path.is_dir() => "is a folder".to_owned(),
+        _ if !path.exists() && looks_computed() => "is no file".to_owned(),
+        Some("stl" | "3mf" | "obj" | "ply" | "amf" | "step" | "stp") => {
+            "is a mesh or a drawing, and isoslice slices functions".to_owned()
+        }
+        Some("gcode" | "gco" | "g" | "bgcode") => "is G-code".to_owned(),
+        Some(extension) => format!("has the extension .{extension}"),
+        None => "has no extension".to_owned(),
+    };
+    let advice = match &*found {
+        "is a folder" => "name a file in it".to_owned(),
+        "is no file" => format!("write -e '{file}', if it is one"),
+        "is G-code" => "check and preview read that".to_owned(),
+        _ if script.is_file() => format!("did you mean {}?", script.display()),
+        _ if extension.is_none() => "write its whole name".to_owned(),
+        _ => "write the part as one, see isoslice new".to_owned(),
+    };
+    LoadError::NoModel {
+        file,
+        found,
+        advice,
     }
 }
 

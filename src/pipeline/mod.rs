@@ -128,8 +128,7 @@ pub struct Summary {
     /// Distance of the outlines from f = 0, µm, if there are any; of a few
     /// points, unless there is a report.
     pub outline_error: Option<Figures>,
-    /// Distance of the outer wall from where it should be, µm; where its
-    /// width varies is left out.
+    /// Distance of the outer beads' edges from the outline, µm.
     pub wall_error: Option<Figures>,
     /// The report, if it was asked for.
     pub report: Option<Report>,

@@ -10,9 +10,10 @@
 //!             wall 1  2
 //! ```
 //!
-//! Both are distances in the plane. A bead whose width varies has no place of
-//! its own; counted apart is how far its edge is from the outline, d − w/2,
-//! for those that should touch it.
+//! Both are distances in the plane. Of the outer wall it is where its edge is
+//! that is measured, d − w/2, as a small ring's bead is narrower than others
+//! and lies less deep. Beads whose width varies are counted apart, those along
+//! the middle of thin parts with them.
 
 use super::ReportError;
 use super::area::content;
@@ -78,7 +79,7 @@ pub struct LayerFigures {
     pub worst: Option<(f64, DVec2)>,
     /// Points of the outline with no border within a millimetre.
     pub lost: u64,
-    /// Depth of the outer wall, less what it should be, µm.
+    /// Distance of the outer wall's edge from the outline, µm: positive inside.
     pub outer_wall: Spread,
     /// Distance of walls from those outside them, less the spacing, µm.
     pub spacing: Spread,
@@ -258,24 +259,25 @@ fn walls(
     let constant = |l: &&Line| l.widths.is_empty();
     let depth =
         |p: DVec2| edges.nearest(p).map_or(f64::NAN, |(_, q)| p.distance(q));
-    let points =
-        |of: &[&Line]| -> usize { of.iter().map(|l| 2 * l.points.len()).sum() };
-    let (Some(outer), Some(&outer_depth)) = (lines.first(), depths.first())
-    else {
+    let Some(outer) = lines.first() else {
         return;
     };
-    let same: Vec<&Line> = outer.iter().filter(constant).collect();
-    let every = stride(effort, points(&same));
-    for (p, _) in same.iter().flat_map(|l| along(l)).step_by(every) {
-        found.outer_wall.add((depth(p) - outer_depth) * MICRONS);
-    }
     // All beads along the middle of a thin part touch its outline.
     let thin = thin.first().into_iter().flatten();
-    let varying = outer.iter().filter(|l| !constant(l));
-    let varying: Vec<&Line> = varying.chain(thin).collect();
-    let every = stride(effort, points(&varying));
-    for (p, w) in varying.iter().flat_map(|l| along(l)).step_by(every) {
-        found.varying.add((depth(p) - 0.5 * w) * MICRONS);
+    let touching: Vec<&Line> = outer.iter().chain(thin).collect();
+    let points = touching.iter().map(|l| 2 * l.points.len()).sum();
+    // Taken evenly from both kinds, as a summary mixes them.
+    let every = stride(effort, points);
+    let spots = touching.iter().flat_map(|l| {
+        let even = l.widths.is_empty();
+        along(l).map(move |(p, w)| (even, p, w))
+    });
+    for (even, p, w) in spots.step_by(every) {
+        let off = (depth(p) - 0.5 * w) * MICRONS;
+        match even {
+            true => found.outer_wall.add(off),
+            false => found.varying.add(off),
+        }
     }
     if matches!(effort, Effort::Points(_)) {
         return;
@@ -418,5 +420,21 @@ mod tests {
         let varying = found.varying.figures().unwrap();
         assert!((varying.mean + 20.0).abs() < 1.0, "{varying:?}");
         assert_eq!(found.outer_wall.figures(), None);
+    }
+
+    #[test]
+    fn a_narrower_bead_is_measured_at_its_own_edge() {
+        let area = ring(DVec2::ZERO, 5.0);
+        let mut walls = region::walls(&area, 0.2, &Settings::default());
+        let line = &mut walls.lines[0][0];
+        // As a post's ring is: thinner, and by half of that further out.
+        line.width -= 0.1;
+        for p in &mut line.points {
+            *p *= 1.0 + 0.05 / p.length();
+        }
+        for effort in [FULL, Effort::Points(200)] {
+            let found = figures(&area, &walls, effort);
+            assert!(found.outer_wall.worst() < 2.0, "{effort:?}");
+        }
     }
 }

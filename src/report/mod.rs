@@ -191,10 +191,12 @@ impl Tally {
         }
     }
 
-    /// How far outlines and outer walls are off, µm, if there are any:
-    /// quantiles for a summary.
+    /// How far outlines and the outer edges of outer beads are off, µm, if
+    /// there are any: quantiles for a summary.
     pub fn accuracy(&self) -> (Option<Figures>, Option<Figures>) {
-        (self.outline.figures(), self.outer_wall.figures())
+        let mut edges = self.outer_wall.clone();
+        edges.merge(&self.varying);
+        (self.outline.figures(), edges.figures())
     }
 
     /// The whole report. `volume` is the field's and its uncertainty,
@@ -297,7 +299,7 @@ pub struct Report {
     /// border; they are in no other figure.
     pub outline_lost: u64,
     /// Depth of the outer wall's centre line below the outline, less half its
-    /// width.
+    /// width, where that does not vary.
     pub outer_wall_um: Option<Figures>,
     /// Distance of the inner walls' centre lines from those of the walls
     /// outside them, less the spacing they should have.

@@ -20,6 +20,21 @@ impl Settings {
         self.filament.min_nozzle_temperature.unwrap_or(USUAL)
     }
 
+    /// Hottest that the nozzle may be told to be:
+    /// `printer.max_nozzle_temperature` if set, else more than hardly any hot
+    /// end bears.
+    pub fn max_nozzle_temperature(&self) -> Celsius {
+        const MOST: Celsius = 450.0;
+        self.printer.max_nozzle_temperature.unwrap_or(MOST)
+    }
+
+    /// Hottest that the bed may be told to be: `printer.max_bed_temperature`
+    /// if set, else more than hardly any bed reaches.
+    pub fn max_bed_temperature(&self) -> Celsius {
+        const MOST: Celsius = 200.0;
+        self.printer.max_bed_temperature.unwrap_or(MOST)
+    }
+
     /// Width of the lines of skin that faces upwards.
     pub fn top_skin_width(&self) -> Mm {
         self.top_skin_width.unwrap_or(self.skin_width)

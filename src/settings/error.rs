@@ -77,14 +77,16 @@ pub enum SettingsError {
     },
     /// A file is not TOML.
     #[error(
-        "{place}: {message}; the file must be TOML, as `isoslice settings` \
-         prints it"
+        "{place}: {message}{hint}; the file must be TOML, as `isoslice \
+         settings` prints it"
     )]
     NotToml {
         /// Where.
         place: Place,
         /// What the parser says.
         message: String,
+        /// What to write instead, if that is known.
+        hint: &'static str,
     },
     /// An assignment without a key or an equals sign.
     #[error("--set {given}: write it as key=value, as in layer_height=0.15")]

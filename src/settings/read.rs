@@ -338,11 +338,39 @@ fn parse<'a>(
     text: &'a str,
     place: &dyn Fn(Range<usize>) -> Place,
 ) -> Result<Spanned<DeTable<'a>>, SettingsError> {
-    DeTable::parse(text).map_err(|e| SettingsError::NotToml {
+    DeTable::parse(text).map_err(|e| {
         // Without a span the file as a whole is meant.
-        place: place(e.span().unwrap_or(0..0)),
-        message: e.message().replace('\n', ", "),
+        let span = e.span().unwrap_or(0..0);
+        let what = e.message().replace('\n', ", ");
+        let line = text.lines().nth(line_of(text, span.start) - 1);
+        SettingsError::NotToml {
+            message: match line.map(str::trim).filter(|line| !line.is_empty()) {
+                Some(line) => format!("{what}, in `{}`", shortened(line)),
+                None => what,
+            },
+            hint: match line.is_some_and(ends_in_unit) {
+                true => "; numbers have no unit, and texts have quotes",
+                false => "",
+            },
+            place: place(span),
+        }
     })
+}
+
+/// As much of a line as people read.
+fn shortened(line: &str) -> String {
+    const MOST: usize = 60;
+    match line.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line.to_owned(),
+    }
+}
+
+/// `layer_height = 0.2mm`, `infill_density = 20%`.
+fn ends_in_unit(line: &str) -> bool {
+    let value = line.split_once('=').map_or("", |(_, value)| value.trim());
+    value.starts_with(|c: char| c.is_ascii_digit())
+        && value.ends_with(|c: char| c.is_alphabetic() || c == '%')
 }
 
 /// One `key = value` of a file. A key that can be none, whatever the table

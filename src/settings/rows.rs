@@ -420,10 +420,10 @@ table::settings! {
         /// Diameter of the nozzle's hole.
         nozzle_diameter: Mm = 0.4, in 0.05..=5.0;
         /// Greatest temperature that the hot end bears; settings beyond it
-        /// are warned of. auto if it is not known.
+        /// are refused. auto if it is not known: 450.
         max_nozzle_temperature: Option<Celsius> = None, in 1.0..=600.0;
         /// Greatest temperature that the bed reaches; settings beyond it are
-        /// warned of. auto if it is not known.
+        /// refused. auto if it is not known: 200.
         max_bed_temperature: Option<Celsius> = None, in 1.0..=250.0;
         /// Greatest temperature that a heated chamber reaches, for the check
         /// of start templates and of files. auto if it is not known.

@@ -87,13 +87,27 @@ pub(super) fn constant(
     })
 }
 
+/// `x2` and `x²` as they are written here.
+fn powers(name: &str) -> Option<String> {
+    let mut letters = name.chars();
+    let variable = letters.next().filter(|c| matches!(c, 'x' | 'y' | 'z'))?;
+    let power = match letters.as_str() {
+        "2" | "\u{b2}" => 2,
+        "3" | "\u{b3}" => 3,
+        "4" | "\u{2074}" => 4,
+        _ => return None,
+    };
+    Some(format!("{variable}^{power}"))
+}
+
 fn unknown(
     name: &str,
     column: usize,
     known: &[&str],
 ) -> Result<Value, FormulaError> {
-    let meant = nearest(name, known.iter().copied())
-        .map(|n| format!("; did you mean `{n}`?"))
+    let meant = powers(name)
+        .or_else(|| nearest(name, known.iter().copied()).map(str::to_owned))
+        .map(|meant| format!("; did you mean `{meant}`?"))
         .unwrap_or_default();
     Err(FormulaError {
         column,

@@ -82,8 +82,17 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, usize)>, FormulaError> {
                     return Err(FormulaError {
                         column,
                         message: format!(
-                            "unexpected character `{}`",
-                            other.escape_default()
+                            "unexpected character `{}`{}",
+                            other.escape_default(),
+                            match other {
+                                '=' | '<' | '>' | '\u{2264}' | '\u{2265}' => {
+                                    "; a formula is one value, negative inside \
+                                     the part: write a - b for a < b or a = b"
+                                }
+                                '\u{b2}' => "; write the power as ^2",
+                                '\u{b3}' => "; write the power as ^3",
+                                _ => "",
+                            }
                         ),
                     });
                 }

@@ -137,12 +137,35 @@ pub(super) fn explain(
                  names, as in sphere(#{{ center: [0, 0, 0], radius: 5 }})"
             ))
         }
+        EvalAltResult::ErrorMismatchDataType(wanted, found, _) => {
+            let named = |name: &str| match name.rsplit("::").next() {
+                Some("Tree" | "tree") => "a field".to_owned(),
+                Some("string") => "a text in quotes".to_owned(),
+                Some(other) => other.to_owned(),
+                None => name.to_owned(),
+            };
+            failed(format!(
+                "here stands {}, but {} is wanted: a field is made of x, y, z \
+                 and numbers, which have no quotes",
+                named(found),
+                named(wanted)
+            ))
+        }
         other => {
             let mut plain = rhai_message(other);
             for (symbol, remedy) in [
                 (
                     "Expecting ';'",
-                    "; is there a ; missing at the end of the line before?",
+                    match text.trim_start().starts_with("def ")
+                        || text.contains("\ndef ")
+                        || text.contains("function ")
+                    {
+                        true => "; a function is fn name(a, b) { a + b }",
+                        false => {
+                            "; is there a ; missing at the end of the line \
+                             before?"
+                        }
+                    },
                 ),
                 ("'import'", "; models cannot import other files"),
                 ("'eval'", "; models cannot run text as code"),

@@ -5,6 +5,7 @@
 //! prints asked for it: a profile may well limit what a default asks for.
 
 mod beads;
+mod heat;
 mod idle;
 mod speeds;
 
@@ -13,6 +14,7 @@ pub(super) use speeds::{flow_note, speed_note};
 use super::read::Places;
 use super::{Flavour, Settings};
 use beads::{heights, sampling, widths};
+use heat::temperatures;
 use idle::without_effect;
 use speeds::too_fast;
 
@@ -46,63 +48,14 @@ pub(super) fn conflicts(
     sampling(s, &mut warnings)?;
     something_is_printed(s)?;
     retraction(s, &mut warnings)?;
-    temperatures(s, &mut warnings);
+    temperatures(s)?;
     total_flow(s, &mut warnings);
+    share_of_one(s, &mut warnings);
     let given =
         |key: &str| places.get(key).is_some_and(|place| place.is_given());
     too_fast(s, &given, &mut warnings);
     without_effect(s, &given, &mut warnings);
     Ok(warnings)
-}
-
-/// Heaters that are too cold to print, or hotter than the machine bears.
-fn temperatures(s: &Settings, warnings: &mut Vec<String>) {
-    let filament = &s.filament;
-    let least = s.min_nozzle_temperature();
-    let first = filament.first_layer_nozzle_temperature;
-    let above = filament.nozzle_temperature.constant().unwrap_or(first);
-    if above < least || first < least {
-        warnings.push(format!(
-            "a nozzle at {first} °C (filament.first_layer_nozzle_temperature) \
-             or {above} °C (filament.nozzle_temperature) melts hardly any \
-             plastic, and most firmware refuses to extrude below {least} °C \
-             (filament.min_nozzle_temperature); PLA takes about 210 °C",
-        ));
-    }
-    for (limit_key, limit, heaters) in [
-        (
-            "printer.max_nozzle_temperature",
-            s.printer.max_nozzle_temperature,
-            [
-                ("filament.first_layer_nozzle_temperature", first),
-                ("filament.nozzle_temperature", above),
-            ],
-        ),
-        (
-            "printer.max_bed_temperature",
-            s.printer.max_bed_temperature,
-            [
-                (
-                    "filament.first_layer_bed_temperature",
-                    filament.first_layer_bed_temperature,
-                ),
-                ("filament.bed_temperature", filament.bed_temperature),
-            ],
-        ),
-    ] {
-        for (key, value) in heaters {
-            if let Some(limit) = limit
-                && value > limit
-            {
-                warnings.push(format!(
-                    "{key} = {value} °C is more than {limit_key} = {limit} \
-                     °C: this printer is not made for this filament; take \
-                     another, lower the temperature, or raise {limit_key} if \
-                     yours was rebuilt",
-                ));
-            }
-        }
-    }
 }
 
 fn total_flow(s: &Settings, warnings: &mut Vec<String>) {
@@ -116,6 +69,20 @@ fn total_flow(s: &Settings, warnings: &mut Vec<String>) {
             s.filament.flow,
             round(flow),
             if flow < 100.0 { "weak" } else { "swollen" },
+        ));
+    }
+}
+
+/// Other slicers write 15 % as 0.15.
+fn share_of_one(s: &Settings, warnings: &mut Vec<String>) {
+    if let Some(density) = s.infill_density.constant()
+        && density > 0.0
+        && density < 1.0
+    {
+        warnings.push(format!(
+            "infill_density = {density}% is next to nothing; write {}% if \
+             that was meant as a share of one",
+            round(100.0 * density),
         ));
     }
 }
