@@ -6,7 +6,7 @@
 //! has 2^DEPTH cells along a cube a fifth larger than the model's largest
 //! side.
 
-use fidget::jit::JitShape;
+use fidget_jit::JitShape;
 use fidget_mesh::{Octree, Settings};
 use isoslice::model::{self, BuildVolume, Placement, Source};
 use nalgebra::{Matrix4, Vector3};
