@@ -6,12 +6,12 @@
 //! `tests/fuzz_replay.rs`, which runs each function over its seeds.
 
 use glam::DVec3;
+use isocontour::{Cancel, find_bounds};
 use isoslice::check::{Rules, check};
 use isoslice::gcode::{Header, Writer};
 use isoslice::model::{
     Bounds, BuildVolume, LoadError, Placement, ScriptError, ScriptLimits,
-    SearchOptions, Source, SourceKind, find_bounds, load_within, parse_vm,
-    place,
+    SearchOptions, Source, SourceKind, load_within, parse_vm, place,
 };
 use isoslice::pipeline::{self, Options};
 use isoslice::preview::{Toolpath, write_html};
@@ -51,7 +51,9 @@ fn model(kind: SourceKind, text: &str) {
                 max_work: 200_000,
                 ..SearchOptions::default()
             };
-            if let Ok(found) = find_bounds(&loaded.tree, &options) {
+            if let Ok(found) =
+                find_bounds(&loaded.tree, &options, &Cancel::NEVER)
+            {
                 assert!(found.bounds.min.is_finite());
                 assert!(found.bounds.max.is_finite());
                 assert!(found.bounds.size().min_element() >= 0.0);

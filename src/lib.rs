@@ -143,7 +143,6 @@ pub mod bgcode;
 pub mod check;
 pub mod contour;
 pub mod encoding;
-pub mod field;
 pub mod files;
 pub mod fuzzy;
 pub mod gcode;

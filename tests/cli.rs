@@ -289,12 +289,11 @@ fn printed_settings_can_be_fed_back() {
 #[test]
 fn an_input_is_never_overwritten() {
     let folder = folder();
-    write(&folder, "part.gcode", "sqrt(x*x + y*y + z*z) - 3.0");
+    write(&folder, "part.rhai", "draw(sphere(#{ radius: 3 }))");
     write(&folder, "my.toml", "walls = 2");
     for args in [
-        // The default output has the model's name.
-        &["slice", "part.gcode"][..],
-        &["slice", "part.gcode", "-o", "../x/../part.gcode"],
+        &["slice", "part.rhai", "-o", "part.rhai"][..],
+        &["slice", "part.rhai", "-o", "../x/../part.rhai"],
         &[
             "slice",
             "-e",
@@ -315,7 +314,7 @@ fn an_input_is_never_overwritten() {
             .code(1)
             .stderr(contains("is also an input and would be overwritten"));
     }
-    assert_eq!(names(folder.path()), ["my.toml", "part.gcode"]);
+    assert_eq!(names(folder.path()), ["my.toml", "part.rhai"]);
     let kept = fs::read_to_string(folder.path().join("my.toml"));
     assert_eq!(kept.ok().as_deref(), Some("walls = 2"));
 }

@@ -5,10 +5,10 @@
 
 use fidget::context::Tree;
 use glam::DVec3;
+use isocontour::Cancel;
 use isoslice::model::{
     Bounds, BoundsError, BuildVolume, FoundBounds, LoadError, Loaded, Model,
-    PlaceError, Placement, SearchOptions, Source, SourceKind, find_bounds,
-    load, place,
+    PlaceError, Placement, SearchOptions, Source, SourceKind, load, place,
 };
 use std::time::Instant;
 
@@ -32,6 +32,13 @@ fn formula(text: &str) -> Loaded {
 
 fn script(text: &str) -> Loaded {
     load(&source(SourceKind::Script, text), &[]).unwrap()
+}
+
+fn find_bounds(
+    tree: &Tree,
+    options: &SearchOptions,
+) -> Result<FoundBounds, BoundsError> {
+    isocontour::find_bounds(tree, options, &Cancel::NEVER)
 }
 
 fn bounds_of(tree: &Tree) -> Result<FoundBounds, BoundsError> {
@@ -322,7 +329,8 @@ fn hopeless_fields_end_with_advice() {
         ..SearchOptions::default()
     };
     let e = find_bounds(&tree, &options).unwrap_err();
-    assert!(e.to_string().contains("--bounds"), "{e}");
+    let e = PlaceError::from(e).to_string();
+    assert!(e.contains("--bounds"), "{e}");
 }
 
 #[test]

@@ -15,11 +15,9 @@ mod csg;
 
 use csg::{Solid, solid};
 use glam::DVec2;
-use isoslice::contour::{Detail, Outline, outlines};
-use isoslice::field::Field;
+use isocontour::{Detail, Field, Outline, outlines};
 use isoslice::model::{Source, SourceKind, load};
 use isoslice::plane::Rect;
-use isoslice::timings::Timings;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
@@ -52,9 +50,7 @@ fn sliced(solid: &Solid, spacing: f64, z: f64) -> Outline {
         max: DVec2::splat(HALF),
     };
     let field = Field::new(&solid.tree(), 0.0, bounds, spacing).unwrap();
-    outlines(&field, &[z], DETAIL, &Timings::default())
-        .unwrap()
-        .remove(0)
+    outlines(&field, &[z], DETAIL).unwrap().remove(0)
 }
 
 /// Everything wrong with the outline of a solid at a height.
@@ -191,7 +187,7 @@ proptest! {
             Field::new(&model.tree, 0.0, bounds, 0.25).unwrap();
         let layers = [-0.8, 0.01, 0.7];
         let found =
-            outlines(&field, &layers, DETAIL, &Timings::default()).unwrap();
+            outlines(&field, &layers, DETAIL).unwrap();
         for outline in found {
             for ring in &outline.area.rings {
                 prop_assert!(ring.len() > 2);

@@ -33,7 +33,7 @@ pub mod standing;
 mod triangles;
 
 use crate::bead::{Bead, Role, spacing};
-use crate::field::FieldError;
+use crate::contour::{FieldError, remedy};
 use crate::model::{ExpressionError, LoadError, Source};
 use crate::plane::border::{Border, Piece};
 use crate::plane::grid::EdgeGrid;
@@ -173,7 +173,7 @@ pub enum InfillError {
         error: Box<LoadError>,
     },
     /// It cannot be evaluated.
-    #[error("infill: {0}")]
+    #[error("infill: {}{}", .0, remedy(.0))]
     Field(#[from] FieldError),
     /// The pattern has one density only.
     #[error(

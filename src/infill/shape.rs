@@ -15,8 +15,7 @@
 use super::clusters::clusters;
 use super::level::{Lattice, thin, trace};
 use super::{InfillError, Layer, Site};
-use crate::contour::{Detail, outlines};
-use crate::field::Field;
+use crate::contour::{Detail, Field, field, outlines};
 use crate::model::{Expression, Place, Source, SourceKind, load};
 use crate::plane::border::{Border, Cutter, Piece};
 use crate::plane::clip::intersection;
@@ -113,7 +112,7 @@ impl Shape {
         );
         let drawn = load(source)?.seen_from(site.origin).tree;
         let tree = drawn.max(load(&formula(walls))?.tree);
-        let field = Field::new(&tree, 0.0, rect, width)?;
+        let field = field(&tree, 0.0, rect, width)?;
         Ok(Shape::Field(Box::new(field)))
     }
 

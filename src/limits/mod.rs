@@ -32,6 +32,7 @@ mod tests;
 pub use space::{TooLittleSpace, enough_space};
 pub use stopped::{Activity, Reason, Stopped};
 
+use isocontour::Cancel;
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -67,14 +68,14 @@ struct Shared {
 
 #[derive(Debug, Default)]
 struct State {
-    stages: Vec<Doing>,
+    stages: Vec<Seen>,
     layers: Option<(usize, usize)>,
     finished: bool,
 }
 
 /// A stage, as the watching thread sees it.
 #[derive(Debug)]
-struct Doing {
+struct Seen {
     name: &'static str,
     /// Threads that are in it.
     threads: usize,
@@ -236,7 +237,7 @@ impl Shared {
     fn activity(&self) -> Activity {
         let state = self.lock();
         let all: usize = state.stages.iter().map(|s| s.seen).sum();
-        let share = |s: &Doing| (s.name, s.seen as f64 / all.max(1) as f64);
+        let share = |s: &Seen| (s.name, s.seen as f64 / all.max(1) as f64);
         let mut shares: Vec<_> = state
             .stages
             .iter()
@@ -264,7 +265,7 @@ impl Shared {
         let Some(name) = to else { return };
         match state.stages.iter_mut().find(|s| s.name == name) {
             Some(stage) => stage.threads += 1,
-            None => state.stages.push(Doing {
+            None => state.stages.push(Seen {
                 name,
                 threads: 1,
                 seen: 0,
@@ -273,19 +274,42 @@ impl Shared {
     }
 }
 
+/// Whether this thread's watch says that its work is to stop.
+#[inline]
+fn is_stopped() -> bool {
+    CURRENT.with(|current| {
+        let current = current.borrow();
+        let shared = current.as_ref();
+        shared.is_some_and(|s| s.stop.load(Ordering::Relaxed) != 0)
+    })
+}
+
 /// Ends this thread's work if its watch says so. To be called in every loop
 /// that may take longer than some tenths of a second; it costs a few
 /// nanoseconds.
 #[inline]
 pub fn check() {
-    let stop = CURRENT.with(|current| {
-        let current = current.borrow();
-        let shared = current.as_ref();
-        shared.is_some_and(|s| s.stop.load(Ordering::Relaxed) != 0)
-    });
     // What is dropped on the way out may look as well.
-    if stop && !std::thread::panicking() {
+    if is_stopped() && !std::thread::panicking() {
         resume_unwind(Box::new(Unwinding));
+    }
+}
+
+/// For a library that is not to be unwound through: stops its work when the
+/// watch of the thread that works says so.
+pub fn cancel() -> Cancel {
+    Cancel::when(is_stopped)
+}
+
+/// The result of work that may have been stopped by [`cancel`].
+pub trait Watched {
+    /// The result, if the watch did not stop the work.
+    fn watched(self) -> Self;
+}
+
+impl<T, E> Watched for Result<T, E> {
+    fn watched(self) -> Self {
+        self.inspect_err(|_| check())
     }
 }
 
@@ -300,25 +324,36 @@ pub fn work_under(watch: Option<&Watch>) {
     CURRENT.set(watch.map(|watch| watch.0.clone()));
 }
 
-/// Does `work` and lets the watch know what it is called.
-pub fn doing<T>(stage: &'static str, work: impl FnOnce() -> T) -> T {
-    /// Tells the end also when unwinding.
-    struct Back(Arc<Shared>, &'static str, Option<&'static str>);
-    impl Drop for Back {
-        fn drop(&mut self) {
-            let Back(shared, stage, outer) = self;
+/// A stage that this thread is in until this is dropped.
+#[derive(Debug)]
+pub struct Doing(Option<(Arc<Shared>, &'static str, Option<&'static str>)>);
+
+impl Drop for Doing {
+    fn drop(&mut self) {
+        // Also while unwinding.
+        if let Some((shared, stage, outer)) = &self.0 {
             shared.moves(Some(stage), *outer);
             STAGE.set(*outer);
         }
     }
+}
+
+/// Lets the watch know what this thread does from now on.
+pub fn begin(stage: &'static str) -> Doing {
     let shared = CURRENT.with(|current| current.borrow().clone());
     let Some(shared) = shared else {
-        return work();
+        return Doing(None);
     };
     let outer = STAGE.replace(Some(stage));
     shared.moves(outer, Some(stage));
-    let _back = Back(shared, stage, outer);
+    let doing = Doing(Some((shared, stage, outer)));
     check();
+    doing
+}
+
+/// Does `work` and lets the watch know what it is called.
+pub fn doing<T>(stage: &'static str, work: impl FnOnce() -> T) -> T {
+    let _doing = begin(stage);
     work()
 }
 

@@ -10,7 +10,6 @@
 //! Evaluated in f32 by fidget's interpreter, on any machine and thread with
 //! the same result.
 
-use super::expand::{ExpandError, expand_with};
 use super::formula::{FormulaError, parse_with_depth};
 use crate::units::Mm;
 use fidget::context::Tree;
@@ -18,6 +17,7 @@ use fidget::eval::{BulkEvaluator, Function, MathFunction, Tape};
 use fidget::var::Var;
 use fidget::vm::VmFunction;
 use glam::DVec3;
+use isocontour::{ExpandError, expand_with};
 
 /// Where an expression is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]

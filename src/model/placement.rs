@@ -17,14 +17,15 @@
 //! the bed), which is a warning and not an error, because sinking a part is
 //! how one flattens its foot.
 
-use super::bounds::{Bounds, BoundsError, SearchOptions, find_bounds, is_flat};
-use super::cell::Cell;
-use super::expand::{ExpandError, expand};
 use super::param::Parameter;
-use super::shift::{digits, shifted};
 use super::source::Loaded;
+use crate::limits::{self, Watched};
 use fidget::context::Tree;
 use glam::{DMat3, DVec3};
+use isocontour::{
+    Bounds, BoundsError, ExpandError, FoundBounds, SearchOptions, digits,
+    expand, is_flat, shifted,
+};
 
 /// The space a printer can reach, from (0, 0, 0).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +112,7 @@ impl Model {
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum PlaceError {
     /// The model has no usable extent.
-    #[error(transparent)]
+    #[error("{}", super::error::of_bounds(.0))]
     Bounds(#[from] BoundsError),
     /// The placed expression is too large.
     #[error(transparent)]
@@ -297,6 +298,16 @@ pub fn place(
     })
 }
 
+/// The box of {f < 0}, under the watch of this thread.
+fn find_bounds(
+    tree: &Tree,
+    options: &SearchOptions,
+) -> Result<FoundBounds, BoundsError> {
+    limits::doing("bounds", || {
+        isocontour::find_bounds(tree, options, &limits::cancel()).watched()
+    })
+}
+
 /// Moves the origin of a part that was drawn far from it, if that gives f32
 /// the digits it lacks; warns if they are still too few. `None` if the part
 /// can stay as it is.
@@ -309,15 +320,13 @@ fn far_out(
     const FAR_MM: f64 = 1000.0;
     /// As good as the outlines are by default.
     const GOOD_MM: f64 = 0.005;
-    let cell = |b: Bounds| Cell {
-        lo: b.min.to_array(),
-        hi: b.max.to_array(),
-    };
+    let cancel = limits::cancel();
     let far = bounds.min.abs().max(bounds.max.abs()).max_element();
     if far < FAR_MM {
         return Ok(None);
     }
-    let here = digits(tree, &cell(*bounds)).unwrap_or(0.0);
+    let here = digits(tree, bounds, &cancel).unwrap_or(0.0);
+    limits::check();
     // A whole number of millimetres is exact in f32, too.
     let origin = bounds.centre().round();
     let near = shifted(tree, origin)?;
@@ -325,7 +334,8 @@ fn far_out(
         min: bounds.min - origin,
         max: bounds.max - origin,
     };
-    let there = digits(&near, &cell(moved)).unwrap_or(here);
+    let there = digits(&near, &moved, &cancel).unwrap_or(here);
+    limits::check();
     let gains = there < 0.5 * here;
     let left = if gains { there } else { here };
     if left > GOOD_MM {

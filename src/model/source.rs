@@ -4,7 +4,6 @@
 //! is known to be expandable within bounds and to depend on x, y, z only.
 
 use super::error::LoadError;
-use super::expand::expand;
 use super::formula::parse_formula;
 use super::param::{Parameter, none_wanted};
 use super::script::{ScriptLimits, run_script};
@@ -13,6 +12,7 @@ use crate::encoding;
 use crate::files::{self, FileError};
 use fidget::context::Tree;
 use glam::DVec2;
+use isocontour::expand;
 use std::path::{Path, PathBuf};
 
 /// Largest file that is read. A .vm file of 10⁶ lines has about 20 MB.

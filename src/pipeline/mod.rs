@@ -34,7 +34,7 @@ mod supply;
 mod tally;
 
 use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
-use crate::field::{FieldError, SLAB};
+use crate::contour::{FieldError, remedy};
 use crate::gcode::{
     Format, Header, Thumbnail, WriteError, Writer, needs_outline,
 };
@@ -56,6 +56,7 @@ use crate::units::{Mm, Mm2, Seconds};
 use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
 use glam::{DVec2, DVec3};
+use isocontour::SLAB;
 use stages::Stages;
 use std::io;
 use std::ops::Range;
@@ -147,7 +148,7 @@ pub enum SliceError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// The field cannot be evaluated.
-    #[error(transparent)]
+    #[error("{}{}", .0, remedy(.0))]
     Field(#[from] FieldError),
     /// A setting that is an expression has no value somewhere.
     #[error(transparent)]

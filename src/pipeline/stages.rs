@@ -7,8 +7,7 @@
 use super::shell::{Inside, Shell};
 use super::{BLOCK, SliceError};
 use crate::adhesion::{Skirt, brim};
-use crate::contour::{Detail, Outline, outlines};
-use crate::field::{Field, FieldError};
+use crate::contour::{Detail, Field, FieldError, Outline, field, outlines};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
 use crate::infill::{self, Infill};
@@ -79,7 +78,7 @@ impl<'a> Stages<'a> {
             max: model.bounds.max.truncate(),
         };
         let spacing = settings.sample_spacing;
-        let make = |depth: Mm| Field::new(&model.tree, depth, rect, spacing);
+        let make = |depth: Mm| field(&model.tree, depth, rect, spacing);
         let field = make(0.0)?;
         let wall_fields = match settings.wall_offset {
             WallOffset::Distance => Vec::new(),

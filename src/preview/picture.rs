@@ -9,7 +9,7 @@
 use super::image::Picture;
 use super::raster::{PictureError, Subject, View};
 use super::shade::{KEY_FROM, shade};
-use crate::field::FieldError;
+use crate::contour::FieldError;
 use crate::model::Model;
 use crate::settings::PictureSize;
 

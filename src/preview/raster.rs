@@ -15,12 +15,13 @@
 //! What is thinner than a sample is far from the next may be missed. The
 //! result does not depend on the number of threads.
 
-use crate::field::{FieldError, Grid, Sight};
+use crate::limits::{self, Watched};
 use crate::model::{Bounds, Model};
 use crate::units::{Degrees, Mm};
 use fidget::context::Tree;
 use geo::{ConvexHull, MultiPoint};
 use glam::{DMat3, DVec2, DVec3, Vec3};
+use isocontour::{FieldError, Grid, Sight};
 use std::sync::Arc;
 
 /// From where a part is looked at.
@@ -186,7 +187,9 @@ impl Subject {
             tree = tree.max(Tree::constant(bed as f32) - z);
             bounds.min.z = bed;
         }
-        let sight = Sight::new(&tree)?.at_most(operations);
+        let sight = Sight::new(&tree)?
+            .at_most(operations)
+            .with_cancel(limits::cancel());
         let sight = Arc::new(sight);
         Ok(Subject::of(sight, view.axes(), bounds))
     }
@@ -301,7 +304,8 @@ impl Subject {
             origin,
             steps,
             size: frame.size,
-        })?;
+        });
+        let hits = hits.watched()?;
         let scale = (frame.step / frame.pixel) as f32;
         let from_model = self.axes.transpose().as_mat3();
         let normal = |gradient: Vec3| {

@@ -8,8 +8,8 @@
 #![allow(dead_code, reason = "no test file uses everything")]
 
 use glam::{DVec2, DVec3};
-use isoslice::contour::{Detail, Outline, outlines};
-use isoslice::field::{Field, SLAB};
+use isocontour::SLAB;
+use isocontour::{Detail, Field, Outline, outlines};
 use isoslice::layers::{LayerRange, LayerSpan, plan};
 use isoslice::model::{
     BuildVolume, Model, Placement, Source, SourceKind, load, place,
@@ -18,7 +18,6 @@ use isoslice::pipeline::{self, Options, Summary};
 use isoslice::plane::Rect;
 use isoslice::region::OUTLINE_SHARE;
 use isoslice::settings::{Builder, Settings};
-use isoslice::timings::Timings;
 use std::path::Path;
 
 /// Settings from assignments as `--set` takes them, without pictures, which
@@ -107,7 +106,6 @@ pub fn layers(
     };
     let field =
         Field::new(&model.tree, 0.0, rect, settings.sample_spacing).unwrap();
-    let timings = Timings::default();
     let detail = Detail {
         accuracy: OUTLINE_SHARE * settings.accuracy,
         smallest: 0.25 * settings.outer_wall_width,
@@ -117,7 +115,7 @@ pub fn layers(
         .flat_map(|slab| {
             let z: Vec<f64> =
                 slab.iter().map(|s| s.sample_z() - model.offset.z).collect();
-            outlines(&field, &z, detail, &timings).unwrap()
+            outlines(&field, &z, detail).unwrap()
         })
         .collect();
     (spans, found)

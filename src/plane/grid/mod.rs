@@ -17,7 +17,7 @@ mod nearest;
 mod segment;
 mod sieve;
 
-pub use segment::nearest_on;
+pub use isocontour::plane::nearest_on;
 
 use super::{Area, Rect, Ring};
 use crate::units::Mm;

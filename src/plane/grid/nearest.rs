@@ -1,7 +1,7 @@
 //! Which edge is nearest to a point.
 
 use super::EdgeGrid;
-use super::segment::nearest_on;
+use super::nearest_on;
 use super::sieve::{LANES, Place, each};
 use crate::units::Mm;
 use glam::DVec2;

@@ -49,19 +49,6 @@ pub(super) fn closer(
         || near(cb, v, t1, vv)
 }
 
-/// The point of the segment from `a` to `b` nearest to `p`.
-pub fn nearest_on(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
-    let along = b - a;
-    let t = (p - a).dot(along) / along.length_squared();
-    // A segment without length is its own nearest point.
-    let t = if t.is_finite() {
-        t.clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    a + along * t
-}
-
 /// True if `p` is strictly to the left of the line from `a` to `b`; exact (J.
 /// R. Shewchuk, *Adaptive precision floating-point arithmetic and fast robust
 /// geometric predicates*, 1997).

@@ -1,0 +1,412 @@
+//! How far the model reaches on each side: best-first branch and bound.
+
+use super::cut::split_axis;
+use super::search::{Part, Search};
+use super::side::Side;
+use super::{Bounds, BoundsError, FoundBounds};
+use crate::cell::Cell;
+use crate::program::Program;
+use glam::DVec3;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::rc::Rc;
+
+/// A box in which the field may be negative.
+struct Candidate {
+    reach: f64,
+    depth: u32,
+    /// Order of creation: makes the order total, hence repeatable.
+    number: u64,
+    cell: Cell,
+    program: Rc<Program>,
+}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        // Of boxes that reach equally far the deepest first: that one is the
+        // nearest to a decision.
+        self.reach
+            .total_cmp(&other.reach)
+            .then(self.depth.cmp(&other.depth))
+            .then(other.number.cmp(&self.number))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+/// A program is short enough to climb if its budget is that for so many of
+/// its operations; a climb takes 64 values.
+const CLIMB: u64 = 400;
+
+impl Search<'_> {
+    /// The box of {f < 0}.
+    pub(super) fn run(
+        mut self,
+        program: Rc<Program>,
+    ) -> Result<FoundBounds, BoundsError> {
+        let parts = self.narrow(program)?;
+        let mut slack_mm = f64::INFINITY;
+        // The tolerance is a share of the size, which the coarse region may
+        // overestimate: once more with what the first pass found.
+        for _ in 0..3 {
+            let before = self.region.largest_side();
+            slack_mm = self.all_sides(&parts)?;
+            if self.region.largest_side() > 0.6 * before {
+                break;
+            }
+        }
+        Ok(FoundBounds {
+            bounds: Bounds {
+                min: DVec3::from_array(self.region.lo),
+                max: DVec3::from_array(self.region.hi),
+            },
+            slack_mm,
+        })
+    }
+
+    /// Moves all sides of the region to the model; returns the slack.
+    fn all_sides(&mut self, parts: &[Part]) -> Result<f64, BoundsError> {
+        let far = (0..3)
+            .map(|i| self.region.lo[i].abs().max(self.region.hi[i].abs()))
+            .fold(0.0, f64::max);
+        // Not below what f64 coordinates can tell apart.
+        let tolerance = (self.region.largest_side() * self.options.tolerance)
+            .min(1e-4)
+            .max(far * 1e-13);
+        let mut slack_mm: f64 = 0.0;
+        let sides = Side::all();
+        for (done, side) in sides.into_iter().enumerate() {
+            let left = self.options.max_work.saturating_sub(self.scratch.work);
+            let budget = left / (sides.len() - done) as u64;
+            let reach = self.side(side, parts, tolerance, budget)?;
+            side.set_reach(&mut self.region, reach);
+            if let Some(inside) = self.inside {
+                slack_mm = slack_mm.max(reach - side.reach(&inside));
+            }
+        }
+        Ok(slack_mm)
+    }
+
+    /// Finds how far the model reaches on one side.
+    fn side(
+        &mut self,
+        side: Side,
+        parts: &[Part],
+        tolerance: f64,
+        budget: u64,
+    ) -> Result<f64, BoundsError> {
+        let stop = self.scratch.work + budget;
+        let face = side.reach(&self.region);
+        let thinnest = tolerance / 16.0;
+        if let [part] = parts {
+            self.probe(side, &part.program, tolerance, budget);
+        }
+        let mut number = 0;
+        let mut queue = BinaryHeap::new();
+        for Part { cell, program } in parts {
+            let cell = cell.common(&self.region);
+            if (0..3).any(|i| cell.lo[i] > cell.hi[i]) {
+                continue;
+            }
+            number += 1;
+            queue.push(Candidate {
+                reach: side.reach(&cell),
+                depth: 0,
+                number,
+                cell,
+                program: program.clone(),
+            });
+        }
+        while let Some(mut c) = queue.pop() {
+            if self.cancel.is_asked() {
+                break;
+            }
+            if let Some(inside) = &self.inside {
+                let known = side.reach(inside);
+                if self.options.within.is_none()
+                    && known > 0.9 * self.options.limit_mm
+                {
+                    return Err(BoundsError::Unbounded {
+                        direction: side.name(),
+                        at_mm: side.outward(known).round(),
+                        flipped: false,
+                    });
+                }
+                // No other candidate reaches further than this one.
+                if c.reach <= known + tolerance {
+                    break;
+                }
+                // Cut below what is still to be decided, so that no box gets
+                // thinner than half the tolerance: over a rounded top whose
+                // height lies right at the cut, thinner ones never end.
+                side.clip(&mut c.cell, known + 0.5 * tolerance);
+            }
+            if self.scratch.work > stop {
+                let beyond = c.reach >= 0.9 * self.options.limit_mm;
+                if self.inside.is_none()
+                    || (beyond && self.options.within.is_none())
+                {
+                    return Err(self.undecided(side, &c.program));
+                }
+                return Ok(c.reach);
+            }
+            let f = c.program.enclose(&c.cell, &mut self.scratch);
+            if f.range.is_empty() || f.range.lo >= 0.0 {
+                continue;
+            }
+            // The middle of the inner face as well: where the surface has a
+            // rounded top just above that face, the box's centre is over it
+            // however small the box gets.
+            let mut start = c.cell.centre();
+            let mut is_inside = f.centre < 0.0;
+            if !is_inside {
+                start[side.axis] = side.inner_face(&c.cell);
+                is_inside = c.program.value(start, &mut self.scratch) < 0.0;
+            }
+            if is_inside {
+                if let Some(simple) = c.program.simplify(&self.scratch) {
+                    c.program = Rc::new(simple);
+                }
+                self.note_inside(start);
+                // Of a long program the boxes are halved instead.
+                if c.program.len() as u64 * CLIMB < budget {
+                    self.climb(side, &c.program, start, c.reach);
+                }
+                // The same box again, cut at the new extent.
+                queue.push(c);
+                continue;
+            }
+            let whole = c.cell;
+            c.cell = c.program.contracted(&whole, &self.scratch);
+            // What the jumps leave of the box may be too thin to count.
+            let too_thin =
+                |i: usize| c.cell.width(i) < whole.width(i).min(thinnest);
+            if (0..3).any(too_thin) {
+                continue;
+            }
+            let by_pieces = c.program.by_pieces(&self.scratch);
+            if !by_pieces.is_empty() {
+                for program in by_pieces {
+                    number += 1;
+                    queue.push(Candidate {
+                        reach: side.reach(&c.cell),
+                        depth: c.depth + 1,
+                        number,
+                        cell: c.cell,
+                        program: Rc::new(program),
+                    });
+                }
+                continue;
+            }
+            let Some(across) =
+                split_axis(&c.cell, f.steepness, c.depth, thinnest)
+            else {
+                continue;
+            };
+            let program = match c.program.simplify(&self.scratch) {
+                Some(simple) => Rc::new(simple),
+                None => c.program,
+            };
+            for cell in c.cell.split(across) {
+                number += 1;
+                queue.push(Candidate {
+                    reach: side.reach(&cell),
+                    depth: c.depth + 1,
+                    number,
+                    cell,
+                    program: program.clone(),
+                });
+            }
+        }
+        let Some(inside) = &self.inside else {
+            return Err(self.nothing(parts));
+        };
+        let known = side.reach(inside);
+        let proved = (known + tolerance).min(face).max(known);
+        Ok(simplest_between(known, proved))
+    }
+
+    /// Nothing is inside any of the parts.
+    fn nothing(&mut self, parts: &[Part]) -> BoundsError {
+        match parts.first() {
+            Some(part) => self.empty(&part.program),
+            None => BoundsError::Empty {
+                searched: self.searched(),
+                cause: None,
+            },
+        }
+    }
+
+    /// Looks for inside points far out, so that the search has a known extent
+    /// to begin with. Where the part ends in a plateau or is cut by the given
+    /// bounds, many boxes reach equally far, and a search of the deepest first
+    /// could spend its budget on the corner it happened to begin with.
+    fn probe(
+        &mut self,
+        side: Side,
+        program: &Program,
+        tolerance: f64,
+        budget: u64,
+    ) {
+        /// Points along each of the face's two axes, of a long program.
+        const FEW: usize = 2;
+        /// Points along each of them, of any other.
+        const MANY: usize = 8;
+        /// Depths below the face, as shares of the region; the face first.
+        const DEPTHS: [f64; 4] = [0.0, 0.02, 0.1, 0.3];
+        let short = program.len() as u64 * CLIMB < budget;
+        let across = if short { MANY } else { FEW };
+        // Off the middles and quarters: planes of symmetry are where fields
+        // are 0 or NaN.
+        let part = |i: usize| (i as f64 + 0.38) / across as f64;
+        let region = self.region;
+        let stop = self.scratch.work + budget / 8;
+        let face = side.reach(&region);
+        let [u, v] = [(side.axis + 1) % 3, (side.axis + 2) % 3];
+        for depth in DEPTHS {
+            let reach = face - depth * region.width(side.axis);
+            for i in 0..across * across {
+                if self.is_over(stop) {
+                    return;
+                }
+                let known = self.inside.as_ref().map(|c| side.reach(c));
+                if known.is_some_and(|k| reach <= k + tolerance) {
+                    return;
+                }
+                let mut p = region.lo;
+                p[side.axis] = side.outward(reach);
+                p[u] += part(i % across) * region.width(u);
+                p[v] += part(i / across) * region.width(v);
+                if program.value(p, &mut self.scratch) < 0.0 {
+                    self.note_inside(p);
+                    if short {
+                        self.climb(side, program, p, face);
+                    }
+                }
+            }
+        }
+        if self.inside.is_none() {
+            self.scatter(program, stop);
+        }
+    }
+
+    /// Looks for any inside point. Rows of points may all meet the holes of a
+    /// part that repeats itself, as a sponge does; these points repeat nothing.
+    fn scatter(&mut self, program: &Program, stop: u64) {
+        const POINTS: u32 = 4096;
+        /// The sequence R₃ of M. Roberts (2018): powers of the inverse of
+        /// the root of x⁴ = x + 1.
+        const STEPS: [f64; 3] =
+            [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
+        for n in 0..POINTS {
+            if self.is_over(stop) {
+                return;
+            }
+            let region = self.region;
+            let p = std::array::from_fn(|i| {
+                let part = (0.5 + f64::from(n) * STEPS[i]).fract();
+                region.lo[i] + part * region.width(i)
+            });
+            if program.value(p, &mut self.scratch) < 0.0 {
+                self.note_inside(p);
+                return;
+            }
+        }
+    }
+
+    /// Moves the known extent from an inside point outwards to a surface.
+    fn climb(
+        &mut self,
+        side: Side,
+        program: &Program,
+        start: [f64; 3],
+        reach: f64,
+    ) {
+        let at = |v: f64| {
+            let mut p = start;
+            p[side.axis] = v;
+            p
+        };
+        let mut inner = start[side.axis];
+        let mut outer = side.outward(reach);
+        if program.value(at(outer), &mut self.scratch) < 0.0 {
+            self.note_inside(at(outer));
+            return;
+        }
+        // Halving until f64 has no number in between.
+        for _ in 0..64 {
+            let middle = 0.5 * (inner + outer);
+            if middle == inner || middle == outer {
+                break;
+            }
+            if program.value(at(middle), &mut self.scratch) < 0.0 {
+                inner = middle;
+            } else {
+                outer = middle;
+            }
+        }
+        self.note_inside(at(inner));
+    }
+}
+
+/// The roundest decimal within [lo, hi], down to 0.001; else `hi`.
+///
+/// The model's extent is known to lie in the interval and no better. Nearly
+/// every drawn part ends at a multiple of a micrometre, and where the interval
+/// holds one, that is the likeliest truth: a cube of 20 mm reads 20 and not
+/// 20.00002.
+fn simplest_between(lo: f64, hi: f64) -> f64 {
+    for scale in [1.0, 10.0, 100.0, 1000.0] {
+        // The extent is a point inside: the surface is at or beyond it, but
+        // f64 may have rounded it over the decimal.
+        let v = ((lo - 1e-11 * lo.abs()) * scale).ceil() / scale;
+        if v <= hi {
+            // No negative zero.
+            return v + 0.0;
+        }
+    }
+    hi
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{SearchOptions, flattened};
+    use super::*;
+    use crate::cancel::Cancel;
+    use crate::program::Scratch;
+    use fidget::context::Tree;
+
+    /// Blocks with slots between them, in which all rows of points lie that
+    /// are looked at from a face.
+    #[test]
+    fn a_point_is_found_where_all_rows_meet_holes() {
+        let slots = |axis: Tree| 1.0 - (axis.modulo(10.0) - 3.8).abs();
+        let (x, y, z) = Tree::axes();
+        let tree = slots(x).max(slots(y)).max(slots(z));
+        let bounds = Bounds {
+            min: DVec3::ZERO,
+            max: DVec3::splat(80.0),
+        };
+        let options = SearchOptions {
+            within: Some(bounds),
+            ..SearchOptions::default()
+        };
+        let program = flattened(&tree).unwrap();
+        let mut search = Search::new(&options, &Cancel::NEVER).unwrap();
+        search.probe(Side::all()[0], &program, 1e-4, options.max_work);
+        let found = search.inside.expect("a point inside").centre();
+        assert!(program.value(found, &mut Scratch::default()) < 0.0);
+    }
+}

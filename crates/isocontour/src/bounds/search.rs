@@ -1,0 +1,327 @@
+//! What a search knows of the model, and its coarse beginning: the region in
+//! which the field may be negative, narrowed by proofs over a grid.
+
+use super::side::Side;
+use super::undefined::Undefined;
+use super::{Bounds, BoundsError, SearchOptions};
+use crate::cancel::Cancel;
+use crate::cell::Cell;
+use crate::program::{Program, Scratch};
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+/// Operations beyond which a program is long.
+const LONG: usize = 20_000;
+
+/// A part of the region, and the program simplified for it.
+pub(super) struct Part {
+    pub cell: Cell,
+    pub program: Rc<Program>,
+}
+
+/// A search for the box of {f < 0}.
+pub(super) struct Search<'a> {
+    pub options: &'a SearchOptions,
+    pub cancel: &'a Cancel,
+    pub scratch: Scratch,
+    /// Where f may be negative.
+    pub region: Cell,
+    /// Box of the points known to be inside.
+    pub inside: Option<Cell>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        options: &'a SearchOptions,
+        cancel: &'a Cancel,
+    ) -> Result<Self, BoundsError> {
+        let region = match options.within {
+            None => Cell {
+                lo: [-options.limit_mm; 3],
+                hi: [options.limit_mm; 3],
+            },
+            Some(Bounds { min, max }) => {
+                let ok =
+                    min.is_finite() && max.is_finite() && min.cmplt(max).all();
+                if !ok {
+                    return Err(BoundsError::NoBox { min, max });
+                }
+                Cell {
+                    lo: min.to_array(),
+                    hi: max.to_array(),
+                }
+            }
+        };
+        Ok(Self {
+            options,
+            cancel,
+            scratch: Scratch::default(),
+            region,
+            inside: None,
+        })
+    }
+
+    /// Looks at a slice of a model that is the same at every height.
+    pub(super) fn of_a_slice(mut self) -> Self {
+        (self.region.lo[2], self.region.hi[2]) = (-0.5, 0.5);
+        self
+    }
+
+    /// Whether more work was done than `most`, or the search is to stop: it
+    /// then ends as it does when its budget ends.
+    pub(super) fn is_over(&self, most: u64) -> bool {
+        self.scratch.work > most || self.cancel.is_asked()
+    }
+
+    /// What is searched, in words.
+    pub(super) fn searched(&self) -> String {
+        match self.options.within {
+            None => format!("±{} mm", self.options.limit_mm),
+            Some(_) => "the given bounds".to_owned(),
+        }
+    }
+
+    /// Nothing is inside, and why.
+    pub(super) fn empty(&mut self, program: &Program) -> BoundsError {
+        let searched = self.searched();
+        let Undefined { share, cause } = self.undefined(program);
+        match cause {
+            Some(cause) if share == 1.0 => {
+                BoundsError::NotANumber { searched, cause }
+            }
+            cause => BoundsError::Empty { searched, cause },
+        }
+    }
+
+    /// Narrows the region as far as coarse proofs go, and returns what is left
+    /// of it, with the program simplified for that.
+    pub(super) fn narrow(
+        &mut self,
+        program: Rc<Program>,
+    ) -> Result<Vec<Part>, BoundsError> {
+        let all = program.enclose(&self.region, &mut self.scratch);
+        if all.range.is_empty() || all.range.lo >= 0.0 {
+            return Err(self.empty(&program));
+        }
+        if all.range.hi < 0.0 && !all.range.nan && self.options.within.is_none()
+        {
+            return Err(BoundsError::EverythingInside {
+                limit_mm: self.options.limit_mm,
+            });
+        }
+        self.look_far(&program)?;
+        let program = self.peel(program);
+        match program.len() > LONG {
+            true => self.shards(program),
+            false => Ok(vec![Part {
+                program: self.sift(program)?,
+                cell: self.region,
+            }]),
+        }
+    }
+
+    /// The ranges tell too little; perhaps since there are no values.
+    pub(super) fn undecided(
+        &mut self,
+        side: Side,
+        program: &Program,
+    ) -> BoundsError {
+        let searched = self.searched();
+        match self.undefined(program) {
+            Undefined {
+                share: 1.0,
+                cause: Some(cause),
+            } => BoundsError::NotANumber { searched, cause },
+            _ => BoundsError::Undecided {
+                direction: side.name(),
+            },
+        }
+    }
+
+    /// Looks at the middle of each far side: where a model is solid there, it
+    /// is known to be unbounded at once.
+    fn look_far(&mut self, program: &Program) -> Result<(), BoundsError> {
+        if self.options.within.is_some() {
+            return Ok(());
+        }
+        for side in Side::all() {
+            let mut point = self.region.centre();
+            point[side.axis] = side.outward(side.reach(&self.region));
+            if point[side.axis].abs() >= self.options.limit_mm
+                && program.value(point, &mut self.scratch) < 0.0
+            {
+                return Err(BoundsError::Unbounded {
+                    direction: side.name(),
+                    at_mm: point[side.axis],
+                    flipped: false,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Divides the region among boxes in which far less of a long program
+    /// counts, as of a union of thousands: each side of the model is then
+    /// looked for with these short ones.
+    fn shards(
+        &mut self,
+        program: Rc<Program>,
+    ) -> Result<Vec<Part>, BoundsError> {
+        /// A region is halved so many times at most.
+        const DEPTH: u32 = 9;
+        let most = self.scratch.work + self.options.max_work / 3;
+        let short = program.len() / 64;
+        let whole = program.clone();
+        let mut parts: Vec<Part> = Vec::new();
+        let mut todo = VecDeque::from([(self.region, program, 0)]);
+        while let Some((cell, program, depth)) = todo.pop_front() {
+            if self.is_over(most) {
+                parts.push(Part { cell, program });
+                continue;
+            }
+            let f = program.enclose(&cell, &mut self.scratch);
+            if f.range.is_empty() || f.range.lo >= 0.0 {
+                continue;
+            }
+            if f.centre < 0.0 {
+                self.note_inside(cell.centre());
+            }
+            let program = match program.simplify(&self.scratch) {
+                Some(simple) => Rc::new(simple),
+                None => program,
+            };
+            if depth == DEPTH || program.len() <= short {
+                parts.push(Part { cell, program });
+                continue;
+            }
+            for half in cell.split(cell.widest_axis()) {
+                todo.push_back((half, program.clone(), depth + 1));
+            }
+        }
+        let hull = parts.iter().map(|p| p.cell).reduce(|a, b| a.joined(&b));
+        self.region = hull.ok_or_else(|| self.empty(&whole))?;
+        Ok(parts)
+    }
+
+    /// Takes slabs off the region's sides as long as one of them is proved to
+    /// be empty: few boxes for much of the region, whatever the program's
+    /// size.
+    fn peel(&mut self, mut program: Rc<Program>) -> Rc<Program> {
+        /// What is left of the way from the middle to the side; the most
+        /// hopeful first.
+        const LEAVES: [f64; 4] =
+            [1.0 / 4096.0, 1.0 / 64.0, 1.0 / 8.0, 1.0 / 2.0];
+        let most = self.scratch.work + self.options.max_work / 8;
+        let mut least = 0;
+        loop {
+            let mut peeled = false;
+            // Where much could not be taken off once, it will not be later.
+            let mut best = LEAVES.len();
+            let centre = self.region.centre();
+            for side in Side::all() {
+                if self.region.width(side.axis) <= 1e-6 {
+                    continue;
+                }
+                for (nth, leave) in LEAVES.iter().enumerate().skip(least) {
+                    if self.is_over(most) {
+                        return program;
+                    }
+                    let middle = side.outward(centre[side.axis]);
+                    let reach =
+                        middle + leave * (side.reach(&self.region) - middle);
+                    let mut slab = self.region;
+                    side.clip(&mut slab, reach);
+                    let f = program.enclose(&slab, &mut self.scratch);
+                    if f.range.is_empty() || f.range.lo >= 0.0 {
+                        side.set_reach(&mut self.region, reach);
+                        peeled = true;
+                        best = best.min(nth);
+                        break;
+                    }
+                }
+            }
+            if !peeled {
+                return program;
+            }
+            least = best;
+            program.enclose(&self.region, &mut self.scratch);
+            if let Some(simple) = program.simplify(&self.scratch) {
+                program = Rc::new(simple);
+            }
+        }
+    }
+
+    /// Narrows the region to the hull of those boxes of a grid that may hold
+    /// some of the model, as long as that helps.
+    fn sift(
+        &mut self,
+        mut program: Rc<Program>,
+    ) -> Result<Rc<Program>, BoundsError> {
+        /// Cells per axis: an off-centre model loses three quarters of the
+        /// region per round, a centred one half.
+        const GRID: usize = 4;
+        loop {
+            let edge = |axis: usize, i: usize| {
+                // The ends exactly, so that no gap opens by rounding.
+                match i {
+                    0 => self.region.lo[axis],
+                    GRID => self.region.hi[axis],
+                    _ => {
+                        let t = i as f64 / GRID as f64;
+                        self.region.lo[axis] * (1.0 - t)
+                            + self.region.hi[axis] * t
+                    }
+                }
+            };
+            let edges: [[f64; GRID + 1]; 3] =
+                std::array::from_fn(|a| std::array::from_fn(|i| edge(a, i)));
+            let mut hull: Option<Cell> = None;
+            for i in 0..GRID * GRID * GRID {
+                if self.cancel.is_asked() {
+                    break;
+                }
+                let at = [i % GRID, i / GRID % GRID, i / GRID / GRID];
+                let cell = Cell {
+                    lo: std::array::from_fn(|a| edges[a][at[a]]),
+                    hi: std::array::from_fn(|a| edges[a][at[a] + 1]),
+                };
+                let f = program.enclose(&cell, &mut self.scratch);
+                if f.range.is_empty() || f.range.lo >= 0.0 {
+                    continue;
+                }
+                if f.centre < 0.0 {
+                    self.note_inside(cell.centre());
+                }
+                hull = Some(match hull {
+                    None => cell,
+                    Some(h) => h.joined(&cell),
+                });
+            }
+            let Some(hull) = hull else {
+                return Err(self.empty(&program));
+            };
+            let shrunk =
+                (0..3).any(|i| hull.width(i) < 0.9 * self.region.width(i));
+            self.region = hull;
+            // A point-like region would be halved for ever.
+            let tiny = (0..3)
+                .all(|i| hull.width(i) <= 1e-9 * (1.0 + hull.lo[i].abs()));
+            if !shrunk || tiny || self.scratch.work > self.options.max_work {
+                return Ok(program);
+            }
+            program.enclose(&self.region, &mut self.scratch);
+            if let Some(simple) = program.simplify(&self.scratch) {
+                program = Rc::new(simple);
+            }
+        }
+    }
+
+    /// A point is inside the model.
+    pub(super) fn note_inside(&mut self, p: [f64; 3]) {
+        let point = Cell { lo: p, hi: p };
+        self.inside = Some(match &self.inside {
+            None => point,
+            Some(known) => known.joined(&point),
+        });
+    }
+}

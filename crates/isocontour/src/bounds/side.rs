@@ -1,0 +1,68 @@
+//! A side of a box, and how far out along it things are.
+
+use crate::cell::Cell;
+
+/// A side of a box.
+#[derive(Clone, Copy)]
+pub(super) struct Side {
+    /// Along x, y or z.
+    pub axis: usize,
+    /// Whether it is the upper end.
+    pub up: bool,
+}
+
+impl Side {
+    pub fn all() -> [Self; 6] {
+        std::array::from_fn(|i| Self {
+            // z first: it is the side the part stands on.
+            axis: 2 - i / 2,
+            up: i % 2 == 1,
+        })
+    }
+
+    pub fn name(self) -> &'static str {
+        [["-x", "+x"], ["-y", "+y"], ["-z", "+z"]][self.axis]
+            [usize::from(self.up)]
+    }
+
+    /// Turns a coordinate into "how far out", and back.
+    pub fn outward(self, v: f64) -> f64 {
+        if self.up { v } else { -v }
+    }
+
+    /// How far out a cell reaches.
+    pub fn reach(self, cell: &Cell) -> f64 {
+        if self.up {
+            cell.hi[self.axis]
+        } else {
+            -cell.lo[self.axis]
+        }
+    }
+
+    /// Coordinate of a cell's face opposite to this side.
+    pub fn inner_face(self, cell: &Cell) -> f64 {
+        if self.up {
+            cell.lo[self.axis]
+        } else {
+            cell.hi[self.axis]
+        }
+    }
+
+    /// Removes what is less far out than `from`.
+    pub fn clip(self, cell: &mut Cell, from: f64) {
+        if self.up {
+            cell.lo[self.axis] = cell.lo[self.axis].max(from);
+        } else {
+            cell.hi[self.axis] = cell.hi[self.axis].min(-from);
+        }
+    }
+
+    /// Moves a cell's face on this side.
+    pub fn set_reach(self, cell: &mut Cell, reach: f64) {
+        if self.up {
+            cell.hi[self.axis] = reach;
+        } else {
+            cell.lo[self.axis] = -reach;
+        }
+    }
+}

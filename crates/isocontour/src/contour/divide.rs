@@ -1,0 +1,406 @@
+//! Samples cells anew on a lattice of their own, several times finer.
+//!
+//! ```text
+//!   ┌───────────┬───────────┐   A cell whose outline the lattice does not
+//!   │           │ · · · · · │   explain is divided, and the outline found
+//!   │           │ · · · · · │   in it among the smaller ones. Where its side
+//!   │           │ · ·/\ · · │   is crossed as the lattice's edge said, the
+//!   │      next ├───/  \────┤   crossing is the edge's, and the next cell need
+//!   │           │  /· · \ · │   not know. Where it is not, the next cell is
+//!   └───────────┴─/──────\──┘   divided, too.
+//! ```
+//!
+//! Both cells at a side see the same nodes on it, so both come to the same
+//! conclusion, whichever is divided first, or alone.
+
+use super::link::Crossing;
+use super::march::{CASES, JOINED_5, JOINED_10, Scratch, Vertex};
+use super::refine::{Bracket, refine};
+use super::trace::{Chord, End, Look, Traced, line, lines_cross, look, trace};
+use crate::Length;
+use crate::field::{FieldError, Lattice, Sampler};
+use crate::plane::Rect;
+use glam::DVec2;
+use std::f64::consts::FRAC_PI_2;
+
+/// A cell to be divided.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub layer: usize,
+    /// Lattice column and row.
+    pub at: [usize; 2],
+    /// The vertices on the lattice edges around it: south, east, north, west.
+    pub vertices: [Option<Vertex>; 4],
+}
+
+/// A piece of outline in a divided cell.
+pub(super) struct Piece {
+    pub layer: usize,
+    /// Vertices, counted within the batch of cells.
+    pub from: u32,
+    pub to: u32,
+    /// Points between them.
+    pub points: Vec<DVec2>,
+}
+
+/// The outline in some divided cells.
+#[derive(Default)]
+pub(super) struct Divided {
+    pub vertices: Vec<Vertex>,
+    pub pieces: Vec<Piece>,
+    /// Per cell, the sides where the lattice's edge was wrong: south, east,
+    /// north, west.
+    pub wrong: Vec<[bool; 4]>,
+    /// Per cell, how wide what is inside and outside is on average, if that is
+    /// too fine for its outline to be followed.
+    pub widths: Vec<Option<Length>>,
+}
+
+/// How a cell is divided and its outline followed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fineness {
+    /// Parts along a cell's side.
+    pub parts: usize,
+    pub tolerance: Length,
+    pub trusted: Length,
+    /// Size of the least feature that is to be found.
+    pub smallest: Length,
+}
+
+/// The field on a divided cell.
+struct Patch {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    /// Which nodes are inside, row by row.
+    inside: Vec<bool>,
+    values: Vec<f32>,
+    /// Vertex number by edge: those along x, then those along y.
+    slots: Vec<u32>,
+}
+
+impl Patch {
+    fn node(&self, a: usize, b: usize) -> usize {
+        b * self.x.len() + a
+    }
+
+    fn point(&self, a: usize, b: usize) -> DVec2 {
+        DVec2::new(f64::from(self.x[a]), f64::from(self.y[b]))
+    }
+
+    fn cell(&self, a: usize, b: usize) -> Rect {
+        Rect {
+            min: self.point(a, b),
+            max: self.point(a + 1, b + 1),
+        }
+    }
+
+    /// How wide what is inside and what is outside is on average, as in
+    /// `noise`, if that is much less than the smallest feature: a third of it,
+    /// or less than it and so fine that every fourth edge has a sign change.
+    fn too_fine(&self, smallest: Length) -> Option<Length> {
+        let (n, all) = (self.x.len(), &self.inside);
+        let along_x = |k: &usize| !(k + 1).is_multiple_of(n);
+        let changes = (0..all.len() - 1)
+            .filter(along_x)
+            .filter(|&k| all[k] != all[k + 1])
+            .count()
+            + (n..all.len()).filter(|&k| all[k] != all[k - n]).count();
+        let side = f64::from(self.x[n - 1]) - f64::from(self.x[0]);
+        let length = 2.0 * n as f64 * side;
+        let density = FRAC_PI_2 * changes as f64 / length;
+        let width = 1.0 / density;
+        let most = match 2 * changes > n * (n - 1) {
+            true => smallest,
+            false => smallest / 3.0,
+        };
+        (width < most).then_some(width)
+    }
+
+    fn slot(&self, a: usize, b: usize, dir: usize) -> usize {
+        let n = self.x.len() - 1;
+        match dir {
+            0 => b * n + a,
+            _ => n * (n + 1) + b * (n + 1) + a,
+        }
+    }
+}
+
+/// The nodes of a cell's axis: its ends are the lattice's.
+fn nodes(axis: &[f32], from: usize, parts: usize) -> Vec<f32> {
+    let (lo, hi) = (f64::from(axis[from]), f64::from(axis[from + 1]));
+    (0..=parts)
+        .map(|k| (lo + (hi - lo) * (k as f64 / parts as f64)) as f32)
+        .collect()
+}
+
+/// Finds the outline in cells by sampling them more finely.
+pub(super) fn divide(
+    cells: &[Cell],
+    lattice: &Lattice,
+    z: &[f32],
+    fineness: Fineness,
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+) -> Result<Divided, FieldError> {
+    let mut out = Divided::default();
+    if cells.is_empty() {
+        return Ok(out);
+    }
+    let mut patches =
+        sample(cells, lattice, z, fineness.parts, sampler, scratch)?;
+    let widths = patches.iter().map(|p| p.too_fine(fineness.smallest));
+    out.widths = widths.collect();
+    find_vertices(cells, &mut patches, lattice, z, &mut out, sampler, scratch)?;
+    connect(cells, &patches, z, fineness, &mut out, sampler, scratch)?;
+    Ok(out)
+}
+
+fn sample(
+    cells: &[Cell],
+    lattice: &Lattice,
+    z: &[f32],
+    parts: usize,
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+) -> Result<Vec<Patch>, FieldError> {
+    scratch.clear();
+    let mut patches = Vec::with_capacity(cells.len());
+    for cell in cells {
+        let x = nodes(&lattice.x, cell.at[0], parts);
+        let y = nodes(&lattice.y, cell.at[1], parts);
+        for &v in &y {
+            scratch.x.extend_from_slice(&x);
+            scratch.y.extend(x.iter().map(|_| v));
+            scratch.z.extend(x.iter().map(|_| z[cell.layer]));
+        }
+        patches.push(Patch {
+            x,
+            y,
+            inside: Vec::new(),
+            values: Vec::new(),
+            slots: vec![u32::MAX; 2 * parts * (parts + 1)],
+        });
+    }
+    let s = &mut *scratch;
+    sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
+    let count = (parts + 1) * (parts + 1);
+    for (p, values) in patches.iter_mut().zip(s.values.chunks_exact(count)) {
+        p.values = values.to_vec();
+        p.inside = values.iter().map(|&f| f < 0.0).collect();
+    }
+    Ok(patches)
+}
+
+/// A side of a cell: its lattice edge, and the edges of its parts as (a, b,
+/// direction).
+fn side(
+    cell: &Cell,
+    which: usize,
+    lattice: &Lattice,
+    parts: usize,
+) -> (u32, impl Iterator<Item = (usize, usize, usize)>) {
+    let [i, j] = cell.at;
+    let width = lattice.width() + 1;
+    let dir = which % 2;
+    let (far_i, far_j) = (usize::from(which == 1), usize::from(which == 2));
+    let node = (j + far_j) * width + i + far_i;
+    let edges = (0..parts).map(move |k| match dir {
+        0 => (k, far_j * parts, 0),
+        _ => (far_i * parts, k, 1),
+    });
+    ((2 * node + dir) as u32, edges)
+}
+
+/// Vertices on all edges of the patches with a sign change.
+fn find_vertices(
+    cells: &[Cell],
+    patches: &mut [Patch],
+    lattice: &Lattice,
+    z: &[f32],
+    out: &mut Divided,
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+) -> Result<(), FieldError> {
+    let mut brackets = Vec::new();
+    let mut heights = Vec::new();
+    let mut numbers = Vec::new();
+    for (cell, patch) in cells.iter().zip(patches) {
+        let parts = patch.x.len() - 1;
+        let changes = |a: usize, b: usize, dir: usize| {
+            let next = patch.node(a + 1 - dir, b + dir);
+            patch.inside[patch.node(a, b)] != patch.inside[next]
+        };
+        // Crossings of the sides first: they have names.
+        let mut names = vec![Crossing::NONE; patch.slots.len()];
+        let mut wrong = [false; 4];
+        let mut known = Vec::new();
+        for (which, wrong) in wrong.iter_mut().enumerate() {
+            let (edge, edges) = side(cell, which, lattice, parts);
+            let own: Vec<_> =
+                edges.filter(|&(a, b, dir)| changes(a, b, dir)).collect();
+            let vertex = cell.vertices[which];
+            if let (&[(a, b, dir)], Some(v)) = (&own[..], vertex)
+                && between(v.end.point, patch, a, b, dir)
+            {
+                known.push((patch.slot(a, b, dir), v));
+                continue;
+            }
+            *wrong = !own.is_empty() || vertex.is_some();
+            for (a, b, dir) in own {
+                let part = [a, b][dir] as u32;
+                names[patch.slot(a, b, dir)] = Crossing { edge, part };
+            }
+        }
+        out.wrong.push(wrong);
+        let mut slots = std::mem::take(&mut patch.slots);
+        for (slot, v) in known {
+            slots[slot] = out.vertices.len() as u32;
+            out.vertices.push(v);
+        }
+        for dir in [0, 1] {
+            for b in 0..=parts - dir {
+                for a in 0..parts + dir {
+                    let slot = patch.slot(a, b, dir);
+                    let next = (a + 1 - dir, b + dir);
+                    let (p, q) = (patch.node(a, b), patch.node(next.0, next.1));
+                    if patch.inside[p] == patch.inside[q]
+                        || slots[slot] != u32::MAX
+                    {
+                        continue;
+                    }
+                    slots[slot] = out.vertices.len() as u32;
+                    numbers.push(out.vertices.len());
+                    out.vertices.push(Vertex {
+                        end: End::default(),
+                        crossing: names[slot],
+                    });
+                    let ends = (patch.point(a, b), patch.point(next.0, next.1));
+                    let f = (patch.values[p], patch.values[q]);
+                    brackets.push(match patch.inside[p] {
+                        true => Bracket::new(ends.0, ends.1, f.0, f.1),
+                        false => Bracket::new(ends.1, ends.0, f.1, f.0),
+                    });
+                    heights.push(z[cell.layer]);
+                }
+            }
+        }
+        patch.slots = slots;
+    }
+    let gradients = refine(&mut brackets, &heights, sampler, scratch)?;
+    for ((n, b), gradient) in numbers.into_iter().zip(&brackets).zip(gradients)
+    {
+        let point = b.point();
+        out.vertices[n].end = End { point, gradient };
+    }
+    Ok(())
+}
+
+/// True if a vertex lies on an edge of a patch.
+fn between(p: DVec2, patch: &Patch, a: usize, b: usize, dir: usize) -> bool {
+    let (lo, hi) = (patch.point(a, b), patch.point(a + 1 - dir, b + dir));
+    (lo[dir]..=hi[dir]).contains(&p[dir])
+}
+
+/// Connects the vertices across the parts of the cells.
+fn connect(
+    cells: &[Cell],
+    patches: &[Patch],
+    z: &[f32],
+    fineness: Fineness,
+    out: &mut Divided,
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+) -> Result<(), FieldError> {
+    let parts = fineness.parts;
+    let case = |p: &Patch, a: usize, b: usize| {
+        let bit = |a, b| usize::from(p.inside[p.node(a, b)]);
+        bit(a, b)
+            | bit(a + 1, b) << 1
+            | bit(a + 1, b + 1) << 2
+            | bit(a, b + 1) << 3
+    };
+    let all = || (0..parts * parts).map(move |k| (k % parts, k / parts));
+    scratch.clear();
+    for (cell, p) in cells.iter().zip(patches) {
+        for (a, b) in all().filter(|&(a, b)| matches!(case(p, a, b), 5 | 10)) {
+            let r = p.cell(a, b);
+            scratch.push(0.5 * (r.min + r.max), z[cell.layer]);
+        }
+    }
+    let mut centres = Vec::new();
+    if !scratch.x.is_empty() {
+        let s = &mut *scratch;
+        sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
+        centres.extend(s.values.iter().map(|&f| f < 0.0));
+    }
+    let mut centres = centres.into_iter();
+    let mut chords: Vec<Chord> = Vec::new();
+    // Per chord its piece, and whether the one before is in the same cell.
+    let mut owners: Vec<(usize, bool)> = Vec::new();
+    for (n, (cell, p)) in cells.iter().zip(patches).enumerate() {
+        let in_vain = out.widths[n].is_some();
+        for (a, b) in all() {
+            let case = case(p, a, b);
+            let mut list = CASES[case];
+            if matches!(case, 5 | 10) && centres.next() == Some(true) {
+                list = if case == 5 { JOINED_5 } else { JOINED_10 };
+            }
+            let vertex = |edge: u8| {
+                let slot = match edge {
+                    0 => p.slot(a, b, 0),
+                    1 => p.slot(a + 1, b, 1),
+                    2 => p.slot(a, b + 1, 0),
+                    _ => p.slot(a, b, 1),
+                };
+                p.slots[slot]
+            };
+            for (n, &(from, to)) in list.iter().enumerate() {
+                let (from, to) = (vertex(from), vertex(to));
+                let ends = [from, to].map(|v| out.vertices[v as usize].end);
+                let (near, far) = (fineness.tolerance, fineness.trusted);
+                // Both of a saddle, so that they can be compared.
+                if !in_vain
+                    && (list.len() > 1
+                        || !matches!(
+                            look(ends[0], ends[1], near, far),
+                            Look::Straight
+                        ))
+                {
+                    owners.push((out.pieces.len(), n > 0));
+                    chords.push(Chord {
+                        from: ends[0],
+                        to: ends[1],
+                        cell: p.cell(a, b),
+                        // The tip of a corner may reach between the nodes,
+                        // a whole cell of the lattice far.
+                        beyond: parts as f64,
+                        z: z[cell.layer],
+                    });
+                }
+                out.pieces.push(Piece {
+                    layer: cell.layer,
+                    from,
+                    to,
+                    points: Vec::new(),
+                });
+            }
+        }
+    }
+    let (near, far) = (fineness.tolerance, fineness.trusted);
+    let mut traced = trace(&chords, near, far, sampler, scratch)?;
+    for k in 1..chords.len() {
+        if owners[k].1 {
+            let of = |k: usize, t: &[Traced]| -> Vec<DVec2> {
+                line(&chords[k], &t[k]).collect()
+            };
+            if lines_cross(&of(k - 1, &traced), &of(k, &traced)) {
+                traced[k - 1].points.clear();
+                traced[k].points.clear();
+            }
+        }
+    }
+    for ((piece, _), t) in owners.into_iter().zip(traced) {
+        out.pieces[piece].points = t.points.into_iter().map(|p| p.1).collect();
+    }
+    Ok(())
+}

@@ -1,0 +1,236 @@
+//! Finds the cells that hide what their nodes do not show, by proof.
+//!
+//! ```text
+//!   •───────•───────•     Interval arithmetic bounds the field's values and
+//!   │       │  ○    │     slopes over a leaf, and over its cells. A cell hides
+//!   │       │       │     nothing where the field cannot be zero, or where it
+//!   •───────•───────•     rises in one direction, so that the outline is a
+//!   │ ╲     │       │     single line. What is left is looked into: parts
+//!   │   ╲   │       │     with a value that cannot be zero are ruled out, and
+//!   •─────╲─•───────•     the others divided until a sample in each says more.
+//! ```
+//!
+//! So a feature is found if it holds a disc as wide as the smallest one asked
+//! for: there is a sample in it.
+//!
+//! Not on lattices that are hardly coarser than the smallest feature: there the
+//! proofs would cost several times what the samples do, and little is hidden.
+//! What is certain there is that a disc 1.4 times as wide as a cell holds a node.
+
+use super::march::{Place, Scratch};
+use crate::Length;
+use crate::field::{Bound, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
+use crate::plane::Rect;
+use glam::DVec2;
+
+/// Cells as wide as this many of the smallest features are not looked into.
+const FINE: f64 = 2.0;
+/// Distance of the samples in a box that is not ruled out, as a share of the
+/// smallest feature: a disc as wide as that holds one of them.
+const PITCH: f64 = 0.7;
+
+/// Parts of a cell that are smaller than this many distances of samples are
+/// sampled all over: sooner done than ruling some of them out.
+const CHEAP: f64 = 8.0;
+
+/// Parts of cells that are looked into at once, about: their bounds need
+/// some hundred bytes for every input of the expression.
+const AT_ONCE: f64 = 16384.0;
+
+/// What the search needs.
+struct Search<'a> {
+    leaves: &'a [Leaf],
+    /// By leaf, its nodes' values.
+    values: &'a [[f32; NODES * NODES]],
+    z: &'a [f32],
+    lattice: &'a Lattice,
+    sampler: &'a mut dyn Sampler,
+    scratch: &'a mut Scratch,
+}
+
+/// True if a box of these bounds hides nothing.
+fn is_clear(bound: &Bound) -> bool {
+    bound.is_uniform() || bound.is_simple()
+}
+
+/// A part of a cell in which the field may be zero.
+struct Part {
+    owner: Place,
+    inside: bool,
+    area: Rect,
+}
+
+/// The cells of a batch that hide something, or may do.
+pub(super) fn hidden(
+    leaves: &[Leaf],
+    values: &[f32],
+    z: &[f32],
+    lattice: &Lattice,
+    smallest: Length,
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+) -> Result<Vec<Place>, FieldError> {
+    if lattice.spacing <= FINE * smallest {
+        return Ok(Vec::new());
+    }
+    let (values, _) = values.as_chunks();
+    let mut search = Search {
+        leaves,
+        values,
+        z,
+        lattice,
+        sampler,
+        scratch,
+    };
+    // Cells with corners of both signs are divided, the others asked first.
+    let (open, mut found): (Vec<Place>, Vec<Place>) =
+        search.unclear().into_iter().partition(|&cell| {
+            let corners = search.corners(cell);
+            let inside = corners.iter().filter(|f| **f < 0.0).count();
+            matches!(inside, 0 | 4)
+        });
+    let pitch = PITCH * smallest;
+    let parts = (lattice.spacing / pitch).max(1.0).powi(2);
+    for open in open.chunks((AT_ONCE / parts).max(1.0) as usize) {
+        found.extend(search.explore(open, pitch)?);
+    }
+    found.sort_unstable();
+    found.dedup();
+    Ok(found)
+}
+
+impl Search<'_> {
+    /// Values at the corners of a cell.
+    fn corners(&self, (n, [i, j]): Place) -> [f32; 4] {
+        let at = j * NODES + i;
+        [at, at + 1, at + NODES, at + NODES + 1].map(|k| self.values[n][k])
+    }
+
+    /// The square of `size` × `size` cells that begins at a cell.
+    fn area(&self, (n, [i, j]): Place, size: usize) -> Rect {
+        let (i, j) = (self.leaves[n].i + i, self.leaves[n].j + j);
+        let node = |i: usize, j: usize| {
+            let (x, y) = (self.lattice.x[i], self.lattice.y[j]);
+            DVec2::new(f64::from(x), f64::from(y))
+        };
+        Rect {
+            min: node(i, j),
+            max: node(i + size, j + size),
+        }
+    }
+
+    fn height(&self, owner: Place) -> f32 {
+        self.z[self.leaves[owner.0].layer]
+    }
+
+    /// The cells that neither their own bounds clear nor those of a square
+    /// of cells that they are in.
+    fn unclear(&mut self) -> Vec<Place> {
+        let mut squares: Vec<Place> =
+            (0..self.leaves.len()).map(|n| (n, [0, 0])).collect();
+        let mut size = LEAF;
+        let mut bounds = Vec::new();
+        loop {
+            let boxes: Vec<(Rect, f32)> = squares
+                .iter()
+                .map(|&s| (self.area(s, size), self.height(s)))
+                .collect();
+            self.sampler.bounds(&boxes, &mut bounds);
+            let mut kept = bounds.iter().map(|b| !is_clear(b));
+            squares.retain(|_| kept.next() == Some(true));
+            if size == 1 {
+                return squares;
+            }
+            size /= 2;
+            let of = |(n, [i, j]): Place| {
+                [(0, 0), (size, 0), (0, size), (size, size)]
+                    .map(|(a, b)| (n, [i + a, j + b]))
+            };
+            squares = squares.into_iter().flat_map(of).collect();
+        }
+    }
+
+    /// The owners of parts whose centre's sign is not that of the corners.
+    fn other_sign(&mut self, parts: &[Part]) -> Result<Vec<Place>, FieldError> {
+        if parts.is_empty() {
+            return Ok(Vec::new());
+        }
+        self.scratch.clear();
+        for p in parts {
+            let centre = 0.5 * (p.area.min + p.area.max);
+            self.scratch
+                .push(centre, self.z[self.leaves[p.owner.0].layer]);
+        }
+        let s = &mut *self.scratch;
+        self.sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
+        let other = parts
+            .iter()
+            .zip(&s.values)
+            .filter(|(p, f)| (**f < 0.0) != p.inside);
+        Ok(other.map(|(p, _)| p.owner).collect())
+    }
+
+    /// Divides cells with corners of one sign into quarters, and these again,
+    /// where the field may be zero, until they are no larger than `pitch`.
+    /// Returns the cells in which a quarter's centre has the other sign.
+    fn explore(
+        &mut self,
+        cells: &[Place],
+        pitch: Length,
+    ) -> Result<Vec<Place>, FieldError> {
+        let mut found: Vec<Place> = Vec::new();
+        let mut parts: Vec<Part> = cells
+            .iter()
+            .map(|&owner| Part {
+                owner,
+                inside: self.corners(owner)[0] < 0.0,
+                area: self.area(owner, 1),
+            })
+            .collect();
+        let mut size = self.lattice.spacing;
+        while !parts.is_empty() {
+            let mut other = self.other_sign(&parts)?;
+            other.sort_unstable();
+            other.dedup();
+            parts.retain(|p| other.binary_search(&p.owner).is_err());
+            found.append(&mut other);
+            if size <= pitch {
+                break;
+            }
+            size *= 0.5;
+            parts = parts.iter().flat_map(quarters).collect();
+            if size < CHEAP * pitch {
+                continue;
+            }
+            let boxes: Vec<(Rect, f32)> = parts
+                .iter()
+                .map(|p| (p.area, self.height(p.owner)))
+                .collect();
+            let mut bounds = Vec::new();
+            self.sampler.bounds(&boxes, &mut bounds);
+            let mut kept = bounds.iter().map(|b| !b.is_uniform());
+            parts.retain(|_| kept.next() == Some(true));
+        }
+        Ok(found)
+    }
+}
+
+fn quarters(part: &Part) -> [Part; 4] {
+    let Rect { min, max } = part.area;
+    let middle = 0.5 * (min + max);
+    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
+        let side = |k: usize, far: i32| match far {
+            0 => [min[k], middle[k]],
+            _ => [middle[k], max[k]],
+        };
+        let (x, y) = (side(0, i), side(1, j));
+        Part {
+            owner: part.owner,
+            inside: part.inside,
+            area: Rect {
+                min: DVec2::new(x[0], y[0]),
+                max: DVec2::new(x[1], y[1]),
+            },
+        }
+    })
+}

@@ -1,0 +1,605 @@
+//! Marching squares over sampled leaves (Lorensen and Cline 1987, in 2D).
+//!
+//! ```text
+//!   tl ──N── tr      corner bits: bl 1, br 2, tr 4, tl 8
+//!   │        │       a segment runs from edge to edge with the inside
+//!   W        E       on its left
+//!   │        │
+//!   bl ──S── br
+//! ```
+//!
+//! The two cells in which opposite corners are inside and the others are not
+//! are decided by the field at the cell's centre.
+//!
+//! Where the straight pieces do not explain the outline, it is followed within
+//! its cell (`trace`); where that fails, where a saddle's pieces bend, and
+//! where a cell may hide something (`doubt`, `hidden`), the cell is divided
+//! (`divide`).
+
+use super::divide::{Cell, Divided, Fineness, divide};
+use super::doubt::doubts;
+use super::edges::Edges;
+use super::hidden::hidden;
+use super::link::{Chains, Crossing, NONE};
+use super::noise::Noise;
+use super::settle::{Order, settle};
+use super::trace::{Chord, End, Look, Traced, look, trace};
+use crate::Length;
+use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
+use crate::plane::Rect;
+use glam::DVec2;
+
+/// Nodes of a leaf.
+const COUNT: usize = NODES * NODES;
+
+const S: u8 = 0;
+const E: u8 = 1;
+const N: u8 = 2;
+const W: u8 = 3;
+
+/// Segments of each case; the ambiguous ones (5 and 10) as if the cell's
+/// centre were outside.
+pub(super) const CASES: [&[(u8, u8)]; 16] = [
+    &[],
+    &[(S, W)],
+    &[(E, S)],
+    &[(E, W)],
+    &[(N, E)],
+    &[(S, W), (N, E)],
+    &[(N, S)],
+    &[(N, W)],
+    &[(W, N)],
+    &[(S, N)],
+    &[(E, S), (W, N)],
+    &[(E, N)],
+    &[(W, E)],
+    &[(S, E)],
+    &[(W, S)],
+    &[],
+];
+
+/// The ambiguous cases with the centre inside.
+pub(super) const JOINED_5: &[(u8, u8)] = &[(N, W), (S, E)];
+pub(super) const JOINED_10: &[(u8, u8)] = &[(W, S), (E, N)];
+
+/// A vertex of the outline.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    pub end: End,
+    /// Of the lattice edge it lies on, if it does.
+    pub crossing: Crossing,
+}
+
+/// A piece of outline across one cell.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    /// Layer of the slab.
+    layer: usize,
+    /// The leaf, counted within the batch.
+    leaf: usize,
+    /// Lattice column and row of the cell.
+    cell: [usize; 2],
+    /// Vertices, counted within the batch.
+    from: u32,
+    to: u32,
+    /// There is another one in the cell.
+    saddle: bool,
+}
+
+/// How outlines are found; lengths in mm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Precision {
+    /// Greatest distance of a chord from the outline.
+    pub chord: Length,
+    /// Size of the least feature that is to be found.
+    pub smallest: Length,
+}
+
+/// Parts at least that a cell is divided into, along its side.
+const PARTS: usize = 8;
+/// Parts at most: a million samples would be too many for a cell.
+const MOST_PARTS: usize = 64;
+
+impl Precision {
+    /// How cells of a given size are divided: finely enough that a feature is
+    /// hit by at least one node.
+    fn fineness(&self, spacing: Length) -> Fineness {
+        let mut parts = PARTS;
+        while parts < MOST_PARTS && spacing / parts as f64 > 0.6 * self.smallest
+        {
+            parts *= 2;
+        }
+        Fineness {
+            parts,
+            tolerance: self.chord,
+            trusted: 1.5 * self.smallest,
+            smallest: self.smallest,
+        }
+    }
+}
+
+/// Samples for which cells are divided at a time, about: what becomes of them
+/// needs several times their memory.
+const AT_ONCE: usize = 1 << 16;
+
+/// A cell of a batch: its leaf, and column and row in it.
+pub(super) type Place = (usize, [usize; 2]);
+
+/// Walks batches of leaves and adds their pieces to the layers' chains.
+pub(super) struct Marcher<'a> {
+    lattice: &'a Lattice,
+    precision: Precision,
+    z: Vec<f32>,
+    nan: Vec<usize>,
+    noise: Noise,
+    edges: Edges,
+    /// Where the outlines cross the edges.
+    vertices: Vec<Vertex>,
+    segments: Vec<Segment>,
+    /// Ambiguous cells: (leaf, cell in the leaf), centre inside.
+    saddles: Vec<(usize, usize, bool)>,
+    /// Segments that bend, and the points they bend through.
+    bends: Vec<(usize, DVec2)>,
+    scratch: Scratch,
+}
+
+/// Coordinates and results of one bulk evaluation.
+#[derive(Default)]
+pub(super) struct Scratch {
+    pub x: Vec<f32>,
+    pub y: Vec<f32>,
+    pub z: Vec<f32>,
+    pub values: Vec<f32>,
+    pub slopes: Vec<[f32; 3]>,
+}
+
+impl Scratch {
+    pub(super) fn clear(&mut self) {
+        self.x.clear();
+        self.y.clear();
+        self.z.clear();
+    }
+
+    pub(super) fn push(&mut self, p: DVec2, z: f32) {
+        self.x.push(p.x as f32);
+        self.y.push(p.y as f32);
+        self.z.push(z);
+    }
+}
+
+impl<'a> Marcher<'a> {
+    pub(super) fn new(
+        lattice: &'a Lattice,
+        z: &[Length],
+        precision: Precision,
+    ) -> Self {
+        Marcher {
+            lattice,
+            precision,
+            z: z.iter().map(|&z| z as f32).collect(),
+            nan: vec![0; z.len()],
+            noise: Noise::new(precision.smallest),
+            edges: Edges::default(),
+            vertices: Vec::new(),
+            segments: Vec::new(),
+            saddles: Vec::new(),
+            bends: Vec::new(),
+            scratch: Scratch::default(),
+        }
+    }
+
+    /// Samples per layer that were not numbers.
+    pub(super) fn nan_samples(&self) -> Vec<usize> {
+        self.nan.clone()
+    }
+
+    /// Adds a batch's pieces of outline to the layers.
+    pub(super) fn march(
+        &mut self,
+        mut batch: Batch<'_>,
+        layers: &mut [Chains],
+    ) -> Result<(), FieldError> {
+        for (leaf, values) in
+            batch.leaves.iter().zip(batch.values.chunks_exact(COUNT))
+        {
+            layers[leaf.layer].visited(leaf);
+            let nan = values.iter().filter(|f| f.is_nan()).count();
+            self.nan[leaf.layer] += nan;
+        }
+        self.noise.look(
+            batch.leaves,
+            batch.values,
+            &self.z,
+            self.lattice,
+            batch.sampler,
+            &mut self.scratch,
+        )?;
+        self.vertices(&mut batch)?;
+        let (chords, traced) = self.trace(&mut *batch.sampler)?;
+        let mut divide = doubts(
+            batch.leaves,
+            batch.values,
+            &self.z,
+            self.lattice,
+            self.lattice.spacing <= self.precision.smallest,
+            batch.sampler,
+            &mut self.scratch,
+        )?;
+        divide.extend(self.unexplained(batch.leaves, &chords, &traced));
+        divide.extend(hidden(
+            batch.leaves,
+            batch.values,
+            &self.z,
+            self.lattice,
+            self.precision.smallest,
+            batch.sampler,
+            &mut self.scratch,
+        )?);
+        divide.retain(|&(leaf, _)| !self.noise.is_in(leaf));
+        let divided = self.divide(divide, true, &mut batch)?;
+        self.append(layers, &chords, traced, &divided);
+        Ok(())
+    }
+
+    /// Divides given cells of a batch's leaves, whose outline has been taken
+    /// out of the chains.
+    pub(super) fn redivide(
+        &mut self,
+        mut batch: Batch<'_>,
+        cells: &[(usize, [usize; 2])],
+        layers: &mut [Chains],
+    ) -> Result<(), FieldError> {
+        self.vertices(&mut batch)?;
+        self.segments.clear();
+        self.bends.clear();
+        let divided = self.divide(cells.to_vec(), false, &mut batch)?;
+        self.vertices.clear();
+        self.append(layers, &[], Vec::new(), &divided);
+        Ok(())
+    }
+
+    /// Finds the batch's vertices and how they are connected.
+    fn vertices(&mut self, batch: &mut Batch<'_>) -> Result<(), FieldError> {
+        self.edges.find(batch, self.lattice);
+        self.decide_saddles(batch.leaves, &mut *batch.sampler)?;
+        self.find_segments(batch.leaves);
+        let edges = &self.edges.all;
+        let pieces = self.segments.iter().map(|s| (s.from, s.to, s.saddle));
+        let found = settle(
+            edges,
+            &Order::new(edges.len(), pieces),
+            &self.z,
+            self.precision.chord,
+            &mut *batch.sampler,
+            &mut self.scratch,
+        )?;
+        self.vertices.clear();
+        let found = found.into_iter().zip(edges);
+        self.vertices.extend(found.map(|(end, edge)| Vertex {
+            end,
+            crossing: Crossing::whole(edge.number),
+        }));
+        Ok(())
+    }
+
+    /// Follows the outline where the segments are not within tolerance of it.
+    /// Returns their numbers, and what became of them.
+    fn trace(
+        &mut self,
+        sampler: &mut dyn Sampler,
+    ) -> Result<(Vec<usize>, Vec<Traced>), FieldError> {
+        let Fineness {
+            tolerance, trusted, ..
+        } = self.precision.fineness(self.lattice.spacing);
+        let (mut numbers, mut chords) = (Vec::new(), Vec::new());
+        self.bends.clear();
+        for (n, s) in self.segments.iter().enumerate() {
+            if self.noise.is_in(s.leaf) {
+                continue;
+            }
+            let [from, to] =
+                [s.from, s.to].map(|v| self.vertices[v as usize].end);
+            match look(from, to, tolerance, trusted) {
+                Look::Straight => continue,
+                Look::Bent(point) if !s.saddle => {
+                    self.bends.push((n, point));
+                    continue;
+                }
+                _ => {}
+            }
+            let [i, j] = s.cell;
+            let node = |i: usize, j: usize| {
+                let (x, y) = (self.lattice.x[i], self.lattice.y[j]);
+                DVec2::new(f64::from(x), f64::from(y))
+            };
+            numbers.push(n);
+            chords.push(Chord {
+                from,
+                to,
+                cell: Rect {
+                    min: node(i, j),
+                    max: node(i + 1, j + 1),
+                },
+                // What goes on there is for the cell's division to find.
+                beyond: 0.0,
+                z: self.z[s.layer],
+            });
+        }
+        let scratch = &mut self.scratch;
+        let traced = trace(&chords, tolerance, trusted, sampler, scratch)?;
+        Ok((numbers, traced))
+    }
+
+    /// Cells whose outline could not be followed, or might cross itself.
+    fn unexplained(
+        &self,
+        leaves: &[Leaf],
+        chords: &[usize],
+        traced: &[Traced],
+    ) -> Vec<Place> {
+        let mut found: Vec<Place> = Vec::new();
+        // Corners in cells beside their own: those cells, and the owners.
+        let mut guests: Vec<([i64; 3], Place)> = Vec::new();
+        for (&n, t) in chords.iter().zip(traced) {
+            let s = &self.segments[n];
+            let leaf = &leaves[s.leaf];
+            let own = (s.leaf, [s.cell[0] - leaf.i, s.cell[1] - leaf.j]);
+            if t.lost || (s.saddle && !t.points.is_empty()) {
+                found.push(own);
+            } else if let Some(by) = t.beside {
+                let [i, j] =
+                    [0, 1].map(|d| s.cell[d] as i64 + i64::from(by[d]));
+                guests.push(([s.layer as i64, i, j], own));
+            }
+        }
+        guests.sort_unstable();
+        for pair in guests.windows(2).filter(|p| p[0].0 == p[1].0) {
+            found.extend([pair[0].1, pair[1].1]);
+        }
+        found
+    }
+
+    /// Divides cells, given by leaf and place in it; if `spread`, also those
+    /// beside them where the outline turns out to pass between the two.
+    fn divide(
+        &mut self,
+        mut wanted: Vec<Place>,
+        spread: bool,
+        batch: &mut Batch<'_>,
+    ) -> Result<Vec<(Vec<Cell>, Divided)>, FieldError> {
+        let fineness = self.precision.fineness(self.lattice.spacing);
+        let mut done: Vec<Place> = Vec::new();
+        let mut rounds = Vec::new();
+        loop {
+            wanted.sort_unstable();
+            wanted.dedup();
+            wanted.retain(|c| done.binary_search(c).is_err());
+            if wanted.is_empty() {
+                return Ok(rounds);
+            }
+            let mut next = Vec::new();
+            let at_once = AT_ONCE / (fineness.parts * fineness.parts);
+            for wanted in wanted.chunks(at_once.max(1)) {
+                let cells = wanted.iter().map(|&c| self.cell(batch.leaves, c));
+                let cells: Vec<Cell> = cells.collect();
+                let divided = divide(
+                    &cells,
+                    self.lattice,
+                    &self.z,
+                    fineness,
+                    &mut *batch.sampler,
+                    &mut self.scratch,
+                )?;
+                for (cell, width) in cells.iter().zip(&divided.widths) {
+                    if let Some(width) = *width {
+                        let z = self.z[cell.layer];
+                        self.noise.divided(cell.at, z, width, self.lattice)?;
+                    }
+                }
+                if spread {
+                    for (cell, wrong) in cells.iter().zip(&divided.wrong) {
+                        let [i, j] = cell.at.map(|k| k as i64);
+                        let beside =
+                            [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j]];
+                        let wrong = beside.iter().zip(wrong).filter(|x| *x.1);
+                        next.extend(wrong.filter_map(|(at, _)| {
+                            find(batch.leaves, cell.layer, *at)
+                        }));
+                    }
+                }
+                rounds.push((cells, divided));
+            }
+            done.append(&mut wanted);
+            done.sort_unstable();
+            wanted = next;
+        }
+    }
+
+    /// A cell with what the lattice knows of it.
+    fn cell(&self, leaves: &[Leaf], (n, [i, j]): (usize, [usize; 2])) -> Cell {
+        Cell {
+            layer: leaves[n].layer,
+            at: [leaves[n].i + i, leaves[n].j + j],
+            vertices: self.edges.of_cell(n, i, j).map(|edge| match edge {
+                NONE => None,
+                v => Some(self.vertices[v as usize]),
+            }),
+        }
+    }
+
+    /// Asks the field at the centres of ambiguous cells.
+    fn decide_saddles(
+        &mut self,
+        leaves: &[Leaf],
+        sampler: &mut dyn crate::field::Sampler,
+    ) -> Result<(), FieldError> {
+        self.saddles.clear();
+        self.scratch.clear();
+        for (n, leaf) in leaves.iter().enumerate() {
+            for j in 0..LEAF {
+                let [low, high] = self.edges.row(n, j);
+                // Opposite corners alike, neighbours not.
+                let mask = (low ^ (low >> 1))
+                    & (high ^ (high >> 1))
+                    & (low ^ high)
+                    & 0xff;
+                for i in bits(mask) {
+                    self.saddles.push((n, j * LEAF + i, false));
+                    let (ci, cj) = (leaf.i + i, leaf.j + j);
+                    let l = self.lattice;
+                    let centre = DVec2::new(
+                        0.5 * (f64::from(l.x[ci]) + f64::from(l.x[ci + 1])),
+                        0.5 * (f64::from(l.y[cj]) + f64::from(l.y[cj + 1])),
+                    );
+                    self.scratch.push(centre, self.z[leaf.layer]);
+                }
+            }
+        }
+        if self.saddles.is_empty() {
+            return Ok(());
+        }
+        let s = &mut self.scratch;
+        sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
+        for (saddle, &f) in self.saddles.iter_mut().zip(&s.values) {
+            saddle.2 = f < 0.0;
+        }
+        Ok(())
+    }
+
+    /// Connects the vertices across the cells.
+    fn find_segments(&mut self, leaves: &[Leaf]) {
+        self.segments.clear();
+        let mut saddles = self.saddles.iter().peekable();
+        for (n, leaf) in leaves.iter().enumerate() {
+            for j in 0..LEAF {
+                let [low, high] = self.edges.row(n, j);
+                let mixed =
+                    ((low ^ (low >> 1)) | (high ^ (high >> 1)) | (low ^ high))
+                        & 0xff;
+                for i in bits(mixed) {
+                    let case = usize::from(
+                        (low >> i & 3)
+                            | (high >> (i + 1) & 1) << 2
+                            | (high >> i & 1) << 3,
+                    );
+                    let mut list = CASES[case];
+                    if case == 5 || case == 10 {
+                        let joined = saddles
+                            .next_if(|s| s.0 == n && s.1 == j * LEAF + i)
+                            .is_some_and(|s| s.2);
+                        if joined {
+                            list = if case == 5 { JOINED_5 } else { JOINED_10 };
+                        }
+                    }
+                    let sides = self.edges.of_cell(n, i, j);
+                    let slot = |side: u8| sides[usize::from(side)];
+                    for &(from, to) in list {
+                        self.segments.push(Segment {
+                            layer: leaf.layer,
+                            leaf: n,
+                            cell: [leaf.i + i, leaf.j + j],
+                            from: slot(from),
+                            to: slot(to),
+                            saddle: list.len() > 1,
+                        });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Hands vertices and segments over to their layers; `traced` are those
+    /// of the segments in `chords`. Divided cells stand for themselves.
+    fn append(
+        &mut self,
+        layers: &mut [Chains],
+        chords: &[usize],
+        traced: Vec<Traced>,
+        divided: &[(Vec<Cell>, Divided)],
+    ) {
+        let mut skip: Vec<Place> = Vec::new();
+        for cell in divided.iter().flat_map(|d| &d.0) {
+            skip.push((cell.layer, cell.at));
+            layers[cell.layer].divided(cell.at);
+        }
+        skip.sort_unstable();
+        // Batch-wide vertex number → number in the vertex's layer.
+        let own: Vec<u32> = self
+            .vertices
+            .iter()
+            .zip(&self.edges.all)
+            .map(|(v, edge)| {
+                let chains = &mut layers[edge.layer as usize];
+                chains.add(v.end.point, v.crossing, true)
+            })
+            .collect();
+        let mut traced = chords.iter().zip(traced).peekable();
+        let mut bends = self.bends.iter().peekable();
+        for (n, s) in self.segments.iter().enumerate() {
+            let points = match traced.peek() {
+                Some(t) if *t.0 == n => traced.next().map(|t| t.1.points),
+                _ => None,
+            };
+            let bend = match bends.peek() {
+                Some(b) if b.0 == n => bends.next().map(|b| b.1),
+                _ => None,
+            };
+            if !skip.is_empty()
+                && skip.binary_search(&(s.layer, s.cell)).is_ok()
+            {
+                continue;
+            }
+            let (from, to) = (own[s.from as usize], own[s.to as usize]);
+            let chains = &mut layers[s.layer];
+            match (points, bend) {
+                (None, None) => chains.connect(from, to),
+                (points, bend) => {
+                    let points = points.iter().flatten().map(|p| p.1);
+                    chains.connect_through(from, points.chain(bend), to);
+                }
+            }
+        }
+        for (_, d) in divided {
+            let mut own = vec![NONE; d.vertices.len()];
+            for piece in &d.pieces {
+                let chains = &mut layers[piece.layer];
+                for v in [piece.from, piece.to].map(|v| v as usize) {
+                    if own[v] == NONE {
+                        let Vertex { end, crossing } = d.vertices[v];
+                        own[v] = chains.add(end.point, crossing, true);
+                    }
+                }
+                let [from, to] =
+                    [piece.from, piece.to].map(|v| own[v as usize]);
+                let points = piece.points.iter().copied();
+                chains.connect_through(from, points, to);
+            }
+        }
+    }
+}
+
+/// The leaf of a batch that a cell lies in, and its place there.
+fn find(
+    leaves: &[Leaf],
+    layer: usize,
+    [i, j]: [i64; 2],
+) -> Option<(usize, [usize; 2])> {
+    leaves.iter().enumerate().find_map(|(n, leaf)| {
+        let (a, b) = (i - leaf.i as i64, j - leaf.j as i64);
+        let within = |k: i64| (0..LEAF as i64).contains(&k);
+        (leaf.layer == layer && within(a) && within(b))
+            .then_some((n, [a as usize, b as usize]))
+    })
+}
+
+/// The numbers of the bits that are set.
+pub(super) fn bits(mut mask: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        if mask == 0 {
+            return None;
+        }
+        let i = mask.trailing_zeros() as usize;
+        mask &= mask - 1;
+        Some(i)
+    })
+}

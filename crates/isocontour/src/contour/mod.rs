@@ -1,0 +1,207 @@
+//! The outlines of a slab's layers: closed rings on f = 0.
+//!
+//! In: the sampled leaves of [`crate::field`]. Out: per layer an [`Area`],
+//! outer rings counter-clockwise, holes clockwise, as polygons within
+//! `accuracy` of the field's zero set.
+//!
+//! The lattice only finds the topology (`edges`, `march`). The vertices are
+//! then moved along their lattice edges onto f = 0 (`settle`, `refine`), the
+//! outline followed between them where it bends or has a corner (`trace`), and
+//! cells that this does not explain, or that may hide what is thinner than the
+//! lattice is wide (by its nodes: `doubt`; on coarse lattices by proof:
+//! `hidden`), are sampled more finely (`divide`). The pieces are joined at
+//! shared lattice edges (`link`), what is too small is left out (`small`), and
+//! last the rings are thinned so that they do not cross (`untangle`). A field of
+//! which nothing would be left is refused before any of that (`noise`).
+//!
+//! Inside is f < 0; a NaN is outside. Where the field jumps from one to the
+//! other, that is the outline. Rings smaller than a given size are left out
+//! and counted. Not guaranteed: on a lattice about as fine as that size, that
+//! a feature without a node in it is found where the field of another one hides
+//! it.
+//!
+//! The `contour` crate is the oracle of the tests and not the engine: it
+//! stitches through hash maps and nested vectors over the whole grid handed
+//! to it, and decides ambiguous cells by convention, where `march` visits
+//! sampled leaves only and asks the field.
+
+mod divide;
+mod doubt;
+mod edges;
+mod hidden;
+mod link;
+mod march;
+mod noise;
+mod refine;
+mod settle;
+mod small;
+mod trace;
+mod untangle;
+
+use crate::Length;
+use crate::field::{Batch, Field, FieldError, LEAF, Leaf};
+use crate::plane::Area;
+use link::Chains;
+use march::{Marcher, Precision};
+
+/// Outlines of one layer and what was met on the way.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outline {
+    /// The solid of the layer.
+    pub area: Area,
+    /// Samples at which the field was not a number; they count as outside.
+    pub nan_samples: usize,
+    /// Rings that had to be closed by a straight line because the field
+    /// contradicted itself where they broke off.
+    pub forced_rings: usize,
+    /// Places with islands or holes that are smaller than what was asked for,
+    /// or thinner than the accuracy, and left out.
+    pub dropped_rings: usize,
+}
+
+/// What is asked of outlines.
+#[derive(Clone, Copy, Debug)]
+pub struct Detail {
+    /// Greatest distance from f = 0, mm.
+    pub accuracy: Length,
+    /// Extent below which islands and holes are left out, mm.
+    pub smallest: Length,
+}
+
+/// Share of the accuracy that is left to the chords between the points found
+/// on the outline; thinning gets the rest.
+const CHORD_SHARE: f64 = 0.15;
+
+/// Leaves that are asked for at once, after the first look: what is made of
+/// each on the way needs memory.
+const AT_ONCE: usize = 1024;
+
+/// What is done at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Proofs and samples of the field.
+    Sampling,
+    /// Lines of outlines are found among the samples, and followed.
+    Tracing,
+    /// The lines are joined into rings, and thinned.
+    Closing,
+}
+
+/// Outlines of the layers at heights `z`, at most a slab of them
+/// ([`Field::slab_layers`]).
+///
+/// # Errors
+/// If the field changes its sign finer than `detail.smallest` over large parts
+/// of the slab; if it is stopped; or if fidget fails, which is a bug.
+pub fn outlines(
+    field: &Field,
+    z: &[Length],
+    detail: Detail,
+) -> Result<Vec<Outline>, FieldError> {
+    outlines_in_phases(field, z, detail, &mut |_| {})
+}
+
+/// As [`outlines`]; tells when another phase begins, for measuring them.
+///
+/// # Errors
+/// As [`outlines`].
+pub fn outlines_in_phases(
+    field: &Field,
+    z: &[Length],
+    detail: Detail,
+    begins: &mut dyn FnMut(Phase),
+) -> Result<Vec<Outline>, FieldError> {
+    let mut layers: Vec<Chains> = z.iter().map(|_| Chains::default()).collect();
+    let precision = Precision {
+        chord: CHORD_SHARE * detail.accuracy,
+        smallest: detail.smallest,
+    };
+    let mut marcher = Marcher::new(field.lattice(), z, precision);
+    begins(Phase::Sampling);
+    field.slab(z, &mut |batch: Batch<'_>| {
+        begins(Phase::Tracing);
+        marcher.march(batch, &mut layers)?;
+        begins(Phase::Sampling);
+        Ok(())
+    })?;
+    begins(Phase::Closing);
+    close(field, z, detail, layers, marcher)
+}
+
+/// Joins the layers' pieces into rings, sampling what is missing.
+fn close(
+    field: &Field,
+    z: &[Length],
+    detail: Detail,
+    mut layers: Vec<Chains>,
+    mut marcher: Marcher<'_>,
+) -> Result<Vec<Outline>, FieldError> {
+    // A proof that was wrong by a rounding error shows as an outline that
+    // stops at the border of a leaf nobody sampled, and an outline between two
+    // nodes of a cell as one that stops at the border of its leaf: sample it
+    // now. Each round adds at least a leaf or divides a cell, and few ever
+    // need many.
+    for _ in 0..64 {
+        let mut missing: Vec<Leaf> = Vec::new();
+        let mut cells: Vec<(Leaf, [usize; 2])> = Vec::new();
+        for (layer, chains) in layers.iter_mut().enumerate() {
+            field.check()?;
+            let lack = chains.missing(layer, field.lattice());
+            missing.extend(lack.leaves);
+            if !lack.cells.is_empty() {
+                chains.clear(&lack.cells, field.lattice());
+            }
+            for at in lack.cells {
+                let [i, j] = at.map(|k| k / LEAF * LEAF);
+                let leaf = Leaf { layer, i, j };
+                cells.push((leaf, [at[0] - i, at[1] - j]));
+            }
+        }
+        if missing.is_empty() && cells.is_empty() {
+            break;
+        }
+        for missing in missing.chunks(AT_ONCE) {
+            field.leaves(z, missing, &mut |batch: Batch<'_>| {
+                marcher.march(batch, &mut layers)
+            })?;
+        }
+        let mut leaves: Vec<Leaf> = cells.iter().map(|c| c.0).collect();
+        let place = |l: &Leaf| (l.layer, l.j, l.i);
+        leaves.sort_unstable_by_key(place);
+        leaves.dedup();
+        for leaves in leaves.chunks(AT_ONCE) {
+            field.leaves(z, leaves, &mut |batch: Batch<'_>| {
+                let own: Vec<(usize, [usize; 2])> = cells
+                    .iter()
+                    .filter_map(|(leaf, at)| {
+                        let all = batch.leaves;
+                        let key = place(leaf);
+                        let n = all.binary_search_by_key(&key, place).ok()?;
+                        Some((n, *at))
+                    })
+                    .collect();
+                marcher.redivide(batch, &own, &mut layers)
+            })?;
+        }
+    }
+    let nan = marcher.nan_samples();
+    layers
+        .into_iter()
+        .zip(nan)
+        .map(|(chains, nan_samples)| {
+            field.check()?;
+            let (mut rings, forced_rings) = chains.into_rings();
+            let left_out = small::leave_out(&mut rings, detail);
+            let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;
+            let mut rings = untangle::thin(&rings, tolerance, field.cancel())?;
+            let all = rings.len();
+            rings.retain(|r| !r.is_empty());
+            Ok(Outline {
+                nan_samples,
+                forced_rings,
+                dropped_rings: left_out + all - rings.len(),
+                area: Area { rings },
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,324 @@
+//! Moves vertices along their lattice edges onto f = 0.
+//!
+//! The root is kept between an inside and an outside point at all times
+//! (Illinois variant of the regula falsi: Dowell and Jarratt 1971), so a
+//! vertex never leaves its edge and neighbouring ones never change places.
+//! Where the field jumps, has a kink or is not a number, halving takes over.
+//! A bracket remembers whether the field jumps in it: what its gradient says
+//! there is then no one's business.
+
+use super::march::Scratch;
+use crate::Length;
+use crate::field::{FieldError, Sampler};
+use glam::DVec2;
+
+/// A vertex on its way: the root lies between `lo` and `hi`, as fractions of
+/// the way from an inside node to an outside one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bracket {
+    inside: DVec2,
+    outside: DVec2,
+    lo: f64,
+    hi: f64,
+    /// Field at `lo` (negative) and `hi`, the latter possibly halved.
+    f_lo: f64,
+    f_hi: f64,
+    /// Field at the ends as it was found, for telling a jump from a root.
+    ends: [f64; 2],
+    /// |f| at both ends of the whole, together.
+    whole: f64,
+    /// Distance from the inside node to the outside one, mm.
+    length: Length,
+    /// Best estimate so far, and the one before.
+    t: f64,
+    from: f64,
+    /// Which end moved last: −1 `lo`, 1 `hi`.
+    last: i8,
+    done: bool,
+}
+
+/// Evaluations after which a vertex stays where it is: halving alone brings
+/// a 2 mm edge down to a nanometre in fewer.
+const MAX_STEPS: usize = 30;
+/// Steps by interpolation before the bracket is halved instead.
+const FREE_STEPS: usize = 6;
+/// A vertex has arrived when it moves by less than this, mm: ten times less
+/// than G-code can say.
+const ARRIVED: f64 = 1e-6;
+/// A last step below this, mm, need not be checked when the field fell so
+/// steeply before it that the next one would arrive.
+const NEAR: f64 = 3e-4;
+/// A first step up to this, mm, is the last one if chord and slope agree on
+/// it within a tenth: on a lattice edge that leaves an error of nanometres.
+const CLOSE: f64 = 3e-3;
+/// Where the field jumps, its ends still differ by this share of what they
+/// did, however close they have come.
+const JUMP: f64 = 0.02;
+
+impl Bracket {
+    pub(super) fn new(
+        inside: DVec2,
+        outside: DVec2,
+        f_inside: f32,
+        f_outside: f32,
+    ) -> Self {
+        let mut b = Bracket {
+            inside,
+            outside,
+            lo: 0.0,
+            hi: 1.0,
+            f_lo: f64::from(f_inside),
+            f_hi: f64::from(f_outside),
+            ends: [f64::from(f_inside), f64::from(f_outside)],
+            whole: f64::from(f_inside).abs() + f64::from(f_outside).abs(),
+            length: inside.distance(outside),
+            t: 0.0,
+            from: 0.0,
+            last: 0,
+            done: false,
+        };
+        b.t = b.estimate();
+        b
+    }
+
+    pub(super) fn point(&self) -> DVec2 {
+        self.inside.lerp(self.outside, self.t)
+    }
+
+    /// True if the field does not come down to zero on both sides.
+    pub(super) fn jumps(&self) -> bool {
+        let rest = self.ends[0].abs() + self.ends[1].abs();
+        let open = (self.hi - self.lo) * self.length;
+        let falls = rest <= JUMP * self.whole;
+        // Nor does it if either is not a number.
+        open < ARRIVED && !falls
+    }
+
+    /// Where the line through the bracket's ends is zero; its middle if an
+    /// end is not a number.
+    fn estimate(&self) -> f64 {
+        let t = self.lo
+            + (self.hi - self.lo) * (self.f_lo / (self.f_lo - self.f_hi));
+        if t.is_finite() && self.f_hi.is_finite() && self.f_lo.is_finite() {
+            t.clamp(self.lo, self.hi)
+        } else {
+            0.5 * (self.lo + self.hi)
+        }
+    }
+
+    /// After the first step, with the field and its gradient as they were
+    /// where that began: true if it was the last one. It is where the slope
+    /// says about the same as the chord, and the way is so short that both
+    /// are the same at its end.
+    fn arrives(&mut self, f: f64, gradient: DVec2) -> bool {
+        if self.done {
+            return !self.jumps();
+        }
+        let along = gradient.dot(self.outside - self.inside);
+        let newton = self.from - f / along;
+        let step = (newton - self.from).abs() * self.length;
+        let apart = (newton - self.t).abs() * self.length;
+        let agrees = step < CLOSE && apart <= 0.1 * step;
+        if agrees && self.lo <= newton && newton <= self.hi {
+            self.t = newton;
+            self.done = true;
+        }
+        self.done
+    }
+
+    /// Takes in the field's value at the estimate and makes a new one.
+    fn step(&mut self, f: f64, count: usize) {
+        let end = if f < 0.0 { self.f_lo } else { self.f_hi };
+        // At a jump the estimate creeps along one side in tiny steps, but
+        // the field there does not go down.
+        let falls = f.abs() <= 0.25 * end.abs();
+        if f < 0.0 {
+            self.lo = self.t;
+            self.f_lo = f;
+            self.ends[0] = f;
+            if self.last == -1 {
+                self.f_hi *= 0.5;
+            }
+            self.last = -1;
+        } else {
+            self.hi = self.t;
+            self.f_hi = f;
+            self.ends[1] = f;
+            if self.last == 1 {
+                self.f_lo *= 0.5;
+            }
+            self.last = 1;
+        }
+        if f == 0.0 {
+            self.from = self.t;
+            self.done = true;
+            return;
+        }
+        self.from = self.t;
+        self.t = if count >= FREE_STEPS {
+            0.5 * (self.lo + self.hi)
+        } else {
+            self.estimate()
+        };
+        let moved = (self.t - self.from).abs() * self.length;
+        let open = (self.hi - self.lo) * self.length;
+        let next = moved * (f / end).abs();
+        self.done = open < ARRIVED
+            || (falls && (moved < ARRIVED || (moved < NEAR && next < ARRIVED)));
+    }
+}
+
+/// Brings all brackets to their roots, evaluating those on their way
+/// together, and returns the field's gradients there; zero where it jumps.
+/// `z` are the vertices' heights.
+pub(super) fn refine(
+    brackets: &mut [Bracket],
+    z: &[f32],
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+) -> Result<Vec<DVec2>, FieldError> {
+    // The first estimate is so good for most that the slope there takes them
+    // the rest of the way, and is theirs.
+    slopes(brackets, z, sampler, scratch, 0..brackets.len());
+    let mut gradients = Vec::with_capacity(brackets.len());
+    let mut open: Vec<u32> = Vec::new();
+    let found = brackets.iter_mut().zip(&scratch.slopes);
+    for (i, (b, &[f, dx, dy])) in found.enumerate() {
+        let gradient = DVec2::new(f64::from(dx), f64::from(dy));
+        b.step(f64::from(f), 0);
+        if !b.arrives(f64::from(f), gradient) {
+            open.push(i as u32);
+        }
+        gradients.push(gradient);
+    }
+    if open.is_empty() {
+        return Ok(gradients);
+    }
+    let mut active = open.clone();
+    for count in 1..MAX_STEPS {
+        active.retain(|&i| !brackets[i as usize].done);
+        if active.is_empty() {
+            break;
+        }
+        scratch.clear();
+        for &i in &active {
+            scratch.push(brackets[i as usize].point(), z[i as usize]);
+        }
+        let s = &mut *scratch;
+        sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
+        for (&i, &f) in active.iter().zip(&s.values) {
+            brackets[i as usize].step(f64::from(f), count);
+        }
+    }
+    let late = open.iter().map(|&i| i as usize);
+    slopes(brackets, z, sampler, scratch, late.clone());
+    for (i, &[_, dx, dy]) in late.zip(&scratch.slopes) {
+        gradients[i] = match brackets[i].jumps() {
+            true => DVec2::ZERO,
+            false => DVec2::new(f64::from(dx), f64::from(dy)),
+        };
+    }
+    Ok(gradients)
+}
+
+/// Evaluates values and slopes at the estimates of some brackets.
+fn slopes(
+    brackets: &[Bracket],
+    z: &[f32],
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+    which: impl Iterator<Item = usize>,
+) {
+    scratch.clear();
+    for i in which {
+        scratch.push(brackets[i].point(), z[i]);
+    }
+    let s = &mut *scratch;
+    sampler.slopes(&s.x, &s.y, &s.z, &mut s.slopes);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Bound;
+    use crate::plane::Rect;
+
+    /// Evaluates a function of x.
+    struct Line<F: Fn(f32) -> f32>(F);
+
+    impl<F: Fn(f32) -> f32> Sampler for Line<F> {
+        fn values(
+            &mut self,
+            x: &[f32],
+            _: &[f32],
+            _: &[f32],
+            out: &mut Vec<f32>,
+        ) -> Result<(), FieldError> {
+            out.clear();
+            out.extend(x.iter().map(|&x| (self.0)(x)));
+            Ok(())
+        }
+
+        fn slopes(
+            &mut self,
+            x: &[f32],
+            _: &[f32],
+            _: &[f32],
+            out: &mut Vec<[f32; 3]>,
+        ) {
+            out.clear();
+            // Where the difference says nothing, neither does this.
+            let slope = |x: f32| (self.0(x + 1e-4) - self.0(x - 1e-4)) / 2e-4;
+            out.extend(x.iter().map(|&x| [(self.0)(x), slope(x), 0.0]));
+        }
+
+        fn bounds(&mut self, _: &[(Rect, f32)], _: &mut Vec<Bound>) {}
+    }
+
+    fn root(f: impl Fn(f32) -> f32) -> f64 {
+        let mut b = [Bracket::new(
+            DVec2::ZERO,
+            DVec2::new(0.1, 0.0),
+            f(0.0),
+            f(0.1),
+        )];
+        let mut line = Line(f);
+        refine(&mut b, &[0.0], &mut line, &mut Scratch::default()).unwrap();
+        b[0].point().x
+    }
+
+    #[test]
+    fn jumps_are_told_from_roots() {
+        let jumps = |f: fn(f32) -> f32| {
+            let (lo, hi) = (DVec2::ZERO, DVec2::new(0.1, 0.0));
+            let mut b = [Bracket::new(lo, hi, f(0.0), f(0.1))];
+            let mut s = Scratch::default();
+            refine(&mut b, &[0.0], &mut Line(f), &mut s).unwrap();
+            b[0].jumps()
+        };
+        assert!(!jumps(|x| x - 0.03));
+        assert!(!jumps(|x| 1e6 * (x - 0.05).powi(3)));
+        assert!(!jumps(|x| (x - 0.06).max(1e4 * (x - 0.061))));
+        assert!(jumps(|x| if x < 0.0123 { -1.0 } else { 1.0 }));
+        assert!(jumps(|x| if x < 0.0123 { x - 1.0 } else { x + 1e6 }));
+        assert!(jumps(|x| if x < 0.0777 { -1.0 } else { f32::NAN }));
+    }
+
+    #[test]
+    fn roots_of_smooth_kinked_and_jumping_functions() {
+        type Case = (fn(f32) -> f32, f64);
+        let cases: [Case; 7] = [
+            (|x| x - 0.03, 0.03),
+            (|x| x * x - 0.0049, 0.07),
+            (|x| 1e6 * (x - 0.05).powi(3), 0.05),
+            (|x| (x - 0.06).max(100.0 * (x - 0.061)), 0.06),
+            (|x| if x < 0.0123 { -1.0 } else { 1e6 }, 0.0123),
+            (|x| if x < 0.0777 { -1.0 } else { f32::NAN }, 0.0777),
+            (|x| if x < 0.04 { -1.0 } else { f32::INFINITY }, 0.04),
+        ];
+        for (k, (f, x)) in cases.into_iter().enumerate() {
+            let r = root(f);
+            assert!((r - x).abs() < 3e-6, "case {k}: {r} for {x}");
+        }
+    }
+}

@@ -1,0 +1,583 @@
+//! Follows the outline between the two vertices of a cell, where the straight
+//! line between them is not within tolerance of it.
+//!
+//! ```text
+//!        │          Gradients u, v at the ends say how far the outline may
+//!   p ───┼─╳ c      stand off the chord p q. If that is too far, it turns
+//!    \m  │ │        at a corner c, where the tangents meet and the field is
+//!      \─r q        zero; or else it is looked for along the chord's normal
+//!                   from its middle m, found at r, and the same asked of
+//!                   p r and r q.
+//! ```
+//!
+//! The corners are after Kobbelt et al., Feature sensitive surface extraction
+//! from volume data (2001), in two dimensions. The search is between an inside
+//! and an outside point, so it needs no gradient, and where the field jumps
+//! none is used: the pieces across a corner are then halved until they are
+//! shorter than the tolerance.
+//!
+//! Everything found lies in the chord's own cell, or as far beyond it as its
+//! caller allows; only a corner may always lie in a cell beside it, through
+//! which no outline passes. All chords of a batch are
+//! followed together, a round of bulk evaluations at a time.
+//!
+//! Not guaranteed: that the outline has no bends between points at which
+//! chord and gradients agree.
+
+use super::march::Scratch;
+use super::refine::{Bracket, refine};
+use crate::Length;
+use crate::field::{FieldError, Sampler};
+use crate::plane::Rect;
+use glam::DVec2;
+
+/// Cosine of the least angle between the gradients at a corner, 15°.
+const COS_TURN: f64 = 0.966;
+/// A corner's distance from the zero set, as a share of how far it stands
+/// off the chord that it replaces.
+const RESIDUE: f64 = 0.1;
+/// Chords are not looked at when they are shorter than this share of the
+/// tolerance.
+const SHORT: f64 = 0.3;
+/// An arc's distance from the zero set in its middle and in its quarters, as
+/// a share of the tolerance.
+const ARC: f64 = 0.25;
+/// Halvings of a chord: from 2 mm to below a micrometre.
+const DEPTH: u8 = 12;
+
+/// An end of a chord.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct End {
+    /// Place, mm.
+    pub point: DVec2,
+    /// In-plane gradient of the field; zero or not finite if it says nothing.
+    pub gradient: DVec2,
+}
+
+/// A piece of outline across a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chord {
+    pub from: End,
+    pub to: End,
+    /// The cell.
+    pub cell: Rect,
+    /// How far beyond the cell the outline is followed, in cells.
+    pub beyond: f64,
+    /// Height.
+    pub z: f32,
+}
+
+/// What became of a chord.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Traced {
+    /// Points between its ends, with their place along it from 0 to 1.
+    pub points: Vec<(f64, DVec2)>,
+    /// The outline could not be followed within the cell.
+    pub lost: bool,
+    /// It has a corner in the cell beside it, that many columns and rows on.
+    pub beside: Option<[i32; 2]>,
+}
+
+/// Part of a chord that has not been settled.
+struct Open {
+    chord: usize,
+    a: End,
+    b: End,
+    /// Place of the ends along the chord.
+    span: [f64; 2],
+    depth: u8,
+}
+
+/// One about which the field is asked.
+struct Asked {
+    o: Open,
+    question: Question,
+    /// Points along it, with one in the middle, at which to ask.
+    count: usize,
+}
+
+/// What a chord's ends say of it.
+pub(super) enum Look {
+    /// The outline follows it.
+    Straight,
+    /// It bends a little, and passes through this point.
+    Bent(DVec2),
+    /// The field must be asked.
+    Ask(Question),
+}
+
+/// What is to be asked about a chord.
+#[derive(Clone, Copy)]
+pub(super) struct Question {
+    /// How far off the outline may be, mm.
+    reach: Length,
+    /// The field in the chord's middle up to which it is straight after all.
+    flat: f64,
+    /// Where the outline passes if it is an arc, and the field there up to
+    /// which it does.
+    arc: Option<([DVec2; 3], f64)>,
+}
+
+/// True if, by the gradients at its ends, a chord is within tolerance, and
+/// has no corner.
+fn fits(p: End, q: End, tolerance: Length) -> bool {
+    let chord = q.point - p.point;
+    let bound = 16.0 * tolerance * tolerance;
+    // Outwards is to the right of the chord. NaN fails.
+    let fits = |g: DVec2| {
+        let along = g.dot(chord);
+        g.perp_dot(chord) > 0.0 && along * along <= bound * g.length_squared()
+    };
+    let (u, v) = (p.gradient, q.gradient);
+    let turn = u.dot(v);
+    fits(u)
+        && fits(v)
+        && turn > 0.0
+        && turn * turn
+            >= COS_TURN * COS_TURN * u.length_squared() * v.length_squared()
+}
+
+/// What is to be done about a chord; its gradients are believed if it is no
+/// longer than `trusted`.
+pub(super) fn look(p: End, q: End, tolerance: Length, trusted: Length) -> Look {
+    let chord = q.point - p.point;
+    let fits = fits(p, q, tolerance);
+    if fits && chord.length_squared() <= trusted * trusted {
+        return Look::Straight;
+    }
+    let length = chord.length();
+    if length <= SHORT * tolerance {
+        return Look::Straight;
+    }
+    let least = 0.4 * tolerance;
+    let ask = |reach, flat, arc| Look::Ask(Question { reach, flat, arc });
+    let unknown = ask(least, 0.0, None);
+    let (Some(u), Some(v)) =
+        (p.gradient.try_normalize(), q.gradient.try_normalize())
+    else {
+        return unknown;
+    };
+    if fits {
+        let slope = p.gradient.length().min(q.gradient.length());
+        return ask(least, tolerance * slope, None);
+    }
+    let out = -chord.perp() / length;
+    if u.dot(out) <= 0.0 || v.dot(out) <= 0.0 {
+        return unknown;
+    }
+    let (s, t) = (u.dot(chord), v.dot(chord));
+    let bound = 0.25 * s.abs().max(t.abs());
+    let reach = (1.25 * bound).max(least);
+    if u.dot(v) <= COS_TURN || length > trusted {
+        return ask(reach, 0.0, None);
+    }
+    // The cubic with the directions at both ends, off the chord's middle and
+    // its quarters.
+    let on = |along: f64, near: f64, far: f64| {
+        p.point + chord * along + out * (far * t - near * s)
+    };
+    let middle = on(0.5, 0.125, 0.125);
+    // An arc of equal angles at both ends.
+    if bound <= 2.0 * tolerance {
+        return Look::Bent(middle);
+    }
+    // It may be anything else. The halves of an arc stand off a quarter as far.
+    let even = (s + t).abs() <= 0.25 * (t - s).abs();
+    let arc = (even && bound <= 3.0 * tolerance).then(|| {
+        let slope = p.gradient.length().min(q.gradient.length());
+        let first = on(0.25, 9.0 / 64.0, 3.0 / 64.0);
+        let third = on(0.75, 3.0 / 64.0, 9.0 / 64.0);
+        ([first, middle, third], ARC * tolerance * slope)
+    });
+    ask(reach, 0.0, arc)
+}
+
+/// Chords that are followed together: one may become thousands of pieces,
+/// each of which needs a hundred times the memory of a point.
+const AT_ONCE: usize = 256;
+
+/// Follows chords to within `tolerance`; gradients are believed along chords
+/// of up to `trusted` mm.
+pub(super) fn trace(
+    chords: &[Chord],
+    tolerance: Length,
+    trusted: Length,
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+) -> Result<Vec<Traced>, FieldError> {
+    let mut traced = Vec::with_capacity(chords.len());
+    for chords in chords.chunks(AT_ONCE) {
+        let some = follow(chords, tolerance, trusted, sampler, scratch)?;
+        traced.extend(some);
+    }
+    Ok(traced)
+}
+
+/// The same, for so many chords that it may be done for all at once.
+fn follow(
+    chords: &[Chord],
+    tolerance: Length,
+    trusted: Length,
+    sampler: &mut dyn Sampler,
+    scratch: &mut Scratch,
+) -> Result<Vec<Traced>, FieldError> {
+    let mut traced = vec![Traced::default(); chords.len()];
+    let mut open: Vec<Open> = chords
+        .iter()
+        .enumerate()
+        .map(|(chord, c)| Open {
+            chord,
+            a: c.from,
+            b: c.to,
+            span: [0.0, 1.0],
+            depth: 0,
+        })
+        .collect();
+    let mut round = Round {
+        chords,
+        tolerance,
+        sampler,
+        scratch,
+    };
+    while !open.is_empty() {
+        let mut asked: Vec<Asked> = Vec::new();
+        for o in open {
+            match look(o.a, o.b, tolerance, trusted) {
+                Look::Straight => {}
+                Look::Bent(p) => {
+                    let place = 0.5 * (o.span[0] + o.span[1]);
+                    traced[o.chord].points.push((place, p));
+                }
+                Look::Ask(question) if o.depth < DEPTH => {
+                    let length = o.a.point.distance(o.b.point);
+                    let mut parts = 2;
+                    while question.flat > 0.0
+                        && parts < 64
+                        && length > trusted * parts as f64
+                    {
+                        parts *= 2;
+                    }
+                    asked.push(Asked {
+                        o,
+                        question,
+                        count: parts - 1,
+                    });
+                }
+                Look::Ask(_) => {}
+            }
+        }
+        let (middles, asked) = round.corners(asked, &mut traced)?;
+        open = round.halve(asked, &middles, &mut traced)?;
+    }
+    for t in &mut traced {
+        t.points.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    for (t, c) in traced.iter_mut().zip(chords) {
+        let line: Vec<DVec2> = line(c, t).collect();
+        if crosses_itself(&line) {
+            t.points.clear();
+            t.lost = true;
+        }
+    }
+    Ok(traced)
+}
+
+/// A chord's points, ends included.
+pub(super) fn line<'a>(
+    chord: &'a Chord,
+    traced: &'a Traced,
+) -> impl Iterator<Item = DVec2> + 'a {
+    std::iter::once(chord.from.point)
+        .chain(traced.points.iter().map(|p| p.1))
+        .chain(std::iter::once(chord.to.point))
+}
+
+/// True if the segments a b and c d have a point in common.
+pub(super) fn cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
+    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
+    side(a, b, c) * side(a, b, d) <= 0.0
+        && side(c, d, a) * side(c, d, b) <= 0.0
+        && a.min(b).cmple(c.max(d)).all()
+        && c.min(d).cmple(a.max(b)).all()
+}
+
+fn crosses_itself(line: &[DVec2]) -> bool {
+    // Not if it never turns back, as almost none does: looking at all pairs
+    // of segments takes long on a line of thousands.
+    if let (Some(first), Some(last)) = (line.first(), line.last()) {
+        let way = last - first;
+        if line.windows(2).all(|s| (s[1] - s[0]).dot(way) > 0.0) {
+            return false;
+        }
+    }
+    (0..line.len().saturating_sub(1)).any(|i| {
+        (i + 2..line.len() - 1)
+            .any(|j| cross(line[i], line[i + 1], line[j], line[j + 1]))
+    })
+}
+
+/// True if two lines meet.
+pub(super) fn lines_cross(a: &[DVec2], b: &[DVec2]) -> bool {
+    a.windows(2)
+        .any(|s| b.windows(2).any(|t| cross(s[0], s[1], t[0], t[1])))
+}
+
+/// What a round of questions needs.
+struct Round<'a> {
+    chords: &'a [Chord],
+    tolerance: Length,
+    sampler: &'a mut dyn Sampler,
+    scratch: &'a mut Scratch,
+}
+
+/// A point at which the tangents at a chord's ends meet.
+struct Candidate {
+    point: DVec2,
+    /// Distance from the chord.
+    height: Length,
+    /// Steepness at the ends.
+    slope: [f64; 2],
+    beside: Option<[i32; 2]>,
+}
+
+impl Round<'_> {
+    fn evaluate(&mut self) -> Result<(), FieldError> {
+        let s = &mut *self.scratch;
+        if s.x.is_empty() {
+            s.values.clear();
+            return Ok(());
+        }
+        self.sampler.values(&s.x, &s.y, &s.z, &mut s.values)
+    }
+
+    /// Settles the chords that turn at a corner or are an arc's; returns the
+    /// others and the field at their middles.
+    fn corners(
+        &mut self,
+        asked: Vec<Asked>,
+        traced: &mut [Traced],
+    ) -> Result<(Vec<f64>, Vec<Asked>), FieldError> {
+        self.scratch.clear();
+        let candidates: Vec<Option<Candidate>> = asked
+            .iter()
+            .map(|Asked { o, .. }| candidate(o, &self.chords[o.chord]))
+            .collect();
+        for (asked, candidate) in asked.iter().zip(&candidates) {
+            let Asked { o, question, count } = asked;
+            let Chord { z, cell, .. } = self.chords[o.chord];
+            for k in 1..=*count {
+                let t = k as f64 / (count + 1) as f64;
+                self.scratch.push(o.a.point.lerp(o.b.point, t), z);
+            }
+            for p in question.arc.iter().flat_map(|a| a.0) {
+                self.scratch.push(p, z);
+            }
+            let Some(c) = candidate else { continue };
+            self.scratch.push(c.point, z);
+            self.scratch.push(0.5 * (o.a.point + c.point), z);
+            self.scratch.push(0.5 * (o.b.point + c.point), z);
+            if let Some([i, j]) = c.beside {
+                let size = cell.max - cell.min;
+                let min =
+                    cell.min + size * DVec2::new(f64::from(i), f64::from(j));
+                for (di, dj) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+                {
+                    self.scratch.push(min + size * DVec2::new(di, dj), z);
+                }
+            }
+        }
+        self.evaluate()?;
+        let mut values = self.scratch.values.iter().map(|&f| f64::from(f));
+        let mut next = || values.next().unwrap_or(f64::NAN);
+        let (mut middles, mut rest) = (Vec::new(), Vec::new());
+        for (asked, candidate) in asked.into_iter().zip(candidates) {
+            let along: Vec<f64> = (0..asked.count).map(|_| next()).collect();
+            let middle = along[asked.count / 2];
+            let place = 0.5 * (asked.o.span[0] + asked.o.span[1]);
+            if let Some((arc, most)) = asked.question.arc {
+                let off = [next(), next(), next()].map(f64::abs);
+                let room = grown(&self.chords[asked.o.chord]);
+                if off.iter().all(|f| *f <= most) && room.contains(arc[1]) {
+                    // An arc is no corner: no candidate's values follow.
+                    traced[asked.o.chord].points.push((place, arc[1]));
+                    continue;
+                }
+            }
+            let mut accepted = None;
+            if let Some(c) = candidate {
+                let [f, a, b] = [next(), next(), next()];
+                let [s, t] = c.slope;
+                let near = (RESIDUE * c.height).min(self.tolerance);
+                let fits = f.abs() <= near * s.max(t)
+                    && a.abs() <= self.tolerance * s
+                    && b.abs() <= self.tolerance * t;
+                let inside = match c.beside {
+                    Some(_) => (0..4).filter(|_| next() < 0.0).count(),
+                    None => 0,
+                };
+                if fits && (inside == 0 || inside == 4) {
+                    accepted = Some(c);
+                }
+            }
+            let flat = asked.question.flat;
+            match accepted {
+                Some(c) => {
+                    let t = &mut traced[asked.o.chord];
+                    t.points.push((place, c.point));
+                    t.beside = t.beside.or(c.beside);
+                }
+                None if along.iter().all(|f| f.abs() <= flat) => {}
+                None => {
+                    middles.push(middle);
+                    rest.push(asked);
+                }
+            }
+        }
+        Ok((middles, rest))
+    }
+
+    /// Finds the outline across the chords' middles; returns the halves.
+    fn halve(
+        &mut self,
+        asked: Vec<Asked>,
+        middles: &[f64],
+        traced: &mut [Traced],
+    ) -> Result<Vec<Open>, FieldError> {
+        // From the middle outwards in growing steps, to the cell's border.
+        self.scratch.clear();
+        let mut searches = Vec::new();
+        for (Asked { o, question, .. }, &f) in asked.iter().zip(middles) {
+            let chord = &self.chords[o.chord];
+            let middle = 0.5 * (o.a.point + o.b.point);
+            let out = -(o.b.point - o.a.point).perp().normalize_or_zero();
+            let way = if f < 0.0 { out } else { -out };
+            let room = grown(chord);
+            let limit = 0.999 * leaves_cell(middle, way, room);
+            let from = self.scratch.x.len();
+            let mut steps = Vec::new();
+            let mut d = question.reach;
+            while d < limit {
+                steps.push(d);
+                d *= 2.0;
+            }
+            steps.push(limit);
+            for &d in &steps {
+                self.scratch.push(middle + way * d, chord.z);
+            }
+            searches.push((middle, way, from, steps));
+        }
+        self.evaluate()?;
+        let mut brackets = Vec::new();
+        let mut heights = Vec::new();
+        let mut found = Vec::new();
+        for (k, (middle, way, from, steps)) in searches.iter().enumerate() {
+            let inside = middles[k] < 0.0;
+            let values = &self.scratch.values[*from..*from + steps.len()];
+            let hit = values.iter().position(|&f| (f < 0.0) != inside);
+            let Some(n) = hit else {
+                traced[asked[k].o.chord].lost = true;
+                continue;
+            };
+            let (d, f) = match n.checked_sub(1) {
+                Some(m) => (steps[m], values[m]),
+                None => (0.0, middles[k] as f32),
+            };
+            let (near, far) = (*middle + *way * d, *middle + *way * steps[n]);
+            brackets.push(if inside {
+                Bracket::new(near, far, f, values[n])
+            } else {
+                Bracket::new(far, near, values[n], f)
+            });
+            heights.push(self.chords[asked[k].o.chord].z);
+            found.push(k);
+        }
+        let gradients =
+            refine(&mut brackets, &heights, self.sampler, self.scratch)?;
+        let mut halves = Vec::new();
+        for ((b, gradient), k) in brackets.iter().zip(gradients).zip(found) {
+            let o = &asked[k].o;
+            let place = 0.5 * (o.span[0] + o.span[1]);
+            let root = End {
+                point: b.point(),
+                gradient,
+            };
+            traced[o.chord].points.push((place, root.point));
+            let off = root.point.distance(searches[k].0);
+            // Without gradients a corner shows in the middle of its chord,
+            // by at least half its height. One look could be misled.
+            if off <= 0.5 * self.tolerance && o.depth > 0 {
+                continue;
+            }
+            for (a, b, span) in [
+                (o.a, root, [o.span[0], place]),
+                (root, o.b, [place, o.span[1]]),
+            ] {
+                halves.push(Open {
+                    chord: o.chord,
+                    a,
+                    b,
+                    span,
+                    depth: o.depth + 1,
+                });
+            }
+        }
+        Ok(halves)
+    }
+}
+
+/// Where the outline may be followed to.
+fn grown(chord: &Chord) -> Rect {
+    let Chord { cell, beyond, .. } = *chord;
+    let pad = beyond * (cell.max - cell.min);
+    Rect {
+        min: cell.min - pad,
+        max: cell.max + pad,
+    }
+}
+
+/// The corner that the gradients at a chord's ends speak of, if it lies in
+/// its cell, in one that shares an edge with it, or as far beyond as the chord
+/// may be followed.
+fn candidate(o: &Open, chord: &Chord) -> Option<Candidate> {
+    let Chord { cell, beyond, .. } = *chord;
+    let (p, q) = (o.a, o.b);
+    let u = p.gradient.try_normalize()?;
+    let v = q.gradient.try_normalize()?;
+    let sine = u.perp_dot(v);
+    if u.dot(v) > COS_TURN || sine.abs() < 0.05 {
+        return None;
+    }
+    // c with u·(c − p) = 0 and v·(c − q) = 0.
+    let chord = q.point - p.point;
+    let along = u.perp();
+    let point = p.point + along * (v.dot(chord) / v.dot(along));
+    let height = chord.perp_dot(point - p.point).abs() / chord.length();
+    let size = cell.max - cell.min;
+    let at = ((point - cell.min) / size).floor();
+    let free = at.abs().max_element() <= beyond;
+    let near = free || at.abs().element_sum() <= 1.0;
+    (near && height.is_finite() && height > 1e-6).then(|| Candidate {
+        point,
+        height,
+        slope: [p.gradient.length(), q.gradient.length()],
+        beside: (at != DVec2::ZERO && !free)
+            .then_some([at.x as i32, at.y as i32]),
+    })
+}
+
+/// Distance along `way` from a point in a cell to the cell's border.
+fn leaves_cell(from: DVec2, way: DVec2, cell: Rect) -> Length {
+    let axis = |p: f64, w: f64, lo: f64, hi: f64| {
+        let d = if w > 0.0 {
+            (hi - p) / w
+        } else if w < 0.0 {
+            (lo - p) / w
+        } else {
+            f64::INFINITY
+        };
+        d.max(0.0)
+    };
+    let d = axis(from.x, way.x, cell.min.x, cell.max.x)
+        .min(axis(from.y, way.y, cell.min.y, cell.max.y));
+    if d.is_finite() { d } else { 0.0 }
+}

@@ -1,0 +1,428 @@
+//! Makes sure that a layer's thinned rings do not cross.
+//!
+//! Straight lines between vertices on the lattice's edges cannot cross; what
+//! was put between them, and what thinning made of it, can, where outlines
+//! come closer to each other than the tolerance. Where they do, they are taken
+//! back step by step: not thinned at all, then to the lattice's vertices. Where
+//! that does not help, or has to be done in many places, the whole ring is
+//! thinned less, hardly at all, and last taken to the lattice's vertices.
+
+use super::link::Joined;
+use super::trace::cross;
+use crate::Length;
+use crate::cancel::{Cancel, Cancelled};
+use crate::plane::nearest_on;
+use crate::plane::simplify::{simplify, simplify_but};
+use crate::plane::{Ring, edges};
+use glam::DVec2;
+
+/// What a ring is thinned less for.
+#[derive(Default)]
+struct Care {
+    /// Its edges that crossed others, and how often they did.
+    knots: Vec<Knot>,
+    /// Steps back of the whole ring.
+    whole: u8,
+}
+
+/// An edge that crossed another, and the points it stood for.
+struct Knot {
+    edge: (DVec2, DVec2),
+    /// How far from the edge those points are, at most, mm.
+    reach: Length,
+    step: u8,
+}
+
+/// Knots of a ring beyond which all of it is taken back.
+const KNOTS: usize = 64;
+/// Steps back of a knot, and of a whole ring.
+const KNOT_STEPS: u8 = 2;
+const WHOLE_STEPS: u8 = 3;
+
+impl Knot {
+    fn holds(&self, p: DVec2) -> bool {
+        let (a, b) = self.edge;
+        let off = nearest_on(p, a, b).distance_squared(p);
+        off <= self.reach * self.reach
+    }
+}
+
+impl Care {
+    /// Takes the ring, thinned within a tolerance, a step back where some
+    /// edges of it cross others; false if it was at the last one.
+    fn more(
+        &mut self,
+        edges: impl ExactSizeIterator<Item = (DVec2, DVec2)>,
+        tolerance: Length,
+    ) -> bool {
+        let before = self.knots.len();
+        if self.whole == 0 && before + edges.len() <= KNOTS {
+            for edge in edges {
+                // Where it was not thinned, and crosses all the same.
+                let same = |k: &&Knot| k.holds(edge.0) && k.holds(edge.1);
+                let old = self.knots[..before].iter().filter(same);
+                self.knots.push(Knot {
+                    edge,
+                    reach: 1.5 * tolerance,
+                    step: 1 + old.map(|k| k.step).max().unwrap_or(0),
+                });
+            }
+            if self.knots.iter().all(|k| k.step <= KNOT_STEPS) {
+                return true;
+            }
+        }
+        let goes_on = self.whole < WHOLE_STEPS;
+        self.whole = WHOLE_STEPS.min(self.whole + 1);
+        goes_on
+    }
+
+    /// The ring, thinned with that care.
+    fn thin(&self, ring: &Joined, tolerance: Length) -> Ring {
+        if self.whole > 0 {
+            return back(ring, tolerance, self.whole);
+        }
+        let step = |p: DVec2| {
+            let here = self.knots.iter().filter(|k| k.holds(p));
+            here.map(|k| k.step).max().unwrap_or(0)
+        };
+        let all = ring.points.iter().zip(&ring.fixed);
+        let kept = all.filter(|p| *p.1 || step(*p.0) < KNOT_STEPS);
+        let points: Ring = kept.map(|p| *p.0).collect();
+        simplify_but(&points, tolerance, |p| step(p) > 0)
+    }
+}
+
+/// The rings, thinned within a tolerance; empty where nothing is left.
+///
+/// # Errors
+/// If `cancel` asks to stop.
+pub(super) fn thin(
+    rings: &[Joined],
+    tolerance: Length,
+    cancel: &Cancel,
+) -> Result<Vec<Ring>, Cancelled> {
+    let mut out: Vec<Ring> = rings
+        .iter()
+        .map(|r| simplify(&r.points, tolerance))
+        .collect();
+    let mut cares: Vec<Care> = Vec::new();
+    loop {
+        cancel.check()?;
+        let found = crossings(&out);
+        if found.is_empty() {
+            return Ok(out);
+        }
+        cares.resize_with(rings.len(), Care::default);
+        let mut worse = false;
+        for same in found.chunk_by(|a, b| a.0 == b.0) {
+            let n = same[0].0;
+            if cares[n].more(same.iter().map(|k| k.1), tolerance) {
+                out[n] = cares[n].thin(&rings[n], tolerance);
+                worse = true;
+            }
+        }
+        if !worse {
+            return Ok(out);
+        }
+    }
+}
+
+fn back(ring: &Joined, tolerance: Length, step: u8) -> Ring {
+    match step {
+        1 => simplify(&ring.points, 0.1 * tolerance),
+        2 => simplify(&ring.points, 1e-3 * tolerance),
+        _ => {
+            let fixed = ring.points.iter().zip(&ring.fixed);
+            let points: Ring = fixed.filter(|p| *p.1).map(|p| *p.0).collect();
+            simplify(&points, 1e-3 * tolerance)
+        }
+    }
+}
+
+/// Edges that cross or touch others, with the numbers of their rings, ring by
+/// ring.
+fn crossings(rings: &[Ring]) -> Vec<(usize, (DVec2, DVec2))> {
+    struct Edge {
+        ring: usize,
+        a: DVec2,
+        b: DVec2,
+        /// Number within the ring, and of edges in it.
+        place: usize,
+        count: usize,
+    }
+    let list: Vec<Edge> = rings
+        .iter()
+        .enumerate()
+        .flat_map(|(ring, r)| {
+            edges(r).enumerate().map(move |(place, (a, b))| Edge {
+                ring,
+                a,
+                b,
+                place,
+                count: r.len(),
+            })
+        })
+        .collect();
+    let mut found: Vec<u32> = Vec::new();
+    let grid = Buckets::new(list.iter().map(|e| (e.a, e.b)));
+    for bucket in grid.buckets() {
+        for (k, &m) in bucket.iter().enumerate() {
+            let e = &list[m as usize];
+            let (lo, hi) = (e.a.min(e.b), e.a.max(e.b));
+            for &n in &bucket[k + 1..] {
+                let f = &list[n as usize];
+                let apart = f.a.min(f.b).cmpgt(hi).any()
+                    || f.a.max(f.b).cmplt(lo).any();
+                if apart {
+                    continue;
+                }
+                let meet = if e.ring != f.ring {
+                    cross(e.a, e.b, f.a, f.b)
+                } else if e.place + 1 == f.place {
+                    folds(e.a, e.b, f.b)
+                } else if e.place == 0 && f.place + 1 == f.count {
+                    folds(f.a, f.b, e.b)
+                } else {
+                    cross(e.a, e.b, f.a, f.b)
+                };
+                if meet {
+                    found.extend([m, n]);
+                }
+            }
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    let edge = |n: u32| {
+        let e = &list[n as usize];
+        (e.ring, (e.a, e.b))
+    };
+    found.into_iter().map(edge).collect()
+}
+
+/// True if the way from a to b goes straight back to c.
+fn folds(a: DVec2, b: DVec2, c: DVec2) -> bool {
+    (b - a).perp_dot(c - b) == 0.0 && (b - a).dot(c - b) <= 0.0
+}
+
+/// Edges by the square they pass through.
+struct Buckets {
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+/// A grid of squares over some edges, about as large as these are long.
+struct Squares {
+    lo: DVec2,
+    size: f64,
+    /// Columns and rows.
+    nx: usize,
+    ny: usize,
+}
+
+impl Squares {
+    fn over(edges: impl Iterator<Item = (DVec2, DVec2)>) -> Squares {
+        let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let (mut count, mut length) = (0_usize, 0.0);
+        for (a, b) in edges {
+            lo = lo.min(a.min(b));
+            hi = hi.max(a.max(b));
+            length += a.distance(b);
+            count += 1;
+        }
+        // Not many more squares than edges.
+        let extent = (hi - lo).max(DVec2::ZERO);
+        let even = (extent.element_product() / count.max(1) as f64).sqrt();
+        let size = even.max(length / count.max(1) as f64).max(1e-6);
+        let cells = |x: f64| (x / size) as usize + 1;
+        let (nx, ny) = (cells(extent.x), cells(extent.y));
+        Squares { lo, size, nx, ny }
+    }
+
+    fn column(&self, x: f64) -> usize {
+        let column = ((x - self.lo.x) / self.size) as u32;
+        (column as usize).min(self.nx - 1)
+    }
+
+    fn row(&self, y: f64) -> usize {
+        let row = ((y - self.lo.y) / self.size) as u32;
+        (row as usize).min(self.ny - 1)
+    }
+
+    /// Visits the squares that an edge passes through, row by row: those of
+    /// its whole box would be far too many for a long slanting one.
+    fn visit(&self, (a, b): (DVec2, DVec2), mut visit: impl FnMut(usize)) {
+        let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let (bottom, top) = (self.row(a.y), self.row(b.y));
+        let [left, right] = [a.x.min(b.x), a.x.max(b.x)];
+        let (left, right) = (self.column(left), self.column(right));
+        // Most are in one row or column, or two of each.
+        let short = (top - bottom) * (right - left) <= 1;
+        let pad = 1e-9 * self.size;
+        for j in bottom..=top {
+            let (mut from, mut to) = (left, right);
+            if !short {
+                // Where it enters the row and leaves it, and a little more.
+                let x = |y: f64| {
+                    let share = (y - a.y) / (b.y - a.y);
+                    a.x + (b.x - a.x) * share.clamp(0.0, 1.0)
+                };
+                let bottom = self.lo.y + j as f64 * self.size;
+                let [p, q] = match a.y < b.y {
+                    true => [x(bottom - pad), x(bottom + self.size + pad)],
+                    false => [a.x, b.x],
+                };
+                from = self.column(p.min(q) - pad);
+                to = self.column(p.max(q) + pad);
+            }
+            for i in from..=to {
+                visit(j * self.nx + i);
+            }
+        }
+    }
+}
+
+impl Buckets {
+    fn new(edges: impl Iterator<Item = (DVec2, DVec2)> + Clone) -> Buckets {
+        let squares = Squares::over(edges.clone());
+        let count = squares.nx * squares.ny;
+        let mut starts = vec![0_u32; count + 1];
+        for edge in edges.clone() {
+            squares.visit(edge, |k| starts[k + 1] += 1);
+        }
+        for k in 0..count {
+            starts[k + 1] += starts[k];
+        }
+        let mut items = vec![0_u32; starts[count] as usize];
+        let mut free = starts.clone();
+        for (n, edge) in edges.enumerate() {
+            squares.visit(edge, |k| {
+                items[free[k] as usize] = n as u32;
+                free[k] += 1;
+            });
+        }
+        Buckets { starts, items }
+    }
+
+    fn buckets(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts
+            .windows(2)
+            .map(|w| &self.items[w[0] as usize..w[1] as usize])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of the rings that cross each other or themselves, in order.
+    fn crossing(rings: &[Ring]) -> Vec<usize> {
+        let mut found: Vec<usize> =
+            crossings(rings).iter().map(|c| c.0).collect();
+        found.dedup();
+        found
+    }
+
+    fn ring(points: &[(f64, f64)]) -> Ring {
+        points.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
+    }
+
+    #[test]
+    fn crossings_are_found_and_nothing_else() {
+        let square = ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)]);
+        let inner = ring(&[(1.0, 1.0), (1.0, 3.0), (3.0, 3.0), (3.0, 1.0)]);
+        let other = ring(&[(3.5, 1.0), (5.0, 1.0), (5.0, 2.0)]);
+        let bow = ring(&[(9.0, 0.0), (10.0, 1.0), (10.0, 0.0), (9.0, 1.0)]);
+        let fold = ring(&[(20.0, 0.0), (22.0, 0.0), (21.0, 0.0), (21.0, 9.0)]);
+        assert!(crossing(&[square.clone(), inner.clone()]).is_empty());
+        let all = [inner, square, bow, other, fold];
+        assert_eq!(crossing(&all), vec![1, 2, 3, 4]);
+        assert!(crossing(&[]).is_empty());
+    }
+
+    /// Long slanting lines are in few squares, and meet what crosses them.
+    #[test]
+    fn long_edges_are_where_they_pass() {
+        let teeth = |from: DVec2, along: DVec2| -> Ring {
+            let out = (0..400).map(|k| {
+                let side = if k % 2 == 0 { 0.0 } else { 0.2 };
+                from + along * f64::from(k) * 0.1 + along.perp() * side
+            });
+            let back = from - along.perp();
+            out.chain([back + along * 39.9, back]).collect()
+        };
+        let fin = |from: DVec2, along: DVec2| -> Ring {
+            let wide = along.perp() * 0.01;
+            vec![from, from + along, from + along + wide, from + wide]
+        };
+        for angle in [0.0_f64, 0.3, 0.8, 1.57, 2.2, 3.1, 4.0, 5.9] {
+            let way = DVec2::from_angle(angle);
+            let mut rings = vec![teeth(DVec2::ZERO, way)];
+            // Beside it.
+            for k in 2..40 {
+                let aside = way.perp() * f64::from(k);
+                rings.push(fin(aside, way * 40.0));
+            }
+            let list: Vec<(DVec2, DVec2)> =
+                rings.iter().flat_map(|r| edges(r)).collect();
+            let grid = Buckets::new(list.iter().copied());
+            let held = grid.items.len();
+            assert!(held < 20 * list.len(), "{angle}: {held}");
+            assert!(crossing(&rings).is_empty(), "{angle}");
+            // Across all of the others, but not across the teeth.
+            let start = way.perp() * 1.5 + way * 20.0;
+            rings.push(fin(start, way.perp() * 100.0 + way * 0.3));
+            let all: Vec<usize> = (1..rings.len()).collect();
+            assert_eq!(crossing(&rings), all, "{angle}");
+        }
+    }
+
+    /// A plate with a fin of a micrometre: thinned, the fin's sides cross, but
+    /// the rounded end far away from it need not suffer.
+    #[test]
+    fn rings_are_thinned_less_only_where_they_cross() {
+        let mut points: Ring = (0..=400)
+            .map(|k| std::f64::consts::PI * (f64::from(k) / 400.0 - 0.5))
+            .map(|t| DVec2::new(10.0, 5.0) + DVec2::from_angle(t) * 5.0)
+            .collect();
+        points.push(DVec2::new(8.0, 10.0));
+        // The fin's sides wave, and are cut into lines at other places.
+        let side = |y: f64| 5.0 + 0.03 * (4.0 * y).sin();
+        let up = (0..=200).map(|k| 10.0 + f64::from(k) * 0.02);
+        let down = (0..173).rev().map(|k| 10.0 + f64::from(k) * 0.0231);
+        points.extend(up.map(|y| DVec2::new(side(y) + 1e-3, y)));
+        points.extend(down.map(|y| DVec2::new(side(y), y)));
+        points.extend([DVec2::new(0.0, 10.0), DVec2::new(0.0, 0.0)]);
+        // Every eighth on the lattice.
+        let fixed = (0..points.len()).map(|k| k % 8 == 0).collect();
+        let joined = Joined { points, fixed };
+        assert!(!crossing(&[simplify(&joined.points, 0.01)]).is_empty());
+        let thinned = thin(&[joined], 0.01, &Cancel::NEVER).unwrap();
+        assert!(crossing(&thinned).is_empty());
+        let round = thinned[0].iter().filter(|p| p.x > 10.01);
+        assert!((20..60).contains(&round.clone().count()));
+        for p in round {
+            let off = p.distance(DVec2::new(10.0, 5.0)) - 5.0;
+            assert!(off.abs() < 0.0101, "{p}: {off}");
+        }
+    }
+
+    /// Two long arcs three micrometres apart: thinned to ten, they would
+    /// cross each other.
+    #[test]
+    fn close_rings_are_thinned_less() {
+        let arc = |r: f64, n: usize| Joined {
+            points: (0..n)
+                .map(|k| {
+                    let t = std::f64::consts::TAU * k as f64 / n as f64;
+                    DVec2::from_angle(t) * r
+                })
+                .collect(),
+            fixed: vec![true; n],
+        };
+        let rings = [arc(10.0, 2000), arc(9.997, 1733)];
+        let thinned = thin(&rings, 0.01, &Cancel::NEVER).unwrap();
+        assert!(crossing(&thinned).is_empty());
+        assert!(thinned.iter().all(|r| r.len() > 50));
+    }
+}

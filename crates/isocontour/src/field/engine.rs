@@ -1,0 +1,326 @@
+//! The walk over tiles.
+
+use super::axis::{Axis, Grouping, Level};
+use super::expr::Expr;
+use super::split::{Axes, Split};
+use super::workspace::{Proof, Workspace};
+use super::{
+    Batch, Bound, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, bug,
+};
+use crate::cancel::Cancel;
+use crate::interval::Interval;
+use crate::plane::Rect;
+use fidget::eval::MathFunction;
+use fidget::vm::VmFunction;
+
+/// Cells along the side of a slab's tiles; they span all layers of the slab.
+const TILE: usize = 64;
+/// Cells along the side of a tile's blocks.
+const BLOCK: usize = 32;
+/// Layers of a block.
+const BLOCK_LAYERS: usize = 8;
+
+/// Boxes along x and y. The cell around a tile or block belongs to its proof,
+/// so that its simpler expression may be used for a corner just outside.
+const IN_PLANE: [Grouping; 3] = [
+    Grouping {
+        step: TILE,
+        reach: TILE,
+        pad: 1,
+    },
+    Grouping {
+        step: BLOCK,
+        reach: BLOCK,
+        pad: 1,
+    },
+    Grouping {
+        step: LEAF,
+        reach: LEAF,
+        pad: 0,
+    },
+];
+
+/// Boxes along z: they reach from the first of their layers to the last.
+const UPWARDS: [Grouping; 3] = [
+    Grouping {
+        step: SLAB,
+        reach: SLAB - 1,
+        pad: 0,
+    },
+    Grouping {
+        step: BLOCK_LAYERS,
+        reach: BLOCK_LAYERS - 1,
+        pad: 0,
+    },
+    Grouping {
+        step: 1,
+        reach: 0,
+        pad: 0,
+    },
+];
+
+/// What the expression and the lattice decide before any layer is known.
+pub(super) struct Plane {
+    pub split: Split,
+    x: Axis,
+    y: Axis,
+}
+
+impl Plane {
+    /// Evaluates along the lattice what one coordinate decides.
+    pub(super) fn new(split: Split, lattice: &Lattice) -> Plane {
+        let density = 1.0 / lattice.spacing;
+        let make = |nodes: &[f32], parts| {
+            Axis::new(nodes.to_vec(), density, IN_PLANE, parts)
+        };
+        Plane {
+            x: make(&lattice.x, &split.parts[0]),
+            y: make(&lattice.y, &split.parts[1]),
+            split,
+        }
+    }
+
+    fn layers(&self, z: &[f32]) -> Axis {
+        Axis::new(z.to_vec(), 0.0, UPWARDS, &self.split.parts[2])
+    }
+
+    fn cells(&self) -> [usize; 2] {
+        [&self.x, &self.y].map(|axis| axis.nodes().len() - 1)
+    }
+}
+
+/// An expression, and the lattice it is evaluated on.
+pub(super) struct Engine {
+    root: VmFunction,
+    plane: Plane,
+}
+
+impl Engine {
+    pub(super) fn new(plane: Plane) -> Result<Self, FieldError> {
+        let Split { context, root, .. } = &plane.split;
+        let root = VmFunction::new(context, &[*root]).map_err(bug)?;
+        Ok(Self { root, plane })
+    }
+
+    fn walk<'a>(&'a self, layers: &'a Axis, cancel: &'a Cancel) -> Walk<'a> {
+        Walk {
+            cancel,
+            axes: Axes([&self.plane.x, &self.plane.y, layers]),
+            cells: self.plane.cells(),
+            ws: Workspace::new(&self.root, &self.plane.split),
+            boxes: Vec::new(),
+            leaves: Vec::new(),
+            values: Vec::new(),
+        }
+    }
+}
+
+/// A walk over the tiles of a slab.
+struct Walk<'a> {
+    cancel: &'a Cancel,
+    axes: Axes<'a>,
+    /// Cells of the lattice along x and y.
+    cells: [usize; 2],
+    ws: Workspace<'a>,
+    /// Of a block, the leaves that are to be sampled.
+    boxes: Vec<[usize; 3]>,
+    leaves: Vec<Leaf>,
+    values: Vec<f32>,
+}
+
+/// A batch's expression with the thread's workspace.
+struct ExprSampler<'w, 'a> {
+    expr: &'w Expr,
+    cancel: &'w Cancel,
+    ws: &'w mut Workspace<'a>,
+    axes: Axes<'a>,
+}
+
+impl Sampler for ExprSampler<'_, '_> {
+    fn values(
+        &mut self,
+        x: &[f32],
+        y: &[f32],
+        z: &[f32],
+        out: &mut Vec<f32>,
+    ) -> Result<(), FieldError> {
+        self.cancel.check()?;
+        self.ws.values(self.expr, self.axes, [x, y, z], out);
+        Ok(())
+    }
+
+    fn slopes(
+        &mut self,
+        x: &[f32],
+        y: &[f32],
+        z: &[f32],
+        out: &mut Vec<[f32; 3]>,
+    ) {
+        self.ws.slopes(self.expr, self.axes, [x, y, z], out);
+    }
+
+    fn bounds(&mut self, boxes: &[(Rect, f32)], out: &mut Vec<Bound>) {
+        let boxes: Vec<[Interval; 3]> = boxes
+            .iter()
+            .map(|(r, z)| {
+                let [x, y] = [0, 1].map(|k| Interval::new(r.min[k], r.max[k]));
+                [x, y, Interval::point(f64::from(*z))]
+            })
+            .collect();
+        self.ws.bounds(self.expr, &boxes, out);
+    }
+}
+
+impl Walk<'_> {
+    /// Numbers of the smaller boxes in box `b` of an axis that has `count`
+    /// of its smallest units.
+    fn inside(
+        b: usize,
+        big: usize,
+        small: usize,
+        count: usize,
+    ) -> std::ops::Range<usize> {
+        let end = ((b + 1) * big).min(count);
+        b * big / small..end.div_ceil(small)
+    }
+
+    /// Tile number `at` of the slab: simplify for it, then look at its
+    /// blocks.
+    fn tile(
+        &mut self,
+        root: &Expr,
+        at: [usize; 2],
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
+        let [i, j] = at;
+        let proof =
+            self.ws
+                .prove(root, self.axes, Level::Tile, [i, j, 0], true)?;
+        let own = match proof {
+            Proof::Uniform => return Ok(()),
+            Proof::Ambiguous(simpler) => simpler,
+        };
+        let expr = own.as_ref().unwrap_or(root);
+        let layers = self.axes.0[2].nodes().len();
+        let mut blocks = Vec::new();
+        for k in 0..layers.div_ceil(BLOCK_LAYERS) {
+            for j in Self::inside(j, TILE, BLOCK, self.cells[1]) {
+                let row = Self::inside(i, TILE, BLOCK, self.cells[0]);
+                blocks.extend(row.map(|i| [i, j, k]));
+            }
+        }
+        self.ws.sift(expr, self.axes, Level::Block, &mut blocks)?;
+        for at in blocks {
+            self.block(expr, at, visit)?;
+        }
+        if let Some(expr) = own {
+            self.ws.recycle(expr);
+        }
+        Ok(())
+    }
+
+    /// Block number `at`: simplify for it, then sample its leaves.
+    fn block(
+        &mut self,
+        parent: &Expr,
+        at: [usize; 3],
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
+        self.cancel.check()?;
+        let [i, j, k] = at;
+        let proof = self.ws.prove(parent, self.axes, Level::Block, at, true)?;
+        let own = match proof {
+            Proof::Uniform => return Ok(()),
+            Proof::Ambiguous(simpler) => simpler,
+        };
+        let expr = own.as_ref().unwrap_or(parent);
+        let layers = self.axes.0[2].nodes().len();
+        let mut boxes = std::mem::take(&mut self.boxes);
+        boxes.clear();
+        for layer in Self::inside(k, BLOCK_LAYERS, 1, layers) {
+            for j in Self::inside(j, BLOCK, LEAF, self.cells[1]) {
+                let row = Self::inside(i, BLOCK, LEAF, self.cells[0]);
+                boxes.extend(row.map(|i| [i, j, layer]));
+            }
+        }
+        self.ws.sift(expr, self.axes, Level::Leaf, &mut boxes)?;
+        self.leaves.clear();
+        self.leaves.extend(boxes.iter().map(|&[i, j, layer]| Leaf {
+            layer,
+            i: i * LEAF,
+            j: j * LEAF,
+        }));
+        self.boxes = boxes;
+        self.sample(expr, visit)?;
+        if let Some(expr) = own {
+            self.ws.recycle(expr);
+        }
+        Ok(())
+    }
+
+    /// Evaluates the nodes of all leaves in the buffer at once and shows
+    /// them.
+    fn sample(
+        &mut self,
+        expr: &Expr,
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
+        if self.leaves.is_empty() {
+            return Ok(());
+        }
+        let (ws, axes) = (&mut self.ws, self.axes);
+        ws.leaves(expr, axes, &self.leaves, &mut self.values);
+        visit(Batch {
+            leaves: &self.leaves,
+            values: &self.values,
+            sampler: &mut ExprSampler {
+                expr,
+                cancel: self.cancel,
+                ws,
+                axes,
+            },
+        })
+    }
+}
+
+impl Engine {
+    pub(super) fn slab(
+        &self,
+        z: &[f32],
+        cancel: &Cancel,
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
+        let z = &z[..z.len().min(SLAB)];
+        if z.is_empty() {
+            return Ok(());
+        }
+        let layers = self.plane.layers(z);
+        let mut walk = self.walk(&layers, cancel);
+        let root = Expr::new(self.root.clone());
+        let [columns, rows] = walk.cells.map(|n| n.div_ceil(TILE));
+        let mut tiles: Vec<[usize; 3]> = (0..rows)
+            .flat_map(|j| (0..columns).map(move |i| [i, j, 0]))
+            .collect();
+        walk.ws.sift(&root, walk.axes, Level::Tile, &mut tiles)?;
+        for [i, j, _] in tiles {
+            walk.tile(&root, [i, j], visit)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn leaves(
+        &self,
+        z: &[f32],
+        leaves: &[Leaf],
+        cancel: &Cancel,
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
+        if z.is_empty() {
+            return Ok(());
+        }
+        let layers = self.plane.layers(z);
+        let mut walk = self.walk(&layers, cancel);
+        walk.leaves = leaves.to_vec();
+        walk.sample(&Expr::new(self.root.clone()), visit)
+    }
+}

@@ -1,0 +1,468 @@
+//! Values and slopes of the field at many points, by interpretation.
+//!
+//! fidget's interpreter runs each operation over the whole batch through
+//! bounds-checked vectors of vectors. Its native code is slow where functions
+//! are called, costs its compilation, needs AVX2, and was no faster than this on
+//! any model measured (docs/decisions.md). Here an operation runs over a fixed
+//! number of lanes, which stay in the nearest cache, with the widest vector
+//! instructions the processor has. They change nothing but the time: a value
+//! is the same, bit for bit, on any processor, and where no function is called
+//! (`wide` has its own) the same as fidget's.
+
+use super::dual::Dual;
+use super::slopes::Slope;
+use super::span::{BOXES, Span};
+use super::tape::{Number, run};
+use super::wide::{WIDTH, Wide};
+use crate::interval::Interval;
+use fidget::compiler::RegTape;
+use fidget::vm::VmFunction;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Points per pass: 60 registers of them fit 16 kB.
+const LANES: usize = 64;
+/// Points up to which the last pass is a short one.
+const FEW: usize = 16;
+/// Points per pass with slopes.
+const DUAL_LANES: usize = 32;
+
+/// Boxes per pass.
+const BOX_LANES: usize = 32;
+/// Boxes per pass with slopes.
+const BOUND_LANES: usize = 16;
+
+type Register = [Wide; LANES / WIDTH];
+type ShortRegister = [Wide; FEW / WIDTH];
+type DualRegister = [Dual<Wide>; DUAL_LANES / WIDTH];
+type SpanRegister = [Span; BOX_LANES / BOXES];
+type BoundRegister = [Dual<Span>; BOUND_LANES / BOXES];
+
+/// What a tape reads, at each point, along with its slope.
+#[derive(Clone, Copy)]
+pub(super) struct Seed<'a> {
+    pub values: &'a [f32],
+    /// Derivatives by the coordinate `axis`; none if it is the coordinate.
+    pub slopes: Option<&'a [f32]>,
+    pub axis: usize,
+}
+
+/// The interpreter's registers, kept for their memory.
+#[derive(Default)]
+pub(super) struct Lanes {
+    numbers: Vec<Register>,
+    few: Vec<ShortRegister>,
+    duals: Vec<DualRegister>,
+    spans: Vec<SpanRegister>,
+    bounds: Vec<BoundRegister>,
+}
+
+impl Lanes {
+    /// Appends the function's (first) output at `count` points to `out`.
+    /// `inputs` are by the function's input number and hold a value for each
+    /// point, those the function reads at least.
+    pub(super) fn eval(
+        &mut self,
+        f: &VmFunction,
+        inputs: &[&[f32]],
+        count: usize,
+        out: &mut Vec<f32>,
+    ) {
+        let tape = f.data().asm();
+        // All in long passes, or the last of them in a short one.
+        let left = count % LANES;
+        let long = if left > FEW { count } else { count - left };
+        if long > 0 {
+            if self.numbers.len() < tape.slot_count() {
+                let zero = [Wide::ZERO; LANES / WIDTH];
+                self.numbers.resize(tape.slot_count(), zero);
+            }
+            Arch::new().dispatch(Values {
+                tape,
+                registers: &mut self.numbers[..],
+                inputs,
+                points: 0..long,
+                out,
+            });
+        }
+        if long < count {
+            if self.few.len() < tape.slot_count() {
+                let zero = [Wide::ZERO; FEW / WIDTH];
+                self.few.resize(tape.slot_count(), zero);
+            }
+            Arch::new().dispatch(Values {
+                tape,
+                registers: &mut self.few[..],
+                inputs,
+                points: long..count,
+                out,
+            });
+        }
+    }
+
+    /// Appends value and derivatives along x and y of the function's (first)
+    /// output at `count` points to `out`.
+    pub(super) fn slopes(
+        &mut self,
+        f: &VmFunction,
+        inputs: &[Seed<'_>],
+        count: usize,
+        out: &mut Vec<[f32; 3]>,
+    ) {
+        let tape = f.data().asm();
+        if self.duals.len() < tape.slot_count() {
+            let zero = [Dual::<Wide>::splat(0.0); DUAL_LANES / WIDTH];
+            self.duals.resize(tape.slot_count(), zero);
+        }
+        let registers = &mut self.duals[..];
+        Arch::new().dispatch(Slopes {
+            tape,
+            registers,
+            inputs,
+            count,
+            out,
+        });
+    }
+}
+
+impl Lanes {
+    /// Appends to `out` the ranges of the function's (first) output over
+    /// `count` boxes; nothing where it has to be asked about alone. `input`
+    /// is the range of an input over a box.
+    pub(super) fn ranges(
+        &mut self,
+        f: &VmFunction,
+        count: usize,
+        input: impl Fn(usize, usize) -> Interval,
+        out: &mut Vec<Option<Interval>>,
+    ) {
+        let tape = f.data().asm();
+        if self.spans.len() < tape.slot_count() {
+            let unknown = [Span::UNKNOWN; BOX_LANES / BOXES];
+            self.spans.resize(tape.slot_count(), unknown);
+        }
+        let registers = &mut self.spans[..];
+        Arch::new().dispatch(Ranges {
+            tape,
+            registers,
+            input,
+            count,
+            out,
+        });
+    }
+
+    /// The same with the ranges of the slopes.
+    pub(super) fn bounds(
+        &mut self,
+        f: &VmFunction,
+        count: usize,
+        input: impl Fn(usize, usize) -> Slope,
+        out: &mut Vec<Option<Slope>>,
+    ) {
+        let tape = f.data().asm();
+        if self.bounds.len() < tape.slot_count() {
+            let zero = [Dual::<Span>::splat(0.0); BOUND_LANES / BOXES];
+            self.bounds.resize(tape.slot_count(), zero);
+        }
+        let registers = &mut self.bounds[..];
+        Arch::new().dispatch(Bounds {
+            tape,
+            registers,
+            input,
+            count,
+            out,
+        });
+    }
+}
+
+/// Numbers `from` and on of a list. Lanes to spare repeat the last one:
+/// whatever was there before could be slow to compute with.
+#[inline(always)]
+fn load(list: &[f32], from: usize) -> Wide {
+    if let Some(all) = list.get(from..from + WIDTH)
+        && let Ok(all) = all.try_into()
+    {
+        return Wide(all);
+    }
+    let last = list.last().copied().unwrap_or_default();
+    let at = |k| list.get(from + k).copied().unwrap_or(last);
+    Wide(std::array::from_fn(at))
+}
+
+struct Values<'a, const N: usize> {
+    tape: &'a RegTape,
+    registers: &'a mut [[Wide; N]],
+    inputs: &'a [&'a [f32]],
+    points: Range<usize>,
+    out: &'a mut Vec<f32>,
+}
+
+impl<const N: usize> WithSimd for Values<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for from in self.points.clone().step_by(N * WIDTH) {
+            run(
+                self.tape,
+                self.registers,
+                |i, register| {
+                    let values = self.inputs[i];
+                    for (k, wide) in register.iter_mut().enumerate() {
+                        *wide = load(values, from + k * WIDTH);
+                    }
+                },
+                |result| {
+                    let mut left = self.points.end - from;
+                    for wide in result {
+                        let n = left.min(WIDTH);
+                        self.out.extend_from_slice(&wide.0[..n]);
+                        left -= n;
+                    }
+                },
+            );
+        }
+    }
+}
+
+struct Slopes<'a> {
+    tape: &'a RegTape,
+    registers: &'a mut [DualRegister],
+    inputs: &'a [Seed<'a>],
+    count: usize,
+    out: &'a mut Vec<[f32; 3]>,
+}
+
+impl WithSimd for Slopes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for from in (0..self.count).step_by(DUAL_LANES) {
+            run(
+                self.tape,
+                self.registers,
+                |i, register| {
+                    let seed = &self.inputs[i];
+                    for (k, dual) in register.iter_mut().enumerate() {
+                        let from = from + k * WIDTH;
+                        let slope = match seed.slopes {
+                            Some(slopes) => load(slopes, from),
+                            None => Wide::splat(1.0),
+                        };
+                        let along = |axis| match seed.axis == axis {
+                            true => slope,
+                            false => Wide::ZERO,
+                        };
+                        *dual = Dual {
+                            v: load(seed.values, from),
+                            dx: along(0),
+                            dy: along(1),
+                        };
+                    }
+                },
+                |result| {
+                    let mut left = self.count - from;
+                    for d in result {
+                        let n = left.min(WIDTH);
+                        let all: [[f32; 3]; WIDTH] = std::array::from_fn(|k| {
+                            [d.v.0[k], d.dx.0[k], d.dy.0[k]]
+                        });
+                        self.out.extend_from_slice(&all[..n]);
+                        left -= n;
+                    }
+                },
+            );
+        }
+    }
+}
+
+struct Ranges<'a, I> {
+    tape: &'a RegTape,
+    registers: &'a mut [SpanRegister],
+    input: I,
+    count: usize,
+    out: &'a mut Vec<Option<Interval>>,
+}
+
+impl<I: Fn(usize, usize) -> Interval> WithSimd for Ranges<'_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let last = self.count.saturating_sub(1);
+        for from in (0..self.count).step_by(BOX_LANES) {
+            run(
+                self.tape,
+                self.registers,
+                |i, register| {
+                    for k in 0..BOX_LANES {
+                        let range = (self.input)(i, (from + k).min(last));
+                        register[k / BOXES].set(k % BOXES, range);
+                    }
+                },
+                |result| {
+                    let left = (self.count - from).min(BOX_LANES);
+                    let of = |k: usize| result[k / BOXES].get(k % BOXES);
+                    self.out.extend((0..left).map(of));
+                },
+            );
+        }
+    }
+}
+
+struct Bounds<'a, I> {
+    tape: &'a RegTape,
+    registers: &'a mut [BoundRegister],
+    input: I,
+    count: usize,
+    out: &'a mut Vec<Option<Slope>>,
+}
+
+impl<I: Fn(usize, usize) -> Slope> WithSimd for Bounds<'_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let last = self.count.saturating_sub(1);
+        for from in (0..self.count).step_by(BOUND_LANES) {
+            run(
+                self.tape,
+                self.registers,
+                |i, register| {
+                    for k in 0..BOUND_LANES {
+                        let slope = (self.input)(i, (from + k).min(last));
+                        let dual = &mut register[k / BOXES];
+                        dual.v.set(k % BOXES, slope.value);
+                        dual.dx.set(k % BOXES, slope.along[0]);
+                        dual.dy.set(k % BOXES, slope.along[1]);
+                    }
+                },
+                |result| {
+                    let left = (self.count - from).min(BOUND_LANES);
+                    let of = |k: usize| {
+                        let dual = &result[k / BOXES];
+                        let [value, dx, dy] = [dual.v, dual.dx, dual.dy]
+                            .map(|s| s.get(k % BOXES));
+                        Some(Slope {
+                            value: value?,
+                            along: [dx?, dy?],
+                        })
+                    };
+                    self.out.extend((0..left).map(of));
+                },
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ranges::everything;
+    use super::*;
+    use fidget::context::Context;
+    use fidget::eval::{BulkEvaluator, Function, MathFunction};
+    use fidget::types::Grad;
+    use fidget::var::Var;
+    use fidget::vm::VmFunction;
+
+    #[test]
+    fn every_operation_gives_what_fidgets_interpreter_does() {
+        const AWKWARD: [f32; 11] = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            0.5,
+            -2.75,
+            3.5,
+            1e30,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::NAN,
+        ];
+        let pick = |k: usize| match k % 3 {
+            0 => AWKWARD[k / 3 % AWKWARD.len()],
+            _ => (k as f32 * 0.7311).sin() * 6.0,
+        };
+        // More than one pass, and a last one that is not full.
+        let n = 3 * LANES + 7;
+        let points: [Vec<f32>; 3] = [7, 11, 13]
+            .map(|step| (0..n).map(|k| pick(k * step + step)).collect());
+        for (k, tree) in everything().iter().enumerate() {
+            let mut ctx = Context::new();
+            let root = ctx.import(tree);
+            let f = VmFunction::new(&ctx, &[root]).unwrap();
+            let inputs: Vec<&[f32]> =
+                points.iter().map(Vec::as_slice).collect();
+            let mut fidget = VmFunction::new_float_slice_eval();
+            let tape = f.float_slice_tape(Default::default());
+            let expected = fidget.eval(&tape, &inputs).unwrap();
+            let mut out = Vec::new();
+            Lanes::default().eval(&f, &inputs, n, &mut out);
+            for (a, b) in out.iter().zip(&expected[0]) {
+                let bits = a.to_bits() == b.to_bits();
+                // Sines and the like are not the system's.
+                let near = (a - b).abs() <= 2e-6 * (1.0 + b.abs());
+                let same = bits || near || a.is_nan() && b.is_nan();
+                assert!(same, "{k}: {a} for {b}");
+            }
+            assert_eq!(out.len(), n);
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_fidgets_interpreter() {
+        let n = DUAL_LANES + 5;
+        let at =
+            |k: usize, step: usize| ((k * step) as f32 * 0.731).sin() * 3.0;
+        let points: [Vec<f32>; 3] =
+            [7, 11, 13].map(|step| (0..n).map(|k| at(k + 1, step)).collect());
+        let mut compared = 0;
+        for (e, tree) in everything().iter().enumerate() {
+            let mut ctx = Context::new();
+            let root = ctx.import(tree);
+            let f = VmFunction::new(&ctx, &[root]).unwrap();
+            let count = f.vars().len();
+            let axes: Vec<usize> = (0..count)
+                .map(|slot| {
+                    let all = [Var::X, Var::Y, Var::Z];
+                    let own = |v: &Var| f.vars().get(v) == Some(slot);
+                    all.iter().position(own).unwrap()
+                })
+                .collect();
+            let seeds: Vec<Seed<'_>> = axes
+                .iter()
+                .map(|&axis| Seed {
+                    values: &points[axis],
+                    slopes: None,
+                    axis,
+                })
+                .collect();
+            let grads: Vec<Vec<Grad>> = axes
+                .iter()
+                .map(|&axis| {
+                    let d = |a| f32::from(a == axis);
+                    let all = points[axis].iter();
+                    all.map(|&v| Grad::new(v, d(0), d(1), d(2))).collect()
+                })
+                .collect();
+            let mut fidget = VmFunction::new_grad_slice_eval();
+            let tape = f.grad_slice_tape(Default::default());
+            let expected = fidget.eval(&tape, &grads).unwrap();
+            let mut out = Vec::new();
+            Lanes::default().slopes(&f, &seeds, n, &mut out);
+            assert_eq!(out.len(), n);
+            for (got, want) in out.iter().zip(&expected[0]) {
+                for (a, b) in got.iter().zip([want.v, want.dx, want.dy]) {
+                    if b.is_finite() {
+                        let near = (a - b).abs() <= 1e-4 * (1.0 + b.abs());
+                        assert!(near, "{e}: {a} for {b}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert!(compared > 30 * n, "{compared}");
+    }
+}

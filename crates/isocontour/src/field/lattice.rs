@@ -1,0 +1,108 @@
+//! The regular lattice on which a layer's field is sampled.
+
+use super::{FieldError, LEAF};
+use crate::Length;
+use crate::plane::Rect;
+use glam::DVec2;
+
+/// Nodes at equal distances over the part's box and a margin around it. The
+/// same for all layers; a whole number of leaves wide and high.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lattice {
+    /// x of the node columns. `f32`, because it is there that the field is
+    /// evaluated: a vertex between nodes must lie between *these* values.
+    pub x: Vec<f32>,
+    /// y of the node rows.
+    pub y: Vec<f32>,
+    /// Distance between neighbouring nodes, mm.
+    pub spacing: Length,
+}
+
+/// Fractions of a cell by which the lattice is moved against the box, so that
+/// the flat faces of simple models do not fall on nodes, where f = 0 exactly
+/// and inside and outside are a matter of rounding.
+const SHIFT: [f64; 2] = [0.414_213_56, 0.732_050_81];
+
+impl Lattice {
+    /// The lattice over a box, with a margin of at least a cell.
+    ///
+    /// # Errors
+    /// If it would have more edges than fit a `u32`.
+    pub fn over(bounds: Rect, spacing: Length) -> Result<Lattice, FieldError> {
+        let size = bounds.max - bounds.min;
+        let leaves = |extent: f64| (extent / spacing + 3.0) / LEAF as f64;
+        let cells = [leaves(size.x), leaves(size.y)].map(|n| n.ceil() * 8.0);
+        // Two edges start at each node; one number means "none".
+        let nodes = (cells[0] + 1.0) * (cells[1] + 1.0);
+        if nodes.is_nan() || nodes >= f64::from(u32::MAX / 2) {
+            return Err(FieldError::TooLarge {
+                x: size.x,
+                y: size.y,
+                spacing,
+            });
+        }
+        let axis = |origin: f64, shift: f64, cells: f64| -> Vec<f32> {
+            (0..=cells as usize)
+                .map(|i| (origin + (i as f64 - 1.0 - shift) * spacing) as f32)
+                .collect()
+        };
+        Ok(Lattice {
+            x: axis(bounds.min.x, SHIFT[0], cells[0]),
+            y: axis(bounds.min.y, SHIFT[1], cells[1]),
+            spacing,
+        })
+    }
+
+    /// The lower left and the upper right node.
+    pub fn corners(&self) -> (DVec2, DVec2) {
+        let ends = |axis: &[f32]| {
+            let last = axis.last().copied().unwrap_or_default();
+            (f64::from(axis[0]), f64::from(last))
+        };
+        let ((x0, x1), (y0, y1)) = (ends(&self.x), ends(&self.y));
+        (DVec2::new(x0, y0), DVec2::new(x1, y1))
+    }
+
+    /// Cells along x.
+    pub fn width(&self) -> usize {
+        self.x.len() - 1
+    }
+
+    /// Cells along y.
+    pub fn height(&self) -> usize {
+        self.y.len() - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_box_is_covered_with_a_margin() {
+        let bounds = Rect {
+            min: DVec2::new(-3.0, 10.0),
+            max: DVec2::new(5.05, 10.2),
+        };
+        let l = Lattice::over(bounds, 0.1).unwrap();
+        assert_eq!(l.width() % LEAF, 0);
+        assert_eq!(l.height() % LEAF, 0);
+        assert!(f64::from(l.x[1]) < -3.0 && l.y[1] < 10.0);
+        assert!(f64::from(l.x[l.width() - 1]) > 5.05);
+        assert!(f64::from(l.y[l.height() - 1]) > 10.2);
+    }
+
+    #[test]
+    fn too_many_nodes_are_an_error() {
+        let bounds = Rect {
+            min: DVec2::ZERO,
+            max: DVec2::splat(1e5),
+        };
+        assert!(Lattice::over(bounds, 0.1).is_err());
+        let nan = Rect {
+            min: DVec2::NAN,
+            max: DVec2::NAN,
+        };
+        assert!(Lattice::over(nan, 0.1).is_err());
+    }
+}

@@ -1,0 +1,273 @@
+//! The scalar field of a slab of layers: where it may change sign, sampled.
+//!
+//! In: the model's expression, a lattice over its box, the sample heights of
+//! a slab of layers. Out: for every 8 × 8-cell leaf of a layer that interval
+//! arithmetic could not prove empty or full, the field at its 9 × 9 nodes,
+//! together with a [`Sampler`] for further points near by.
+//!
+//! ```text
+//!  slab of ≤ 32 layers           block of ≤ 8 layers       leaf, one layer
+//!  ┌──────────64 cells──┐  ───►  ┌──16 cells──┐   ───►     ┌─8─┐ 9 × 9
+//!  │ prove or simplify  │        │  the same  │            │   │ samples
+//!  └────────────────────┘        └────────────┘            └───┘
+//! ```
+//!
+//! A tile that spans several layers shares its proof and its simplified
+//! expression with all of them. A leaf that is left out has no sign change
+//! on its nodes, up to rounding (the proofs are in `f64`, the samples in
+//! `f32`); `contour` notices such a leaf by the outline that stops at its
+//! border, and asks for it with [`Field::leaves`].
+//!
+//! Sums of exponentials, as smooth unions have, get branches that proofs can
+//! rule out (`blend`).
+//! What one coordinate alone decides, like sin(k·x), is taken out of the
+//! expression (`hoist`, `split`) and evaluated once per column, row or layer
+//! (`axis`); `ranges` proves, `lanes` interprets (`tape`), for many points
+//! (`wide`, `dual`) or boxes (`span`) at a time, and `workspace` brings them together for the walk in `engine`. `sight`
+//! looks at the whole part from somewhere.
+//!
+//! This is the one place where `f64` millimetres become fidget's `f32`.
+
+mod axis;
+mod blend;
+mod dual;
+mod engine;
+mod expr;
+mod hoist;
+mod lanes;
+mod lattice;
+mod ranges;
+mod sight;
+mod slopes;
+mod span;
+mod split;
+mod tape;
+mod wide;
+mod workspace;
+
+pub use lattice::Lattice;
+pub use sight::{Grid, Hit, Sight};
+pub use slopes::Bound;
+
+use crate::Length;
+use crate::cancel::{Cancel, Cancelled};
+use crate::plane::Rect;
+use engine::{Engine, Plane};
+use fidget::context::{Context, Tree};
+use fidget::eval::{Function, MathFunction};
+use fidget::vm::VmFunction;
+use split::Split;
+
+/// Cells along a leaf's side.
+pub const LEAF: usize = 8;
+/// Nodes along a leaf's side.
+pub const NODES: usize = LEAF + 1;
+/// Layers that share one walk over the tiles, at most.
+pub const SLAB: usize = 32;
+/// Cells in a slab of a large lattice, at most: what its layers' outlines need of
+/// memory is then bounded by the bed and not by the part's height.
+const SLAB_CELLS: usize = 16_000_000;
+
+/// Why a field cannot be evaluated.
+#[derive(Debug, thiserror::Error)]
+pub enum FieldError {
+    /// The lattice would have more nodes than can be numbered.
+    #[error("{x:.0} × {y:.0} is too large for samples every {spacing}")]
+    TooLarge {
+        /// Extent in x, mm.
+        x: Length,
+        /// Extent in y, mm.
+        y: Length,
+        /// Distance of the samples, mm.
+        spacing: Length,
+    },
+    /// It changes its sign finer than what is asked for, over large parts.
+    #[error(
+        "the field changes its sign too finely near x = {:.1}, y = {:.1}, \
+         z = {:.1}: what is inside and what is outside is {width:.3} wide on \
+         average, and what is narrower than {smallest:.3} is left out",
+        .at[0], .at[1], .at[2]
+    )]
+    TooFine {
+        /// Where it does, for one.
+        at: [Length; 3],
+        /// How wide what is there is on average, mm.
+        width: Length,
+        /// Size of what is left out, mm.
+        smallest: Length,
+    },
+    /// Looking at it takes more operations than were allowed for it.
+    #[error("a look at the part takes more than {most} operations")]
+    Costly {
+        /// How many were allowed.
+        most: u64,
+    },
+    /// fidget refused the expression, which is a bug, ours or fidget's.
+    #[error("the expression cannot be evaluated ({0}), which is a bug")]
+    Evaluator(String),
+    /// The work was stopped.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// An error that only a mistake of ours or of fidget's can cause.
+fn bug(e: impl std::fmt::Display) -> FieldError {
+    FieldError::Evaluator(e.to_string())
+}
+
+/// A leaf of one layer whose nodes have been sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaf {
+    /// Number of the layer within the slab.
+    pub layer: usize,
+    /// Lattice column of the lower left node.
+    pub i: usize,
+    /// Lattice row of the lower left node.
+    pub j: usize,
+}
+
+/// Evaluates the field at any points within one lattice cell of a batch of
+/// leaves, at their layers' heights.
+pub trait Sampler {
+    /// Field values at the points, written over `out`.
+    ///
+    /// # Errors
+    /// If the work is to stop.
+    fn values(
+        &mut self,
+        x: &[f32],
+        y: &[f32],
+        z: &[f32],
+        out: &mut Vec<f32>,
+    ) -> Result<(), FieldError>;
+
+    /// Field values and in-plane slopes (f, ∂f/∂x, ∂f/∂y), written over `out`.
+    fn slopes(
+        &mut self,
+        x: &[f32],
+        y: &[f32],
+        z: &[f32],
+        out: &mut Vec<[f32; 3]>,
+    );
+
+    /// Bounds of the field over boxes within leaves of the batch, each at a
+    /// height, written over `out`.
+    fn bounds(&mut self, boxes: &[(Rect, f32)], out: &mut Vec<Bound>);
+}
+
+/// A batch of sampled leaves.
+pub struct Batch<'a> {
+    /// The leaves.
+    pub leaves: &'a [Leaf],
+    /// Their node values, 81 per leaf, row by row.
+    pub values: &'a [f32],
+    /// For points in and next to the leaves.
+    pub sampler: &'a mut dyn Sampler,
+}
+
+/// What is done with a batch.
+pub type Visit<'a> = dyn FnMut(Batch<'_>) -> Result<(), FieldError> + 'a;
+
+/// A model's expression on a lattice over its box.
+pub struct Field {
+    lattice: Lattice,
+    engine: Engine,
+    cancel: Cancel,
+}
+
+impl Field {
+    /// The field `tree` + `depth` over the box `bounds`, sampled every
+    /// `spacing` millimetres.
+    ///
+    /// # Errors
+    /// If the lattice would be too large, or fidget refuses the expression.
+    pub fn new(
+        tree: &Tree,
+        depth: f64,
+        bounds: Rect,
+        spacing: Length,
+    ) -> Result<Field, FieldError> {
+        let lattice = Lattice::over(bounds, spacing)?;
+        let tree = match depth {
+            0.0 => tree.clone(),
+            _ => tree.clone() + depth as f32,
+        };
+        let mut ctx = Context::new();
+        let root = ctx.import(&tree);
+        let root = blend::branched(&mut ctx, root);
+        let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
+        if f.vars().has_free_vars() {
+            return Err(bug("it has variables besides x, y and z"));
+        }
+        let plane = Plane::new(Split::new(&ctx, root)?, &lattice);
+        let engine = Engine::new(plane)?;
+        Ok(Field {
+            lattice,
+            engine,
+            cancel: Cancel::NEVER,
+        })
+    }
+
+    /// Stops work on the field when `cancel` says so.
+    pub fn with_cancel(mut self, cancel: Cancel) -> Field {
+        self.cancel = cancel;
+        self
+    }
+
+    /// Who stops it.
+    pub(crate) fn cancel(&self) -> &Cancel {
+        &self.cancel
+    }
+
+    /// Stops if that was asked.
+    ///
+    /// # Errors
+    /// If it was.
+    pub(crate) fn check(&self) -> Result<(), FieldError> {
+        Ok(self.cancel.check()?)
+    }
+
+    /// The lattice the field is sampled on.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// Layers to be walked at a time: [`SLAB`], or a power of two less for
+    /// a large lattice.
+    pub fn slab_layers(&self) -> usize {
+        let cells = self.lattice.width() * self.lattice.height();
+        let mut layers = SLAB;
+        while layers > 1 && layers * cells > SLAB_CELLS {
+            layers /= 2;
+        }
+        layers
+    }
+
+    /// Visits every leaf of the layers at heights `z` (at most [`SLAB`]) that
+    /// may have a sign change.
+    ///
+    /// # Errors
+    /// If the evaluator fails, or `visit` does.
+    pub fn slab(
+        &self,
+        z: &[Length],
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
+        let z: Vec<f32> = z.iter().map(|&z| z as f32).collect();
+        self.engine.slab(&z, &self.cancel, visit)
+    }
+
+    /// Visits given leaves, without asking whether they matter.
+    ///
+    /// # Errors
+    /// If the evaluator fails, or `visit` does.
+    pub fn leaves(
+        &self,
+        z: &[Length],
+        leaves: &[Leaf],
+        visit: &mut Visit<'_>,
+    ) -> Result<(), FieldError> {
+        let z: Vec<f32> = z.iter().map(|&z| z as f32).collect();
+        self.engine.leaves(&z, leaves, &self.cancel, visit)
+    }
+}

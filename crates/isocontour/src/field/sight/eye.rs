@@ -1,0 +1,325 @@
+//! Looks along the lines of one column of tiles: tiles, blocks, boxes,
+//! samples, each only where the larger one leaves it open.
+
+use super::{Grid, Hit, Sight};
+use crate::field::lanes::{Lanes, Seed};
+use crate::field::ranges::Ranges;
+use crate::field::{FieldError, bug};
+use crate::interval::Interval;
+use fidget::eval::Function;
+use fidget::vm::VmFunction;
+use glam::Vec3;
+
+/// Samples along the side of a tile.
+pub(super) const TILE: usize = 64;
+/// Samples along the side of a block.
+const BLOCK: usize = 16;
+/// Samples along the side of a box: those of one are a pass of [`Lanes`].
+const BOX: usize = 4;
+
+/// What is known of a cube of samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Known {
+    Empty,
+    Full,
+    Open,
+}
+
+/// Looks along the lines of one column of tiles.
+pub(super) struct Eye<'a> {
+    sight: &'a Sight,
+    grid: &'a Grid,
+    /// The column's first line.
+    at: [usize; 2],
+    /// What the lines meet, row by row of the tile.
+    pub hits: Vec<Option<Hit>>,
+    /// Lines that have just met something, at which sample.
+    fresh: Vec<(usize, usize)>,
+    ranges: Ranges,
+    lanes: Lanes,
+    simplify: <VmFunction as Function>::Workspace,
+    /// Memory of functions that are done with.
+    storage: Vec<<VmFunction as Function>::Storage>,
+    points: [Vec<f32>; 3],
+    values: Vec<f32>,
+    slopes: [Vec<[f32; 3]>; 2],
+    found: Vec<Option<Interval>>,
+}
+
+impl<'a> Eye<'a> {
+    pub(super) fn new(sight: &'a Sight, grid: &'a Grid) -> Self {
+        Eye {
+            sight,
+            grid,
+            at: [0; 2],
+            hits: vec![None; TILE * TILE],
+            fresh: Vec::new(),
+            ranges: Ranges::default(),
+            lanes: Lanes::default(),
+            simplify: Default::default(),
+            storage: Vec::new(),
+            points: Default::default(),
+            values: Vec::new(),
+            slopes: Default::default(),
+            found: Vec::new(),
+        }
+    }
+
+    /// The tiles behind each other that begin with line `at`, nearest first.
+    pub(super) fn column(&mut self, at: [usize; 2]) -> Result<(), FieldError> {
+        self.at = at;
+        let sight = self.sight;
+        let f = &sight.f;
+        let tiles = self.grid.size[2].div_ceil(TILE);
+        let tiles = (0..tiles).rev().map(|k| [at[0], at[1], k * TILE]);
+        let tiles: Vec<[usize; 3]> = tiles.collect();
+        for (tile, known) in self.sift(f, &tiles, TILE)? {
+            sight.cancel.check()?;
+            self.visit(f, tile, known, TILE)?;
+        }
+        Ok(())
+    }
+
+    /// One cube of a tile's or a block's size.
+    fn visit(
+        &mut self,
+        f: &VmFunction,
+        at: [usize; 3],
+        known: Known,
+        size: usize,
+    ) -> Result<(), FieldError> {
+        if known == Known::Empty || self.is_covered(at, size) {
+            return Ok(());
+        }
+        if known == Known::Full {
+            self.fill(at, size);
+            return self.arrive(f);
+        }
+        let axes = &self.sight.axes;
+        let extent = self.extent(at, size);
+        let (_, trace) = self.ranges.eval(f, |slot| extent[axes[slot]]);
+        let own = match trace {
+            Some(trace) => {
+                let storage = self.storage.pop().unwrap_or_default();
+                let simpler = f.simplify(trace, storage, &mut self.simplify);
+                Some(simpler.map_err(bug)?)
+            }
+            None => None,
+        };
+        let g = own.as_ref().unwrap_or(f);
+        let side = if size == TILE { BLOCK } else { BOX };
+        let n = size / side;
+        // Nearest first.
+        let parts: Vec<[usize; 3]> = (0..n * n * n)
+            .map(|m| [m % n, m / n % n, n - 1 - m / (n * n)])
+            .map(|part| [0, 1, 2].map(|a| at[a] + part[a] * side))
+            .filter(|part| (0..3).all(|a| part[a] < self.grid.size[a]))
+            .filter(|part| !self.is_covered(*part, side))
+            .collect();
+        let parts = self.sift(g, &parts, side)?;
+        if side == BLOCK {
+            for (part, known) in parts {
+                self.visit(g, part, known, side)?;
+            }
+        } else {
+            for layer in parts.chunk_by(|a, b| a.0[2] == b.0[2]) {
+                self.boxes(g, layer)?;
+            }
+            self.arrive(g)?;
+        }
+        if let Some(done) = own {
+            self.storage.extend(done.recycle());
+        }
+        Ok(())
+    }
+
+    /// What is known of cubes of that size, where there may be something.
+    fn sift(
+        &mut self,
+        f: &VmFunction,
+        cubes: &[[usize; 3]],
+        size: usize,
+    ) -> Result<Vec<([usize; 3], Known)>, FieldError> {
+        // A range has two ends.
+        self.sight.spend(f, 2 * cubes.len())?;
+        let axes = &self.sight.axes;
+        let extents: Vec<[Interval; 3]> =
+            cubes.iter().map(|&at| self.extent(at, size)).collect();
+        self.found.clear();
+        let input = |slot: usize, k: usize| extents[k][axes[slot]];
+        self.lanes.ranges(f, cubes.len(), input, &mut self.found);
+        let mut out = Vec::with_capacity(cubes.len());
+        for (k, found) in self.found.iter().enumerate() {
+            let range = match found {
+                Some(range) => *range,
+                None => self.ranges.eval(f, |slot| input(slot, k)).0,
+            };
+            let known = match range {
+                _ if range.lo >= 0.0 => Known::Empty,
+                _ if range.hi < 0.0 && !range.nan => Known::Full,
+                _ => Known::Open,
+            };
+            if known != Known::Empty {
+                out.push((cubes[k], known));
+            }
+        }
+        Ok(out)
+    }
+
+    /// Where the samples of a cube lie.
+    fn extent(&self, at: [usize; 3], size: usize) -> [Interval; 3] {
+        let Grid {
+            origin,
+            steps,
+            size: all,
+        } = self.grid;
+        let (mut lo, mut hi) = (*origin, *origin);
+        for a in 0..3 {
+            let last = (at[a] + size).min(all[a]) - 1;
+            let (p, q) = (steps[a] * at[a] as f64, steps[a] * last as f64);
+            lo += p.min(q);
+            hi += p.max(q);
+        }
+        [0, 1, 2].map(|c| Interval::new(lo[c], hi[c]))
+    }
+
+    /// The lines that pass through a cube.
+    fn lines(
+        &self,
+        at: [usize; 3],
+        size: usize,
+    ) -> impl Iterator<Item = usize> + use<> {
+        let [i, j] = [0, 1].map(|a| at[a] - self.at[a]);
+        let [width, height] =
+            [0, 1].map(|a| size.min(self.grid.size[a] - at[a]));
+        (j..j + height)
+            .flat_map(move |j| (i..i + width).map(move |i| j * TILE + i))
+    }
+
+    /// True if something is met before a cube all over.
+    fn is_covered(&self, at: [usize; 3], size: usize) -> bool {
+        self.lines(at, size).all(|line| self.hits[line].is_some())
+    }
+
+    /// Lines that have met nothing meet the front of a cube.
+    fn fill(&mut self, at: [usize; 3], size: usize) {
+        let front = (at[2] + size).min(self.grid.size[2]) - 1;
+        for line in self.lines(at, size) {
+            self.meet(line, front);
+        }
+    }
+
+    /// A line meets its first sample inside.
+    fn meet(&mut self, line: usize, sample: usize) {
+        if self.hits[line].is_none() {
+            self.hits[line] = Some(Hit {
+                depth: sample as f32,
+                gradient: Vec3::ZERO,
+            });
+            self.fresh.push((line, sample));
+        }
+    }
+
+    /// Adds a sample to those to be evaluated.
+    fn ask(&mut self, line: usize, sample: usize) {
+        let Grid { origin, steps, .. } = self.grid;
+        let (i, j) = (line % TILE + self.at[0], line / TILE + self.at[1]);
+        let p = *origin
+            + steps[0] * i as f64
+            + steps[1] * j as f64
+            + steps[2] * sample as f64;
+        for (list, c) in self.points.iter_mut().zip(p.to_array()) {
+            list.push(c as f32);
+        }
+    }
+
+    /// Looks into boxes beside each other.
+    fn boxes(
+        &mut self,
+        f: &VmFunction,
+        boxes: &[([usize; 3], Known)],
+    ) -> Result<(), FieldError> {
+        let mut asked: Vec<(usize, [usize; 2])> = Vec::new();
+        self.points.iter_mut().for_each(Vec::clear);
+        for &(at, known) in boxes {
+            if known == Known::Full {
+                self.fill(at, BOX);
+                continue;
+            }
+            let end = (at[2] + BOX).min(self.grid.size[2]);
+            for line in self.lines(at, BOX) {
+                if self.hits[line].is_none() {
+                    asked.push((line, [at[2], end]));
+                    (at[2]..end).rev().for_each(|k| self.ask(line, k));
+                }
+            }
+        }
+        let count = self.points[0].len();
+        self.sight.spend(f, count)?;
+        let axes = &self.sight.axes;
+        let inputs: Vec<&[f32]> =
+            axes.iter().map(|&a| &self.points[a][..]).collect();
+        self.values.clear();
+        self.lanes.eval(f, &inputs, count, &mut self.values);
+        let values = std::mem::take(&mut self.values);
+        let mut rest = &values[..];
+        for (line, [from, end]) in asked {
+            let (own, after) = rest.split_at((end - from).min(rest.len()));
+            rest = after;
+            if let Some(n) = own.iter().position(|f| *f < 0.0) {
+                self.meet(line, end - 1 - n);
+            }
+        }
+        self.values = values;
+        Ok(())
+    }
+
+    /// Finds the gradients where lines have just met something, and with them
+    /// the surface itself, which is between two samples.
+    fn arrive(&mut self, f: &VmFunction) -> Result<(), FieldError> {
+        // Twice a value and two slopes.
+        self.sight.spend(f, 6 * self.fresh.len())?;
+        let fresh = std::mem::take(&mut self.fresh);
+        self.points.iter_mut().for_each(Vec::clear);
+        for &(line, sample) in &fresh {
+            self.ask(line, sample);
+        }
+        // Slopes along x and y, then along z.
+        for (slopes, along) in
+            self.slopes.iter_mut().zip([[0, 1, 2], [1, 2, 0]])
+        {
+            let seeds: Vec<Seed<'_>> = self
+                .sight
+                .axes
+                .iter()
+                .map(|&a| Seed {
+                    values: &self.points[a],
+                    slopes: None,
+                    axis: along[a],
+                })
+                .collect();
+            slopes.clear();
+            self.lanes.slopes(f, &seeds, fresh.len(), slopes);
+        }
+        let towards = self.grid.steps[2].as_vec3();
+        let found = self.slopes[0].iter().zip(&self.slopes[1]);
+        for (&(line, sample), (&[v, dx, dy], &[_, dz, _])) in
+            fresh.iter().zip(found)
+        {
+            let gradient = Vec3::new(dx, dy, dz);
+            let beyond = -v / gradient.dot(towards);
+            let beyond = match beyond >= 0.0 {
+                true => beyond.min(1.0),
+                // It does not rise towards the viewer, or nobody knows.
+                false => 0.5,
+            };
+            self.hits[line] = Some(Hit {
+                depth: sample as f32 + beyond,
+                gradient,
+            });
+        }
+        self.fresh = fresh;
+        self.fresh.clear();
+        Ok(())
+    }
+}

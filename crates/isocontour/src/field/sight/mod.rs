@@ -1,0 +1,156 @@
+//! What is met first along parallel lines of samples: a part as it is seen.
+//!
+//! In: an expression, a grid of samples in front of a viewer. Out: for each
+//! line of samples towards the viewer the nearest one inside, with the place
+//! of the surface before it and the gradient there.
+//!
+//! ```text
+//!   viewer ◄── a line of samples        tile   64 × 64 × 64 samples
+//!   ┌───────┬───────┬───────┐           block  16 × 16 × 16
+//!   │ empty │   ?   │ full  │           box     4 ×  4 ×  4
+//!   └───────┴───────┴───────┘
+//!     what interval arithmetic proves need not be sampled, and for what it
+//!     does not prove the expression is simplified; nothing is asked behind
+//!     what is met
+//! ```
+//!
+//! The result is that of sampling everything, but for rounding: what lies
+//! between the samples is missed. It depends neither on the number of threads
+//! nor on the processor.
+
+mod eye;
+#[cfg(test)]
+mod tests;
+
+use super::blend::branched;
+use super::{FieldError, bug};
+use crate::cancel::Cancel;
+use eye::{Eye, TILE};
+use fidget::context::{Context, Tree};
+use fidget::eval::{Function, MathFunction};
+use fidget::var::Var;
+use fidget::vm::VmFunction;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Samples in front of a viewer: columns, rows, and along each line of sight
+/// towards the viewer.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid {
+    /// The first sample of the first column and row: the farthest one, mm.
+    pub origin: DVec3,
+    /// From one column, row or sample to the next, mm.
+    pub steps: [DVec3; 3],
+    /// Columns, rows, samples along a line.
+    pub size: [usize; 3],
+}
+
+/// Where a line of sight meets the part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// How far along the line, in samples.
+    pub depth: f32,
+    /// The field's gradient there, along x, y and z.
+    pub gradient: Vec3,
+}
+
+/// A part to be looked at.
+pub struct Sight {
+    f: VmFunction,
+    /// By input of the function, its coordinate.
+    axes: Vec<usize>,
+    /// Operations that all looks together may take, and have taken.
+    most: u64,
+    taken: AtomicU64,
+    cancel: Cancel,
+}
+
+impl Sight {
+    /// Prepares an expression of x, y and z.
+    ///
+    /// # Errors
+    /// If fidget refuses it.
+    pub fn new(tree: &Tree) -> Result<Sight, FieldError> {
+        let mut ctx = Context::new();
+        let root = ctx.import(tree);
+        let root = branched(&mut ctx, root);
+        let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
+        let mut axes = vec![0; f.vars().len()];
+        for (var, slot) in f.vars().iter() {
+            let axis = match var {
+                Var::X => 0,
+                Var::Y => 1,
+                Var::Z => 2,
+                Var::V(_) => {
+                    return Err(bug("it has variables besides x, y and z"));
+                }
+            };
+            if let Some(known) = axes.get_mut(slot) {
+                *known = axis;
+            }
+        }
+        Ok(Sight {
+            f,
+            axes,
+            most: u64::MAX,
+            taken: AtomicU64::new(0),
+            cancel: Cancel::NEVER,
+        })
+    }
+
+    /// Stops looking when `cancel` says so.
+    pub fn with_cancel(mut self, cancel: Cancel) -> Sight {
+        self.cancel = cancel;
+        self
+    }
+
+    /// Gives up once all looks together have taken more than so many
+    /// operations. Whether they do depends neither on time nor on the number
+    /// of threads: what each tile takes does not depend on the others.
+    pub fn at_most(mut self, operations: u64) -> Sight {
+        self.most = operations;
+        self
+    }
+
+    /// Notes that a function is evaluated for so many numbers.
+    fn spend(&self, f: &VmFunction, count: usize) -> Result<(), FieldError> {
+        let now = f.size() as u64 * count as u64;
+        let taken = self.taken.fetch_add(now, Ordering::Relaxed);
+        let most = self.most;
+        match taken.saturating_add(now) > most {
+            true => Err(FieldError::Costly { most }),
+            false => Ok(()),
+        }
+    }
+
+    /// What each line of sight meets, row by row.
+    ///
+    /// # Errors
+    /// If it takes too many operations, or is stopped; or if fidget fails,
+    /// which is a bug.
+    pub fn look(&self, grid: &Grid) -> Result<Vec<Option<Hit>>, FieldError> {
+        let [width, height, _] = grid.size;
+        let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
+        let tiles: Result<Vec<Vec<Option<Hit>>>, FieldError> = (0..columns
+            * rows)
+            .into_par_iter()
+            .map(|n| {
+                let mut eye = Eye::new(self, grid);
+                eye.column([n % columns * TILE, n / columns * TILE])?;
+                Ok(eye.hits)
+            })
+            .collect();
+        let tiles = tiles?;
+        let mut out = Vec::with_capacity(width * height);
+        for j in 0..height {
+            for i in 0..columns {
+                let tile = &tiles[j / TILE * columns + i];
+                let count = TILE.min(width - i * TILE);
+                let from = j % TILE * TILE;
+                out.extend_from_slice(&tile[from..from + count]);
+            }
+        }
+        Ok(out)
+    }
+}

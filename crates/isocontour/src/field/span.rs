@@ -1,0 +1,481 @@
+//! Ranges of the field over many boxes at a time.
+//!
+//! The same as [`Interval`]'s, for eight boxes in step, in vector
+//! instructions. Where the result may not be a number, or is a matter of
+//! cases, a box drops out: its ends become NaN, and it has to be asked about
+//! on its own. That is so seldom that the others pay for it.
+
+use super::dual::Part;
+use super::tape::Number;
+use super::wide::{self, Turn};
+use crate::interval::Interval;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Boxes in a [`Span`].
+pub(super) const BOXES: usize = 8;
+
+/// What exp and ln may be off, as a share of the result, and sin, at most.
+const SLACK: f64 = 2e-9;
+
+type Ends = [f64; BOXES];
+
+/// Some ranges; both ends are NaN where one is not known.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(super) struct Span {
+    lo: Ends,
+    hi: Ends,
+}
+
+#[inline(always)]
+fn map(mut a: Ends, f: impl Fn(f64) -> f64) -> Ends {
+    for v in &mut a {
+        *v = f(*v);
+    }
+    a
+}
+
+#[inline(always)]
+fn zip(mut a: Ends, b: Ends, f: impl Fn(f64, f64) -> f64) -> Ends {
+    for (v, w) in a.iter_mut().zip(b) {
+        *v = f(*v, w);
+    }
+    a
+}
+
+/// The lesser one; NaN if both are.
+#[inline(always)]
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The greater one; NaN if both are.
+#[inline(always)]
+fn most(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+impl Span {
+    /// Nothing is known.
+    pub(super) const UNKNOWN: Span = Span {
+        lo: [f64::NAN; BOXES],
+        hi: [f64::NAN; BOXES],
+    };
+
+    /// Sets the range of one box.
+    #[inline(always)]
+    pub(super) fn set(&mut self, k: usize, range: Interval) {
+        let known = !range.nan;
+        self.lo[k] = if known { range.lo } else { f64::NAN };
+        self.hi[k] = if known { range.hi } else { f64::NAN };
+    }
+
+    /// The range of one box, if it is known.
+    pub(super) fn get(&self, k: usize) -> Option<Interval> {
+        let (lo, hi) = (self.lo[k], self.hi[k]);
+        (lo <= hi).then_some(Interval::new(lo, hi))
+    }
+
+    /// With both ends NaN where one is.
+    #[inline(always)]
+    fn sane(lo: Ends, hi: Ends) -> Span {
+        let mut out = Span { lo, hi };
+        for k in 0..BOXES {
+            let known = lo[k] <= hi[k];
+            out.lo[k] = if known { lo[k] } else { f64::NAN };
+            out.hi[k] = if known { hi[k] } else { f64::NAN };
+        }
+        out
+    }
+
+    /// A function that rises, and may be off by a share of its value.
+    #[inline(always)]
+    fn rising(self, f: impl Fn(f64) -> f64) -> Span {
+        let (lo, hi) = (map(self.lo, &f), map(self.hi, &f));
+        Span::sane(
+            map(lo, |v| v - SLACK * v.abs()),
+            map(hi, |v| v + SLACK * v.abs()),
+        )
+    }
+
+    /// Box by box.
+    #[inline(always)]
+    fn each(self, o: Span, f: impl Fn(Interval, Interval) -> Interval) -> Span {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            if self.lo[k] <= self.hi[k] && o.lo[k] <= o.hi[k] {
+                let a = Interval::new(self.lo[k], self.hi[k]);
+                let b = Interval::new(o.lo[k], o.hi[k]);
+                out.set(k, f(a, b));
+            }
+        }
+        out
+    }
+}
+
+impl Number for Span {
+    #[inline(always)]
+    fn splat(v: f32) -> Self {
+        Span {
+            lo: [v.into(); BOXES],
+            hi: [v.into(); BOXES],
+        }
+    }
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Span {
+            lo: map(self.hi, |v| -v),
+            hi: map(self.lo, |v| -v),
+        }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        let inner = zip(self.lo, self.hi, |lo, hi| most(lo, -hi));
+        Span {
+            lo: map(inner, |v| most(0.0, v)),
+            hi: zip(self.lo, self.hi, |lo, hi| most(lo.abs(), hi.abs())),
+        }
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            let (lo, hi) = (self.lo[k], self.hi[k]);
+            let (a, b) = (1.0 / hi, 1.0 / lo);
+            // Both of one sign.
+            let known = (lo > 0.0) | (hi < 0.0);
+            out.lo[k] = if known { a } else { f64::NAN };
+            out.hi[k] = if known { b } else { f64::NAN };
+        }
+        out
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // Not a number below zero.
+        Span::sane(map(self.lo, f64::sqrt), map(self.hi, f64::sqrt))
+    }
+    #[inline(always)]
+    fn square(self) -> Self {
+        let a = self.abs();
+        Span {
+            lo: map(a.lo, |v| v * v),
+            hi: map(a.hi, |v| v * v),
+        }
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        Span {
+            lo: map(self.lo, f64::floor),
+            hi: map(self.hi, f64::floor),
+        }
+    }
+    #[inline(always)]
+    fn ceil(self) -> Self {
+        Span {
+            lo: map(self.lo, f64::ceil),
+            hi: map(self.hi, f64::ceil),
+        }
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        Span {
+            lo: map(self.lo, f64::round),
+            hi: map(self.hi, f64::round),
+        }
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            let (lo, hi) = (self.lo[k], self.hi[k]);
+            let (a, b) = (Turn::of(lo).sin, Turn::of(hi).sin);
+            // Whether it has a peak inside, 2π apart from one another.
+            let reaches = |peak: f64| {
+                let turns = ((lo - peak) / TAU).ceil();
+                peak + turns * TAU <= hi
+            };
+            let top = if reaches(FRAC_PI_2) {
+                1.0
+            } else {
+                most(a, b) + SLACK
+            };
+            let low = if reaches(-FRAC_PI_2) {
+                -1.0
+            } else {
+                least(a, b) - SLACK
+            };
+            let known = (lo > -Turn::MOST) & (hi < Turn::MOST);
+            out.lo[k] = if known { low } else { f64::NAN };
+            out.hi[k] = if known { top } else { f64::NAN };
+        }
+        out
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        Span {
+            lo: map(self.lo, |v| v + FRAC_PI_2),
+            hi: map(self.hi, |v| v + FRAC_PI_2),
+        }
+        .sin()
+    }
+    #[inline(always)]
+    fn tan(self) -> Self {
+        self.each(self, |a, _| a.tan())
+    }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        self.each(self, |a, _| a.asin())
+    }
+    #[inline(always)]
+    fn acos(self) -> Self {
+        self.each(self, |a, _| a.acos())
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        self.each(self, |a, _| a.atan())
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        // Not known where the series is not right.
+        self.rising(|v| {
+            if v.abs() < 700.0 {
+                wide::exp(v)
+            } else {
+                f64::NAN
+            }
+        })
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        let normal = |v: f64| (v > 1e-300) & (v < 1e300);
+        self.rising(|v| if normal(v) { wide::ln(v) } else { f64::NAN })
+    }
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.each(self, |a, _| a.not())
+    }
+    #[inline(always)]
+    fn rand(self) -> Self {
+        self.each(self, |_, _| Interval::new(0.0, 1.0))
+    }
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        Span::sane(
+            zip(self.lo, o.lo, |a, b| a + b),
+            zip(self.hi, o.hi, |a, b| a + b),
+        )
+    }
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        self.add(o.neg())
+    }
+    #[inline(always)]
+    fn mul(self, o: Self) -> Self {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            let (a, b) = (self.lo[k] * o.lo[k], self.lo[k] * o.hi[k]);
+            let (c, d) = (self.hi[k] * o.lo[k], self.hi[k] * o.hi[k]);
+            // Infinite ends may make it none.
+            let known = !((a + b) + (c + d)).is_nan();
+            let lo = least(least(a, b), least(c, d));
+            let hi = most(most(a, b), most(c, d));
+            out.lo[k] = if known { lo } else { f64::NAN };
+            out.hi[k] = if known { hi } else { f64::NAN };
+        }
+        out
+    }
+    #[inline(always)]
+    fn scale(self, by: f32) -> Self {
+        let by = f64::from(by);
+        let (a, b) = (map(self.lo, |v| v * by), map(self.hi, |v| v * by));
+        if by < 0.0 {
+            Span::sane(b, a)
+        } else {
+            Span::sane(a, b)
+        }
+    }
+    #[inline(always)]
+    fn div(self, o: Self) -> Self {
+        self.mul(o.recip())
+    }
+    #[inline(always)]
+    fn atan2(self, o: Self) -> Self {
+        self.each(o, Interval::atan2)
+    }
+    #[inline(always)]
+    fn modulo(self, o: Self) -> Self {
+        self.each(o, Interval::modulo)
+    }
+    #[inline(always)]
+    fn compare(self, o: Self) -> Self {
+        self.each(o, Interval::compare)
+    }
+    #[inline(always)]
+    fn mix(self, _: Self) -> Self {
+        Span::UNKNOWN
+    }
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        // Where one is not known, neither is the sum.
+        let ends = |a: f64, b: f64| least(a, b) + 0.0 * (a + b);
+        Span::sane(zip(self.lo, o.lo, ends), zip(self.hi, o.hi, ends))
+    }
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        let ends = |a: f64, b: f64| most(a, b) + 0.0 * (a + b);
+        Span::sane(zip(self.lo, o.lo, ends), zip(self.hi, o.hi, ends))
+    }
+    #[inline(always)]
+    fn and(self, o: Self) -> Self {
+        self.each(o, Interval::and)
+    }
+    #[inline(always)]
+    fn or(self, o: Self) -> Self {
+        self.each(o, Interval::or)
+    }
+}
+
+impl Part for Span {
+    #[inline(always)]
+    fn choose(a: Self, b: Self, x: Self, y: Self) -> Self {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            let (first, second) = (a.hi[k] < b.lo[k], b.hi[k] <= a.lo[k]);
+            let lo = least(x.lo[k], y.lo[k]) + 0.0 * (x.lo[k] + y.lo[k]);
+            let hi = most(x.hi[k], y.hi[k]) + 0.0 * (x.hi[k] + y.hi[k]);
+            let lo = if second { y.lo[k] } else { lo };
+            let hi = if second { y.hi[k] } else { hi };
+            out.lo[k] = if first { x.lo[k] } else { lo };
+            out.hi[k] = if first { x.hi[k] } else { hi };
+        }
+        out
+    }
+    #[inline(always)]
+    fn choose_zero(a: Self, x: Self, y: Self) -> Self {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            // Where it may or may not be zero, there is a step.
+            if a.lo[k] > 0.0 || a.hi[k] < 0.0 {
+                (out.lo[k], out.hi[k]) = (y.lo[k], y.hi[k]);
+            } else if a.lo[k] == 0.0 && a.hi[k] == 0.0 {
+                (out.lo[k], out.hi[k]) = (x.lo[k], x.hi[k]);
+            }
+        }
+        out
+    }
+    #[inline(always)]
+    fn unless_nan(self, _: Self, _: Self, _: f32) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn step(self) -> Self {
+        // Flat where the value does not change.
+        let flat = zip(
+            self.lo,
+            self.hi,
+            |lo, hi| {
+                if lo == hi { 0.0 } else { f64::NAN }
+            },
+        );
+        Span { lo: flat, hi: flat }
+    }
+    #[inline(always)]
+    fn leap(self, x: Self) -> Self {
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            // Across the negative x axis.
+            let apart = (self.lo[k] > 0.0) | (self.hi[k] < 0.0);
+            if apart | (x.lo[k] > 0.0) {
+                (out.lo[k], out.hi[k]) = (0.0, 0.0);
+            }
+        }
+        out
+    }
+    #[inline(always)]
+    fn times(self, o: Self) -> Self {
+        // As long as it stays in one period of a constant.
+        let mut out = Span::UNKNOWN;
+        for k in 0..BOXES {
+            let a = Interval::new(self.lo[k], self.hi[k]);
+            let b = Interval::new(o.lo[k], o.hi[k]);
+            if a.same_period(b) {
+                let times = self.lo[k].div_euclid(o.lo[k]);
+                (out.lo[k], out.hi[k]) = (times, times);
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::lanes::Lanes;
+    use super::super::ranges::{Ranges, everything};
+    use super::super::slopes::{Slopes, coordinate};
+    use super::*;
+    use fidget::context::Context;
+    use fidget::eval::MathFunction;
+    use fidget::vm::VmFunction;
+
+    /// What is said of a box among others is what is said of it alone.
+    #[test]
+    fn ranges_are_those_of_the_boxes_on_their_own() {
+        let mut seed = 3u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (seed >> 40) as f64 / (1u64 << 24) as f64
+        };
+        let (mut known, mut sloped) = (0, 0);
+        for tree in everything() {
+            let mut ctx = Context::new();
+            let root = ctx.import(&tree);
+            let f = VmFunction::new(&ctx, &[root]).unwrap();
+            let boxes: Vec<[Interval; 3]> = (0..75)
+                .map(|_| {
+                    let size = 3.0 * random() * random();
+                    std::array::from_fn(|_| {
+                        let lo = 8.0 * random() - 4.0;
+                        Interval::new(lo, lo + size)
+                    })
+                })
+                .collect();
+            let mut found = Vec::new();
+            let mut bounds = Vec::new();
+            let mut lanes = Lanes::default();
+            let over = |slot: usize, k: usize| boxes[k][slot];
+            lanes.ranges(&f, boxes.len(), over, &mut found);
+            let slope = |slot, k| coordinate(over(slot, k), slot);
+            lanes.bounds(&f, boxes.len(), slope, &mut bounds);
+            assert_eq!([found.len(), bounds.len()], [boxes.len(); 2]);
+            // But for rounding.
+            let same = |a: Interval, b: Interval| {
+                let near = |a: f64, b: f64| {
+                    a == b || (a - b).abs() < 1e-7 * (1.0 + a.abs())
+                };
+                !a.nan && !b.nan && near(a.lo, b.lo) && near(a.hi, b.hi)
+            };
+            for (k, b) in boxes.iter().enumerate() {
+                let (alone, _) = Ranges::default().eval(&f, |slot| b[slot]);
+                if let Some(found) = found[k] {
+                    known += 1;
+                    assert!(same(found, alone), "{found:?}, {alone:?}");
+                }
+                let slope = Slopes::default()
+                    .eval(&f, |slot| coordinate(b[slot], slot));
+                if let Some(found) = bounds[k] {
+                    sloped += 1;
+                    assert!(same(found.value, slope.value));
+                    for (a, b) in found.along.iter().zip(slope.along) {
+                        // Factors in another order may be a little wider.
+                        let wide = 1e-6 + 1e-6 * b.magnitude();
+                        assert!(
+                            a.lo <= b.lo + wide && b.hi - wide <= a.hi,
+                            "{a:?} does not hold {b:?}"
+                        );
+                    }
+                }
+            }
+        }
+        assert!(known > 300 && sloped > 200, "{known}, {sloped}");
+    }
+}

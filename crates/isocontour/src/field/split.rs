@@ -1,0 +1,90 @@
+//! An expression split into what one coordinate decides and the rest, and
+//! where the rest's inputs come from.
+
+use super::axis::{Axis, Level};
+use super::hoist::{Hoisted, hoist};
+use super::{FieldError, bug};
+use crate::interval::Interval;
+use fidget::context::{Context, Node};
+use fidget::eval::MathFunction;
+use fidget::var::Var;
+use fidget::vm::VmFunction;
+use std::collections::HashMap;
+
+/// Where the value of a tape's input comes from.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Source {
+    /// A coordinate.
+    Coordinate(usize),
+    /// A part that depends on one coordinate: the axis, its number there.
+    Part(usize, usize),
+}
+
+/// An expression split into what one coordinate decides and the rest.
+pub(super) struct Split {
+    /// Context and root of the rest.
+    pub context: Context,
+    pub root: Node,
+    /// The parts, by axis.
+    pub parts: [Vec<VmFunction>; 3],
+    /// By variable of the rest, where its value comes from.
+    pub sources: HashMap<Var, Source>,
+}
+
+impl Split {
+    /// Splits the expression `root`.
+    ///
+    /// # Errors
+    /// If fidget refuses a part, which is a bug.
+    pub(super) fn new(ctx: &Context, root: Node) -> Result<Split, FieldError> {
+        let Hoisted { tree, parts } = hoist(ctx, root);
+        let mut by_axis: [Vec<VmFunction>; 3] = Default::default();
+        let mut sources: HashMap<Var, Source> = [Var::X, Var::Y, Var::Z]
+            .into_iter()
+            .enumerate()
+            .map(|(axis, v)| (v, Source::Coordinate(axis)))
+            .collect();
+        for part in parts {
+            let f = VmFunction::new(ctx, &[part.node]).map_err(bug)?;
+            let of_axis = &mut by_axis[part.axis];
+            sources.insert(part.var, Source::Part(part.axis, of_axis.len()));
+            of_axis.push(f);
+        }
+        let mut context = Context::new();
+        let root = context.import(&tree);
+        Ok(Split {
+            context,
+            root,
+            parts: by_axis,
+            sources,
+        })
+    }
+}
+
+/// The axes of a slab: columns, rows, and its layers.
+#[derive(Clone, Copy)]
+pub(super) struct Axes<'a>(pub [&'a Axis; 3]);
+
+impl<'a> Axes<'a> {
+    /// What a source is at the nodes of its axis, which is number `.0`.
+    pub(super) fn along(&self, source: Source) -> (usize, &'a [f32]) {
+        match source {
+            Source::Coordinate(a) => (a, self.0[a].nodes()),
+            Source::Part(a, p) => (a, self.0[a].values(p)),
+        }
+    }
+
+    /// The range of a source over box number `at` of the `level`s.
+    pub(super) fn over(
+        &self,
+        source: Option<&Source>,
+        level: Level,
+        at: [usize; 3],
+    ) -> Interval {
+        match source {
+            Some(&Source::Coordinate(a)) => self.0[a].extent(level, at[a]),
+            Some(&Source::Part(a, p)) => self.0[a].range(p, level, at[a]),
+            None => Interval::ANYTHING,
+        }
+    }
+}

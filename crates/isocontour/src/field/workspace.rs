@@ -1,0 +1,328 @@
+//! Evaluators and buffers: the memory to prove and to sample with.
+
+use super::axis::{self, Level, Located};
+use super::expr::Expr;
+use super::lanes::{Lanes, Seed};
+use super::ranges::Ranges;
+use super::slopes::{Bound, Slope, Slopes, coordinate, slope_of};
+use super::split::{Axes, Source, Split};
+use super::{FieldError, Leaf, NODES, bug};
+use crate::interval::Interval;
+use fidget::eval::Function;
+use fidget::vm::VmFunction;
+
+/// Leaves evaluated at once: what they need of memory fits a core's cache.
+const AT_ONCE: usize = 12;
+
+/// What interval arithmetic says of a box.
+pub(super) enum Proof {
+    /// No sign change in it.
+    Uniform,
+    /// May have one; the expression for use inside, if a simpler one exists.
+    Ambiguous(Option<Expr>),
+}
+
+/// Evaluators and buffers of one thread.
+pub(super) struct Workspace<'a> {
+    parts: &'a [Vec<VmFunction>; 3],
+    /// By input of the tapes. Simplified tapes keep the order.
+    sources: Vec<Source>,
+    ranges: Ranges,
+    /// By box, what is known of it.
+    found: Vec<Option<Interval>>,
+    bounder: Slopes,
+    /// By input, its bounds over each box.
+    bounds: Vec<Vec<Slope>>,
+    lanes: Lanes,
+    simplify: <VmFunction as Function>::Workspace,
+    axis: axis::Scratch,
+    /// Memory of functions that are done with.
+    functions: Vec<<VmFunction as Function>::Storage>,
+    /// By input: what it is at each point.
+    values: Vec<Vec<f32>>,
+    /// By input: its slope at each point.
+    slopes: Vec<Vec<f32>>,
+    /// By axis: the nodes the points are on.
+    located: [Located; 3],
+}
+
+impl<'a> Workspace<'a> {
+    pub(super) fn new(root: &VmFunction, split: &'a Split) -> Self {
+        let mut sources = vec![Source::Coordinate(0); root.vars().len()];
+        for (var, slot) in root.vars().iter() {
+            if let (Some(s), Some(known)) =
+                (sources.get_mut(slot), split.sources.get(&var))
+            {
+                *s = *known;
+            }
+        }
+        let slots = sources.len().max(1);
+        Workspace {
+            parts: &split.parts,
+            sources,
+            ranges: Ranges::default(),
+            found: Vec::new(),
+            bounder: Slopes::default(),
+            bounds: vec![Vec::new(); slots],
+            lanes: Lanes::default(),
+            simplify: Default::default(),
+            axis: axis::Scratch::default(),
+            functions: Vec::new(),
+            values: vec![Vec::new(); slots],
+            slopes: vec![Vec::new(); slots],
+            located: Default::default(),
+        }
+    }
+
+    /// Keeps of the boxes, numbers of the axes' `level`s, those in which the
+    /// field may change its sign.
+    pub(super) fn sift(
+        &mut self,
+        expr: &Expr,
+        axes: Axes<'_>,
+        level: Level,
+        boxes: &mut Vec<[usize; 3]>,
+    ) -> Result<(), FieldError> {
+        let mut found = std::mem::take(&mut self.found);
+        found.clear();
+        let sources = &self.sources;
+        self.lanes.ranges(
+            &expr.f,
+            boxes.len(),
+            |slot, k| axes.over(sources.get(slot), level, boxes[k]),
+            &mut found,
+        );
+        let mut kept = 0;
+        for (k, range) in found.iter().enumerate() {
+            let at = boxes[k];
+            let uniform = match range {
+                Some(range) => range.lo >= 0.0 || range.hi < 0.0,
+                None => {
+                    let proof = self.prove(expr, axes, level, at, false)?;
+                    matches!(proof, Proof::Uniform)
+                }
+            };
+            if !uniform {
+                boxes[kept] = at;
+                kept += 1;
+            }
+        }
+        boxes.truncate(kept);
+        self.found = found;
+        Ok(())
+    }
+
+    /// Evaluates over the box number `at` of the axes' `level`s and, if
+    /// wished, simplifies for it.
+    pub(super) fn prove(
+        &mut self,
+        expr: &Expr,
+        axes: Axes<'_>,
+        level: Level,
+        at: [usize; 3],
+        simplify: bool,
+    ) -> Result<Proof, FieldError> {
+        let sources = &self.sources;
+        let input = |slot: usize| axes.over(sources.get(slot), level, at);
+        let (range, trace) = self.ranges.eval(&expr.f, input);
+        // A field that is nowhere below zero has no inside, even where it
+        // touches zero.
+        if !range.nan && (range.lo >= 0.0 || range.hi < 0.0) {
+            return Ok(Proof::Uniform);
+        }
+        let simpler = match trace {
+            Some(trace) if simplify => {
+                let storage = self.functions.pop().unwrap_or_default();
+                let f = expr
+                    .f
+                    .simplify(trace, storage, &mut self.simplify)
+                    .map_err(bug)?;
+                Some(Expr::new(f))
+            }
+            _ => None,
+        };
+        Ok(Proof::Ambiguous(simpler))
+    }
+
+    /// The field's bounds over any boxes, given by their extent along each
+    /// axis, written over `out`.
+    pub(super) fn bounds(
+        &mut self,
+        expr: &Expr,
+        boxes: &[[Interval; 3]],
+        out: &mut Vec<Bound>,
+    ) {
+        let used = expr.inputs();
+        let lanes = &mut self.lanes;
+        let mut found = Vec::new();
+        for &slot in used {
+            let bounds = &mut self.bounds[slot];
+            bounds.clear();
+            match self.sources[slot] {
+                Source::Coordinate(a) => {
+                    bounds.extend(boxes.iter().map(|b| coordinate(b[a], a)));
+                }
+                Source::Part(a, p) => {
+                    let f = &self.parts[a][p];
+                    let over = |_: usize, k: usize| coordinate(boxes[k][a], a);
+                    found.clear();
+                    lanes.bounds(f, boxes.len(), over, &mut found);
+                    bounds.extend(boxes.iter().zip(&found).map(
+                        |(b, found)| {
+                            found.unwrap_or_else(|| slope_of(f, b[a], a))
+                        },
+                    ));
+                }
+            }
+        }
+        let bounds = &self.bounds;
+        let over = |slot: usize, k: usize| bounds[slot][k];
+        found.clear();
+        lanes.bounds(&expr.f, boxes.len(), over, &mut found);
+        out.clear();
+        for (k, found) in found.into_iter().enumerate() {
+            let bounder = &mut self.bounder;
+            let alone = || bounder.eval(&expr.f, |slot| over(slot, k));
+            out.push(Bound::new(found.unwrap_or_else(alone)));
+        }
+    }
+
+    /// The field at the nodes of leaves, written over `out`.
+    pub(super) fn leaves(
+        &mut self,
+        expr: &Expr,
+        axes: Axes<'_>,
+        leaves: &[Leaf],
+        out: &mut Vec<f32>,
+    ) {
+        out.clear();
+        let used = expr.inputs();
+        for leaves in leaves.chunks(AT_ONCE) {
+            let count = leaves.len() * NODES * NODES;
+            for &slot in used {
+                let (axis, nodes) = axes.along(self.sources[slot]);
+                let values = &mut self.values[slot];
+                values.clear();
+                for leaf in leaves {
+                    match axis {
+                        0 => {
+                            let row = &nodes[leaf.i..leaf.i + NODES];
+                            for _ in 0..NODES {
+                                values.extend_from_slice(row);
+                            }
+                        }
+                        1 => {
+                            for &y in &nodes[leaf.j..leaf.j + NODES] {
+                                values.extend([y; NODES]);
+                            }
+                        }
+                        _ => values.extend([nodes[leaf.layer]; NODES * NODES]),
+                    }
+                }
+            }
+            // Inputs that are not read may be anything of the right length.
+            let any = used.first().copied().unwrap_or(0);
+            if used.is_empty() {
+                self.values[0].resize(count, 0.0);
+            }
+            let mut vars: Vec<&[f32]> =
+                vec![&self.values[any][..count]; self.values.len()];
+            for &slot in used {
+                vars[slot] = &self.values[slot];
+            }
+            self.lanes.eval(&expr.f, &vars, count, out);
+        }
+    }
+
+    /// Which nodes the points are on, for the axes that have parts.
+    fn locate(&mut self, used: &[usize], axes: Axes<'_>, points: [&[f32]; 3]) {
+        let found = self.located.iter_mut().zip(points).enumerate();
+        for (a, (located, points)) in found {
+            let of_axis = |s: &usize| matches!(self.sources[*s], Source::Part(b, _) if a == b);
+            if used.iter().any(of_axis) {
+                axes.0[a].locate(points, located);
+            }
+        }
+    }
+
+    /// The field at any points, written over `out`.
+    pub(super) fn values(
+        &mut self,
+        expr: &Expr,
+        axes: Axes<'_>,
+        points: [&[f32]; 3],
+        out: &mut Vec<f32>,
+    ) {
+        let used = expr.inputs();
+        self.locate(used, axes, points);
+        for &slot in used {
+            if let Source::Part(a, p) = self.sources[slot] {
+                axes.0[a].values_at(
+                    p,
+                    &self.parts[a][p],
+                    &self.located[a],
+                    &mut self.axis,
+                    &mut self.values[slot],
+                );
+            }
+        }
+        let mut vars: Vec<&[f32]> = vec![points[0]; self.values.len()];
+        for &slot in used {
+            vars[slot] = match self.sources[slot] {
+                Source::Coordinate(a) => points[a],
+                Source::Part(..) => &self.values[slot],
+            };
+        }
+        out.clear();
+        let count = points[0].len();
+        self.lanes.eval(&expr.f, &vars, count, out);
+    }
+
+    /// Value and in-plane slopes at any points, written over `out`.
+    pub(super) fn slopes(
+        &mut self,
+        expr: &Expr,
+        axes: Axes<'_>,
+        points: [&[f32]; 3],
+        out: &mut Vec<[f32; 3]>,
+    ) {
+        let used = expr.inputs();
+        self.locate(used, axes, points);
+        for &slot in used {
+            if let Source::Part(a, p) = self.sources[slot] {
+                axes.0[a].slopes_at(
+                    p,
+                    &self.parts[a][p],
+                    &self.located[a],
+                    &mut self.axis,
+                    &mut self.values[slot],
+                    &mut self.slopes[slot],
+                );
+            }
+        }
+        let seed = |values, slopes, axis| Seed {
+            values,
+            slopes,
+            axis,
+        };
+        // Inputs that are not read may be anything.
+        let mut seeds = vec![seed(points[0], None, 0); self.values.len()];
+        for &slot in used {
+            seeds[slot] = match self.sources[slot] {
+                Source::Coordinate(a) => seed(points[a], None, a),
+                Source::Part(a, _) => {
+                    let slopes = Some(&self.slopes[slot][..]);
+                    seed(&self.values[slot], slopes, a)
+                }
+            };
+        }
+        out.clear();
+        let lanes = &mut self.lanes;
+        lanes.slopes(&expr.f, &seeds, points[0].len(), out);
+    }
+
+    /// Takes back the memory of an expression that is done with.
+    pub(super) fn recycle(&mut self, expr: Expr) {
+        self.functions.extend(expr.f.recycle());
+    }
+}

@@ -1,0 +1,85 @@
+//! Contours of implicit functions: closed rings on f = 0, at any height.
+//!
+//! In: a [fidget](https://docs.rs/fidget) expression f(x, y, z), negative
+//! inside, a box in the plane, the spacing of a lattice, heights and an
+//! accuracy. Out: for each height closed rings on f = 0, outer ones
+//! counter-clockwise and holes clockwise, none crossing.
+//!
+//! f need not be a distance. It may be NaN or infinite somewhere, which counts
+//! as outside, and it may jump. How accurate a ring is does not depend on the
+//! lattice's spacing: that only decides what is connected.
+//!
+//! ```
+//! use fidget::context::Tree;
+//! use glam::DVec2;
+//! use isocontour::{Detail, Field, Rect, outlines};
+//!
+//! # fn main() -> Result<(), isocontour::FieldError> {
+//! let (x, y, z) = Tree::axes();
+//! let ball = (x.square() + y.square() + z.square()).sqrt() - 5.0;
+//! let rect = Rect {
+//!     min: DVec2::splat(-6.0),
+//!     max: DVec2::splat(6.0),
+//! };
+//! let field = Field::new(&ball, 0.0, rect, 0.25)?;
+//! let detail = Detail {
+//!     accuracy: 0.001,
+//!     smallest: 0.1,
+//! };
+//! let circles = outlines(&field, &[0.0, 3.0], detail)?;
+//! for (circle, radius) in circles.iter().zip([5.0, 4.0]) {
+//!     for p in &circle.area.rings[0] {
+//!         assert!((p.length() - radius).abs() < 0.001);
+//!     }
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`find_bounds`] finds the box of {f < 0} when it is not known.
+//! [`Sight`] tells what lines through space meet first. [`Cancel`] stops any of
+//! them from outside.
+//!
+//! Lengths are in whatever unit the coordinates are.
+
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
+mod bounds;
+mod cancel;
+mod cell;
+mod contour;
+mod expand;
+mod field;
+mod interval;
+pub mod plane;
+mod program;
+mod shift;
+
+pub use bounds::{
+    Bounds, BoundsError, FoundBounds, SearchOptions, find_bounds, is_flat,
+};
+pub use cancel::{Cancel, Cancelled};
+pub use contour::{Detail, Outline, Phase, outlines, outlines_in_phases};
+pub use expand::{ExpandError, MAX_EXPANDED_NODES, expand, expand_with};
+pub use field::{
+    Batch, Bound, Field, FieldError, Grid, Hit, LEAF, Lattice, Leaf, NODES,
+    SLAB, Sampler, Sight, Visit,
+};
+pub use plane::{Area, Rect, Ring};
+pub use shift::{digits, shifted};
+
+/// A length, in the unit of the coordinates.
+pub type Length = f64;
+/// Content of an area, in that unit squared.
+pub type Content = f64;

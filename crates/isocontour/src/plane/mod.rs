@@ -1,0 +1,253 @@
+//! Closed rings in the plane, and the areas that they bound.
+//!
+//! An [`Area`] is a set of closed rings, outer ones counter-clockwise and
+//! holes clockwise. [`simplify`] thins a ring within a tolerance, and
+//! [`Nest`](nest::Nest) tells which ring is around a point.
+
+pub mod nest;
+pub mod simplify;
+
+use crate::{Content, Length};
+use glam::DVec2;
+
+/// A closed ring of points; the first point is not repeated at the end.
+pub type Ring = Vec<DVec2>;
+
+/// An axis-aligned box in the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rect {
+    /// Lower left corner.
+    pub min: DVec2,
+    /// Upper right corner.
+    pub max: DVec2,
+}
+
+impl Rect {
+    /// The box that contains nothing.
+    pub const EMPTY: Rect = Rect {
+        min: DVec2::INFINITY,
+        max: DVec2::NEG_INFINITY,
+    };
+
+    /// The smallest box around some points.
+    pub fn around<'a>(points: impl IntoIterator<Item = &'a DVec2>) -> Rect {
+        points.into_iter().fold(Rect::EMPTY, |r, &p| r.with(p))
+    }
+
+    /// The smallest box around this one and a point.
+    pub fn with(self, p: DVec2) -> Rect {
+        Rect {
+            min: self.min.min(p),
+            max: self.max.max(p),
+        }
+    }
+
+    /// The smallest box around both.
+    pub fn union(self, other: Rect) -> Rect {
+        Rect {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
+    /// True if the two have a point in common.
+    pub fn meets(&self, other: Rect) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    /// True if the point is inside or on the border.
+    pub fn contains(&self, p: DVec2) -> bool {
+        self.min.cmple(p).all() && p.cmple(self.max).all()
+    }
+}
+
+/// A part of the plane, bounded by closed rings: outer rings run
+/// counter-clockwise, holes clockwise, and none cross.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Area {
+    /// The rings, in no particular order.
+    pub rings: Vec<Ring>,
+}
+
+impl Area {
+    /// The area that contains nothing.
+    pub const EMPTY: Area = Area { rings: Vec::new() };
+
+    /// True if there are no rings.
+    pub fn is_empty(&self) -> bool {
+        self.rings.is_empty()
+    }
+
+    /// Content of the area: outer rings less holes.
+    pub fn content(&self) -> Content {
+        self.rings.iter().map(|r| signed_area(r)).sum()
+    }
+
+    /// Length of all rings together.
+    pub fn perimeter(&self) -> Length {
+        self.rings.iter().map(|r| ring_length(r)).sum()
+    }
+
+    /// The box around the area.
+    pub fn bounds(&self) -> Rect {
+        Rect::around(self.rings.iter().flatten())
+    }
+
+    /// True if the point is inside (even–odd rule; points on the border may
+    /// count either way).
+    pub fn contains(&self, p: DVec2) -> bool {
+        self.rings.iter().filter(|r| ring_contains(r, p)).count() % 2 == 1
+    }
+
+    /// The connected parts, each an outer ring followed by its holes, in the
+    /// order of the outer rings.
+    pub fn islands(&self) -> Vec<Area> {
+        let (outers, holes): (Vec<&Ring>, Vec<&Ring>) =
+            self.rings.iter().partition(|r| signed_area(r) > 0.0);
+        let mut islands: Vec<Area> = outers
+            .iter()
+            .map(|r| Area {
+                rings: vec![(*r).clone()],
+            })
+            .collect();
+        if holes.is_empty() {
+            return islands;
+        }
+        // Of the outer rings around a hole the smallest is its own.
+        let nest = nest::Nest::new(outers.iter().copied());
+        for hole in holes {
+            let owner = hole.first().and_then(|&p| nest.around(p));
+            if let Some(i) = owner {
+                islands[i].rings.push(hole.clone());
+            }
+        }
+        islands
+    }
+}
+
+/// Length of a path, with the closing segment of a closed one.
+pub fn path_length(points: &[DVec2], closed: bool) -> Length {
+    let open: f64 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
+    match (closed, points.first(), points.last()) {
+        (true, Some(a), Some(b)) => open + b.distance(*a),
+        _ => open,
+    }
+}
+
+/// Signed content of a ring: positive if it runs counter-clockwise.
+pub fn signed_area(ring: &[DVec2]) -> Content {
+    let Some(&o) = ring.first() else { return 0.0 };
+    // Relative to the first point: far from the origin the products of
+    // coordinates would swallow the digits of a small ring's content.
+    // The edges from and to it are worth nothing.
+    let twice = |p: &[DVec2]| (p[0] - o).perp_dot(p[1] - o);
+    0.5 * ring.windows(2).map(twice).sum::<f64>()
+}
+
+/// Length of a ring, its closing edge included.
+pub fn ring_length(ring: &[DVec2]) -> Length {
+    edges(ring).map(|(a, b)| a.distance(b)).sum()
+}
+
+/// A point just inside an outer ring (or outside a hole), 1 µm off the middle
+/// of its longest edge: for asking what a part is in that shares its border.
+pub fn point_beside(ring: &[DVec2]) -> Option<DVec2> {
+    const OFF: Length = 1e-3;
+    let longest = edges(ring).max_by(|(a, b), (c, d)| {
+        a.distance_squared(*b).total_cmp(&c.distance_squared(*d))
+    });
+    longest
+        .map(|(a, b)| a.midpoint(b) + (b - a).normalize_or_zero().perp() * OFF)
+}
+
+/// The edges of a ring, the closing one last.
+pub fn edges(
+    ring: &[DVec2],
+) -> impl Iterator<Item = (DVec2, DVec2)> + Clone + '_ {
+    let n = ring.len();
+    (0..n).map(move |i| (ring[i], ring[if i + 1 == n { 0 } else { i + 1 }]))
+}
+
+/// True if the ring winds around the point (crossing count of a ray).
+pub fn ring_contains(ring: &[DVec2], p: DVec2) -> bool {
+    edges(ring).fold(false, |inside, (a, b)| {
+        if (a.y > p.y) == (b.y > p.y) {
+            return inside;
+        }
+        let x = a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
+        inside ^ (p.x < x)
+    })
+}
+
+/// The point of the segment from `a` to `b` nearest to `p`.
+pub fn nearest_on(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
+    let along = b - a;
+    let t = (p - a).dot(along) / along.length_squared();
+    // A segment without length is its own nearest point.
+    let t = if t.is_finite() {
+        t.clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    a + along * t
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: f64, y: f64, half: f64) -> Ring {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(a, b)| DVec2::new(x + a * half, y + b * half))
+            .to_vec()
+    }
+
+    fn reversed(mut r: Ring) -> Ring {
+        r.reverse();
+        r
+    }
+
+    #[test]
+    fn content_and_winding() {
+        assert_eq!(signed_area(&square(100.0, 50.0, 2.0)), 16.0);
+        assert_eq!(signed_area(&reversed(square(0.0, 0.0, 2.0))), -16.0);
+        assert_eq!(ring_length(&square(0.0, 0.0, 2.0)), 16.0);
+    }
+
+    #[test]
+    fn a_point_beside_a_ring_is_in_the_solid() {
+        let ring = vec![
+            DVec2::ZERO,
+            DVec2::new(9.0, 0.0),
+            DVec2::new(9.0, 4.0),
+            DVec2::new(8.0, 1.0),
+        ];
+        let p = point_beside(&ring).unwrap();
+        assert_eq!(p, DVec2::new(4.5, 1e-3));
+        assert!(ring_contains(&ring, p));
+        let hole = reversed(ring);
+        assert!(!ring_contains(&hole, point_beside(&hole).unwrap()));
+        assert_eq!(point_beside(&[]), None);
+    }
+
+    #[test]
+    fn islands_keep_their_own_holes() {
+        // A frame with an island in its hole, and a square beside it.
+        let area = Area {
+            rings: vec![
+                square(0.0, 0.0, 10.0),
+                reversed(square(0.0, 0.0, 8.0)),
+                square(0.0, 0.0, 5.0),
+                reversed(square(0.0, 0.0, 1.0)),
+                square(30.0, 0.0, 2.0),
+            ],
+        };
+        let islands = area.islands();
+        let content: Vec<f64> = islands.iter().map(Area::content).collect();
+        assert_eq!(content, vec![400.0 - 256.0, 100.0 - 4.0, 16.0]);
+        assert!(area.contains(DVec2::new(9.0, 0.0)));
+        assert!(!area.contains(DVec2::new(7.0, 0.0)));
+        assert!(area.contains(DVec2::new(3.0, 0.5)));
+        assert!(!area.contains(DVec2::new(0.5, 0.2)));
+    }
+}

@@ -1,0 +1,167 @@
+//! Which outer ring a point is in, for many points.
+//!
+//! The rings' edges are sorted into bands of the plane, and a point looks at
+//! those of its own band only. With n rings of a layer that is about √n of
+//! them instead of all: near enough to linear growth for a layer of many
+//! thousand islands or holes.
+
+use super::{Ring, edges, signed_area};
+use crate::{Content, Length};
+use glam::DVec2;
+
+/// Rings by the bands that their edges pass through.
+pub struct Nest {
+    /// Content of each ring.
+    contents: Vec<Content>,
+    bottom: f64,
+    band: Length,
+    /// Where each band's edges begin in `members`; one more than bands.
+    starts: Vec<u32>,
+    /// Ring and ends of the edges, band by band.
+    members: Vec<(u32, DVec2, DVec2)>,
+}
+
+impl Nest {
+    /// Takes up the rings; their order numbers them.
+    pub fn new<'a>(rings: impl Iterator<Item = &'a Ring> + Clone) -> Nest {
+        let contents: Vec<Content> =
+            rings.clone().map(|r| signed_area(r).abs()).collect();
+        let all = || {
+            rings
+                .clone()
+                .enumerate()
+                .flat_map(|(i, r)| edges(r).map(move |(a, b)| (i as u32, a, b)))
+        };
+        let (mut count, mut rise) = (0_usize, 0.0);
+        let (mut bottom, mut top) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (_, a, b) in all() {
+            count += 1;
+            rise += (b.y - a.y).abs();
+            bottom = bottom.min(a.y);
+            top = top.max(a.y);
+        }
+        if count == 0 {
+            (bottom, top) = (0.0, 0.0);
+        }
+        // No band lower than the edges' mean height: an edge is then in two
+        // bands or so. No more bands than edges.
+        let mean = rise.max(top - bottom) / count.max(1) as f64;
+        let band = mean.max(1e-9);
+        let bands = ((top - bottom) / band) as usize + 1;
+        let mut nest = Nest {
+            contents,
+            bottom,
+            band,
+            starts: vec![0; bands + 1],
+            members: Vec::new(),
+        };
+        // Count, sum up, then fill each band's share.
+        for (_, a, b) in all() {
+            for k in nest.bands(a, b) {
+                nest.starts[k + 1] += 1;
+            }
+        }
+        for k in 0..bands {
+            nest.starts[k + 1] += nest.starts[k];
+        }
+        let mut next = nest.starts.clone();
+        let size = nest.starts[bands] as usize;
+        let mut members = vec![(0, DVec2::ZERO, DVec2::ZERO); size];
+        for (i, a, b) in all() {
+            for k in nest.bands(a, b) {
+                members[next[k] as usize] = (i, a, b);
+                next[k] += 1;
+            }
+        }
+        nest.members = members;
+        nest
+    }
+
+    /// The bands an edge passes through.
+    fn bands(&self, a: DVec2, b: DVec2) -> std::ops::RangeInclusive<usize> {
+        self.of(a.y.min(b.y))..=self.of(a.y.max(b.y))
+    }
+
+    /// The band at a height.
+    fn of(&self, y: f64) -> usize {
+        let k = (y - self.bottom) / self.band;
+        (k.max(0.0) as usize).min(self.starts.len() - 2)
+    }
+
+    /// The number of the smallest ring around the point (points on a ring
+    /// may count either way).
+    pub fn around(&self, p: DVec2) -> Option<usize> {
+        let k = self.of(p.y);
+        let (from, to) = (self.starts[k], self.starts[k + 1]);
+        let members = &self.members[from as usize..to as usize];
+        // A ring crossed an odd number of times on the way to the right is
+        // around the point. Its edges follow each other.
+        let mut best: Option<usize> = None;
+        let mut rest = members;
+        while let Some(&(ring, ..)) = rest.first() {
+            let n = rest.iter().take_while(|m| m.0 == ring).count();
+            let (own, others) = rest.split_at(n);
+            rest = others;
+            let inside = own.iter().fold(false, |inside, &(_, a, b)| {
+                if (a.y > p.y) == (b.y > p.y) {
+                    return inside;
+                }
+                let x = a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
+                inside ^ (p.x < x)
+            });
+            let ring = ring as usize;
+            let smaller =
+                |best: usize| self.contents[ring] < self.contents[best];
+            if inside && best.is_none_or(smaller) {
+                best = Some(ring);
+            }
+        }
+        best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ring_contains;
+    use super::*;
+
+    fn star(x: f64, y: f64, r: f64, points: usize) -> Ring {
+        (0..2 * points)
+            .map(|i| {
+                let turn = std::f64::consts::PI * i as f64 / points as f64;
+                let r = if i % 2 == 0 { r } else { 0.6 * r };
+                DVec2::new(x, y) + DVec2::from_angle(turn) * r
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_smallest_ring_around_each_point_is_found() {
+        let mut rings = vec![star(0.0, 0.0, 40.0, 9)];
+        for i in 0..100 {
+            let (x, y) = (f64::from(i % 10), f64::from(i / 10));
+            rings.push(star(6.1 * x - 27.0, 5.7 * y - 26.0, 2.5, 7));
+            rings.push(star(6.1 * x - 27.0, 5.7 * y - 26.0, 1.1, 5));
+        }
+        let nest = Nest::new(rings.iter());
+        for i in 0..2500 {
+            let p = DVec2::new(f64::from(i % 50), f64::from(i / 50));
+            let p = p * 1.83 - 45.07;
+            let expected = (0..rings.len())
+                .filter(|&k| ring_contains(&rings[k], p))
+                .min_by(|&a, &b| {
+                    let content = |k: usize| signed_area(&rings[k]);
+                    content(a).total_cmp(&content(b))
+                });
+            assert_eq!(nest.around(p), expected, "{p}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_around_a_point_without_rings() {
+        let none: [Ring; 0] = [];
+        assert_eq!(Nest::new(none.iter()).around(DVec2::ZERO), None);
+        let flat = [vec![DVec2::ZERO, DVec2::X]];
+        assert_eq!(Nest::new(flat.iter()).around(DVec2::ZERO), None);
+    }
+}

@@ -1,0 +1,346 @@
+//! The model's expression as a flat list of operations, evaluated over boxes.
+//!
+//! In: an expression, a box. Out: a range that holds every value of the field
+//! in the box, the value at the box's centre, and the range of the gradient.
+//!
+//! Every operation's range is the intersection of two: the natural one, made
+//! from its operands' ranges (`slope`), and the centred form c + G·(p - centre)
+//! with the range G of its gradient (`slot`). The natural one is exact where a
+//! coordinate occurs once, the centred form has an error that shrinks with the
+//! square of the box, which keeps the number of boxes along a curved or turned
+//! surface small. (Moore, Kearfott, Cloud, *Introduction to Interval Analysis*,
+//! chapter 6; intersecting at every node lets `max` and `min` of several
+//! surfaces each have their own.)
+//!
+//! Operations that jump are smooth in pieces (`piece`), and a program may be
+//! about one piece of some of them. What does not decide the sign of f in a box
+//! is left out of the program for it (`simplify`).
+//!
+//! Why not fidget's interval evaluators: they are f32, and they panic (the
+//! compiled ones abort) on fields whose ranges overflow. See `interval`.
+
+mod piece;
+mod simplify;
+mod slope;
+mod slot;
+#[cfg(test)]
+mod tests;
+mod value;
+
+use crate::cell::Cell;
+use crate::interval::Interval;
+use fidget::context::{BinaryOpcode, Context, Node, Op, UnaryOpcode};
+use fidget::var::Var;
+use piece::Piece;
+use slope::{binary, unary};
+use slot::{FLAT, Slot, mixed, tightened};
+use std::collections::HashMap;
+use std::rc::Rc;
+use value::{binary_value, unary_value};
+
+/// One operation; operands are indices of earlier steps.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Axis(usize),
+    Const(f64),
+    Unary(UnaryOpcode, u32),
+    Binary(BinaryOpcode, u32, u32),
+}
+
+impl Step {
+    /// The steps whose values it takes.
+    fn operands(&self) -> impl Iterator<Item = u32> {
+        let (a, b) = match *self {
+            Step::Axis(_) | Step::Const(_) => (None, None),
+            Step::Unary(_, a) => (Some(a), None),
+            Step::Binary(_, a, b) => (Some(a), Some(b)),
+        };
+        a.into_iter().chain(b)
+    }
+}
+
+/// A straight-line program; the last step is the field.
+#[derive(Clone, Debug)]
+pub(super) struct Program {
+    steps: Rc<[Step]>,
+    /// Steps that are taken for one of their pieces, in order. The program
+    /// is then only about the points where that is the true one.
+    pieces: Vec<Piece>,
+}
+
+/// What is known of the field over a box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Enclosure {
+    /// Holds every value that is not NaN.
+    pub range: Interval,
+    /// Value at the centre of the box, perhaps NaN.
+    pub centre: f64,
+    /// Largest |partial derivative|, infinite where unknown.
+    pub steepness: [f64; 3],
+}
+
+impl Enclosure {
+    /// There is no such point.
+    const NONE: Self = Self {
+        range: Interval::EMPTY,
+        centre: f64::NAN,
+        steepness: [0.0; 3],
+    };
+}
+
+/// Reusable memory of the evaluation.
+#[derive(Default)]
+pub(super) struct Scratch {
+    slots: Vec<Slot>,
+    values: Vec<f64>,
+    /// Operations evaluated so far: the measure of work, which does not
+    /// depend on the machine.
+    pub work: u64,
+}
+
+/// What a box costs beside its operations, in operations: it is kept in a
+/// queue, with an expression of its own.
+const BOX_WORK: u64 = 24;
+
+impl Program {
+    /// Flattens the part of `context` that `root` depends on.
+    ///
+    /// `Err` holds a variable other than x, y, z.
+    pub fn new(context: &Context, root: Node) -> Result<Self, Var> {
+        let mut steps: Vec<Step> = Vec::with_capacity(context.len());
+        let mut index: HashMap<Node, u32> = HashMap::new();
+        // (node, whether its operands are done)
+        let mut todo = vec![(root, false)];
+        while let Some((node, ready)) = todo.pop() {
+            if index.contains_key(&node) {
+                continue;
+            }
+            let Some(op) = context.get_op(node) else {
+                // A node of another context: the caller's mistake, which
+                // the type cannot rule out. A NaN field has no inside.
+                return Ok(Self {
+                    steps: Rc::new([Step::Const(f64::NAN)]),
+                    pieces: Vec::new(),
+                });
+            };
+            if !ready {
+                todo.push((node, true));
+                todo.extend(op.iter_children().map(|c| (c, false)));
+                continue;
+            }
+            let of = |n: &Node| index.get(n).copied().unwrap_or(0);
+            let step = match op {
+                Op::Input(Var::X) => Step::Axis(0),
+                Op::Input(Var::Y) => Step::Axis(1),
+                Op::Input(Var::Z) => Step::Axis(2),
+                Op::Input(other) => return Err(*other),
+                Op::Const(c) => Step::Const(f64::from(c.0)),
+                Op::Unary(op, a) => Step::Unary(*op, of(a)),
+                Op::Binary(op, a, b) => Step::Binary(*op, of(a), of(b)),
+            };
+            index.insert(node, steps.len() as u32);
+            steps.push(step);
+        }
+        Ok(Self {
+            steps: steps.into(),
+            pieces: Vec::new(),
+        })
+    }
+
+    /// Number of operations.
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// The program of -f.
+    pub fn negated(&self) -> Self {
+        let root = self.steps.len().saturating_sub(1) as u32;
+        let mut steps = self.steps.to_vec();
+        steps.push(Step::Unary(UnaryOpcode::Neg, root));
+        Self {
+            steps: steps.into(),
+            pieces: self.pieces.clone(),
+        }
+    }
+
+    /// Whether the field may depend on x (0), y (1) or z (2).
+    pub fn depends_on(&self, axis: usize) -> bool {
+        let is_it = |s: &Step| matches!(s, Step::Axis(a) if *a == axis);
+        self.steps.iter().any(is_it)
+    }
+
+    /// Which operation makes the field NaN at a point, and of what, as in
+    /// "the square root of -4".
+    pub fn why_nan(
+        &self,
+        point: [f64; 3],
+        scratch: &mut Scratch,
+    ) -> Option<String> {
+        self.value(point, scratch);
+        let v = &scratch.values;
+        let (number, step) = self.steps.iter().enumerate().find(|(i, s)| {
+            v[*i].is_nan() && s.operands().all(|o| !v[o as usize].is_nan())
+        })?;
+        let operands: Vec<f64> =
+            step.operands().map(|o| v[o as usize]).collect();
+        let [x, y, z] = point;
+        debug_assert!(v[number].is_nan());
+        Some(format!(
+            "{} (at x = {x:.3}, y = {y:.3}, z = {z:.3})",
+            value::no_number(step, &operands)
+        ))
+    }
+
+    /// Value at a point, perhaps NaN; it is NaN where another piece is the
+    /// true one.
+    pub fn value(&self, point: [f64; 3], scratch: &mut Scratch) -> f64 {
+        scratch.work += self.steps.len() as u64 / 8 + 1;
+        let v = &mut scratch.values;
+        v.clear();
+        for step in self.steps.iter() {
+            let value = match *step {
+                Step::Axis(i) => point[i],
+                Step::Const(c) => c,
+                Step::Unary(op, a) => unary_value(op, v[a as usize]),
+                Step::Binary(op, a, b) => {
+                    binary_value(op, v[a as usize], v[b as usize])
+                }
+            };
+            v.push(value);
+        }
+        for Piece { step, index } in &self.pieces {
+            let step = &self.steps[*step as usize];
+            let mut operands = step.operands().map(|o| v[o as usize]);
+            let a = operands.next().unwrap_or(0.0);
+            let b = operands.next().unwrap_or(0.0);
+            if piece::piece_at(step, a, b) != *index {
+                return f64::NAN;
+            }
+        }
+        v.last().copied().unwrap_or(f64::NAN)
+    }
+
+    /// Range, centre value and slope over a box. The range is empty where no
+    /// point of the box is in the program's pieces.
+    pub fn enclose(&self, cell: &Cell, scratch: &mut Scratch) -> Enclosure {
+        scratch.work += self.steps.len() as u64 + BOX_WORK;
+        let centre = cell.centre();
+        let half: [f64; 3] = std::array::from_fn(|i| 0.5 * cell.width(i));
+        let s = &mut scratch.slots;
+        s.clear();
+        let mut pieces = self.pieces.iter().peekable();
+        let mut at_centre = true;
+        for (number, step) in self.steps.iter().enumerate() {
+            if let Some(chosen) = pieces.next_if(|p| p.step as usize == number)
+            {
+                let [a, b] = slots_of(s, step);
+                let Some(over) = piece::over(step, chosen.index, a, b) else {
+                    return Enclosure::NONE;
+                };
+                at_centre &= over.at_centre;
+                s.push(tightened(over.slot, half));
+                continue;
+            }
+            let slot = match *step {
+                Step::Axis(i) => {
+                    let mut slope = FLAT;
+                    slope[i] = Interval::point(1.0);
+                    Slot {
+                        range: Interval::new(cell.lo[i], cell.hi[i]),
+                        centre: centre[i],
+                        slope,
+                    }
+                }
+                Step::Const(c) => Slot {
+                    range: Interval::point(c),
+                    centre: c,
+                    slope: FLAT,
+                },
+                Step::Unary(op, a) => {
+                    tightened(unary(op, &s[a as usize]), half)
+                }
+                Step::Binary(op, a, b) => {
+                    let (a, b) = (&s[a as usize], &s[b as usize]);
+                    mixed(op, tightened(binary(op, a, b), half), a, b, half)
+                }
+            };
+            s.push(slot);
+        }
+        match s.last() {
+            Some(f) => Enclosure {
+                range: f.range,
+                centre: if at_centre { f.centre } else { f64::NAN },
+                steepness: f.slope.map(Interval::magnitude),
+            },
+            None => Enclosure::NONE,
+        }
+    }
+
+    /// The program once for each piece of its first step that jumps in the
+    /// box of the last `enclose` (of this program, with this scratch); empty
+    /// if there is none, or none with few pieces.
+    pub fn by_pieces(&self, scratch: &Scratch) -> Vec<Self> {
+        let s = &scratch.slots;
+        if s.len() != self.steps.len() || self.pieces.len() >= MOST_PIECES {
+            return Vec::new();
+        }
+        let mut live = None;
+        let mut taken = self.pieces.iter().peekable();
+        for (number, step) in self.steps.iter().enumerate() {
+            let is_taken =
+                taken.next_if(|p| p.step as usize == number).is_some();
+            if is_taken {
+                continue;
+            }
+            let [a, b] = slots_of(s, step);
+            let indices = piece::pieces_of(step, a, b);
+            if indices.is_empty()
+                || !live.get_or_insert_with(|| self.live(s))[number]
+            {
+                continue;
+            }
+            let with = |index: f64| {
+                let step = number as u32;
+                let mut pieces = self.pieces.clone();
+                let at = pieces.partition_point(|p| p.step < step);
+                pieces.insert(at, Piece { step, index });
+                Self {
+                    steps: self.steps.clone(),
+                    pieces,
+                }
+            };
+            return indices.into_iter().map(with).collect();
+        }
+        Vec::new()
+    }
+
+    /// The part of the box of the last `enclose` (of this program, with this
+    /// scratch) that the program's pieces leave of it, as far as slopes tell.
+    /// Perhaps none: then an upper end is below its lower one.
+    pub fn contracted(&self, whole: &Cell, scratch: &Scratch) -> Cell {
+        let s = &scratch.slots;
+        let mut cell = *whole;
+        if s.len() == self.steps.len() {
+            for Piece { step, index } in &self.pieces {
+                let step = &self.steps[*step as usize];
+                let [a, b] = slots_of(s, step);
+                piece::contract(step, *index, a, b, whole, &mut cell);
+            }
+        }
+        cell
+    }
+}
+
+/// Steps of which a program may be about one piece only.
+const MOST_PIECES: usize = 16;
+
+/// The slots of a step's operands; where it has none, any.
+fn slots_of<'a>(s: &'a [Slot], step: &Step) -> [&'a Slot; 2] {
+    const NONE: Slot = Slot {
+        range: Interval::ZERO,
+        centre: 0.0,
+        slope: FLAT,
+    };
+    let mut operands = step.operands().map(|o| &s[o as usize]);
+    [(); 2].map(|()| operands.next().unwrap_or(&NONE))
+}

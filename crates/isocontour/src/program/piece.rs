@@ -1,0 +1,304 @@
+//! The smooth pieces of the operations that jump.
+//!
+//! `floor`, `mod`, `atan2` and their like are smooth between their jumps. Over
+//! a box that a jump crosses, a range has to hold what is on both sides and
+//! all that lies between, and tells nothing however small the box gets. So
+//! the box is looked at once for each side: with a smooth piece in place of
+//! the operation, and the condition under which that piece is the true one.
+//! The condition rules out the part of the box on the other side.
+
+use super::Step;
+use super::slope::{binary, unary};
+use super::slot::Slot;
+use super::value::binary_value;
+use crate::cell::Cell;
+use crate::interval::Interval;
+use fidget::context::{BinaryOpcode, UnaryOpcode};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Beyond this f64 cannot tell one period from the next.
+const MOST_PERIODS: f64 = 1e15;
+
+/// One piece of one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Piece {
+    pub step: u32,
+    /// Which of the step's pieces.
+    pub index: f64,
+}
+
+/// What must hold for a piece to be the true one: a value within limits.
+struct Condition {
+    slot: Slot,
+    lo: f64,
+    hi: f64,
+}
+
+/// A piece over a box.
+pub(super) struct Over {
+    /// What takes the step's place; it may go on beyond the condition.
+    pub slot: Slot,
+    /// Whether the piece is the true one at the centre of the box.
+    pub at_centre: bool,
+}
+
+/// The piece that a point's operands lie in.
+pub(super) fn piece_at(step: &Step, a: f64, b: f64) -> f64 {
+    let side = |v: f64| if v >= 0.0 { 1.0 } else { 0.0 };
+    match step {
+        Step::Unary(op, _) => match op {
+            UnaryOpcode::Floor => a.floor(),
+            UnaryOpcode::Ceil => a.ceil(),
+            UnaryOpcode::Round => a.round(),
+            UnaryOpcode::Tan => ((a + FRAC_PI_2) / PI).floor(),
+            _ => side(a),
+        },
+        Step::Binary(op, ..) => match op {
+            BinaryOpcode::Mod => (a / b.abs()).floor(),
+            BinaryOpcode::Atan => side(a),
+            BinaryOpcode::Compare => binary_value(*op, a, b),
+            _ => side(b),
+        },
+        _ => 0.0,
+    }
+}
+
+/// The pieces of a step that a box may meet: two or three, or none if it
+/// does not jump there, or too often.
+pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
+    let (first, last) = match step {
+        Step::Unary(op, _) => {
+            let r = a.range;
+            match op {
+                UnaryOpcode::Floor
+                | UnaryOpcode::Ceil
+                | UnaryOpcode::Round
+                | UnaryOpcode::Tan => {
+                    (piece_at(step, r.lo, 0.0), piece_at(step, r.hi, 0.0))
+                }
+                UnaryOpcode::Recip if r.lo < 0.0 && r.hi > 0.0 => (0.0, 1.0),
+                _ => return Vec::new(),
+            }
+        }
+        Step::Binary(op, ..) => match op {
+            BinaryOpcode::Mod if !b.range.contains(0.0) => {
+                let periods = a.range.div(b.range.abs());
+                (periods.lo.floor(), periods.hi.floor())
+            }
+            BinaryOpcode::Atan
+                if a.range.lo < 0.0
+                    && a.range.hi >= 0.0
+                    && b.range.hi < 0.0 =>
+            {
+                (0.0, 1.0)
+            }
+            BinaryOpcode::Div if b.range.lo < 0.0 && b.range.hi > 0.0 => {
+                (0.0, 1.0)
+            }
+            BinaryOpcode::Compare => {
+                let r = a.range.compare(b.range);
+                if r.lo == r.hi {
+                    return Vec::new();
+                }
+                // Where the two are equal only on a surface, that has no
+                // thickness.
+                return match grows(&difference(a, b)) {
+                    true => vec![-1.0, 1.0],
+                    false => vec![-1.0, 0.0, 1.0],
+                };
+            }
+            _ => return Vec::new(),
+        },
+        _ => return Vec::new(),
+    };
+    if last - first == 1.0 && first.abs().max(last.abs()) < MOST_PERIODS {
+        vec![first, last]
+    } else {
+        Vec::new()
+    }
+}
+
+/// A piece of a step over a box with this centre; `None` if the step has
+/// another one everywhere in the box.
+pub(super) fn over(
+    step: &Step,
+    index: f64,
+    a: &Slot,
+    b: &Slot,
+) -> Option<Over> {
+    let condition = condition(step, index, a, b);
+    let range = condition.slot.range;
+    if range.hi < condition.lo || range.lo > condition.hi {
+        return None;
+    }
+    // What only touches the piece from outside does so on a surface.
+    let touches = range.hi == condition.lo || range.lo == condition.hi;
+    if touches && grows(&condition.slot) {
+        return None;
+    }
+    let at_centre = piece_at(step, a.centre, b.centre) == index;
+    let mut slot = piece_slot(step, index, a, b);
+    // A pole cannot be passed.
+    let pole = matches!(
+        step,
+        Step::Unary(UnaryOpcode::Tan | UnaryOpcode::Recip, _)
+            | Step::Binary(BinaryOpcode::Div, ..)
+    );
+    if pole && !at_centre {
+        slot.centre = f64::NAN;
+    }
+    Some(Over { slot, at_centre })
+}
+
+/// Removes from `cell`, a part of the box `whole` that the operands are about,
+/// what fails the condition of a piece, as far as the slopes tell.
+pub(super) fn contract(
+    step: &Step,
+    index: f64,
+    a: &Slot,
+    b: &Slot,
+    whole: &Cell,
+    cell: &mut Cell,
+) {
+    let Condition { slot, lo, hi } = condition(step, index, a, b);
+    keep_above(&slot, lo, whole, cell);
+    let mirrored = Slot {
+        range: slot.range.neg(),
+        centre: -slot.centre,
+        slope: slot.slope.map(Interval::neg),
+    };
+    keep_above(&mirrored, -hi, whole, cell);
+}
+
+/// Removes from a part of the box that `slot` is about where its value is
+/// less than `least`.
+fn keep_above(slot: &Slot, least: f64, whole: &Cell, cell: &mut Cell) {
+    let known = !slot.range.nan
+        && slot.centre.is_finite()
+        && slot.slope.iter().all(|g| g.is_finite() && !g.nan);
+    if !known || !least.is_finite() {
+        return;
+    }
+    let centre = whole.centre();
+    let reach = |i: usize| slot.slope[i].magnitude() * 0.5 * whole.width(i);
+    for (i, &middle) in centre.iter().enumerate() {
+        let others: f64 = (0..3).filter(|&j| j != i).map(reach).sum();
+        // What the way along this axis must add to the value.
+        let rise = least - slot.centre - others;
+        let g = slot.slope[i];
+        let slack = 1e-13 * (1.0 + middle.abs());
+        if g.lo > 0.0 {
+            let way = rise / if rise > 0.0 { g.hi } else { g.lo };
+            cell.lo[i] = cell.lo[i].max(middle + way - slack);
+        } else if g.hi < 0.0 {
+            let way = rise / if rise > 0.0 { g.lo } else { g.hi };
+            cell.hi[i] = cell.hi[i].min(middle + way + slack);
+        }
+    }
+}
+
+/// Whether a value changes along some axis all over the box, so that it has
+/// any one value on a surface only.
+fn grows(slot: &Slot) -> bool {
+    !slot.range.nan && slot.slope.iter().any(|g| g.lo > 0.0 || g.hi < 0.0)
+}
+
+fn difference(a: &Slot, b: &Slot) -> Slot {
+    binary(BinaryOpcode::Sub, a, b)
+}
+
+fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
+    let side = |slot: Slot, up: bool| match up {
+        true => (slot, 0.0, f64::INFINITY),
+        false => (slot, f64::NEG_INFINITY, 0.0),
+    };
+    let (slot, lo, hi) = match step {
+        Step::Unary(op, _) => match op {
+            UnaryOpcode::Floor => (*a, index, index + 1.0),
+            UnaryOpcode::Ceil => (*a, index - 1.0, index),
+            UnaryOpcode::Round => (*a, index - 0.5, index + 0.5),
+            UnaryOpcode::Tan => (*a, (index - 0.5) * PI, (index + 0.5) * PI),
+            _ => side(*a, index > 0.0),
+        },
+        Step::Binary(BinaryOpcode::Mod, ..) => {
+            (remainder(index, a, b), 0.0, b.range.magnitude())
+        }
+        Step::Binary(BinaryOpcode::Atan, ..) => side(*a, index > 0.0),
+        Step::Binary(BinaryOpcode::Compare, ..) => match index {
+            0.0 => (difference(a, b), 0.0, 0.0),
+            _ => side(difference(a, b), index > 0.0),
+        },
+        _ => side(*b, index > 0.0),
+    };
+    Condition { slot, lo, hi }
+}
+
+/// a - index·|b|: the remainder in that period, and on beyond it.
+fn remainder(index: f64, a: &Slot, b: &Slot) -> Slot {
+    let times = Slot {
+        range: Interval::point(index),
+        centre: index,
+        slope: super::slot::FLAT,
+    };
+    let whole = binary(BinaryOpcode::Mul, &unary(UnaryOpcode::Abs, b), &times);
+    difference(a, &whole)
+}
+
+fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
+    let constant = |value: f64, nan: bool| Slot {
+        range: Interval::point(value).or_nan(nan),
+        centre: value,
+        slope: super::slot::FLAT,
+    };
+    // The part of an operand on its side of a pole.
+    let beside = |slot: &Slot| {
+        let mut slot = *slot;
+        match index > 0.0 {
+            true => slot.range.lo = slot.range.lo.max(0.0),
+            false => slot.range.hi = slot.range.hi.min(0.0),
+        }
+        slot
+    };
+    match step {
+        Step::Unary(op, _) => match op {
+            UnaryOpcode::Tan => {
+                let mut within = *a;
+                // f64 knows the poles to their last digits only: the ends
+                // of the range are on the safe side.
+                let (lo, hi) = ((index - 0.5) * PI, (index + 0.5) * PI);
+                let (low, high) = (a.range.lo <= lo, a.range.hi >= hi);
+                within.range.lo = a.range.lo.max(lo + 1e-9);
+                within.range.hi = a.range.hi.min(hi - 1e-9);
+                let mut out = unary(*op, &within);
+                if low {
+                    out.range.lo = f64::NEG_INFINITY;
+                }
+                if high {
+                    out.range.hi = f64::INFINITY;
+                }
+                if low || high {
+                    out.slope = out.slope.map(|g| match g == Interval::ZERO {
+                        true => g,
+                        false => Interval::REALS,
+                    });
+                }
+                out
+            }
+            UnaryOpcode::Recip => unary(*op, &beside(a)),
+            _ => constant(index, a.range.nan),
+        },
+        Step::Binary(op, ..) => match op {
+            BinaryOpcode::Mod => remainder(index, a, b),
+            BinaryOpcode::Atan => {
+                // Left of the pole: ±π + atan(y/x).
+                let turn = if index > 0.0 { PI } else { -PI };
+                let tilt =
+                    unary(UnaryOpcode::Atan, &binary(BinaryOpcode::Div, a, b));
+                binary(BinaryOpcode::Add, &tilt, &constant(turn, false))
+            }
+            BinaryOpcode::Div => binary(*op, a, &beside(b)),
+            _ => constant(index, a.range.nan || b.range.nan),
+        },
+        _ => *a,
+    }
+}

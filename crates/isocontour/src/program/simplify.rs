@@ -1,0 +1,252 @@
+//! What of a program decides the field's sign in a box, and the program
+//! without the rest.
+//!
+//! A branch of a `min` is irrelevant where it is above the other one, or above
+//! anything that the operations further on still look at: the other branches
+//! of a union of thousands, and in the end 0, since only the sign counts. So
+//! the limits beyond which a value makes no difference are handed down from
+//! the field to its operands, as the window of an alpha-beta search is.
+
+use super::piece::{Piece, pieces_of};
+use super::slot::Slot;
+use super::{Program, Scratch, Step, slots_of};
+use crate::interval::Interval;
+use fidget::context::{BinaryOpcode, UnaryOpcode};
+
+/// Values above `hi` are as good as `hi` to all that look at them, values
+/// below `lo` as good as `lo`.
+#[derive(Clone, Copy)]
+struct Window {
+    lo: f64,
+    hi: f64,
+}
+
+impl Window {
+    /// Nobody looks.
+    const SHUT: Self = Self {
+        lo: f64::INFINITY,
+        hi: f64::NEG_INFINITY,
+    };
+
+    /// Every value counts.
+    const OPEN: Self = Self {
+        lo: f64::NEG_INFINITY,
+        hi: f64::INFINITY,
+    };
+
+    /// Only the sign counts.
+    const SIGN: Self = Self { lo: 0.0, hi: 0.0 };
+
+    /// For one more to look.
+    fn widen(&mut self, other: Self) {
+        self.lo = self.lo.min(other.lo);
+        self.hi = self.hi.max(other.hi);
+    }
+
+    fn mapped(self, map: impl Fn(f64) -> f64) -> Self {
+        let (a, b) = (map(self.lo), map(self.hi));
+        match a.is_nan() || b.is_nan() {
+            true => Self::OPEN,
+            false => Self {
+                lo: a.min(b),
+                hi: a.max(b),
+            },
+        }
+    }
+}
+
+impl Program {
+    /// Which step each step's value comes from, and which are needed.
+    fn needed(&self, s: &[Slot]) -> (Vec<u32>, Vec<bool>) {
+        let n = self.steps.len();
+        let mut source: Vec<u32> = (0..n as u32).collect();
+        let mut live = vec![false; n];
+        let mut windows = vec![Window::SHUT; n];
+        let mut look = |at: u32, window: Window, live: &mut [bool]| {
+            live[at as usize] = true;
+            windows[at as usize].widen(window);
+            windows[at as usize]
+        };
+        if n > 0 {
+            look(n as u32 - 1, Window::SIGN, &mut live);
+        }
+        for piece in &self.pieces {
+            look(piece.step, Window::OPEN, &mut live);
+        }
+        for i in (0..n).rev() {
+            if !live[i] {
+                continue;
+            }
+            // To widen by nothing tells the window.
+            let window = look(i as u32, Window::SHUT, &mut live);
+            match self.steps[i] {
+                Step::Axis(_) | Step::Const(_) => {}
+                Step::Unary(op, a) => {
+                    let inner = match op {
+                        UnaryOpcode::Neg => window.mapped(|v| -v),
+                        _ => Window::OPEN,
+                    };
+                    look(a, inner, &mut live);
+                }
+                Step::Binary(op, a, b) => {
+                    if let Some(from) = chosen(op, a, b, window, s) {
+                        source[i] = from;
+                        live[i] = false;
+                        look(from, window, &mut live);
+                        continue;
+                    }
+                    let [of_a, of_b] = handed_down(op, a, b, window, s);
+                    look(a, of_a, &mut live);
+                    look(b, of_b, &mut live);
+                }
+            }
+        }
+        for i in 0..n {
+            source[i] = source[source[i] as usize];
+        }
+        (source, live)
+    }
+
+    /// Which steps decide the field's sign in the box of these slots.
+    pub(super) fn live(&self, s: &[Slot]) -> Vec<bool> {
+        self.needed(s).1
+    }
+
+    /// The program without the branches of `min` and `max` that the last
+    /// `enclose` (of this program, with this scratch) proved not to decide
+    /// the sign; `None` if that would save little.
+    ///
+    /// The result has the program's sign everywhere in that box, except that
+    /// a dropped branch's NaN, were it possible, would be lost: such branches
+    /// are kept.
+    pub fn simplify(&self, scratch: &Scratch) -> Option<Self> {
+        let s = &scratch.slots;
+        let n = self.steps.len();
+        if s.len() != n || n == 0 {
+            return None;
+        }
+        let (source, live) = self.needed(s);
+        let kept = live.iter().filter(|l| **l).count();
+        // A copy that saves less than a quarter costs more than it gives,
+        // and would let the memory of a deep search add up.
+        if kept * 4 > n * 3 {
+            return None;
+        }
+        let mut position = vec![0u32; n];
+        let mut steps = Vec::with_capacity(kept);
+        for i in (0..n).filter(|&i| live[i]) {
+            let at = |a: u32| position[source[a as usize] as usize];
+            let step = match self.steps[i] {
+                Step::Unary(op, a) => Step::Unary(op, at(a)),
+                Step::Binary(op, a, b) => Step::Binary(op, at(a), at(b)),
+                other => other,
+            };
+            position[i] = steps.len() as u32;
+            steps.push(step);
+        }
+        // The field is the last step, also where a piece lies behind it.
+        let root = position[source[n - 1] as usize];
+        if root as usize + 1 != steps.len() {
+            steps.push(Step::Binary(BinaryOpcode::Max, root, root));
+        }
+        let moved = |p: &Piece| Piece {
+            step: position[p.step as usize],
+            index: p.index,
+        };
+        Some(Self {
+            steps: steps.into(),
+            pieces: self
+                .pieces
+                .iter()
+                // What is one piece by itself needs no condition.
+                .filter(|p| {
+                    let step = &self.steps[p.step as usize];
+                    let [a, b] = slots_of(s, step);
+                    jumps(step, a, b)
+                })
+                .map(moved)
+                .collect(),
+        })
+    }
+}
+
+/// Whether a step has more than one piece in the box of these slots.
+fn jumps(step: &Step, a: &Slot, b: &Slot) -> bool {
+    !pieces_of(step, a, b).is_empty()
+}
+
+/// The operand that a `min` or `max` passes on, as far as anybody looks.
+fn chosen(
+    op: BinaryOpcode,
+    a: u32,
+    b: u32,
+    window: Window,
+    s: &[Slot],
+) -> Option<u32> {
+    let (ra, rb) = (s[a as usize].range, s[b as usize].range);
+    if ra.is_empty() || rb.is_empty() {
+        return None;
+    }
+    let (no_a, no_b) = match op {
+        BinaryOpcode::Min => (
+            rb.hi <= ra.lo || ra.lo > window.hi,
+            ra.hi <= rb.lo || rb.lo > window.hi,
+        ),
+        BinaryOpcode::Max => (
+            ra.hi <= rb.lo || ra.hi < window.lo,
+            rb.hi <= ra.lo || rb.hi < window.lo,
+        ),
+        _ => return None,
+    };
+    if no_b && !rb.nan {
+        Some(a)
+    } else if no_a && !ra.nan {
+        Some(b)
+    } else {
+        None
+    }
+}
+
+/// What an operation that is looked at through a window looks at.
+fn handed_down(
+    op: BinaryOpcode,
+    a: u32,
+    b: u32,
+    window: Window,
+    s: &[Slot],
+) -> [Window; 2] {
+    let (ra, rb) = (s[a as usize].range, s[b as usize].range);
+    let number = |r: Interval| (r.lo == r.hi && !r.nan).then_some(r.lo);
+    match (op, number(ra), number(rb)) {
+        (BinaryOpcode::Min, ..) => [rb, ra].map(|other| Window {
+            lo: window.lo,
+            hi: window.hi.min(other.hi),
+        }),
+        (BinaryOpcode::Max, ..) => [rb, ra].map(|other| Window {
+            lo: window.lo.max(other.lo),
+            hi: window.hi,
+        }),
+        (BinaryOpcode::Add, _, Some(c)) => {
+            [window.mapped(|v| v - c), Window::OPEN]
+        }
+        (BinaryOpcode::Add, Some(c), _) => {
+            [Window::OPEN, window.mapped(|v| v - c)]
+        }
+        (BinaryOpcode::Sub, _, Some(c)) => {
+            [window.mapped(|v| v + c), Window::OPEN]
+        }
+        (BinaryOpcode::Sub, Some(c), _) => {
+            [Window::OPEN, window.mapped(|v| c - v)]
+        }
+        (BinaryOpcode::Mul, _, Some(c)) if c != 0.0 => {
+            [window.mapped(|v| v / c), Window::OPEN]
+        }
+        (BinaryOpcode::Mul, Some(c), _) if c != 0.0 => {
+            [Window::OPEN, window.mapped(|v| v / c)]
+        }
+        (BinaryOpcode::Div, _, Some(c)) if c != 0.0 => {
+            [window.mapped(|v| v * c), Window::OPEN]
+        }
+        _ => [Window::OPEN; 2],
+    }
+}

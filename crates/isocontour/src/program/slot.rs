@@ -1,0 +1,99 @@
+//! What is known of one operation over a box, and what the box adds to it.
+//!
+//! The range made from the operands' ranges is cut down by the centred form,
+//! and that of a `max` or `min` by a blend of the two surfaces that meet.
+
+use crate::interval::Interval;
+use fidget::context::BinaryOpcode;
+
+/// No slope: the step does not change within the box.
+pub(super) const FLAT: [Interval; 3] = [Interval::ZERO; 3];
+
+/// What is known of one step over a box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    pub range: Interval,
+    /// Value at the centre of the box, perhaps NaN.
+    pub centre: f64,
+    /// Range of the partial derivatives; all real numbers where unknown.
+    pub slope: [Interval; 3],
+}
+
+/// The slot with its range cut down by the centred form.
+pub(super) fn tightened(mut slot: Slot, half: [f64; 3]) -> Slot {
+    // Across a hole in the domain (NaN) the mean value theorem is void.
+    if slot.range.nan || !slot.centre.is_finite() {
+        return slot;
+    }
+    let mut reach = 0.0;
+    for (slope, half) in slot.slope.iter().zip(half) {
+        let steepest = slope.magnitude();
+        if slope.nan || !steepest.is_finite() {
+            return slot;
+        }
+        reach += steepest * half;
+    }
+    let lo = slot.range.lo.max(slot.centre - reach);
+    let hi = slot.range.hi.min(slot.centre + reach);
+    // The two can only miss each other by rounding.
+    if lo <= hi {
+        slot.range.lo = lo;
+        slot.range.hi = hi;
+    }
+    slot
+}
+
+/// The slot of a `max` (or `min`) of two crossing surfaces with its lower
+/// (upper) end cut by a blend of the two.
+///
+/// max(a, b) ≥ t·a + (1 - t)·b for every t in [0, 1]. Along an edge the two
+/// slopes partly cancel for some t: the ridge of a roof is bounded by its
+/// height, although neither slope of the roof is. Without this an oblique
+/// edge of length L takes L / tolerance boxes.
+pub(super) fn mixed(
+    op: BinaryOpcode,
+    mut slot: Slot,
+    a: &Slot,
+    b: &Slot,
+    half: [f64; 3],
+) -> Slot {
+    let sign = match op {
+        BinaryOpcode::Max => 1.0,
+        // min(a, b) = -max(-a, -b)
+        BinaryOpcode::Min => -1.0,
+        _ => return slot,
+    };
+    let known = |s: &Slot| {
+        !s.range.nan
+            && s.centre.is_finite()
+            && s.slope.iter().all(|g| g.is_finite() && !g.nan)
+    };
+    let decided = a.range.hi <= b.range.lo || b.range.hi <= a.range.lo;
+    if decided || !known(a) || !known(b) {
+        return slot;
+    }
+    let middle = |g: Interval| 0.5 * (g.lo + g.hi);
+    for i in 0..3 {
+        let (ga, gb) = (middle(a.slope[i]), middle(b.slope[i]));
+        // The share of `a` at which the slopes along this axis cancel.
+        let t = gb / (gb - ga);
+        if !(t > 0.0 && t < 1.0) {
+            continue;
+        }
+        let mut reach = 0.0;
+        for (j, half) in half.iter().enumerate() {
+            let (ga, gb) = (a.slope[j], b.slope[j]);
+            let lo = t * ga.lo + (1.0 - t) * gb.lo;
+            let hi = t * ga.hi + (1.0 - t) * gb.hi;
+            reach += lo.abs().max(hi.abs()) * half;
+        }
+        let centre = t * a.centre + (1.0 - t) * b.centre;
+        let end = centre - sign * reach;
+        if sign > 0.0 && end > slot.range.lo {
+            slot.range.lo = end.min(slot.range.hi);
+        } else if sign < 0.0 && end < slot.range.hi {
+            slot.range.hi = end.max(slot.range.lo);
+        }
+    }
+    slot
+}

@@ -1,0 +1,293 @@
+//! Moving the origin of a model that was drawn far from it.
+//!
+//! In: an expression, a point c. Out: g with g(p) = f(p + c), in which c is
+//! folded, in f64, into the constants that the coordinates meet: x - 30000
+//! becomes x - 0 and not (x + 30000) - 30000, which f32 evaluates in steps of
+//! 0.002 mm. Where an operation has no use for a constant, as a square has
+//! not, it is added before it.
+//!
+//! `digits` measures what that gains.
+
+use crate::bounds::Bounds;
+use crate::cancel::Cancel;
+use crate::cell::Cell;
+use crate::expand::{ExpandError, expand};
+use crate::program::{Program, Scratch};
+use fidget::context::{BinaryOpcode, Context, Op, Tree, UnaryOpcode};
+use fidget::var::Var;
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// An expression and a number to add to it.
+#[derive(Clone)]
+struct Sum {
+    tree: Option<Tree>,
+    plus: f64,
+}
+
+impl Sum {
+    fn tree(self) -> Tree {
+        match self.tree {
+            None => Tree::constant(self.plus as f32),
+            Some(tree) if self.plus == 0.0 => tree,
+            Some(tree) => tree + self.plus as f32,
+        }
+    }
+
+    fn of(tree: Tree) -> Self {
+        Self {
+            tree: Some(tree),
+            plus: 0.0,
+        }
+    }
+
+    fn scaled(self, by: f64) -> Self {
+        Self {
+            tree: self.tree.map(|t| t * by as f32),
+            plus: self.plus * by,
+        }
+    }
+
+    /// The number, if it is no more than that.
+    fn number(&self) -> Option<f64> {
+        self.tree.is_none().then_some(self.plus)
+    }
+}
+
+/// The expression with its origin moved to `to`.
+pub fn shifted(tree: &Tree, to: DVec3) -> Result<Tree, ExpandError> {
+    let (context, root) = expand(tree)?;
+    let mut done: HashMap<_, Sum> = HashMap::new();
+    let mut todo = vec![(root, false)];
+    while let Some((node, ready)) = todo.pop() {
+        if done.contains_key(&node) {
+            continue;
+        }
+        let Some(op) = context.get_op(node) else {
+            continue;
+        };
+        if !ready {
+            todo.push((node, true));
+            todo.extend(op.iter_children().map(|c| (c, false)));
+            continue;
+        }
+        let axis = |tree: Tree, plus: f64| Sum {
+            tree: Some(tree),
+            plus,
+        };
+        let of = |n| done.get(n).cloned();
+        let sum = match op {
+            Op::Input(Var::X) => axis(Tree::x(), to.x),
+            Op::Input(Var::Y) => axis(Tree::y(), to.y),
+            Op::Input(Var::Z) => axis(Tree::z(), to.z),
+            Op::Input(_) => return Err(ExpandError::FreeVariable),
+            Op::Const(c) => Sum {
+                tree: None,
+                plus: f64::from(c.0),
+            },
+            Op::Unary(op, a) => match of(a) {
+                Some(a) => unary(*op, a),
+                None => continue,
+            },
+            Op::Binary(op, a, b) => match (of(a), of(b)) {
+                (Some(a), Some(b)) => binary(*op, a, b),
+                _ => continue,
+            },
+        };
+        done.insert(node, sum);
+    }
+    let sum = done.remove(&root);
+    Ok(sum.map_or_else(|| Tree::constant(f32::NAN), Sum::tree))
+}
+
+fn unary(op: UnaryOpcode, a: Sum) -> Sum {
+    match op {
+        UnaryOpcode::Neg => {
+            return Sum {
+                tree: a.tree.map(|t| -t),
+                plus: -a.plus,
+            };
+        }
+        // What is a whole turn more is the same.
+        UnaryOpcode::Sin | UnaryOpcode::Cos if a.tree.is_some() => {
+            let plus = a.plus % std::f64::consts::TAU;
+            let a = Sum { plus, ..a }.tree();
+            return Sum::of(match op {
+                UnaryOpcode::Sin => a.sin(),
+                _ => a.cos(),
+            });
+        }
+        // Whole numbers pass through.
+        UnaryOpcode::Floor if a.tree.is_some() => {
+            let whole = a.plus.floor();
+            let rest = Sum {
+                plus: a.plus - whole,
+                ..a
+            };
+            return Sum {
+                tree: Some(rest.tree().floor()),
+                plus: whole,
+            };
+        }
+        _ => {}
+    }
+    let a = a.tree();
+    Sum::of(match op {
+        UnaryOpcode::Neg => -a,
+        UnaryOpcode::Abs => a.abs(),
+        UnaryOpcode::Recip => a.recip(),
+        UnaryOpcode::Sqrt => a.sqrt(),
+        UnaryOpcode::Square => a.square(),
+        UnaryOpcode::Floor => a.floor(),
+        UnaryOpcode::Ceil => a.ceil(),
+        UnaryOpcode::Round => a.round(),
+        UnaryOpcode::Sin => a.sin(),
+        UnaryOpcode::Cos => a.cos(),
+        UnaryOpcode::Tan => a.tan(),
+        UnaryOpcode::Asin => a.asin(),
+        UnaryOpcode::Acos => a.acos(),
+        UnaryOpcode::Atan => a.atan(),
+        UnaryOpcode::Exp => a.exp(),
+        UnaryOpcode::Ln => a.ln(),
+        UnaryOpcode::Not => a.not(),
+        UnaryOpcode::Rand => a.rand(),
+    })
+}
+
+fn binary(op: BinaryOpcode, a: Sum, b: Sum) -> Sum {
+    let trees = |a: Sum, b: Sum| (a.tree(), b.tree());
+    match op {
+        BinaryOpcode::Add | BinaryOpcode::Sub => {
+            let sign = if op == BinaryOpcode::Add { 1.0 } else { -1.0 };
+            let plus = a.plus + sign * b.plus;
+            let tree = match (a.tree, b.tree) {
+                (a, None) => a,
+                (None, Some(b)) if sign > 0.0 => Some(b),
+                (None, Some(b)) => Some(-b),
+                (Some(a), Some(b)) if sign > 0.0 => Some(a + b),
+                (Some(a), Some(b)) => Some(a - b),
+            };
+            Sum { tree, plus }
+        }
+        BinaryOpcode::Mul => match (a.number(), b.number()) {
+            (_, Some(by)) => a.scaled(by),
+            (Some(by), _) => b.scaled(by),
+            _ => Sum::of(a.tree() * b.tree()),
+        },
+        BinaryOpcode::Div => match b.number() {
+            Some(by) if by != 0.0 => a.scaled(1.0 / by),
+            _ => Sum::of(a.tree() / b.tree()),
+        },
+        BinaryOpcode::Min | BinaryOpcode::Max => {
+            let (a, b) = trees(a, b);
+            Sum::of(match op {
+                BinaryOpcode::Min => a.min(b),
+                _ => a.max(b),
+            })
+        }
+        // What is a whole period more is the same.
+        BinaryOpcode::Mod => {
+            let a = match b.number() {
+                Some(period) if period != 0.0 && a.tree.is_some() => Sum {
+                    plus: a.plus.rem_euclid(period),
+                    ..a
+                },
+                _ => a,
+            };
+            let (a, b) = trees(a, b);
+            Sum::of(a.modulo(b))
+        }
+        BinaryOpcode::Atan => {
+            let (a, b) = trees(a, b);
+            Sum::of(a.atan2(b))
+        }
+        // Only the sign of the difference counts.
+        BinaryOpcode::Compare => {
+            let plus = a.plus - b.plus;
+            let (a, b) = trees(Sum { plus, ..a }, Sum { plus: 0.0, ..b });
+            Sum::of(a.compare(b))
+        }
+        BinaryOpcode::And => {
+            let (a, b) = trees(a, b);
+            Sum::of(a.and(b))
+        }
+        BinaryOpcode::Or => {
+            let (a, b) = trees(a, b);
+            Sum::of(a.or(b))
+        }
+        BinaryOpcode::Mix => {
+            let (a, b) = trees(a, b);
+            Sum::of(a.mix(b))
+        }
+    }
+}
+
+/// How far, in mm, f32 puts the surface of a model beside where f64 has it;
+/// the median over points all over the part. `None` if no points were found.
+pub fn digits(tree: &Tree, within: &Bounds, cancel: &Cancel) -> Option<f64> {
+    let cell = &Cell {
+        lo: within.min.to_array(),
+        hi: within.max.to_array(),
+    };
+    /// Points along each axis between which the surface is looked for.
+    const ACROSS: usize = 7;
+    let (context, root) = expand(tree).ok()?;
+    let program = Program::new(&context, root).ok()?;
+    let mut scratch = Scratch::default();
+    let node = |n: usize| -> [f64; 3] {
+        let at = [n % ACROSS, n / ACROSS % ACROSS, n / ACROSS / ACROSS];
+        std::array::from_fn(|i| {
+            let share = (at[i] as f64 + 0.46) / ACROSS as f64;
+            cell.lo[i] + share * cell.width(i)
+        })
+    };
+    let count = ACROSS.pow(3);
+    let inside: Vec<bool> = (0..count)
+        .map(|n| program.value(node(n), &mut scratch) < 0.0)
+        .collect();
+    let mut errors = Vec::new();
+    for n in 0..count {
+        cancel.check().ok()?;
+        // The next along x, as far as there is one.
+        if n % ACROSS + 1 == ACROSS || inside[n] == inside[n + 1] {
+            continue;
+        }
+        let (mut a, mut b) = (node(n), node(n + 1));
+        for _ in 0..50 {
+            let m: [f64; 3] = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+            match (program.value(m, &mut scratch) < 0.0) == inside[n] {
+                true => a = m,
+                false => b = m,
+            }
+        }
+        errors.extend(error_at(&context, root, &program, a, &mut scratch));
+    }
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() / 2).copied()
+}
+
+/// How far f32 puts the surface beside a point of it, mm.
+fn error_at(
+    context: &Context,
+    root: fidget::context::Node,
+    program: &Program,
+    p: [f64; 3],
+    scratch: &mut Scratch,
+) -> Option<f64> {
+    /// Step of the differences that make the gradient, mm.
+    const STEP: f64 = 1e-4;
+    let mut squared = 0.0;
+    for i in 0..3 {
+        let mut at = |step: f64| {
+            let mut q = p;
+            q[i] += step;
+            program.value(q, scratch)
+        };
+        let slope = (at(STEP) - at(-STEP)) / (2.0 * STEP);
+        squared += slope * slope;
+    }
+    let [x, y, z] = p.map(|v| v as f32);
+    let seen = f64::from(context.eval_xyz(root, x, y, z).ok()?);
+    let error = (seen - program.value(p, scratch)).abs() / squared.sqrt();
+    error.is_finite().then_some(error)
+}

@@ -1,0 +1,407 @@
+//! Outlines against shapes whose outline is known in closed form.
+
+// A test that cannot go on should say so and stop.
+#![allow(clippy::unwrap_used)]
+
+use fidget::context::Context;
+use fidget::context::Tree;
+use fidget::eval::{BulkEvaluator, Function, MathFunction};
+use fidget::var::Var;
+use fidget::vm::VmFunction;
+use glam::DVec2;
+use isocontour::plane::{edges, ring_length};
+use isocontour::{Area, Detail, Field, NODES, Outline, Rect, outlines};
+
+const ACCURACY: f64 = 0.005;
+const DETAIL: Detail = Detail {
+    accuracy: ACCURACY,
+    smallest: 0.11,
+};
+
+fn slice_with(tree: &Tree, half: f64, z: &[f64]) -> Vec<Outline> {
+    spaced(tree, half, z, 0.1)
+}
+
+fn spaced(tree: &Tree, half: f64, z: &[f64], spacing: f64) -> Vec<Outline> {
+    let bounds = Rect {
+        min: DVec2::splat(-half),
+        max: DVec2::splat(half),
+    };
+    let field = Field::new(tree, 0.0, bounds, spacing).unwrap();
+    outlines(&field, z, DETAIL).unwrap()
+}
+
+fn slice(tree: &Tree, half: f64, z: f64) -> Area {
+    let o = slice_with(tree, half, &[z]).remove(0);
+    assert_eq!(o.forced_rings, 0);
+    o.area
+}
+
+/// Largest and mean of a signed distance over points along the rings.
+fn deviation(area: &Area, distance: impl Fn(DVec2) -> f64) -> (f64, f64) {
+    let (mut worst, mut sum, mut length) = (0.0_f64, 0.0, 0.0);
+    for (a, b) in area.rings.iter().flat_map(|r| edges(r)) {
+        for i in 0..64 {
+            let p = a.lerp(b, (f64::from(i) + 0.5) / 64.0);
+            let d = distance(p);
+            worst = worst.max(d.abs());
+            sum += d * a.distance(b) / 64.0;
+        }
+        length += a.distance(b);
+    }
+    (worst, sum / length)
+}
+
+#[test]
+fn sphere_is_a_circle_without_bias() {
+    let (x, y, z) = Tree::axes();
+    let f = (x.square() + y.square() + z.square()).sqrt() - 15.0;
+    for h in [0.05, 3.0, 11.9, 14.9] {
+        let r = (15.0_f64 * 15.0 - h * h).sqrt();
+        let area = slice(&f, 15.0, h);
+        assert_eq!(area.rings.len(), 1);
+        let (worst, mean) = deviation(&area, |p| p.length() - r);
+        assert!(worst <= ACCURACY + 5e-5, "{h}: {worst}");
+        assert!(mean.abs() < 0.001, "{h}: {mean}");
+    }
+}
+
+#[test]
+fn ellipse_of_a_field_that_is_no_distance() {
+    let (x, y, z) = Tree::axes();
+    for scale in [1.0_f32, 1e-6, 1e6] {
+        let f = (x.square() / 400.0 + y.square() / 144.0 + z.square() / 64.0
+            - 1.0)
+            * scale;
+        let k = 1.0 - 9.0 / 64.0;
+        let area = slice(&f, 20.0, 3.0);
+        let (worst, mean) = deviation(&area, |p| {
+            let (a, b) = (400.0 * k, 144.0 * k);
+            let g = p.x * p.x / a + p.y * p.y / b - 1.0;
+            // To first order the distance, with an error of g².
+            g / (2.0 * DVec2::new(p.x / a, p.y / b).length())
+        });
+        assert!(worst <= ACCURACY + 1e-4, "{scale}: {worst}");
+        assert!(mean.abs() < 0.001, "{scale}: {mean}");
+    }
+}
+
+#[test]
+fn corners_of_turned_boxes_are_exact() {
+    let (x, y, z) = Tree::axes();
+    for degrees in [0.0_f64, 7.0, 30.0, 45.0, 81.3] {
+        let (s, c) = degrees.to_radians().sin_cos();
+        let (s, c) = (s as f32, c as f32);
+        let u = x.clone() * c + y.clone() * s;
+        let v = y.clone() * c - x.clone() * s;
+        let f = (u.abs() - 7.0).max(v.abs() - 4.0).max(z.abs() - 10.0);
+        let area = slice(&f, 9.0, 1.0);
+        assert_eq!(area.rings.len(), 1, "{degrees}");
+        let ring = &area.rings[0];
+        assert_eq!(ring.len(), 4, "{degrees}: {ring:?}");
+        let turn = DVec2::from_angle(degrees.to_radians());
+        for (a, b) in [(7.0, 4.0), (-7.0, 4.0), (7.0, -4.0), (-7.0, -4.0)] {
+            let corner = DVec2::new(a, b).rotate(turn);
+            let near = ring
+                .iter()
+                .map(|p| p.distance(corner))
+                .fold(f64::INFINITY, f64::min);
+            assert!(near < 1e-4, "{degrees}: {near}");
+        }
+    }
+}
+
+#[test]
+fn torus_has_a_hole_that_runs_clockwise() {
+    let (x, y, z) = Tree::axes();
+    let ring = (x.square() + y.square()).sqrt() - 15.0;
+    let f = (ring.square() + z.square()).sqrt() - 5.0;
+    let area = slice(&f, 20.0, 3.0);
+    assert_eq!(area.rings.len(), 2);
+    let exact = std::f64::consts::PI * (19.0_f64.powi(2) - 11.0_f64.powi(2));
+    assert!((area.content() / exact - 1.0).abs() < 1e-4);
+    let (worst, _) = deviation(&area, |p| (p.length() - 15.0).abs() - 4.0);
+    assert!(worst <= ACCURACY + 5e-5, "{worst}");
+}
+
+#[test]
+fn cut_cylinder_keeps_its_edges() {
+    let (x, y, z) = Tree::axes();
+    let f = ((x.square() + y.square()).sqrt() - 8.0)
+        .max(x.clone() - 3.3)
+        .max(z.abs() - 5.0);
+    let area = slice(&f, 8.0, 0.0);
+    let corner = DVec2::new(3.3, (64.0_f64 - 3.3 * 3.3).sqrt());
+    for c in [corner, DVec2::new(corner.x, -corner.y)] {
+        let near = area.rings[0]
+            .iter()
+            .map(|p| p.distance(c))
+            .fold(f64::INFINITY, f64::min);
+        assert!(near < 0.002, "{near}");
+    }
+}
+
+fn gyroid_ball() -> Tree {
+    let (x, y, z) = Tree::axes();
+    let k = std::f32::consts::TAU / 10.0;
+    let [s, c] = [Tree::sin, Tree::cos]
+        .map(|f| [&x, &y, &z].map(|a| f(&(a.clone() * k))));
+    let g = s[0].clone() * c[1].clone()
+        + s[1].clone() * c[2].clone()
+        + s[2].clone() * c[0].clone();
+    let ball = (x.square() + y.square() + z.square()).sqrt() - 25.0;
+    (g.abs() - 0.55).max(ball)
+}
+
+/// Samples are what fidget's own interpreter says of the whole expression,
+/// whatever was simplified or taken out of it, but for the last digits of
+/// sines.
+#[test]
+fn samples_are_those_of_fidgets_interpreter() {
+    let tree = gyroid_ball();
+    let mut ctx = Context::new();
+    let root = ctx.import(&tree);
+    let f = VmFunction::new(&ctx, &[root]).unwrap();
+    let tape = f.float_slice_tape(Default::default());
+    let mut fidget = VmFunction::new_float_slice_eval();
+    let bounds = Rect {
+        min: DVec2::splat(-25.0),
+        max: DVec2::splat(25.0),
+    };
+    let field = Field::new(&tree, 0.0, bounds, 0.1).unwrap();
+    let z: Vec<f64> = (0..8).map(|i| -3.0 + 0.2 * f64::from(i)).collect();
+    let mut compared = 0;
+    let lattice = field.lattice();
+    field
+        .slab(&z, &mut |batch| {
+            for (leaf, values) in
+                batch.leaves.iter().zip(batch.values.chunks(NODES * NODES))
+            {
+                let mut points: [Vec<f32>; 3] = Default::default();
+                for j in leaf.j..leaf.j + NODES {
+                    for i in leaf.i..leaf.i + NODES {
+                        let p =
+                            [lattice.x[i], lattice.y[j], z[leaf.layer] as f32];
+                        for (all, v) in points.iter_mut().zip(p) {
+                            all.push(v);
+                        }
+                    }
+                }
+                let mut inputs = [&[][..]; 3];
+                for (var, points) in
+                    [Var::X, Var::Y, Var::Z].iter().zip(&points)
+                {
+                    inputs[f.vars().get(var).unwrap()] = points;
+                }
+                let expected = fidget.eval(&tape, &inputs).unwrap();
+                for (a, b) in values.iter().zip(&expected[0]) {
+                    assert!((a - b).abs() < 5e-6, "{a} for {b}");
+                    compared += 1;
+                }
+            }
+            Ok(())
+        })
+        .unwrap();
+    assert!(compared > 100_000, "{compared}");
+}
+
+/// The topology of the tiled walk against the `contour` crate on the whole
+/// grid: as many rings, and as long, within what refinement moves them.
+#[test]
+fn rings_are_those_of_the_contour_crate() {
+    let bounds = Rect {
+        min: DVec2::splat(-25.0),
+        max: DVec2::splat(25.0),
+    };
+    let tree = gyroid_ball();
+    let field = Field::new(&tree, 0.0, bounds, 0.1).unwrap();
+    let lattice = field.lattice();
+    let h = 1.3_f32;
+    let k = std::f32::consts::TAU / 10.0;
+    let (nx, ny) = (lattice.x.len(), lattice.y.len());
+    let mut values = Vec::with_capacity(nx * ny);
+    for &y in &lattice.y {
+        for &x in &lattice.x {
+            let [sx, sy, sz] = [x, y, h].map(|v| (v * k).sin());
+            let [cx, cy, cz] = [x, y, h].map(|v| (v * k).cos());
+            let g = (sx * cy + sy * cz + sz * cx).abs() - 0.55;
+            let ball = (x * x + y * y + h * h).sqrt() - 25.0;
+            values.push(-g.max(ball));
+        }
+    }
+    let mut oracle = contour::contour_rings(&values, 1e-30, nx, ny).unwrap();
+    // The crate cuts ambiguous cells by convention, which leaves the nodes
+    // at the tips of thin wedges as rings of their own; the field joins them.
+    oracle.retain(|r| r.len() > 5);
+    let detail = Detail {
+        accuracy: 1e-4,
+        smallest: 0.0,
+    };
+    let ours = outlines(&field, &[f64::from(h)], detail).unwrap().remove(0);
+    assert_eq!(ours.area.rings.len(), oracle.len());
+    let length: f64 = oracle
+        .iter()
+        .map(|r| {
+            let ring: Vec<DVec2> = r
+                .iter()
+                .map(|p| DVec2::new(p.x.into(), p.y.into()) * 0.1)
+                .collect();
+            ring_length(&ring)
+        })
+        .sum();
+    // Midpoints zigzag: the crate's unsmoothed rings are a little longer.
+    let ratio = length / ours.area.perimeter();
+    assert!((1.0..1.12).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn nan_is_outside_and_counted() {
+    let (x, y, z) = Tree::axes();
+    // sqrt(x) is no number left of the plane x = 0.
+    let f = (x.sqrt() * 1e-9)
+        + ((x.square() + y.square() + z.square()).sqrt() - 5.0);
+    let o = slice_with(&f, 5.0, &[0.0]).remove(0);
+    assert!(o.nan_samples > 100);
+    let half_disc = 0.5 * std::f64::consts::PI * 25.0;
+    assert!((o.area.content() - half_disc).abs() < 0.05);
+}
+
+#[test]
+fn jumps_are_found_by_halving() {
+    let (x, y, z) = Tree::axes();
+    let radius = (x.square() + y.square() + z.square()).sqrt();
+    // −1 inside 6.2 mm, 1 outside, nothing between.
+    let f = radius.compare(6.2);
+    let area = slice(&f, 8.0, 0.0);
+    let (worst, mean) = deviation(&area, |p| p.length() - 6.2);
+    assert!(worst <= ACCURACY + 1e-4, "{worst}");
+    assert!(mean.abs() < 0.001, "{mean}");
+}
+
+#[test]
+fn small_circles_are_round_on_any_lattice() {
+    let (x, y, _) = Tree::axes();
+    for spacing in [0.1, 0.4, 2.0] {
+        for r in [0.15_f32, 0.3, 1.0] {
+            let f = (x.square() + y.square()).sqrt() - r;
+            let o = spaced(&f, 4.0, &[0.0], spacing).remove(0);
+            assert_eq!(o.area.rings.len(), 1, "{spacing} {r}");
+            let (worst, mean) =
+                deviation(&o.area, |p| p.length() - f64::from(r));
+            assert!(worst <= ACCURACY + 1e-4, "{spacing} {r}: {worst}");
+            assert!(mean.abs() < 0.001, "{spacing} {r}: {mean}");
+        }
+    }
+}
+
+/// The corners of a field that says nothing but inside and outside.
+#[test]
+fn corners_of_jumping_fields_are_exact() {
+    let (x, y, _) = Tree::axes();
+    for degrees in [0.0_f64, 17.0, 45.0] {
+        let (s, c) = degrees.to_radians().sin_cos();
+        let u = x.clone() * c as f32 + y.clone() * s as f32;
+        let v = y.clone() * c as f32 - x.clone() * s as f32;
+        let f = (u.abs() - 3.0).max(v.abs() - 2.0).compare(0.0);
+        let area = slice(&f, 4.0, 0.0);
+        assert_eq!(area.rings.len(), 1);
+        let turn = DVec2::from_angle(degrees.to_radians());
+        for (a, b) in [(3.0, 2.0), (-3.0, 2.0), (3.0, -2.0), (-3.0, -2.0)] {
+            let corner = DVec2::new(a, b).rotate(turn);
+            let near = area.rings[0]
+                .iter()
+                .map(|p| p.distance(corner))
+                .fold(f64::INFINITY, f64::min);
+            assert!(near < ACCURACY, "{degrees}: {near}");
+        }
+    }
+}
+
+/// Tips of less than 30°, which end between the nodes of the lattice.
+#[test]
+fn sharp_tips_reach_their_ends() {
+    let (x, y, _) = Tree::axes();
+    for degrees in [10.0_f64, 20.0, 28.0] {
+        let (s, c) = (0.5 * degrees).to_radians().sin_cos();
+        for turn in [0.0_f64, 0.4, 1.1] {
+            let (k, l) = (turn.sin() as f32, turn.cos() as f32);
+            let u = x.clone() * l + y.clone() * k;
+            let v = y.clone() * l - x.clone() * k;
+            let f = (v.abs() * c as f32 + (u.clone() - 3.0) * s as f32)
+                .max(-u - 1.0);
+            let area = slice(&f, 4.0, 0.0);
+            assert_eq!(area.rings.len(), 1, "{degrees} {turn}");
+            let tip = DVec2::from_angle(turn) * 3.0;
+            let near = area.rings[0]
+                .iter()
+                .map(|p| p.distance(tip))
+                .fold(f64::INFINITY, f64::min);
+            assert!(near < ACCURACY, "{degrees} {turn}: {near}");
+        }
+    }
+}
+
+/// A wall, a slit and a pin thinner than the lattice's spacing.
+#[test]
+fn what_is_thinner_than_the_lattice_is_found() {
+    let (x, y, _) = Tree::axes();
+    for spacing in [0.4, 1.0] {
+        for turn in [0.0_f32, 0.3] {
+            let u = x.clone() * turn.cos() + y.clone() * turn.sin();
+            let v = y.clone() * turn.cos() - x.clone() * turn.sin();
+            let wall = (u.abs() - 0.1).max(v.abs() - 6.0);
+            let slit = ((u.abs() - 6.0).max(v.abs() - 6.0))
+                .max(0.1 - (u.clone() - 0.3).abs());
+            let pin = (u.square() + v.square()).sqrt() - 0.1;
+            let slice = |f| spaced(f, 9.0, &[0.0], spacing).remove(0);
+            for (f, rings, content) in [
+                (&wall, 1, 2.4),
+                (&slit, 2, 144.0 - 2.4),
+                (&pin, 1, 0.01 * std::f64::consts::PI),
+            ] {
+                let o = slice(f);
+                let found = o.area.content();
+                assert_eq!(o.forced_rings, 0);
+                assert_eq!(o.area.rings.len(), rings, "{spacing} {turn}");
+                // The perimeter's length times the accuracy.
+                let tolerance = ACCURACY * o.area.perimeter();
+                assert!(
+                    (found - content).abs() < tolerance,
+                    "{spacing} {turn}: {found}"
+                );
+            }
+        }
+    }
+}
+
+/// A slit that a wall beside it hides from the nodes: none of them has the
+/// slit's field, since the block's own border is nearer.
+#[test]
+fn a_hidden_slit_is_found_on_a_coarse_lattice() {
+    let (x, y, _) = Tree::axes();
+    for spacing in [0.4, 1.0, 2.0] {
+        for at in [-0.9_f32, -0.3, 0.2, 0.7] {
+            // A part 0.8 mm thick with a hole 0.3 mm wide in it.
+            let part = (y.abs() - 0.4).max(x.abs() - 5.0);
+            let hole = 0.15 - ((x.clone() - at).square() + y.square()).sqrt();
+            let f = part.max(hole);
+            let o = spaced(&f, 6.0, &[0.0], spacing).remove(0);
+            assert_eq!(o.area.rings.len(), 2, "{spacing} {at}");
+            let content = 8.0 - 0.0225 * std::f64::consts::PI;
+            let off = (o.area.content() - content).abs();
+            assert!(off < ACCURACY * o.area.perimeter(), "{spacing} {at}");
+        }
+    }
+}
+
+/// A crack of which the samples show but some pieces is no string of holes.
+#[test]
+fn cracks_thinner_than_the_accuracy_are_left_out() {
+    let (x, y, _) = Tree::axes();
+    let block = (x.abs() - 5.0).max(y.abs() - 2.0);
+    // 2 µm wide, and less than a hundredth off the rows of the lattice.
+    let crack = (y.clone() + x.clone() * 0.009).abs() - 0.001;
+    let o = spaced(&block.max(-crack), 6.0, &[0.0], 0.1).remove(0);
+    assert_eq!(o.area.rings.len(), 1);
+    assert!(o.dropped_rings > 0);
+}

@@ -1,0 +1,68 @@
+//! The outlines of a slab's layers, under a watch and with the time they take.
+//!
+//! The work is [`isocontour`]'s; this is what the program adds to it.
+
+use crate::limits::{self, Watched};
+use crate::plane::Rect;
+use crate::timings::{Lap, Stage, Timings};
+use crate::units::Mm;
+use fidget::context::Tree;
+use isocontour::{Phase, outlines_in_phases};
+
+pub use isocontour::{Detail, Field, FieldError, Outline};
+
+/// The field `tree` + `depth` over a box in the plane, sampled every `spacing`
+/// millimetres, under the watch of the threads that will ask it.
+///
+/// # Errors
+/// If the lattice would be too large, or fidget refuses the expression.
+pub fn field(
+    tree: &Tree,
+    depth: Mm,
+    bounds: Rect,
+    spacing: Mm,
+) -> Result<Field, FieldError> {
+    let field = Field::new(tree, depth, bounds, spacing)?;
+    Ok(field.with_cancel(limits::cancel()))
+}
+
+/// Outlines of the layers at heights `z`, at most a slab of them; the time
+/// they take goes to `timings`.
+///
+/// # Errors
+/// If the field changes its sign finer than `smallest` over large parts of the
+/// slab; or if the evaluator fails, which is a bug.
+pub fn outlines(
+    field: &Field,
+    z: &[Mm],
+    detail: Detail,
+    timings: &Timings,
+) -> Result<Vec<Outline>, FieldError> {
+    let mut lap: Option<Lap<'_>> = None;
+    let found = outlines_in_phases(field, z, detail, &mut |phase| {
+        // What went before ends first.
+        lap = None;
+        lap = Some(timings.begin(match phase {
+            Phase::Sampling => Stage::Field,
+            Phase::Tracing | Phase::Closing => Stage::Contour,
+        }));
+    });
+    drop(lap);
+    found.watched()
+}
+
+/// What to do about a field that has no outlines.
+pub fn remedy(error: &FieldError) -> &'static str {
+    match error {
+        FieldError::TooLarge { .. } => "; raise sample_spacing",
+        FieldError::TooFine { .. } => {
+            " (mm, in the model's coordinates as it is turned and scaled). \
+             That is a quarter of a line, so it cannot be printed: let the \
+             expression oscillate less, or scale the part up (--scale)"
+        }
+        FieldError::Evaluator(_) => {
+            "; this is a bug of isoslice: please report it with the model"
+        }
+        _ => "",
+    }
+}
