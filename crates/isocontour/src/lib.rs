@@ -62,6 +62,7 @@ mod contour;
 mod expand;
 mod field;
 mod interval;
+mod number;
 pub mod plane;
 mod program;
 mod shift;

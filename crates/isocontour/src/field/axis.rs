@@ -4,8 +4,8 @@
 //! Out: their values and slopes at the nodes, their ranges over tiles, blocks
 //! and leaves, and their values anywhere else on request.
 
+use super::boxes::range_of;
 use super::lanes::{Lanes, Seed};
-use super::ranges::range_of;
 use crate::interval::Interval;
 use fidget::vm::VmFunction;
 

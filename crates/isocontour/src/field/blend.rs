@@ -96,7 +96,7 @@ fn binary(op: BinaryOpcode, a: Term, b: Term) -> Term {
 
 #[cfg(test)]
 mod tests {
-    use super::super::ranges::Ranges;
+    use super::super::boxes::Boxes;
     use super::*;
     use crate::interval::Interval;
     use fidget::compiler::RegOp;
@@ -157,9 +157,9 @@ mod tests {
             let x = Interval::new(x - 0.5, x + 0.5);
             let slot = f.vars().get(&Var::X).unwrap();
             let rest = Interval::new(-0.5, 0.5);
-            let mut ranges = Ranges::default();
+            let mut ranges = Boxes::default();
             let input = |s: usize| if s == slot { x } else { rest };
-            let (range, trace) = ranges.eval(f, input);
+            let (range, trace) = ranges.range(f, input);
             let simpler = trace.map(|trace| {
                 let (storage, mut ws) = Default::default();
                 f.simplify(trace, storage, &mut ws).unwrap()

@@ -9,12 +9,13 @@
 //! is the same, bit for bit, on any processor, and where no function is called
 //! (`wide` has its own) the same as fidget's.
 
-use super::dual::Dual;
-use super::slopes::Slope;
-use super::span::{BOXES, Span};
-use super::tape::{Number, run};
-use super::wide::{WIDTH, Wide};
+use super::boxes::Slope;
 use crate::interval::Interval;
+use crate::number::Number;
+use crate::number::dual::Dual;
+use crate::number::run::run;
+use crate::number::span::{BOXES, Span};
+use crate::number::wide::{WIDTH, Wide};
 use fidget::compiler::RegTape;
 use fidget::vm::VmFunction;
 use pulp::{Arch, Simd, WithSimd};
@@ -34,9 +35,9 @@ const BOUND_LANES: usize = 16;
 
 type Register = [Wide; LANES / WIDTH];
 type ShortRegister = [Wide; FEW / WIDTH];
-type DualRegister = [Dual<Wide>; DUAL_LANES / WIDTH];
+type DualRegister = [Dual<Wide, 2>; DUAL_LANES / WIDTH];
 type SpanRegister = [Span; BOX_LANES / BOXES];
-type BoundRegister = [Dual<Span>; BOUND_LANES / BOXES];
+type BoundRegister = [Dual<Span, 2>; BOUND_LANES / BOXES];
 
 /// What a tape reads, at each point, along with its slope.
 #[derive(Clone, Copy)]
@@ -49,7 +50,7 @@ pub(super) struct Seed<'a> {
 
 /// The interpreter's registers, kept for their memory.
 #[derive(Default)]
-pub(super) struct Lanes {
+pub(crate) struct Lanes {
     numbers: Vec<Register>,
     few: Vec<ShortRegister>,
     duals: Vec<DualRegister>,
@@ -111,7 +112,7 @@ impl Lanes {
     ) {
         let tape = f.data().asm();
         if self.duals.len() < tape.slot_count() {
-            let zero = [Dual::<Wide>::splat(0.0); DUAL_LANES / WIDTH];
+            let zero = [Dual::<Wide, 2>::splat(0.0); DUAL_LANES / WIDTH];
             self.duals.resize(tape.slot_count(), zero);
         }
         let registers = &mut self.duals[..];
@@ -129,7 +130,7 @@ impl Lanes {
     /// Appends to `out` the ranges of the function's (first) output over
     /// `count` boxes; nothing where it has to be asked about alone. `input`
     /// is the range of an input over a box.
-    pub(super) fn ranges(
+    pub(crate) fn ranges(
         &mut self,
         f: &VmFunction,
         count: usize,
@@ -151,8 +152,9 @@ impl Lanes {
         });
     }
 
-    /// The same with the ranges of the slopes.
-    pub(super) fn bounds(
+    /// Appends the ranges of the output and of its slopes to `out`; nothing
+    /// where a box has to be asked about alone.
+    pub(crate) fn bounds(
         &mut self,
         f: &VmFunction,
         count: usize,
@@ -161,7 +163,7 @@ impl Lanes {
     ) {
         let tape = f.data().asm();
         if self.bounds.len() < tape.slot_count() {
-            let zero = [Dual::<Span>::splat(0.0); BOUND_LANES / BOXES];
+            let zero = [Dual::<Span, 2>::splat(0.0); BOUND_LANES / BOXES];
             self.bounds.resize(tape.slot_count(), zero);
         }
         let registers = &mut self.bounds[..];
@@ -220,6 +222,7 @@ impl<const N: usize> WithSimd for Values<'_, N> {
                         left -= n;
                     }
                 },
+                |_, _, _| {},
             );
         }
     }
@@ -246,19 +249,13 @@ impl WithSimd for Slopes<'_> {
                     let seed = &self.inputs[i];
                     for (k, dual) in register.iter_mut().enumerate() {
                         let from = from + k * WIDTH;
-                        let slope = match seed.slopes {
-                            Some(slopes) => load(slopes, from),
-                            None => Wide::splat(1.0),
-                        };
-                        let along = |axis| match seed.axis == axis {
-                            true => slope,
-                            false => Wide::ZERO,
-                        };
-                        *dual = Dual {
-                            v: load(seed.values, from),
-                            dx: along(0),
-                            dy: along(1),
-                        };
+                        let v = load(seed.values, from);
+                        *dual = Dual::coordinate(v, seed.axis);
+                        if let Some(slopes) = seed.slopes
+                            && let Some(d) = dual.d.get_mut(seed.axis)
+                        {
+                            *d = load(slopes, from);
+                        }
                     }
                 },
                 |result| {
@@ -266,12 +263,13 @@ impl WithSimd for Slopes<'_> {
                     for d in result {
                         let n = left.min(WIDTH);
                         let all: [[f32; 3]; WIDTH] = std::array::from_fn(|k| {
-                            [d.v.0[k], d.dx.0[k], d.dy.0[k]]
+                            [d.v.0[k], d.d[0].0[k], d.d[1].0[k]]
                         });
                         self.out.extend_from_slice(&all[..n]);
                         left -= n;
                     }
                 },
+                |_, _, _| {},
             );
         }
     }
@@ -306,6 +304,7 @@ impl<I: Fn(usize, usize) -> Interval> WithSimd for Ranges<'_, I> {
                     let of = |k: usize| result[k / BOXES].get(k % BOXES);
                     self.out.extend((0..left).map(of));
                 },
+                |_, _, _| {},
             );
         }
     }
@@ -333,24 +332,25 @@ impl<I: Fn(usize, usize) -> Slope> WithSimd for Bounds<'_, I> {
                     for k in 0..BOUND_LANES {
                         let slope = (self.input)(i, (from + k).min(last));
                         let dual = &mut register[k / BOXES];
-                        dual.v.set(k % BOXES, slope.value);
-                        dual.dx.set(k % BOXES, slope.along[0]);
-                        dual.dy.set(k % BOXES, slope.along[1]);
+                        dual.v.set(k % BOXES, slope.v);
+                        for (lane, d) in dual.d.iter_mut().zip(slope.d) {
+                            lane.set(k % BOXES, d);
+                        }
                     }
                 },
                 |result| {
                     let left = (self.count - from).min(BOUND_LANES);
                     let of = |k: usize| {
                         let dual = &result[k / BOXES];
-                        let [value, dx, dy] = [dual.v, dual.dx, dual.dy]
-                            .map(|s| s.get(k % BOXES));
+                        let [dx, dy] = dual.d.map(|d| d.get(k % BOXES));
                         Some(Slope {
-                            value: value?,
-                            along: [dx?, dy?],
+                            v: dual.v.get(k % BOXES)?,
+                            d: [dx?, dy?],
                         })
                     };
                     self.out.extend((0..left).map(of));
                 },
+                |_, _, _| {},
             );
         }
     }
@@ -358,8 +358,8 @@ impl<I: Fn(usize, usize) -> Slope> WithSimd for Bounds<'_, I> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::ranges::everything;
     use super::*;
+    use crate::number::tests::everything;
     use fidget::context::Context;
     use fidget::eval::{BulkEvaluator, Function, MathFunction};
     use fidget::types::Grad;

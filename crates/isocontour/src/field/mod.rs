@@ -30,24 +30,19 @@
 
 mod axis;
 mod blend;
-mod dual;
+pub(crate) mod boxes;
 mod engine;
 mod expr;
 mod hoist;
-mod lanes;
+pub(crate) mod lanes;
 mod lattice;
-mod ranges;
 mod sight;
-mod slopes;
-mod span;
 mod split;
-mod tape;
-mod wide;
 mod workspace;
 
+pub use boxes::Bound;
 pub use lattice::Lattice;
 pub use sight::{Grid, Hit, Sight};
-pub use slopes::Bound;
 
 use crate::Length;
 use crate::cancel::{Cancel, Cancelled};

@@ -1,10 +1,9 @@
 //! Evaluators and buffers: the memory to prove and to sample with.
 
 use super::axis::{self, Level, Located};
+use super::boxes::{Bound, Boxes, Slope, coordinate, slope_of};
 use super::expr::Expr;
 use super::lanes::{Lanes, Seed};
-use super::ranges::Ranges;
-use super::slopes::{Bound, Slope, Slopes, coordinate, slope_of};
 use super::split::{Axes, Source, Split};
 use super::{FieldError, Leaf, NODES, bug};
 use crate::interval::Interval;
@@ -27,10 +26,9 @@ pub(super) struct Workspace<'a> {
     parts: &'a [Vec<VmFunction>; 3],
     /// By input of the tapes. Simplified tapes keep the order.
     sources: Vec<Source>,
-    ranges: Ranges,
+    alone: Boxes,
     /// By box, what is known of it.
     found: Vec<Option<Interval>>,
-    bounder: Slopes,
     /// By input, its bounds over each box.
     bounds: Vec<Vec<Slope>>,
     lanes: Lanes,
@@ -60,9 +58,8 @@ impl<'a> Workspace<'a> {
         Workspace {
             parts: &split.parts,
             sources,
-            ranges: Ranges::default(),
+            alone: Boxes::default(),
             found: Vec::new(),
-            bounder: Slopes::default(),
             bounds: vec![Vec::new(); slots],
             lanes: Lanes::default(),
             simplify: Default::default(),
@@ -124,7 +121,7 @@ impl<'a> Workspace<'a> {
     ) -> Result<Proof, FieldError> {
         let sources = &self.sources;
         let input = |slot: usize| axes.over(sources.get(slot), level, at);
-        let (range, trace) = self.ranges.eval(&expr.f, input);
+        let (range, trace) = self.alone.range(&expr.f, input);
         // A field that is nowhere below zero has no inside, even where it
         // touches zero.
         if !range.nan && (range.lo >= 0.0 || range.hi < 0.0) {
@@ -181,8 +178,8 @@ impl<'a> Workspace<'a> {
         lanes.bounds(&expr.f, boxes.len(), over, &mut found);
         out.clear();
         for (k, found) in found.into_iter().enumerate() {
-            let bounder = &mut self.bounder;
-            let alone = || bounder.eval(&expr.f, |slot| over(slot, k));
+            let boxes = &mut self.alone;
+            let alone = || boxes.slope(&expr.f, |slot| over(slot, k));
             out.push(Bound::new(found.unwrap_or_else(alone)));
         }
     }

@@ -4,7 +4,7 @@
 //! in the box, the value at the box's centre, and the range of the gradient.
 //!
 //! Every operation's range is the intersection of two: the natural one, made
-//! from its operands' ranges (`slope`), and the centred form c + G·(p - centre)
+//! from its operands' ranges ([`Dual`](crate::number::dual::Dual)), and the centred form c + G·(p - centre)
 //! with the range G of its gradient (`slot`). The natural one is exact where a
 //! coordinate occurs once, the centred form has an error that shrinks with the
 //! square of the box, which keeps the number of boxes along a curved or turned
@@ -21,22 +21,20 @@
 
 mod piece;
 mod simplify;
-mod slope;
 mod slot;
 #[cfg(test)]
 mod tests;
-mod value;
+mod undefined;
 
 use crate::cell::Cell;
 use crate::interval::Interval;
+use crate::number::{binary, unary};
 use fidget::context::{BinaryOpcode, Context, Node, Op, UnaryOpcode};
 use fidget::var::Var;
 use piece::Piece;
-use slope::{binary, unary};
 use slot::{FLAT, Slot, mixed, tightened};
 use std::collections::HashMap;
 use std::rc::Rc;
-use value::{binary_value, unary_value};
 
 /// One operation; operands are indices of earlier steps.
 #[derive(Clone, Copy, Debug)]
@@ -187,7 +185,7 @@ impl Program {
         debug_assert!(v[number].is_nan());
         Some(format!(
             "{} (at x = {x:.3}, y = {y:.3}, z = {z:.3})",
-            value::no_number(step, &operands)
+            undefined::no_number(step, &operands)
         ))
     }
 
@@ -201,9 +199,9 @@ impl Program {
             let value = match *step {
                 Step::Axis(i) => point[i],
                 Step::Const(c) => c,
-                Step::Unary(op, a) => unary_value(op, v[a as usize]),
+                Step::Unary(op, a) => unary(op, v[a as usize]),
                 Step::Binary(op, a, b) => {
-                    binary_value(op, v[a as usize], v[b as usize])
+                    binary(op, v[a as usize], v[b as usize])
                 }
             };
             v.push(value);
@@ -251,17 +249,11 @@ impl Program {
                         slope,
                     }
                 }
-                Step::Const(c) => Slot {
-                    range: Interval::point(c),
-                    centre: c,
-                    slope: FLAT,
-                },
-                Step::Unary(op, a) => {
-                    tightened(unary(op, &s[a as usize]), half)
-                }
+                Step::Const(c) => Slot::constant(c),
+                Step::Unary(op, a) => tightened(unary(op, s[a as usize]), half),
                 Step::Binary(op, a, b) => {
                     let (a, b) = (&s[a as usize], &s[b as usize]);
-                    mixed(op, tightened(binary(op, a, b), half), a, b, half)
+                    mixed(op, tightened(binary(op, *a, *b), half), a, b, half)
                 }
             };
             s.push(slot);

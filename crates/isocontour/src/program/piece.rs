@@ -8,11 +8,10 @@
 //! The condition rules out the part of the box on the other side.
 
 use super::Step;
-use super::slope::{binary, unary};
 use super::slot::Slot;
-use super::value::binary_value;
 use crate::cell::Cell;
 use crate::interval::Interval;
+use crate::number::{Number, binary, unary};
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -56,7 +55,7 @@ pub(super) fn piece_at(step: &Step, a: f64, b: f64) -> f64 {
         Step::Binary(op, ..) => match op {
             BinaryOpcode::Mod => (a / b.abs()).floor(),
             BinaryOpcode::Atan => side(a),
-            BinaryOpcode::Compare => binary_value(*op, a, b),
+            BinaryOpcode::Compare => binary(*op, a, b),
             _ => side(b),
         },
         _ => 0.0,
@@ -162,12 +161,7 @@ pub(super) fn contract(
 ) {
     let Condition { slot, lo, hi } = condition(step, index, a, b);
     keep_above(&slot, lo, whole, cell);
-    let mirrored = Slot {
-        range: slot.range.neg(),
-        centre: -slot.centre,
-        slope: slot.slope.map(Interval::neg),
-    };
-    keep_above(&mirrored, -hi, whole, cell);
+    keep_above(&slot.neg(), -hi, whole, cell);
 }
 
 /// Removes from a part of the box that `slot` is about where its value is
@@ -204,7 +198,7 @@ fn grows(slot: &Slot) -> bool {
 }
 
 fn difference(a: &Slot, b: &Slot) -> Slot {
-    binary(BinaryOpcode::Sub, a, b)
+    a.sub(*b)
 }
 
 fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
@@ -235,13 +229,8 @@ fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
 
 /// a - index·|b|: the remainder in that period, and on beyond it.
 fn remainder(index: f64, a: &Slot, b: &Slot) -> Slot {
-    let times = Slot {
-        range: Interval::point(index),
-        centre: index,
-        slope: super::slot::FLAT,
-    };
-    let whole = binary(BinaryOpcode::Mul, &unary(UnaryOpcode::Abs, b), &times);
-    difference(a, &whole)
+    let times = Slot::constant(index);
+    difference(a, &b.abs().mul(times))
 }
 
 fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
@@ -269,7 +258,7 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
                 let (low, high) = (a.range.lo <= lo, a.range.hi >= hi);
                 within.range.lo = a.range.lo.max(lo + 1e-9);
                 within.range.hi = a.range.hi.min(hi - 1e-9);
-                let mut out = unary(*op, &within);
+                let mut out = unary(*op, within);
                 if low {
                     out.range.lo = f64::NEG_INFINITY;
                 }
@@ -284,7 +273,7 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
                 }
                 out
             }
-            UnaryOpcode::Recip => unary(*op, &beside(a)),
+            UnaryOpcode::Recip => unary(*op, beside(a)),
             _ => constant(index, a.range.nan),
         },
         Step::Binary(op, ..) => match op {
@@ -292,11 +281,9 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
             BinaryOpcode::Atan => {
                 // Left of the pole: ±π + atan(y/x).
                 let turn = if index > 0.0 { PI } else { -PI };
-                let tilt =
-                    unary(UnaryOpcode::Atan, &binary(BinaryOpcode::Div, a, b));
-                binary(BinaryOpcode::Add, &tilt, &constant(turn, false))
+                a.div(*b).atan().add(Slot::constant(turn))
             }
-            BinaryOpcode::Div => binary(*op, a, &beside(b)),
+            BinaryOpcode::Div => binary(*op, *a, beside(b)),
             _ => constant(index, a.range.nan || b.range.nan),
         },
         _ => *a,

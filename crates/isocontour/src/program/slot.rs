@@ -4,6 +4,8 @@
 //! and that of a `max` or `min` by a blend of the two surfaces that meet.
 
 use crate::interval::Interval;
+use crate::number::Number;
+use crate::number::dual::Dual;
 use fidget::context::BinaryOpcode;
 
 /// No slope: the step does not change within the box.
@@ -15,8 +17,62 @@ pub(super) struct Slot {
     pub range: Interval,
     /// Value at the centre of the box, perhaps NaN.
     pub centre: f64,
-    /// Range of the partial derivatives; all real numbers where unknown.
+    /// Range of the partial derivatives; anything where unknown.
     pub slope: [Interval; 3],
+}
+
+impl Slot {
+    /// What does not change within the box.
+    pub(super) fn constant(value: f64) -> Slot {
+        Slot {
+            range: Interval::point(value),
+            centre: value,
+            slope: FLAT,
+        }
+    }
+
+    fn dual(self) -> Dual<Interval, 3> {
+        Dual {
+            v: self.range,
+            d: self.slope,
+        }
+    }
+
+    fn of(dual: Dual<Interval, 3>, centre: f64) -> Slot {
+        Slot {
+            range: dual.v,
+            centre,
+            slope: dual.d,
+        }
+    }
+}
+
+macro_rules! both {
+    ($($name:ident)*) => {
+        $(fn $name(self) -> Self {
+            Slot::of(self.dual().$name(), self.centre.$name())
+        })*
+    };
+    ($($name:ident($o:ident))*) => {
+        $(fn $name(self, $o: Self) -> Self {
+            let dual = self.dual().$name($o.dual());
+            Slot::of(dual, self.centre.$name($o.centre))
+        })*
+    };
+}
+
+impl Number for Slot {
+    both!(neg abs recip sqrt square floor ceil round sin cos tan asin acos atan
+        exp ln not rand);
+    both!(add(o) sub(o) mul(o) div(o) atan2(o) modulo(o) compare(o) mix(o)
+        min(o) max(o) and(o) or(o));
+
+    fn splat(v: f32) -> Self {
+        Slot::constant(v.into())
+    }
+    fn scale(self, by: f32) -> Self {
+        Slot::of(self.dual().scale(by), self.centre.scale(by))
+    }
 }
 
 /// The slot with its range cut down by the centred form.

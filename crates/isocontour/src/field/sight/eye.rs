@@ -2,8 +2,8 @@
 //! samples, each only where the larger one leaves it open.
 
 use super::{Grid, Hit, Sight};
+use crate::field::boxes::Boxes;
 use crate::field::lanes::{Lanes, Seed};
-use crate::field::ranges::Ranges;
 use crate::field::{FieldError, bug};
 use crate::interval::Interval;
 use fidget::eval::Function;
@@ -35,7 +35,7 @@ pub(super) struct Eye<'a> {
     pub hits: Vec<Option<Hit>>,
     /// Lines that have just met something, at which sample.
     fresh: Vec<(usize, usize)>,
-    ranges: Ranges,
+    ranges: Boxes,
     lanes: Lanes,
     simplify: <VmFunction as Function>::Workspace,
     /// Memory of functions that are done with.
@@ -54,7 +54,7 @@ impl<'a> Eye<'a> {
             at: [0; 2],
             hits: vec![None; TILE * TILE],
             fresh: Vec::new(),
-            ranges: Ranges::default(),
+            ranges: Boxes::default(),
             lanes: Lanes::default(),
             simplify: Default::default(),
             storage: Vec::new(),
@@ -97,7 +97,7 @@ impl<'a> Eye<'a> {
         }
         let axes = &self.sight.axes;
         let extent = self.extent(at, size);
-        let (_, trace) = self.ranges.eval(f, |slot| extent[axes[slot]]);
+        let (_, trace) = self.ranges.range(f, |slot| extent[axes[slot]]);
         let own = match trace {
             Some(trace) => {
                 let storage = self.storage.pop().unwrap_or_default();
@@ -152,7 +152,7 @@ impl<'a> Eye<'a> {
         for (k, found) in self.found.iter().enumerate() {
             let range = match found {
                 Some(range) => *range,
-                None => self.ranges.eval(f, |slot| input(slot, k)).0,
+                None => self.ranges.range(f, |slot| input(slot, k)).0,
             };
             let known = match range {
                 _ if range.lo >= 0.0 => Known::Empty,

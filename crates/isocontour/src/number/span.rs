@@ -1,18 +1,17 @@
 //! Ranges of the field over many boxes at a time.
 //!
-//! The same as [`Interval`]'s, for eight boxes in step, in vector
-//! instructions. Where the result may not be a number, or is a matter of
-//! cases, a box drops out: its ends become NaN, and it has to be asked about
-//! on its own. That is so seldom that the others pay for it.
+//! Interval arithmetic for eight boxes in step, in vector instructions. Where
+//! the result may not be a number, or depends on cases, a box drops out: its
+//! ends become NaN, and it has to be evaluated on its own, as an [`Interval`].
+//! Few boxes drop out.
 
-use super::dual::Part;
-use super::tape::Number;
 use super::wide::{self, Turn};
+use super::{Number, Part};
 use crate::interval::Interval;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Boxes in a [`Span`].
-pub(super) const BOXES: usize = 8;
+pub(crate) const BOXES: usize = 8;
 
 /// What exp and ln may be off, as a share of the result, and sin, at most.
 const SLACK: f64 = 2e-9;
@@ -22,7 +21,7 @@ type Ends = [f64; BOXES];
 /// Some ranges; both ends are NaN where one is not known.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
-pub(super) struct Span {
+pub(crate) struct Span {
     lo: Ends,
     hi: Ends,
 }
@@ -57,21 +56,21 @@ fn most(a: f64, b: f64) -> f64 {
 
 impl Span {
     /// Nothing is known.
-    pub(super) const UNKNOWN: Span = Span {
+    pub(crate) const UNKNOWN: Span = Span {
         lo: [f64::NAN; BOXES],
         hi: [f64::NAN; BOXES],
     };
 
     /// Sets the range of one box.
     #[inline(always)]
-    pub(super) fn set(&mut self, k: usize, range: Interval) {
+    pub(crate) fn set(&mut self, k: usize, range: Interval) {
         let known = !range.nan;
         self.lo[k] = if known { range.lo } else { f64::NAN };
         self.hi[k] = if known { range.hi } else { f64::NAN };
     }
 
     /// The range of one box, if it is known.
-    pub(super) fn get(&self, k: usize) -> Option<Interval> {
+    pub(crate) fn get(&self, k: usize) -> Option<Interval> {
         let (lo, hi) = (self.lo[k], self.hi[k]);
         (lo <= hi).then_some(Interval::new(lo, hi))
     }
@@ -364,11 +363,7 @@ impl Part for Span {
         out
     }
     #[inline(always)]
-    fn unless_nan(self, _: Self, _: Self, _: f32) -> Self {
-        self
-    }
-    #[inline(always)]
-    fn step(self) -> Self {
+    fn step(self, _: Self, _: Self) -> Self {
         // Flat where the value does not change.
         let flat = zip(
             self.lo,
@@ -380,7 +375,7 @@ impl Part for Span {
         Span { lo: flat, hi: flat }
     }
     #[inline(always)]
-    fn leap(self, x: Self) -> Self {
+    fn leap(self, x: Self, _: Self) -> Self {
         let mut out = Span::UNKNOWN;
         for k in 0..BOXES {
             // Across the negative x axis.
@@ -392,27 +387,27 @@ impl Part for Span {
         out
     }
     #[inline(always)]
-    fn times(self, o: Self) -> Self {
+    fn wrap(self, o: Self, along: Self, other: Self) -> Self {
         // As long as it stays in one period of a constant.
-        let mut out = Span::UNKNOWN;
+        let mut times = Span::UNKNOWN;
         for k in 0..BOXES {
             let a = Interval::new(self.lo[k], self.hi[k]);
             let b = Interval::new(o.lo[k], o.hi[k]);
             if a.same_period(b) {
-                let times = self.lo[k].div_euclid(o.lo[k]);
-                (out.lo[k], out.hi[k]) = (times, times);
+                let n = self.lo[k].div_euclid(o.lo[k]);
+                (times.lo[k], times.hi[k]) = (n, n);
             }
         }
-        out
+        along.sub(other.mul(times))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::lanes::Lanes;
-    use super::super::ranges::{Ranges, everything};
-    use super::super::slopes::{Slopes, coordinate};
     use super::*;
+    use crate::field::boxes::{Boxes, coordinate};
+    use crate::field::lanes::Lanes;
+    use crate::number::tests::everything;
     use fidget::context::Context;
     use fidget::eval::MathFunction;
     use fidget::vm::VmFunction;
@@ -455,17 +450,17 @@ mod tests {
                 !a.nan && !b.nan && near(a.lo, b.lo) && near(a.hi, b.hi)
             };
             for (k, b) in boxes.iter().enumerate() {
-                let (alone, _) = Ranges::default().eval(&f, |slot| b[slot]);
+                let (alone, _) = Boxes::default().range(&f, |slot| b[slot]);
                 if let Some(found) = found[k] {
                     known += 1;
                     assert!(same(found, alone), "{found:?}, {alone:?}");
                 }
-                let slope = Slopes::default()
-                    .eval(&f, |slot| coordinate(b[slot], slot));
+                let slope = Boxes::default()
+                    .slope(&f, |slot| coordinate(b[slot], slot));
                 if let Some(found) = bounds[k] {
                     sloped += 1;
-                    assert!(same(found.value, slope.value));
-                    for (a, b) in found.along.iter().zip(slope.along) {
+                    assert!(same(found.v, slope.v));
+                    for (a, b) in found.d.iter().zip(slope.d) {
                         // Factors in another order may be a little wider.
                         let wide = 1e-6 + 1e-6 * b.magnitude();
                         assert!(

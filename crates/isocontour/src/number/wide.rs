@@ -18,23 +18,22 @@
 //! > software is freely granted, provided that this notice
 //! > is preserved.
 
-use super::dual::Part;
-use super::tape::Number;
+use super::{Number, Part};
 use fidget::types::FloatExt;
 
 /// Numbers in a [`Wide`].
-pub(super) const WIDTH: usize = 8;
+pub(crate) const WIDTH: usize = 8;
 
 /// Some numbers, each on its own.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
-pub(super) struct Wide(pub [f32; WIDTH]);
+pub(crate) struct Wide(pub [f32; WIDTH]);
 
 impl Wide {
-    pub(super) const ZERO: Wide = Wide([0.0; WIDTH]);
+    pub(crate) const ZERO: Wide = Wide([0.0; WIDTH]);
 
     #[inline(always)]
-    pub(super) fn map(self, f: impl Fn(f32) -> f32) -> Wide {
+    pub(crate) fn map(self, f: impl Fn(f32) -> f32) -> Wide {
         let mut out = self;
         for v in &mut out.0 {
             *v = f(*v);
@@ -43,7 +42,7 @@ impl Wide {
     }
 
     #[inline(always)]
-    pub(super) fn zip(self, o: Wide, f: impl Fn(f32, f32) -> f32) -> Wide {
+    pub(crate) fn zip(self, o: Wide, f: impl Fn(f32, f32) -> f32) -> Wide {
         let mut out = self;
         for (v, w) in out.0.iter_mut().zip(o.0) {
             *v = f(*v, w);
@@ -53,7 +52,7 @@ impl Wide {
 
     /// Where `mask` is true of own and another's values, `a`; else `b`.
     #[inline(always)]
-    pub(super) fn choose_by(
+    pub(crate) fn choose_by(
         self,
         o: Wide,
         mask: impl Fn(f32, f32) -> bool,
@@ -91,21 +90,21 @@ const ROUND: f64 = 6_755_399_441_055_744.0;
 
 /// Sine and cosine of an angle.
 #[derive(Clone, Copy)]
-pub(super) struct Turn {
+pub(crate) struct Turn {
     pub sin: f64,
     pub cos: f64,
 }
 
 impl Turn {
     /// Greatest angle that is reduced exactly enough.
-    pub(super) const MOST: f64 = 1e8;
+    pub(crate) const MOST: f64 = 1e8;
     /// π/2 without its last bits, so that multiples of it are exact.
     const QUARTER: f64 = 1.570_796_310_901_641_8;
     /// The rest of π/2.
     const REST: f64 = 1.589_325_477_352_819_7e-8;
 
     #[inline(always)]
-    pub(super) fn of(x: f64) -> Turn {
+    pub(crate) fn of(x: f64) -> Turn {
         let raised = x * std::f64::consts::FRAC_2_PI + ROUND;
         let quarters = raised - ROUND;
         let x = x - quarters * Self::QUARTER - quarters * Self::REST;
@@ -135,7 +134,7 @@ impl Turn {
 
 /// eˣ within a part in 10⁹; right for x from −708 to 708.
 #[inline(always)]
-pub(super) fn exp(x: f64) -> f64 {
+pub(crate) fn exp(x: f64) -> f64 {
     // x = n·ln 2 + r, and a series for eʳ.
     let raised = x * std::f64::consts::LOG2_E + ROUND;
     let r = x - (raised - ROUND) * std::f64::consts::LN_2;
@@ -149,7 +148,7 @@ pub(super) fn exp(x: f64) -> f64 {
 
 /// The natural logarithm of a normal positive number, within a part in 10⁹.
 #[inline(always)]
-pub(super) fn ln(v: f64) -> f64 {
+pub(crate) fn ln(v: f64) -> f64 {
     /// √½, from which to its double the mantissas go.
     const LEAST: u64 = 0x3fe6_a09e_667f_3bcd;
     const ONE: u64 = 0x3ff0_0000_0000_0000;
@@ -217,16 +216,16 @@ impl Part for Wide {
         a.choose_by(b, nan, Wide::splat(instead), self)
     }
     #[inline(always)]
-    fn step(self) -> Self {
+    fn step(self, _: Self, _: Self) -> Self {
         Wide::ZERO
     }
     #[inline(always)]
-    fn leap(self, _: Self) -> Self {
+    fn leap(self, _: Self, _: Self) -> Self {
         Wide::ZERO
     }
     #[inline(always)]
-    fn times(self, o: Self) -> Self {
-        self.zip(o, f32::div_euclid)
+    fn wrap(self, o: Self, a: Self, b: Self) -> Self {
+        a.sub(b.mul(self.zip(o, f32::div_euclid)))
     }
 }
 

@@ -1,52 +1,27 @@
-//! Interpretation of a tape, for whatever kind of number.
+//! Interpretation of a tape, for any kind of number.
 
+use super::Number;
 use fidget::compiler::{RegOp, RegTape};
 
-/// What a tape's operations can be carried out on.
-pub(super) trait Number: Copy {
-    fn splat(v: f32) -> Self;
-    fn neg(self) -> Self;
-    fn abs(self) -> Self;
-    fn recip(self) -> Self;
-    fn sqrt(self) -> Self;
-    fn square(self) -> Self;
-    fn floor(self) -> Self;
-    fn ceil(self) -> Self;
-    fn round(self) -> Self;
-    fn sin(self) -> Self;
-    fn cos(self) -> Self;
-    fn tan(self) -> Self;
-    fn asin(self) -> Self;
-    fn acos(self) -> Self;
-    fn atan(self) -> Self;
-    fn exp(self) -> Self;
-    fn ln(self) -> Self;
-    fn not(self) -> Self;
-    fn rand(self) -> Self;
-    fn add(self, o: Self) -> Self;
-    fn sub(self, o: Self) -> Self;
-    fn mul(self, o: Self) -> Self;
-    /// The product with a constant.
-    fn scale(self, by: f32) -> Self;
-    fn div(self, o: Self) -> Self;
-    fn atan2(self, o: Self) -> Self;
-    fn modulo(self, o: Self) -> Self;
-    fn compare(self, o: Self) -> Self;
-    fn mix(self, o: Self) -> Self;
-    fn min(self, o: Self) -> Self;
-    fn max(self, o: Self) -> Self;
-    fn and(self, o: Self) -> Self;
-    fn or(self, o: Self) -> Self;
+/// An operation that passes on one of its operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pick {
+    Min,
+    Max,
+    And,
+    Or,
 }
 
 /// Runs a tape on `N` numbers at a time: `input` fills in those of an input,
-/// and `output` is shown the result. `v` are the registers.
+/// `output` is shown the result, and `pick` the operands of every operation
+/// that passes one of them on, in their order. `v` are the registers.
 #[inline(always)]
-pub(super) fn run<T: Number, const N: usize>(
+pub(crate) fn run<T: Number, const N: usize>(
     tape: &RegTape,
     v: &mut [[T; N]],
     input: impl Fn(usize, &mut [T; N]),
     mut output: impl FnMut(&[T; N]),
+    mut pick: impl FnMut(Pick, &[T; N], &[T; N]),
 ) {
     macro_rules! unary {
         ($o:ident, $a:ident, $f:expr) => {{
@@ -62,6 +37,18 @@ pub(super) fn run<T: Number, const N: usize>(
             for k in 0..N {
                 v[o][k] = $f(v[a][k], v[b][k]);
             }
+        }};
+    }
+    macro_rules! either {
+        ($o:ident, $a:ident, $b:ident, $pick:ident, $f:expr) => {{
+            pick(Pick::$pick, &v[usize::from($a)], &v[usize::from($b)]);
+            binary!($o, $a, $b, $f)
+        }};
+    }
+    macro_rules! either_right {
+        ($o:ident, $a:ident, $imm:ident, $pick:ident, $f:expr) => {{
+            pick(Pick::$pick, &v[usize::from($a)], &[T::splat($imm); N]);
+            right!($o, $a, $imm, $f)
         }};
     }
     // With a constant on the right, or on the left.
@@ -127,14 +114,14 @@ pub(super) fn run<T: Number, const N: usize>(
             MixRegReg(o, a, b) => binary!(o, a, b, T::mix),
             MixRegImm(o, a, b) => right!(o, a, b, T::mix),
             MixImmReg(o, b, a) => left!(o, a, b, T::mix),
-            MinRegReg(o, a, b) => binary!(o, a, b, T::min),
-            MinRegImm(o, a, b) => right!(o, a, b, T::min),
-            MaxRegReg(o, a, b) => binary!(o, a, b, T::max),
-            MaxRegImm(o, a, b) => right!(o, a, b, T::max),
-            AndRegReg(o, a, b) => binary!(o, a, b, T::and),
-            AndRegImm(o, a, b) => right!(o, a, b, T::and),
-            OrRegReg(o, a, b) => binary!(o, a, b, T::or),
-            OrRegImm(o, a, b) => right!(o, a, b, T::or),
+            MinRegReg(o, a, b) => either!(o, a, b, Min, T::min),
+            MinRegImm(o, a, b) => either_right!(o, a, b, Min, T::min),
+            MaxRegReg(o, a, b) => either!(o, a, b, Max, T::max),
+            MaxRegImm(o, a, b) => either_right!(o, a, b, Max, T::max),
+            AndRegReg(o, a, b) => either!(o, a, b, And, T::and),
+            AndRegImm(o, a, b) => either_right!(o, a, b, And, T::and),
+            OrRegReg(o, a, b) => either!(o, a, b, Or, T::or),
+            OrRegImm(o, a, b) => either_right!(o, a, b, Or, T::or),
         }
     }
 }

@@ -1,0 +1,338 @@
+//! What a function does over single boxes.
+//!
+//! In: a function and, for each of its inputs, the range of its values over a
+//! box, and perhaps of its derivatives. Out: the same of its result. With the
+//! ranges comes a trace of the branches of `min`, `max`, `and` and `or` that are
+//! never taken in the box, from which fidget makes a shorter function.
+//!
+//! Where both derivatives are bounded so that the field rises in one direction
+//! everywhere in a box, its outline there is a single line, and the box hides
+//! nothing. Where the field jumps or may not be a number, the derivatives may
+//! be anything.
+//!
+//! Why not fidget's own interval evaluator: it panics where one end of a range
+//! becomes NaN, as ∞ − ∞ does. This one never fails.
+
+use crate::interval::Interval;
+use crate::number::Number;
+use crate::number::dual::Dual;
+use crate::number::run::{Pick, run};
+use fidget::vm::{Choice, VmFunction, VmTrace};
+
+/// A range and the ranges of its derivatives along x and y.
+pub(crate) type Slope = Dual<Interval, 2>;
+
+/// What is known of the field over a box in a layer.
+#[derive(Clone, Copy, Debug)]
+pub struct Bound {
+    /// Least and greatest value; infinite if it may not be a number.
+    pub value: [f64; 2],
+    /// By axis, the least and greatest derivative.
+    pub slopes: [[f64; 2]; 2],
+}
+
+impl Bound {
+    /// Nothing is known.
+    pub const UNKNOWN: Bound = Bound {
+        value: [f64::NEG_INFINITY, f64::INFINITY],
+        slopes: [[f64::NEG_INFINITY, f64::INFINITY]; 2],
+    };
+
+    pub(super) fn new(slope: Slope) -> Bound {
+        let ends = |r: Interval| match r.nan {
+            true => [f64::NEG_INFINITY, f64::INFINITY],
+            false => [r.lo, r.hi],
+        };
+        Bound {
+            value: ends(slope.v),
+            slopes: slope.d.map(ends),
+        }
+    }
+
+    /// True if the field does not change its sign in the box.
+    pub fn is_uniform(&self) -> bool {
+        self.value[0] >= 0.0 || self.value[1] < 0.0
+    }
+
+    /// True if the gradient keeps within 45° of one direction in the box, so
+    /// that an outline there is one line that does not turn by more.
+    pub fn is_simple(&self) -> bool {
+        let [x, y] = self.slopes;
+        let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
+        let within = |dx: f64, dy: f64| {
+            let along = dx * middle[0] + dy * middle[1];
+            let across = dx * middle[1] - dy * middle[0];
+            along > across.abs()
+        };
+        x.iter().all(|&dx| y.iter().all(|&dy| within(dx, dy)))
+    }
+}
+
+/// Evaluates functions over boxes. Kept between uses for its memory.
+#[derive(Default)]
+pub(crate) struct Boxes {
+    ranges: Vec<[Interval; 1]>,
+    slopes: Vec<[Slope; 1]>,
+    trace: VmTrace,
+}
+
+impl Boxes {
+    /// The range of the function's (first) output for given ranges of its
+    /// inputs, and the trace of its choices if it rules out any branch.
+    pub(crate) fn range(
+        &mut self,
+        f: &VmFunction,
+        input: impl Fn(usize) -> Interval,
+    ) -> (Interval, Option<&VmTrace>) {
+        let tape = f.data().asm();
+        self.ranges.resize(tape.slot_count(), [Interval::ANYTHING]);
+        self.trace.resize(f.choice_count(), Choice::Both);
+        let mut choices = self.trace.as_mut_slice().iter_mut();
+        let mut simpler = false;
+        let mut out = Interval::ANYTHING;
+        run(
+            tape,
+            &mut self.ranges[..],
+            |slot, [range]| *range = input(slot),
+            |[range]| out = *range,
+            |pick, &[a], &[b]| {
+                let choice = chosen(pick, a, b);
+                simpler |= choice != Choice::Both;
+                if let Some(next) = choices.next() {
+                    *next = choice;
+                }
+            },
+        );
+        (out, simpler.then_some(&self.trace))
+    }
+
+    /// The range of the function's (first) output and of its slopes, for given
+    /// ones of its inputs.
+    pub(crate) fn slope(
+        &mut self,
+        f: &VmFunction,
+        input: impl Fn(usize) -> Slope,
+    ) -> Slope {
+        let tape = f.data().asm();
+        self.slopes.resize(tape.slot_count(), [Slope::splat(0.0)]);
+        let mut out = Slope::splat(0.0);
+        run(
+            tape,
+            &mut self.slopes[..],
+            |slot, [slope]| *slope = input(slot),
+            |[slope]| out = *slope,
+            |_, _, _| {},
+        );
+        out
+    }
+}
+
+/// The side that an operation always takes.
+fn chosen(pick: Pick, a: Interval, b: Interval) -> Choice {
+    match pick {
+        Pick::Min => lesser(a, b),
+        Pick::Max => lesser(a.neg(), b.neg()),
+        Pick::And => zero(a),
+        Pick::Or => match zero(a) {
+            Choice::Left => Choice::Right,
+            Choice::Right => Choice::Left,
+            other => other,
+        },
+    }
+}
+
+/// The side that `min` always takes. A side that may be NaN is kept, for
+/// then so is the result.
+fn lesser(a: Interval, b: Interval) -> Choice {
+    if a.hi < b.lo && !b.nan {
+        Choice::Left
+    } else if b.hi < a.lo && !a.nan {
+        Choice::Right
+    } else {
+        Choice::Both
+    }
+}
+
+/// The side that `and` takes: the left one where that is 0.
+fn zero(a: Interval) -> Choice {
+    if a.nan {
+        Choice::Both
+    } else if a.lo == 0.0 && a.hi == 0.0 {
+        Choice::Left
+    } else if !a.contains(0.0) {
+        Choice::Right
+    } else {
+        Choice::Both
+    }
+}
+
+/// The range of a function of one variable.
+pub(crate) fn range_of(f: &VmFunction, over: Interval) -> Interval {
+    Boxes::default().range(f, |_| over).0
+}
+
+/// The bounds of a coordinate, number `axis`, over a box.
+pub(crate) fn coordinate(over: Interval, axis: usize) -> Slope {
+    Slope::coordinate(over, axis)
+}
+
+/// The bounds of a function of one variable, coordinate number `axis`.
+pub(crate) fn slope_of(f: &VmFunction, over: Interval, axis: usize) -> Slope {
+    Boxes::default().slope(f, |_| coordinate(over, axis))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::tests::everything;
+    use fidget::context::{Context, Tree};
+    use fidget::eval::{Function, MathFunction, TracingEvaluator};
+    use fidget::var::Var;
+
+    fn function(tree: &Tree) -> VmFunction {
+        let mut ctx = Context::new();
+        let root = ctx.import(tree);
+        VmFunction::new(&ctx, &[root]).unwrap()
+    }
+
+    fn slots(f: &VmFunction) -> [Option<usize>; 3] {
+        [Var::X, Var::Y, Var::Z].map(|v| f.vars().get(&v))
+    }
+
+    fn value(f: &VmFunction, p: [f32; 3]) -> f32 {
+        let mut vars = [0.0; 3];
+        for (slot, v) in slots(f).into_iter().zip(p) {
+            if let Some(s) = slot {
+                vars[s] = v;
+            }
+        }
+        let mut eval = VmFunction::new_point_eval();
+        let tape = f.point_tape(Default::default());
+        eval.eval(&tape, &vars[..f.vars().len()]).unwrap().0[0]
+    }
+
+    #[test]
+    fn ranges_hold_the_values_and_simpler_tapes_agree() {
+        let mut ranges = Boxes::default();
+        let mut seed = 5u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (seed >> 40) as f32 / (1u64 << 24) as f32
+        };
+        let mut simplified = 0;
+        for (k, tree) in everything().iter().enumerate() {
+            let f = function(tree);
+            let s = slots(&f);
+            for _ in 0..200 {
+                let size = 3.0 * random() * random();
+                let lo: [f32; 3] =
+                    std::array::from_fn(|_| 8.0 * random() - 4.0);
+                let input = |i: usize| {
+                    let axis = s.iter().position(|s| *s == Some(i)).unwrap();
+                    let lo = lo[axis];
+                    Interval::new(f64::from(lo), f64::from(lo + size))
+                };
+                let (range, trace) = ranges.range(&f, input);
+                let simpler = trace.map(|t| {
+                    simplified += 1;
+                    f.simplify(t, Default::default(), &mut Default::default())
+                        .unwrap()
+                });
+                for _ in 0..10 {
+                    let p: [f32; 3] =
+                        std::array::from_fn(|a| lo[a] + size * random());
+                    let v = value(&f, p);
+                    if let Some(g) = &simpler {
+                        let w = value(g, p);
+                        assert!(v == w || v.is_nan() && w.is_nan(), "{k}");
+                    }
+                    let slack = 1e-5 * (1.0 + f64::from(v.abs()));
+                    let v = f64::from(v);
+                    let inside = range.lo - slack <= v && v <= range.hi + slack;
+                    assert!(
+                        if v.is_nan() { range.nan } else { inside },
+                        "expression {k}: {v} is not in {range:?}"
+                    );
+                }
+            }
+        }
+        assert!(simplified > 50, "only {simplified} were simplified");
+    }
+
+    #[test]
+    fn overflow_is_no_obstacle() {
+        let (x, y, _) = Tree::axes();
+        // fidget's own intervals panic here: ∞ − ∞.
+        let wild = (x.clone() * 1e4).exp() - (y * 1e4).exp();
+        let f = function(&wild.max(x));
+        let (range, _) =
+            Boxes::default().range(&f, |_| Interval::new(0.5, 2.0));
+        assert!(range.nan && range.lo <= 0.5 && range.hi == f64::INFINITY);
+    }
+
+    /// Along any line through a box the field changes by no more than its
+    /// slopes allow.
+    #[test]
+    fn slopes_hold_the_differences() {
+        let mut seed = 7u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (seed >> 40) as f32 / (1u64 << 24) as f32
+        };
+        let (mut bounded, mut total) = (0, 0);
+        for (k, tree) in everything().iter().enumerate() {
+            let mut ctx = Context::new();
+            let root = ctx.import(tree);
+            let f = VmFunction::new(&ctx, &[root]).unwrap();
+            let slots = [Var::X, Var::Y, Var::Z].map(|v| f.vars().get(&v));
+            let tape = f.point_tape(Default::default());
+            let mut eval = VmFunction::new_point_eval();
+            let mut value = |p: [f32; 3]| {
+                let mut vars = [0.0; 3];
+                for (slot, v) in slots.into_iter().zip(p) {
+                    if let Some(s) = slot {
+                        vars[s] = v;
+                    }
+                }
+                let vars = &vars[..f.vars().len()];
+                f64::from(eval.eval(&tape, vars).unwrap().0[0])
+            };
+            for _ in 0..300 {
+                let size = [1.5 * random() * random(), random(), 0.0];
+                let lo: [f32; 3] =
+                    std::array::from_fn(|_| 8.0 * random() - 4.0);
+                let input = |i: usize| {
+                    let a = slots.iter().position(|s| *s == Some(i)).unwrap();
+                    let (lo, hi) = (lo[a], lo[a] + size[a]);
+                    coordinate(Interval::new(lo.into(), hi.into()), a)
+                };
+                let slope = Boxes::default().slope(&f, input);
+                total += 1;
+                if !slope.d.iter().all(|d| d.is_finite() && !d.nan) {
+                    continue;
+                }
+                bounded += 1;
+                for _ in 0..10 {
+                    let mut point = || -> [f32; 3] {
+                        std::array::from_fn(|a| lo[a] + size[a] * random())
+                    };
+                    let (p, q) = (point(), point());
+                    let (a, b) = (value(p), value(q));
+                    let step = [0, 1].map(|a| {
+                        let d = f64::from(q[a]) - f64::from(p[a]);
+                        slope.d[a].mul(Interval::point(d))
+                    });
+                    let change = step[0].add(step[1]);
+                    let slack = 1e-5 * (1.0 + a.abs() + b.abs());
+                    assert!(
+                        change.lo - slack <= b - a
+                            && b - a <= change.hi + slack,
+                        "expression {k}: {} is not in {change:?}",
+                        b - a
+                    );
+                }
+            }
+        }
+        assert!(3 * bounded > total, "{bounded} of {total} are bounded");
+    }
+}

@@ -1,0 +1,236 @@
+//! Values together with their derivatives along some axes.
+//!
+//! The chain rule, operation by operation, for eight points at a time or for
+//! eight boxes. At a point where an operation has no derivative (a step, |0|,
+//! the tip of `min`), the derivatives are those of one side, or zero; over a box
+//! they are all that occur, and not known if there is a step.
+
+use super::{Number, Part};
+
+/// A value and its derivatives along `D` axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dual<T, const D: usize> {
+    pub v: T,
+    pub d: [T; D],
+}
+
+impl<T: Part, const D: usize> Dual<T, D> {
+    /// With value `v`, and `by` times the derivatives.
+    #[inline(always)]
+    fn chain(self, v: T, by: T) -> Self {
+        self.map(v, |d| d.along(by))
+    }
+
+    #[inline(always)]
+    fn map(self, v: T, f: impl Fn(T) -> T) -> Self {
+        let mut d = self.d;
+        for d in &mut d {
+            *d = f(*d);
+        }
+        Dual { v, d }
+    }
+
+    #[inline(always)]
+    fn zip(self, o: Self, v: T, f: impl Fn(T, T) -> T) -> Self {
+        let mut d = self.d;
+        for (d, o) in d.iter_mut().zip(o.d) {
+            *d = f(*d, o);
+        }
+        Dual { v, d }
+    }
+
+    /// Something that does not change.
+    #[inline(always)]
+    pub(crate) fn flat(v: T) -> Self {
+        Dual {
+            v,
+            d: [T::splat(0.0); D],
+        }
+    }
+
+    /// Coordinate number `axis`.
+    #[inline(always)]
+    pub(crate) fn coordinate(v: T, axis: usize) -> Self {
+        let mut out = Dual::flat(v);
+        if let Some(d) = out.d.get_mut(axis) {
+            *d = T::splat(1.0);
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn step(self, v: T) -> Self {
+        self.steps(self, v)
+    }
+
+    /// Value `v` of two operands, which goes in steps.
+    #[inline(always)]
+    fn steps(self, o: Self, v: T) -> Self {
+        self.zip(o, v, |a, b| v.step(a, b))
+    }
+
+    #[inline(always)]
+    fn unless_nan(self, a: T, b: T) -> Self {
+        let v = self.v.unless_nan(a, b, f32::NAN);
+        self.map(v, |d| d.unless_nan(a, b, 0.0))
+    }
+}
+
+impl<T: Part, const D: usize> Number for Dual<T, D> {
+    #[inline(always)]
+    fn splat(v: f32) -> Self {
+        Dual::flat(T::splat(v))
+    }
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(self.v.neg(), T::neg)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // Where it is less than zero, its negative.
+        let zero = T::splat(0.0);
+        let of = |d: T| T::choose(self.v, zero, d.neg(), d);
+        self.map(self.v.abs(), of)
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let v = self.v.recip();
+        self.chain(v, v.square().neg())
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let v = self.v.sqrt();
+        self.chain(v, v.recip().scale(0.5))
+    }
+    #[inline(always)]
+    fn square(self) -> Self {
+        let v = self.v.square();
+        self.chain(v, self.v.add(self.v))
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        self.step(self.v.floor())
+    }
+    #[inline(always)]
+    fn ceil(self) -> Self {
+        self.step(self.v.ceil())
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        self.step(self.v.round())
+    }
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.step(self.v.not())
+    }
+    #[inline(always)]
+    fn rand(self) -> Self {
+        self.step(self.v.rand())
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        let v = self.v.sin();
+        self.chain(v, self.v.cos())
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        let v = self.v.cos();
+        self.chain(v, self.v.sin().neg())
+    }
+    #[inline(always)]
+    fn tan(self) -> Self {
+        let v = self.v.tan();
+        self.chain(v, v.square().add(T::splat(1.0)))
+    }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        let by = T::splat(1.0).sub(self.v.square()).sqrt().recip();
+        self.chain(self.v.asin(), by)
+    }
+    #[inline(always)]
+    fn acos(self) -> Self {
+        let by = T::splat(1.0).sub(self.v.square()).sqrt().recip().neg();
+        self.chain(self.v.acos(), by)
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        let by = self.v.square().add(T::splat(1.0)).recip();
+        self.chain(self.v.atan(), by)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let v = self.v.exp();
+        self.chain(v, v)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        let v = self.v.ln();
+        self.chain(v, self.v.recip())
+    }
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        self.zip(o, self.v.add(o.v), T::add)
+    }
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        self.zip(o, self.v.sub(o.v), T::sub)
+    }
+    #[inline(always)]
+    fn mul(self, o: Self) -> Self {
+        let d = |a: T, b: T| b.along(self.v).add(a.along(o.v));
+        self.zip(o, self.v.mul(o.v), d)
+    }
+    #[inline(always)]
+    fn scale(self, by: f32) -> Self {
+        self.map(self.v.scale(by), |d| d.scale(by))
+    }
+    #[inline(always)]
+    fn div(self, o: Self) -> Self {
+        // (a / b)' = (a' − (a / b)·b') / b
+        let v = self.v.div(o.v);
+        let by = o.v.recip();
+        self.zip(o, v, |a, b| a.sub(b.along(v)).along(by))
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        let y = self.v;
+        let by = y.square().add(x.v.square()).recip();
+        self.zip(x, y.atan2(x.v), |a, b| {
+            let turn = a.along(x.v).sub(b.along(y)).along(by);
+            turn.add(y.leap(x.v, a))
+        })
+    }
+    #[inline(always)]
+    fn modulo(self, o: Self) -> Self {
+        let d = |a, b| self.v.wrap(o.v, a, b);
+        self.zip(o, self.v.modulo(o.v), d)
+    }
+    #[inline(always)]
+    fn compare(self, o: Self) -> Self {
+        self.steps(o, self.v.compare(o.v))
+    }
+    #[inline(always)]
+    fn mix(self, o: Self) -> Self {
+        self.steps(o, self.v.mix(o.v))
+    }
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        let d = |a, b| T::choose(self.v, o.v, a, b);
+        self.zip(o, self.v.min(o.v), d).unless_nan(self.v, o.v)
+    }
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        let d = |a, b| T::choose(o.v, self.v, a, b);
+        self.zip(o, self.v.max(o.v), d).unless_nan(self.v, o.v)
+    }
+    #[inline(always)]
+    fn and(self, o: Self) -> Self {
+        let d = |a, b| T::choose_zero(self.v, a, b);
+        self.zip(o, self.v.and(o.v), d)
+    }
+    #[inline(always)]
+    fn or(self, o: Self) -> Self {
+        let d = |a, b| T::choose_zero(self.v, b, a);
+        self.zip(o, self.v.or(o.v), d)
+    }
+}

@@ -1,0 +1,134 @@
+//! Kinds of number that an expression can be evaluated on.
+//!
+//! | kind | what it is |
+//! |---|---|
+//! | `f64` | one value |
+//! | [`Interval`](crate::interval::Interval) | all values over a box |
+//! | [`Wide`](wide::Wide) | eight values, in f32 |
+//! | [`Span`](span::Span) | all values over each of eight boxes |
+//! | [`Dual`](dual::Dual) | one of these with its derivatives |
+//!
+//! [`run`](run::run) evaluates fidget's tapes on any of them; `unary` and
+//! `binary` do single operations. A new kind implements [`Number`], and
+//! [`Part`] if it is to have derivatives.
+
+pub(crate) mod dual;
+mod interval;
+mod real;
+pub(crate) mod run;
+pub(crate) mod span;
+#[cfg(test)]
+pub(crate) mod tests;
+pub(crate) mod wide;
+
+use fidget::context::{BinaryOpcode, UnaryOpcode};
+
+/// What a tape's operations can be carried out on.
+pub(crate) trait Number: Copy {
+    fn splat(v: f32) -> Self;
+    fn neg(self) -> Self;
+    fn abs(self) -> Self;
+    fn recip(self) -> Self;
+    fn sqrt(self) -> Self;
+    fn square(self) -> Self;
+    fn floor(self) -> Self;
+    fn ceil(self) -> Self;
+    fn round(self) -> Self;
+    fn sin(self) -> Self;
+    fn cos(self) -> Self;
+    fn tan(self) -> Self;
+    fn asin(self) -> Self;
+    fn acos(self) -> Self;
+    fn atan(self) -> Self;
+    fn exp(self) -> Self;
+    fn ln(self) -> Self;
+    fn not(self) -> Self;
+    fn rand(self) -> Self;
+    fn add(self, o: Self) -> Self;
+    fn sub(self, o: Self) -> Self;
+    fn mul(self, o: Self) -> Self;
+    /// The product with a constant.
+    fn scale(self, by: f32) -> Self;
+    fn div(self, o: Self) -> Self;
+    fn atan2(self, o: Self) -> Self;
+    fn modulo(self, o: Self) -> Self;
+    fn compare(self, o: Self) -> Self;
+    fn mix(self, o: Self) -> Self;
+    fn min(self, o: Self) -> Self;
+    fn max(self, o: Self) -> Self;
+    fn and(self, o: Self) -> Self;
+    fn or(self, o: Self) -> Self;
+}
+
+/// Numbers that a value and its derivatives can be made of.
+pub(crate) trait Part: Number {
+    /// A derivative times a factor. A derivative that is zero stays zero where
+    /// the kind can tell, however large the factor may be.
+    #[inline(always)]
+    fn along(self, by: Self) -> Self {
+        self.mul(by)
+    }
+    /// `x` where `a` is less than `b`, else `y`; both, where that is not
+    /// certain.
+    fn choose(a: Self, b: Self, x: Self, y: Self) -> Self;
+    /// `x` where `a` is zero, else `y`.
+    fn choose_zero(a: Self, x: Self, y: Self) -> Self;
+    /// `self`, but `instead` where `a` or `b` is not a number. Kinds that
+    /// cannot tell keep `self`.
+    #[inline(always)]
+    fn unless_nan(self, _a: Self, _b: Self, _instead: f32) -> Self {
+        self
+    }
+    /// The derivative of `self`, a value that goes in steps, when those of
+    /// its operands are `a` and `b`.
+    fn step(self, a: Self, b: Self) -> Self;
+    /// What the derivative of the angle of the point (`x`, `self`) has besides
+    /// the smooth part, when that of `self` is `along`: nothing, or unknown
+    /// where the angle jumps by a turn.
+    fn leap(self, x: Self, along: Self) -> Self;
+    /// The derivative of the remainder of `self` by `o`, when theirs are `a`
+    /// and `b`.
+    fn wrap(self, o: Self, a: Self, b: Self) -> Self;
+}
+
+/// A function of one operand.
+pub(crate) fn unary<T: Number>(op: UnaryOpcode, a: T) -> T {
+    match op {
+        UnaryOpcode::Neg => a.neg(),
+        UnaryOpcode::Abs => a.abs(),
+        UnaryOpcode::Recip => a.recip(),
+        UnaryOpcode::Sqrt => a.sqrt(),
+        UnaryOpcode::Square => a.square(),
+        UnaryOpcode::Floor => a.floor(),
+        UnaryOpcode::Ceil => a.ceil(),
+        UnaryOpcode::Round => a.round(),
+        UnaryOpcode::Sin => a.sin(),
+        UnaryOpcode::Cos => a.cos(),
+        UnaryOpcode::Tan => a.tan(),
+        UnaryOpcode::Asin => a.asin(),
+        UnaryOpcode::Acos => a.acos(),
+        UnaryOpcode::Atan => a.atan(),
+        UnaryOpcode::Exp => a.exp(),
+        UnaryOpcode::Ln => a.ln(),
+        UnaryOpcode::Not => a.not(),
+        UnaryOpcode::Rand => a.rand(),
+    }
+}
+
+/// A function of two operands.
+pub(crate) fn binary<T: Number>(op: BinaryOpcode, a: T, b: T) -> T {
+    match op {
+        BinaryOpcode::Add => a.add(b),
+        BinaryOpcode::Sub => a.sub(b),
+        BinaryOpcode::Mul => a.mul(b),
+        BinaryOpcode::Div => a.div(b),
+        BinaryOpcode::Atan => a.atan2(b),
+        BinaryOpcode::Min => a.min(b),
+        BinaryOpcode::Max => a.max(b),
+        BinaryOpcode::Compare => a.compare(b),
+        BinaryOpcode::Mod => a.modulo(b),
+        BinaryOpcode::And => a.and(b),
+        BinaryOpcode::Or => a.or(b),
+        BinaryOpcode::Mix => a.mix(b),
+    }
+}
