@@ -30,11 +30,13 @@ impl Rect {
     };
 
     /// The smallest box around some points.
+    #[inline]
     pub fn around<'a>(points: impl IntoIterator<Item = &'a DVec2>) -> Rect {
         points.into_iter().fold(Rect::EMPTY, |r, &p| r.with(p))
     }
 
     /// The smallest box around this one and a point.
+    #[inline]
     pub fn with(self, p: DVec2) -> Rect {
         Rect {
             min: self.min.min(p),
@@ -43,6 +45,7 @@ impl Rect {
     }
 
     /// The smallest box around both.
+    #[inline]
     pub fn union(self, other: Rect) -> Rect {
         Rect {
             min: self.min.min(other.min),
@@ -51,11 +54,13 @@ impl Rect {
     }
 
     /// True if the two have a point in common.
+    #[inline]
     pub fn meets(&self, other: Rect) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
     /// True if the point is inside or on the border.
+    #[inline]
     pub fn contains(&self, p: DVec2) -> bool {
         self.min.cmple(p).all() && p.cmple(self.max).all()
     }
@@ -74,27 +79,32 @@ impl Area {
     pub const EMPTY: Area = Area { rings: Vec::new() };
 
     /// True if there are no rings.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.rings.is_empty()
     }
 
     /// Content of the area: outer rings less holes.
+    #[inline]
     pub fn content(&self) -> Content {
         self.rings.iter().map(|r| signed_area(r)).sum()
     }
 
     /// Length of all rings together.
+    #[inline]
     pub fn perimeter(&self) -> Length {
         self.rings.iter().map(|r| ring_length(r)).sum()
     }
 
     /// The box around the area.
+    #[inline]
     pub fn bounds(&self) -> Rect {
         Rect::around(self.rings.iter().flatten())
     }
 
     /// True if the point is inside (even–odd rule; points on the border may
     /// count either way).
+    #[inline]
     pub fn contains(&self, p: DVec2) -> bool {
         self.rings.iter().filter(|r| ring_contains(r, p)).count() % 2 == 1
     }
@@ -126,6 +136,7 @@ impl Area {
 }
 
 /// Length of a path, with the closing segment of a closed one.
+#[inline]
 pub fn path_length(points: &[DVec2], closed: bool) -> Length {
     let open: f64 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
     match (closed, points.first(), points.last()) {
@@ -135,6 +146,7 @@ pub fn path_length(points: &[DVec2], closed: bool) -> Length {
 }
 
 /// Signed content of a ring: positive if it runs counter-clockwise.
+#[inline]
 pub fn signed_area(ring: &[DVec2]) -> Content {
     let Some(&o) = ring.first() else { return 0.0 };
     // Relative to the first point: far from the origin the products of
@@ -145,12 +157,14 @@ pub fn signed_area(ring: &[DVec2]) -> Content {
 }
 
 /// Length of a ring, its closing edge included.
+#[inline]
 pub fn ring_length(ring: &[DVec2]) -> Length {
     edges(ring).map(|(a, b)| a.distance(b)).sum()
 }
 
 /// A point just inside an outer ring (or outside a hole), 1 µm off the middle
 /// of its longest edge: for asking what a part is in that shares its border.
+#[inline]
 pub fn point_beside(ring: &[DVec2]) -> Option<DVec2> {
     const OFF: Length = 1e-3;
     let longest = edges(ring).max_by(|(a, b), (c, d)| {
@@ -161,6 +175,7 @@ pub fn point_beside(ring: &[DVec2]) -> Option<DVec2> {
 }
 
 /// The edges of a ring, the closing one last.
+#[inline]
 pub fn edges(
     ring: &[DVec2],
 ) -> impl Iterator<Item = (DVec2, DVec2)> + Clone + '_ {
@@ -169,6 +184,7 @@ pub fn edges(
 }
 
 /// True if the ring winds around the point (crossing count of a ray).
+#[inline]
 pub fn ring_contains(ring: &[DVec2], p: DVec2) -> bool {
     edges(ring).fold(false, |inside, (a, b)| {
         if (a.y > p.y) == (b.y > p.y) {
@@ -180,6 +196,7 @@ pub fn ring_contains(ring: &[DVec2], p: DVec2) -> bool {
 }
 
 /// The point of the segment from `a` to `b` nearest to `p`.
+#[inline]
 pub fn nearest_on(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     let along = b - a;
     let t = (p - a).dot(along) / along.length_squared();
