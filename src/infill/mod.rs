@@ -22,7 +22,6 @@ mod grid;
 mod gyroid;
 mod hexagons;
 mod join;
-mod level;
 mod lidinoid;
 mod neovius;
 mod rectilinear;

@@ -13,7 +13,6 @@
 //! places from layer to layer. Where it is not a number is outside. What is thinner than the lattice may be missed.
 
 use super::clusters::clusters;
-use super::level::{Lattice, thin, trace};
 use super::{InfillError, Layer, Site};
 use crate::contour::{Detail, Field, field, outlines};
 use crate::model::{Expression, Place, Source, SourceKind, load};
@@ -29,6 +28,7 @@ use crate::timings::Timings;
 use crate::units::Mm;
 use crate::vary::{Surroundings, VaryError};
 use glam::DVec2;
+use isocontour::level::{Lattice, thin, trace};
 
 /// An expression, ready to be evaluated.
 pub(super) enum Shape {

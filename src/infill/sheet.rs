@@ -18,12 +18,12 @@
 
 use super::clusters::clusters;
 use super::grading::Grading;
-use super::level::{Curve, Lattice, thin, trace};
 use super::{Density, Layer, Pattern};
 use crate::plane::border::{Cutter, Piece};
 use crate::plane::{Rect, path_length};
 use crate::units::Mm;
 use glam::DVec2;
+use isocontour::level::{Curve, Lattice, thin, trace};
 use std::f64::consts::TAU;
 
 /// Sine and cosine of an angle.

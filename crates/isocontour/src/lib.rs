@@ -58,10 +58,12 @@
 mod bounds;
 mod cancel;
 mod cell;
+mod cells;
 mod contour;
 mod expand;
 mod field;
 mod interval;
+pub mod level;
 mod number;
 pub mod plane;
 mod program;

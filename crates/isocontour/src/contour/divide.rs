@@ -14,10 +14,13 @@
 //! conclusion, whichever is divided first, or alone.
 
 use super::link::Crossing;
-use super::march::{CASES, JOINED_5, JOINED_10, Scratch, Vertex};
 use super::refine::{Bracket, refine};
-use super::trace::{Chord, End, Look, Traced, line, lines_cross, look, trace};
+use super::samples::Samples;
+use super::trace::{
+    Chord, End, Look, Traced, Vertex, line, lines_cross, look, trace,
+};
 use crate::Length;
+use crate::cells::{CASES, JOINED_5, JOINED_10};
 use crate::field::{FieldError, Lattice, Sampler};
 use crate::plane::Rect;
 use glam::DVec2;
@@ -140,7 +143,7 @@ pub(super) fn divide(
     z: &[f32],
     fineness: Fineness,
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<Divided, FieldError> {
     let mut out = Divided::default();
     if cells.is_empty() {
@@ -161,7 +164,7 @@ fn sample(
     z: &[f32],
     parts: usize,
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<Vec<Patch>, FieldError> {
     scratch.clear();
     let mut patches = Vec::with_capacity(cells.len());
@@ -219,7 +222,7 @@ fn find_vertices(
     z: &[f32],
     out: &mut Divided,
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<(), FieldError> {
     let mut brackets = Vec::new();
     let mut heights = Vec::new();
@@ -309,7 +312,7 @@ fn connect(
     fineness: Fineness,
     out: &mut Divided,
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<(), FieldError> {
     let parts = fineness.parts;
     let case = |p: &Patch, a: usize, b: usize| {

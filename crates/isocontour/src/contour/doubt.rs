@@ -16,7 +16,8 @@
 //! Not guaranteed: that a feature shows where another one's field hides it
 //! from all of the nodes around it.
 
-use super::march::{Scratch, bits};
+use super::samples::Samples;
+use crate::cells::bits;
 use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use glam::{DVec2, Vec4};
 use pulp::{Arch, Simd, WithSimd};
@@ -200,7 +201,7 @@ pub(super) fn doubts(
     lattice: &Lattice,
     few: bool,
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<Vec<(usize, [usize; 2])>, FieldError> {
     let mut found: Vec<(usize, [usize; 2])> = Vec::new();
     let mut borders: Vec<Border> = Vec::new();

@@ -4,8 +4,8 @@
 //! of the outline a node is on is kept as bits, a row of a leaf in a number.
 
 use super::link::NONE;
-use super::march::bits;
 use super::refine::Bracket;
+use crate::cells::bits;
 use crate::field::{Batch, LEAF, Lattice, Leaf, NODES};
 use glam::DVec2;
 

@@ -17,8 +17,9 @@
 //! proofs would cost several times what the samples do, and little is hidden.
 //! What is certain there is that a disc 1.4 times as wide as a cell holds a node.
 
-use super::march::{Place, Scratch};
+use super::samples::Samples;
 use crate::Length;
+use crate::cells::Place;
 use crate::field::{Bound, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use crate::plane::Rect;
 use glam::DVec2;
@@ -45,7 +46,7 @@ struct Search<'a> {
     z: &'a [f32],
     lattice: &'a Lattice,
     sampler: &'a mut dyn Sampler,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut Samples,
 }
 
 /// True if a box of these bounds hides nothing.
@@ -68,7 +69,7 @@ pub(super) fn hidden(
     lattice: &Lattice,
     smallest: Length,
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<Vec<Place>, FieldError> {
     if lattice.spacing <= FINE * smallest {
         return Ok(Vec::new());

@@ -1,14 +1,7 @@
 //! Marching squares over sampled leaves (Lorensen and Cline 1987, in 2D).
 //!
-//! ```text
-//!   tl ──N── tr      corner bits: bl 1, br 2, tr 4, tl 8
-//!   │        │       a segment runs from edge to edge with the inside
-//!   W        E       on its left
-//!   │        │
-//!   bl ──S── br
-//! ```
-//!
-//! The two cells in which opposite corners are inside and the others are not
+//! Which edges of a cell the outline joins is a matter of its corners
+//! (`cells`). The two cells in which opposite corners are inside and the others are not
 //! are decided by the field at the cell's centre.
 //!
 //! Where the straight pieces do not explain the outline, it is followed within
@@ -22,53 +15,17 @@ use super::edges::Edges;
 use super::hidden::hidden;
 use super::link::{Chains, Crossing, NONE};
 use super::noise::Noise;
+use super::samples::Samples;
 use super::settle::{Order, settle};
-use super::trace::{Chord, End, Look, Traced, look, trace};
+use super::trace::{Chord, Look, Traced, Vertex, look, trace};
 use crate::Length;
+use crate::cells::{CASES, JOINED_5, JOINED_10, Place, bits};
 use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use crate::plane::Rect;
 use glam::DVec2;
 
 /// Nodes of a leaf.
 const COUNT: usize = NODES * NODES;
-
-const S: u8 = 0;
-const E: u8 = 1;
-const N: u8 = 2;
-const W: u8 = 3;
-
-/// Segments of each case; the ambiguous ones (5 and 10) as if the cell's
-/// centre were outside.
-pub(super) const CASES: [&[(u8, u8)]; 16] = [
-    &[],
-    &[(S, W)],
-    &[(E, S)],
-    &[(E, W)],
-    &[(N, E)],
-    &[(S, W), (N, E)],
-    &[(N, S)],
-    &[(N, W)],
-    &[(W, N)],
-    &[(S, N)],
-    &[(E, S), (W, N)],
-    &[(E, N)],
-    &[(W, E)],
-    &[(S, E)],
-    &[(W, S)],
-    &[],
-];
-
-/// The ambiguous cases with the centre inside.
-pub(super) const JOINED_5: &[(u8, u8)] = &[(N, W), (S, E)];
-pub(super) const JOINED_10: &[(u8, u8)] = &[(W, S), (E, N)];
-
-/// A vertex of the outline.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Vertex {
-    pub end: End,
-    /// Of the lattice edge it lies on, if it does.
-    pub crossing: Crossing,
-}
 
 /// A piece of outline across one cell.
 #[derive(Clone, Copy, Debug)]
@@ -122,9 +79,6 @@ impl Precision {
 /// needs several times their memory.
 const AT_ONCE: usize = 1 << 16;
 
-/// A cell of a batch: its leaf, and column and row in it.
-pub(super) type Place = (usize, [usize; 2]);
-
 /// Walks batches of leaves and adds their pieces to the layers' chains.
 pub(super) struct Marcher<'a> {
     lattice: &'a Lattice,
@@ -140,31 +94,7 @@ pub(super) struct Marcher<'a> {
     saddles: Vec<(usize, usize, bool)>,
     /// Segments that bend, and the points they bend through.
     bends: Vec<(usize, DVec2)>,
-    scratch: Scratch,
-}
-
-/// Coordinates and results of one bulk evaluation.
-#[derive(Default)]
-pub(super) struct Scratch {
-    pub x: Vec<f32>,
-    pub y: Vec<f32>,
-    pub z: Vec<f32>,
-    pub values: Vec<f32>,
-    pub slopes: Vec<[f32; 3]>,
-}
-
-impl Scratch {
-    pub(super) fn clear(&mut self) {
-        self.x.clear();
-        self.y.clear();
-        self.z.clear();
-    }
-
-    pub(super) fn push(&mut self, p: DVec2, z: f32) {
-        self.x.push(p.x as f32);
-        self.y.push(p.y as f32);
-        self.z.push(z);
-    }
+    scratch: Samples,
 }
 
 impl<'a> Marcher<'a> {
@@ -184,7 +114,7 @@ impl<'a> Marcher<'a> {
             segments: Vec::new(),
             saddles: Vec::new(),
             bends: Vec::new(),
-            scratch: Scratch::default(),
+            scratch: Samples::default(),
         }
     }
 
@@ -589,17 +519,5 @@ fn find(
         let within = |k: i64| (0..LEAF as i64).contains(&k);
         (leaf.layer == layer && within(a) && within(b))
             .then_some((n, [a as usize, b as usize]))
-    })
-}
-
-/// The numbers of the bits that are set.
-pub(super) fn bits(mut mask: u16) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        if mask == 0 {
-            return None;
-        }
-        let i = mask.trailing_zeros() as usize;
-        mask &= mask - 1;
-        Some(i)
     })
 }

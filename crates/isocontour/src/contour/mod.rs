@@ -33,6 +33,7 @@ mod link;
 mod march;
 mod noise;
 mod refine;
+mod samples;
 mod settle;
 mod small;
 mod trace;

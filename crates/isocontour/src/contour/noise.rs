@@ -18,7 +18,7 @@
 //! The verdict depends on the slab's layers and on nothing else. Not noticed:
 //! waves that the lattice's nodes all miss, which are as cheap as none.
 
-use super::march::Scratch;
+use super::samples::Samples;
 use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use crate::{Content, Length};
 use glam::DVec2;
@@ -85,7 +85,7 @@ impl Noise {
         z: &[f32],
         lattice: &Lattice,
         sampler: &mut dyn Sampler,
-        scratch: &mut Scratch,
+        scratch: &mut Samples,
     ) -> Result<(), FieldError> {
         self.found.clear();
         let (values, _) = values.as_chunks();
@@ -154,7 +154,7 @@ impl Noise {
         z: f32,
         lattice: &Lattice,
         sampler: &mut dyn Sampler,
-        scratch: &mut Scratch,
+        scratch: &mut Samples,
     ) -> Result<Length, FieldError> {
         let node = |i: usize, j: usize| {
             let (x, y) = (lattice.x[leaf.i + i], lattice.y[leaf.j + j]);

@@ -7,7 +7,7 @@
 //! A bracket remembers whether the field jumps in it: what its gradient says
 //! there is then no one's business.
 
-use super::march::Scratch;
+use super::samples::Samples;
 use crate::Length;
 use crate::field::{FieldError, Sampler};
 use glam::DVec2;
@@ -175,7 +175,7 @@ pub(super) fn refine(
     brackets: &mut [Bracket],
     z: &[f32],
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<Vec<DVec2>, FieldError> {
     // The first estimate is so good for most that the slope there takes them
     // the rest of the way, and is theirs.
@@ -226,7 +226,7 @@ fn slopes(
     brackets: &[Bracket],
     z: &[f32],
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
     which: impl Iterator<Item = usize>,
 ) {
     scratch.clear();
@@ -283,7 +283,7 @@ mod tests {
             f(0.1),
         )];
         let mut line = Line(f);
-        refine(&mut b, &[0.0], &mut line, &mut Scratch::default()).unwrap();
+        refine(&mut b, &[0.0], &mut line, &mut Samples::default()).unwrap();
         b[0].point().x
     }
 
@@ -292,7 +292,7 @@ mod tests {
         let jumps = |f: fn(f32) -> f32| {
             let (lo, hi) = (DVec2::ZERO, DVec2::new(0.1, 0.0));
             let mut b = [Bracket::new(lo, hi, f(0.0), f(0.1))];
-            let mut s = Scratch::default();
+            let mut s = Samples::default();
             refine(&mut b, &[0.0], &mut Line(f), &mut s).unwrap();
             b[0].jumps()
         };

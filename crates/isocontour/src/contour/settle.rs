@@ -20,8 +20,8 @@
 
 use super::edges::Edge;
 use super::link::NONE;
-use super::march::Scratch;
 use super::refine::{Bracket, refine};
+use super::samples::Samples;
 use super::trace::End;
 use crate::Length;
 use crate::field::{FieldError, Sampler};
@@ -98,7 +98,7 @@ pub(super) fn settle(
     z: &[f32],
     tolerance: Length,
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<Vec<End>, FieldError> {
     // Lines of vertices between two that are found.
     let mut spans: Vec<u32> = Vec::with_capacity(2 * edges.len());
@@ -286,7 +286,7 @@ mod tests {
         let pieces = (0..n).map(|k| (k, (k + 1) % n, false));
         let order = Order::new(edges.len(), pieces);
         let mut plane = Plane(f, 0);
-        let mut scratch = Scratch::default();
+        let mut scratch = Samples::default();
         let found =
             settle(&edges, &order, &[0.0], 5e-4, &mut plane, &mut scratch);
         (found.unwrap(), plane.1 as f64 / edges.len() as f64)

@@ -24,12 +24,21 @@
 //! Not guaranteed: that the outline has no bends between points at which
 //! chord and gradients agree.
 
-use super::march::Scratch;
+use super::link::Crossing;
 use super::refine::{Bracket, refine};
+use super::samples::Samples;
 use crate::Length;
 use crate::field::{FieldError, Sampler};
 use crate::plane::Rect;
 use glam::DVec2;
+
+/// A vertex of the outline.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    pub end: End,
+    /// Of the lattice edge it lies on, if it does.
+    pub crossing: Crossing,
+}
 
 /// Cosine of the least angle between the gradients at a corner, 15°.
 const COS_TURN: f64 = 0.966;
@@ -203,7 +212,7 @@ pub(super) fn trace(
     tolerance: Length,
     trusted: Length,
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<Vec<Traced>, FieldError> {
     let mut traced = Vec::with_capacity(chords.len());
     for chords in chords.chunks(AT_ONCE) {
@@ -219,7 +228,7 @@ fn follow(
     tolerance: Length,
     trusted: Length,
     sampler: &mut dyn Sampler,
-    scratch: &mut Scratch,
+    scratch: &mut Samples,
 ) -> Result<Vec<Traced>, FieldError> {
     let mut traced = vec![Traced::default(); chords.len()];
     let mut open: Vec<Open> = chords
@@ -327,7 +336,7 @@ struct Round<'a> {
     chords: &'a [Chord],
     tolerance: Length,
     sampler: &'a mut dyn Sampler,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut Samples,
 }
 
 /// A point at which the tangents at a chord's ends meet.

@@ -7,12 +7,13 @@
 //! A lattice may be periodic in both directions. A line on it either closes,
 //! or comes back to where it began some periods away: its `winding`.
 
-use crate::units::Mm;
+use crate::Length;
+use crate::cells::{CASES, JOINED_5, JOINED_10};
 use glam::DVec2;
 
 /// Where the function is sampled.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lattice {
+pub struct Lattice {
     /// The first node.
     pub origin: DVec2,
     /// Distance of neighbouring nodes.
@@ -25,7 +26,7 @@ pub(super) struct Lattice {
 
 /// A zero line.
 #[derive(Clone, Debug)]
-pub(super) struct Curve {
+pub struct Curve {
     /// Its points, unrolled: none jumps by a period.
     pub points: Vec<DVec2>,
     /// It returns to its first point, some periods away if it winds. Of two
@@ -36,11 +37,13 @@ pub(super) struct Curve {
 }
 
 impl Lattice {
-    pub(super) fn node(&self, i: usize, j: usize) -> DVec2 {
+    /// The node of column `i` and row `j`.
+    pub fn node(&self, i: usize, j: usize) -> DVec2 {
         self.origin + DVec2::new(i as f64, j as f64) * self.step
     }
 
-    pub(super) fn count(&self) -> usize {
+    /// How many nodes there are.
+    pub fn count(&self) -> usize {
         self.size[0] * self.size[1]
     }
 
@@ -52,33 +55,9 @@ impl Lattice {
 
 const NONE: u32 = u32::MAX;
 
-/// Sides of a cell: below, right, above, left. Pairs of them that a line
-/// passes from and to, by which corners are inside (below left 1, below
-/// right 2, above right 4, above left 8), with the inside on its left.
-const CASES: [&[(usize, usize)]; 16] = [
-    &[],
-    &[(0, 3)],
-    &[(1, 0)],
-    &[(1, 3)],
-    &[(2, 1)],
-    &[(0, 3), (2, 1)],
-    &[(2, 0)],
-    &[(2, 3)],
-    &[(3, 2)],
-    &[(0, 2)],
-    &[(1, 0), (3, 2)],
-    &[(1, 2)],
-    &[(3, 1)],
-    &[(0, 1)],
-    &[(3, 0)],
-    &[],
-];
-/// The ambiguous cases, 5 and 10, with the middle inside.
-const JOINED: [&[(usize, usize)]; 2] = [&[(0, 1), (2, 3)], &[(3, 0), (1, 2)]];
-
 /// The zero lines of a function with these values at the nodes, row by row.
 /// `eval` gives its values anywhere. What is not a number is outside.
-pub(super) fn trace(
+pub fn trace(
     lattice: &Lattice,
     values: &[f64],
     rounds: usize,
@@ -91,7 +70,6 @@ pub(super) fn trace(
     let wrap = usize::from(lattice.periodic);
     let inside = |k: usize| values[k] < 0.0;
     for j in 0..(ny + wrap).saturating_sub(1) {
-        crate::limits::check();
         let (low, high) = (j * nx, (j + 1) % ny * nx);
         for i in 0..(nx + wrap).saturating_sub(1) {
             let right = (i + 1) % nx;
@@ -108,7 +86,7 @@ pub(super) fn trace(
             if case == 5 || case == 10 {
                 let sum: f64 = nodes.iter().map(|&k| values[k]).sum();
                 if sum < 0.0 {
-                    pairs = JOINED[case / 10];
+                    pairs = if case == 5 { JOINED_5 } else { JOINED_10 };
                 }
             }
             let edges = [
@@ -118,8 +96,10 @@ pub(super) fn trace(
                 2 * nodes[0] + 1,
             ];
             for &(from, to) in pairs {
-                next[edges[from]] = edges[to] as u32;
-                crossed.push(edges[from] as u32);
+                let [from, to] =
+                    [from, to].map(|side| edges[usize::from(side)]);
+                next[from] = to as u32;
+                crossed.push(from as u32);
             }
         }
     }
@@ -255,7 +235,7 @@ fn zeros(
 /// The points of a line without those that are within `tolerance` of the
 /// chords between the others (Ramer 1972, Douglas and Peucker 1973). The ends
 /// stay.
-pub(super) fn thin(points: &[DVec2], tolerance: Mm) -> Vec<DVec2> {
+pub fn thin(points: &[DVec2], tolerance: Length) -> Vec<DVec2> {
     let Some(last) = points.len().checked_sub(1).filter(|&n| n > 1) else {
         return points.to_vec();
     };
@@ -376,7 +356,7 @@ mod tests {
         for p in &points {
             let near = thinned
                 .windows(2)
-                .map(|s| crate::plane::grid::nearest_on(*p, s[0], s[1]))
+                .map(|s| crate::plane::nearest_on(*p, s[0], s[1]))
                 .map(|q| q.distance(*p))
                 .fold(f64::INFINITY, f64::min);
             assert!(near <= 0.0101, "{near}");

@@ -1,0 +1,55 @@
+//! The cells of marching squares: which edges the outline joins, by the
+//! corners that are inside.
+//!
+//! ```text
+//!   tl ──N── tr      corner bits: bl 1, br 2, tr 4, tl 8
+//!   │        │       a segment runs from edge to edge with the inside
+//!   W        E       on its left
+//!   │        │
+//!   bl ──S── br
+//! ```
+
+const S: u8 = 0;
+const E: u8 = 1;
+const N: u8 = 2;
+const W: u8 = 3;
+
+/// Segments of each case; the ambiguous ones (5 and 10) as if the cell's
+/// centre were outside.
+pub(crate) const CASES: [&[(u8, u8)]; 16] = [
+    &[],
+    &[(S, W)],
+    &[(E, S)],
+    &[(E, W)],
+    &[(N, E)],
+    &[(S, W), (N, E)],
+    &[(N, S)],
+    &[(N, W)],
+    &[(W, N)],
+    &[(S, N)],
+    &[(E, S), (W, N)],
+    &[(E, N)],
+    &[(W, E)],
+    &[(S, E)],
+    &[(W, S)],
+    &[],
+];
+
+/// The ambiguous cases with the centre inside.
+pub(crate) const JOINED_5: &[(u8, u8)] = &[(N, W), (S, E)];
+pub(crate) const JOINED_10: &[(u8, u8)] = &[(W, S), (E, N)];
+
+/// A cell of a batch: its leaf, and column and row in it.
+pub(crate) type Place = (usize, [usize; 2]);
+
+/// The numbers of the bits that are set.
+pub(crate) fn bits(mut mask: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        if mask == 0 {
+            return None;
+        }
+        let i = mask.trailing_zeros() as usize;
+        mask &= mask - 1;
+        Some(i)
+    })
+}
