@@ -4,7 +4,7 @@
 //! layer hands to the next passes through here, and is forgotten at the
 //! beginning of every block: see [`Exit::restart`].
 
-use super::shell::{Filled, Ready, Shell};
+use super::layer::{Filled, Layer, Ready};
 use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
 use crate::bead::{Bead, Role};
@@ -17,7 +17,6 @@ use crate::limits;
 use crate::order::{Head, LayerBeads, order};
 use crate::pace::Pacer;
 use crate::plane::Rect;
-use crate::plane::grid::EdgeGrid;
 use crate::preview::Pictures;
 use crate::report;
 use crate::seam::ending::{Ended, endings};
@@ -28,7 +27,6 @@ use crate::walls::Support;
 use glam::DVec2;
 use std::io;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// The stages that run in order.
 pub(super) struct Exit<'a, 'w> {
@@ -120,7 +118,7 @@ impl<'a, 'w> Exit<'a, 'w> {
 
     /// Takes the next layer.
     pub fn layer(&mut self, ready: Ready) -> Result<(), SliceError> {
-        let (shell, above) = (&ready.shell, ready.above.as_ref());
+        let (layer, above) = (&ready.layer, ready.above.as_ref());
         let below = ready.below.as_ref();
         let Filled {
             mut beads,
@@ -129,9 +127,9 @@ impl<'a, 'w> Exit<'a, 'w> {
             look,
             figures,
         } = ready.filled;
-        let index = shell.span.index;
+        let index = layer.span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {
-            self.restart(&shell.span);
+            self.restart(&layer.span);
         }
         self.drop_skirt_off_the_bed(&mut beads, index);
         let written = self.layers.contains(&index);
@@ -153,33 +151,33 @@ impl<'a, 'w> Exit<'a, 'w> {
                 self.left_out += left_out;
             }
         }
-        self.follow_hanging(shell, look.as_ref(), written);
+        self.follow_hanging(layer, look.as_ref(), written);
         let from = self.head.at;
-        let outline = &shell.outline.area;
+        let solid = layer.outline.grid();
         let ended = self.timings.time(Stage::Order, || {
-            let beads = order(beads, outline, &mut self.head, self.settings);
-            endings(beads, &shell.solid, self.settings)
+            let beads =
+                order(beads, layer.area(), &mut self.head, self.settings);
+            endings(beads, solid, self.settings)
         });
         self.head.at = ended.last().and_then(Ended::end).or(from);
         let path = self.timings.time(Stage::Travel, || {
-            let (beads, wipes) = self.overhangs(ended, shell, below);
+            let (beads, wipes) = self.overhangs(ended, layer, below);
             if written {
                 let of_part = beads
                     .iter()
                     .filter(|b| !matches!(b.role, Role::Skirt | Role::Brim));
                 let count = of_part.count();
                 self.beads += count;
-                self.tally.add(&shell.outline, gap, count == 0);
+                self.tally.add(layer, gap, count == 0);
             }
             let mut path = connect(
-                shell.span,
+                layer.span,
                 beads,
                 &wipes,
                 Ground {
-                    outline,
-                    solid: &shell.solid,
+                    outline: &layer.outline,
                     sparse: &sparse,
-                    above: above.map(|a| &a.outline.area),
+                    above: above.map(Layer::area),
                 },
                 from,
                 self.offset,
@@ -202,7 +200,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
         let paced = self
             .timings
-            .time(Stage::Pace, || self.pacer.layer(path, Some(&shell.solid)))?;
+            .time(Stage::Pace, || self.pacer.layer(path, Some(solid)))?;
         self.timings.time(Stage::Gcode, || match written {
             true => self.writer.layer(&paced),
             false => self.writer.rehearse(&paced),
@@ -224,22 +222,14 @@ impl<'a, 'w> Exit<'a, 'w> {
     fn overhangs(
         &self,
         ended: Vec<Ended>,
-        shell: &Shell,
-        below: Option<&Shell>,
+        layer: &Layer,
+        below: Option<&Layer>,
     ) -> (Vec<Bead>, Vec<Option<DVec2>>) {
-        let below = below.filter(|b| !Arc::ptr_eq(&b.outline, &shell.outline));
-        let squeezed = below
-            .and_then(|b| b.squeezed(self.settings))
-            .map(|area| (EdgeGrid::new(&area, 1.0), area));
-        let support = below.and_then(|b| match &squeezed {
-            Some((grid, area)) => {
-                Support::new(area, grid, &shell.solid, self.settings)
-            }
-            None => {
-                let area = &b.outline.area;
-                Support::new(area, &b.solid, &shell.solid, self.settings)
-            }
-        });
+        let below = below.filter(|below| !layer.same_outline(below));
+        let below = below.map(|below| below.top(self.settings));
+        let support = below
+            .as_deref()
+            .and_then(|b| Support::new(b, &layer.outline, self.settings));
         let mut beads = Vec::with_capacity(ended.len());
         let mut wipes = Vec::with_capacity(ended.len());
         for Ended { bead, wipe } in ended {
@@ -258,15 +248,17 @@ impl<'a, 'w> Exit<'a, 'w> {
     /// Follows what hangs.
     fn follow_hanging(
         &mut self,
-        shell: &Shell,
+        layer: &Layer,
         look: Option<&Look>,
         written: bool,
     ) {
-        let (offset, span) = (self.offset, shell.span);
+        let (offset, span) = (self.offset, layer.span);
         let place = |p: DVec2| (p + offset).extend(span.bottom);
         let tracker = &mut self.hanging;
         self.timings.time(Stage::Hang, || match look {
-            Some(look) => tracker.layer(look, &shell.solid, written, place),
+            Some(look) => {
+                tracker.layer(look, layer.outline.grid(), written, place)
+            }
             None => tracker.same(span.height(), written, self.settings),
         });
         // With the block, or with the part.
@@ -275,8 +267,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             tracker.restart(written, self.settings);
         }
         if span.index == 0 && written {
-            let outline = &shell.outline.area;
-            self.foot = Foot::new(outline, span.height(), self.settings);
+            self.foot = Foot::new(layer.area(), span.height(), self.settings);
         }
     }
 

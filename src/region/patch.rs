@@ -14,9 +14,8 @@
 
 use super::line::{Line, RidgeIndex, absorb};
 use super::ridge::Ridge;
-use super::{Lay, Skeleton, cell, shrink, shrink_with};
+use super::{Lay, Skeleton, lay, shrink};
 use crate::plane::Area;
-use crate::plane::grid::EdgeGrid;
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -42,11 +41,9 @@ const SLACK: Mm = 0.02;
 
 /// Lays the beads around a solid area.
 pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
-    let grid = EdgeGrid::new(area, cell(area));
     let limit = 2.0 * plan.inner + plan.limit;
-    let skeleton = Skeleton::new(area, &grid, limit, tolerance);
-    let room = Some(&skeleton.room);
-    let rings = shrink_with(area, &grid, room, plan.centre, tolerance);
+    let skeleton = Skeleton::new(area, limit, tolerance);
+    let rings = skeleton.shrunk(plan.centre, tolerance);
     let laid = skeleton.lay(rings, 0.0, plan);
     let (core, slivers) =
         skeleton.thin_places(plan.inner, plan.limit, plan.least);
@@ -115,11 +112,7 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Line> {
     let mut rings: Vec<Line> = Vec::new();
     let mut last: Vec<Line> = Vec::new();
     while !area.is_empty() {
-        let grid = EdgeGrid::new(&area, cell(&area));
-        let skeleton = Skeleton::new(&area, &grid, plan.limit, tolerance);
-        let room = Some(&skeleton.room);
-        let whole = shrink_with(&area, &grid, room, plan.centre, tolerance);
-        let laid = skeleton.lay(whole, 0.0, plan);
+        let laid = lay(&area, plan, tolerance);
         rings.extend(absorb(last, &laid.slivers, away, tolerance));
         rings.extend(laid.thin);
         last = laid.lines;

@@ -22,7 +22,7 @@ use super::spread::Spread;
 use crate::contour::Outline;
 use crate::layers::LayerSpan;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Rect};
+use crate::plane::{Area, Rect, Solid};
 use crate::region::line::Line;
 use crate::region::{Walls, wall_depths};
 use crate::settings::Settings;
@@ -46,8 +46,8 @@ pub struct LayerParts<'a> {
     pub z: Mm,
     /// Its outline.
     pub outline: &'a Outline,
-    /// The outline's edges.
-    pub edges: &'a EdgeGrid,
+    /// The outline that is printed.
+    pub printed: &'a Solid<'a>,
     /// Its walls.
     pub walls: &'a Walls,
 }
@@ -253,7 +253,7 @@ fn walls(
     found: &mut LayerFigures,
 ) {
     let Walls { lines, thin, .. } = layer.walls;
-    let edges = layer.edges;
+    let edges = layer.printed.grid();
     let height = layer.span.height();
     let (depths, _) = wall_depths(height, settings);
     let constant = |l: &&Line| l.widths.is_empty();
@@ -335,7 +335,7 @@ mod tests {
             span,
             z: 0.0,
             outline: &outline,
-            edges: &EdgeGrid::new(&outline.area, 1.0),
+            printed: &Solid::of(&outline.area, 1.0),
             walls,
         };
         let frame = Rect {

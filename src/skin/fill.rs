@@ -6,14 +6,14 @@
 use super::bridge::bridges;
 use super::roles::{Path, Sides};
 use super::strokes::strokes;
-use super::{Fill, Patch, sweep};
+use super::{Face, Fill, Patch, sweep};
 use crate::bead::{Bead, Role, spacing};
 use crate::plane::Area;
 use crate::plane::clip::difference;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::offset::offset;
 use crate::region::Lay;
-use crate::region::cover::{Cover, Covered};
+use crate::region::cover::Covered;
 use crate::region::line::Line;
 use crate::region::neighbour::Neighbour;
 use crate::region::patch::{Free, Patch as Around, concentric, patch};
@@ -33,8 +33,8 @@ struct Look {
 
 /// What the islands of a layer have in common.
 pub(super) struct Filler<'a> {
-    pub above: Face<'a>,
-    pub below: Face<'a>,
+    pub above: Side<'a>,
+    pub below: Side<'a>,
     pub on_bed: bool,
     pub angle: Degrees,
     pub height: Mm,
@@ -42,22 +42,22 @@ pub(super) struct Filler<'a> {
 }
 
 /// A layer next to this one, sorted by place when an island first asks.
-pub(super) struct Face<'a> {
-    cover: Option<Cover<'a>>,
+pub(super) struct Side<'a> {
+    face: Option<Face<'a>>,
     sorted: OnceCell<Neighbour<'a>>,
 }
 
-impl<'a> Face<'a> {
-    /// Of the layer there, if there is one.
-    pub fn new(cover: Option<Cover<'a>>) -> Face<'a> {
-        Face {
-            cover,
+impl<'a> Side<'a> {
+    /// For the layer there, if there is one.
+    pub fn new(face: Option<Face<'a>>) -> Side<'a> {
+        Side {
+            face,
             sorted: OnceCell::new(),
         }
     }
 
     fn get(&self) -> Option<&Neighbour<'a>> {
-        let area = self.cover?.area;
+        let area = self.face?.rough.area();
         Some(self.sorted.get_or_init(|| Neighbour::new(area)))
     }
 }

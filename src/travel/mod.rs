@@ -24,13 +24,11 @@ mod wipe;
 
 use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
-use crate::plane::Area;
-use crate::plane::grid::EdgeGrid;
+use crate::plane::{Area, Solid};
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 use plan::Planner;
-use std::cell::OnceCell;
 
 /// One step of a layer's tool path, in print order.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,12 +68,10 @@ pub struct LayerPath {
 /// What a layer is made of, in the model's coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// Its border.
-    pub outline: &'a Area,
-    /// The same, for asking what is where.
-    pub solid: &'a EdgeGrid,
+    /// Its outline.
+    pub outline: &'a Solid<'a>,
     /// Where it has sparse infill.
-    pub sparse: &'a Area,
+    pub sparse: &'a Solid<'a>,
     /// The border of the layer above, if there is one.
     pub above: Option<&'a Area>,
 }
@@ -92,9 +88,7 @@ pub fn connect(
     offset: DVec2,
     settings: &Settings,
 ) -> LayerPath {
-    let sparse = OnceCell::new();
-    let planner =
-        Planner::new(&beads, ground, &sparse, span.height(), settings);
+    let planner = Planner::new(&beads, ground, span.height(), settings);
     let mut travels: Vec<Option<Travel>> = Vec::with_capacity(beads.len());
     let mut at = from;
     let mut before: Option<&Bead> = None;

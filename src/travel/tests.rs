@@ -94,35 +94,31 @@ impl Part {
         beads: &[Bead],
         question: impl FnOnce(&Obstacles<'_>) -> T,
     ) -> T {
-        let grid = EdgeGrid::new(&self.outline, 1.0);
-        let cell = OnceCell::new();
-        let ground = self.ground(&grid);
-        question(&Obstacles::new(beads, ground, &cell, 0.2, &self.settings))
+        self.on_ground(|ground| {
+            question(&Obstacles::new(beads, ground, 0.2, &self.settings))
+        })
     }
 
-    fn ground<'a>(&'a self, solid: &'a EdgeGrid) -> Ground<'a> {
-        Ground {
-            outline: &self.outline,
-            solid,
-            sparse: &self.sparse,
+    fn on_ground<T>(&self, act: impl FnOnce(Ground<'_>) -> T) -> T {
+        act(Ground {
+            outline: &Solid::of(&self.outline, 1.0),
+            sparse: &Solid::of(&self.sparse, 1.0),
             above: self.above.as_ref(),
-        }
+        })
+    }
+
+    /// The path through some beads of the part, moved by `offset`.
+    fn path(&self, beads: Vec<Bead>, offset: DVec2) -> LayerPath {
+        self.on_ground(|ground| {
+            connect(SPAN, beads, &[], ground, None, offset, &self.settings)
+        })
     }
 
     /// The travels between beads of the part, in order; its walls come first.
     fn travels(&self, beads: Vec<Bead>) -> Vec<Travel> {
         let count = beads.len();
         let all: Vec<Bead> = self.walls.iter().cloned().chain(beads).collect();
-        let grid = EdgeGrid::new(&self.outline, 1.0);
-        let path = connect(
-            SPAN,
-            all,
-            &[],
-            self.ground(&grid),
-            None,
-            DVec2::ZERO,
-            &self.settings,
-        );
+        let path = self.path(all, DVec2::ZERO);
         let mut travels: Vec<Travel> = path
             .moves
             .into_iter()
@@ -397,10 +393,10 @@ fn islands_are_left_and_entered_squarely() {
     assert!(travel.retract);
     let way: Vec<DVec2> = [from].into_iter().chain(travel.points).collect();
     assert_eq!(way.last(), Some(&to));
-    let grid = EdgeGrid::new(&part.outline, 1.0);
+    let outline = Solid::of(&part.outline, 1.0);
     let crossing: Vec<&[DVec2]> = way
         .windows(2)
-        .filter(|p| !grid.crossings(p[0], p[1]).is_empty())
+        .filter(|p| !outline.grid().crossings(p[0], p[1]).is_empty())
         .collect();
     let [air] = crossing[..] else {
         panic!("not once: {way:?}");
@@ -463,18 +459,9 @@ fn ways_begin_where_the_wipe_ends() {
 #[test]
 fn beads_are_moved_to_the_bed() {
     let part = Part::square();
-    let grid = EdgeGrid::new(&part.outline, 1.0);
     let line = bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]);
     let by = DVec2::new(100.0, 50.0);
-    let path = connect(
-        SPAN,
-        vec![line],
-        &[],
-        part.ground(&grid),
-        None,
-        by,
-        &part.settings,
-    );
+    let path = part.path(vec![line], by);
     let Some(Move::Print(b)) = path.moves.last() else {
         panic!("nothing printed");
     };

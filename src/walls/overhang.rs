@@ -15,7 +15,7 @@
 //! solid.
 
 use crate::bead::{Bead, Role};
-use crate::plane::Area;
+use crate::plane::Solid;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
 use crate::settings::Settings;
@@ -24,7 +24,7 @@ use glam::DVec2;
 
 /// What holds a layer's walls.
 pub struct Support<'a> {
-    solid: &'a EdgeGrid,
+    below: &'a EdgeGrid,
     /// The solid shrunk or grown for outer and for inner walls, if not half
     /// of a wall may hang over.
     moved: Option<[EdgeGrid; 2]>,
@@ -46,13 +46,11 @@ const BESIDE: f64 = 0.6;
 const TOLERANCE: Mm = 0.01;
 
 impl<'a> Support<'a> {
-    /// The solid of the layer below, `area`, of which `solid` is the grid,
-    /// for the walls of a layer whose own solid is `own`; nothing if no wall
-    /// is to be an overhang.
+    /// The solid of the layer below for the walls of a layer whose own solid
+    /// is `own`; nothing if no wall is to be an overhang.
     pub fn new(
-        area: &Area,
-        solid: &'a EdgeGrid,
-        own: &'a EdgeGrid,
+        below: &'a Solid<'_>,
+        own: &'a Solid<'_>,
         settings: &Settings,
     ) -> Option<Support<'a>> {
         let share = settings.overhang_share;
@@ -62,13 +60,13 @@ impl<'a> Support<'a> {
         let widths = [settings.outer_wall_width, settings.inner_wall_width];
         let share = 0.01 * share - 0.5;
         let grid = |width: Mm| {
-            EdgeGrid::new(&offset(area, share * width, TOLERANCE), 1.0)
+            EdgeGrid::new(&offset(below.area(), share * width, TOLERANCE), 1.0)
         };
         Some(Support {
-            solid,
+            below: below.grid(),
             moved: (share != 0.0).then(|| widths.map(grid)),
             wide: widths.map(|w| w * (1.0 + WIDER)),
-            own,
+            own: own.grid(),
         })
     }
 
@@ -99,7 +97,7 @@ impl<'a> Support<'a> {
 
     fn cut_one(&self, bead: Bead, out: &mut Vec<Bead>) {
         let wall = usize::from(bead.role != Role::OuterWall);
-        let grid = self.moved.as_ref().map_or(self.solid, |m| &m[wall]);
+        let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
         let n = bead.points.len();
         // Where along the bead, as segment + share of it, edges are crossed.
         let mut cuts: Vec<f64> = Vec::new();
@@ -259,6 +257,7 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::Area;
 
     fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<DVec2> {
         [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
@@ -289,15 +288,14 @@ mod tests {
         below: Vec<DVec2>,
         share: f64,
     ) -> Vec<Bead> {
-        let own = EdgeGrid::new(&Area { rings: vec![own] }, 1.0);
+        let solid = |ring| Solid::new(Area { rings: vec![ring] });
+        let (own, below) = (solid(own), solid(below));
         let settings = Settings {
             overhang_share: share,
             outer_wall_width: 0.4,
             ..Settings::default()
         };
-        let area = Area { rings: vec![below] };
-        let grid = EdgeGrid::new(&area, 1.0);
-        let support = Support::new(&area, &grid, &own, &settings);
+        let support = Support::new(&below, &own, &settings);
         support.map_or(vec![bead.clone()], |s| s.cut(vec![bead]))
     }
 
