@@ -9,7 +9,7 @@
 use crate::bead::{Bead, Role, spacing};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
-use crate::plane::{Area, Ring, signed_area};
+use crate::plane::{Area, Rect, Ring, signed_area};
 use crate::settings::{BrimPlace, Settings};
 use crate::units::Mm;
 use geo::{ConvexHull, Coord, MultiPoint, Point};
@@ -77,6 +77,64 @@ impl Skirt {
             .map(|points| around(Role::Skirt, points, self.width, height))
             .collect()
     }
+}
+
+/// A layer's loops: the skirt's and, in the first one, the brim's. `skirt` is
+/// there if it is not of the first layer alone.
+pub fn loops(
+    number: usize,
+    outline: &Area,
+    height: Mm,
+    skirt: Option<&Skirt>,
+    settings: &Settings,
+) -> Vec<Bead> {
+    let mut beads = match skirt {
+        _ if number >= settings.skirt.layers as usize => Vec::new(),
+        Some(skirt) => skirt.beads(height),
+        None => Skirt::new([outline], settings).beads(height),
+    };
+    if number == 0 {
+        beads.extend(brim(outline, height, settings));
+    }
+    beads
+}
+
+/// Leaves out loops that would leave the bed, and tells what to do about it.
+/// `offset` leads from the loops' coordinates to the bed's.
+pub fn keep_on_bed(
+    loops: &mut Vec<Bead>,
+    offset: DVec2,
+    settings: &Settings,
+) -> Vec<String> {
+    let printer = &settings.printer;
+    let bed = Rect {
+        min: DVec2::ZERO,
+        max: DVec2::new(printer.bed_x, printer.bed_y),
+    };
+    let leaves = |b: &mut Bead| {
+        let half = DVec2::splat(0.5 * b.width);
+        !b.points.iter().all(|&p| {
+            let p = p + offset;
+            bed.contains(p - half) && bed.contains(p + half)
+        })
+    };
+    let left_out: Vec<Bead> = loops.extract_if(.., leaves).collect();
+    let told = [
+        (
+            Role::Skirt,
+            "the skirt does not fit on the bed and is left out; lower \
+             skirt.distance or set skirt.loops = 0",
+        ),
+        (
+            Role::Brim,
+            "the brim does not fit on the bed: loops that would leave it are \
+             left out; lower brim.width",
+        ),
+    ];
+    told.into_iter()
+        .filter(|(role, _)| left_out.iter().any(|b| b.role == *role))
+        .map(|(_, text)| text.to_owned())
+        .collect()
 }
 
 /// Loops beside the part that hold it down, `brim.gap` away from its outline

@@ -52,6 +52,17 @@ pub struct LayerBeads {
     pub skin: Vec<Patch>,
 }
 
+impl LayerBeads {
+    /// The beads of walls and skin.
+    pub fn shell(&self) -> impl Iterator<Item = &Bead> {
+        let patches = self.skin.iter().flat_map(|patch| {
+            let fills = patch.fills.iter().flat_map(|f| &f.lines);
+            patch.rings.iter().chain(fills)
+        });
+        self.walls.iter().chain(patches)
+    }
+}
+
 /// What one layer hands to the next.
 #[derive(Clone, Debug, Default)]
 pub struct Head {

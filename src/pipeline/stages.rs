@@ -6,7 +6,7 @@
 
 use super::layer::{Inside, Layer, faces, window};
 use super::{BLOCK, SliceError};
-use crate::adhesion::{Skirt, brim};
+use crate::adhesion::{Skirt, loops};
 use crate::contour::{Detail, Field, FieldError, field, outlines};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
@@ -317,17 +317,14 @@ impl<'a> Stages<'a> {
                 fuzzy.apply(&mut walls, number, span.sample_z(), solid)
             })?;
         }
-        let outline = outline.area();
-        let mut around = match &self.skirt {
-            _ if number >= self.settings.skirt.layers as usize => Vec::new(),
-            Some(skirt) => skirt.beads(height),
-            None => Skirt::new([outline], self.settings).beads(height),
-        };
-        if number == 0 {
-            around.extend(brim(outline, height, self.settings));
-        }
         let beads = LayerBeads {
-            skirt: around,
+            skirt: loops(
+                number,
+                outline.area(),
+                height,
+                self.skirt.as_ref(),
+                self.settings,
+            ),
             walls,
             sites,
             infill: self.timings.time(Stage::Infill, || {

@@ -291,16 +291,22 @@ fn all_at_once(
     };
     let covers: Vec<&Area> = covers.iter().map(|c| c.area()).collect();
     let open = not_covered_by_all(&joined, &covers);
-    let nest = Nest::new(islands.iter().filter_map(|i| i.rings.first()));
-    let mut parts = vec![Area::EMPTY; islands.len()];
-    for part in open.islands() {
-        let p = part.rings.first().and_then(|r| point_beside(r));
-        if let Some(i) = p.and_then(|p| nest.around(p)) {
-            parts[i].rings.extend(part.rings);
-        }
-    }
+    let mut parts = by_island(islands, open.islands());
     let own = |&i: &usize| (i, part(std::mem::take(&mut parts[i])));
     which.iter().map(own).collect()
+}
+
+/// Areas by the island that each of them lies in.
+pub(super) fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
+    let nest = Nest::new(islands.iter().filter_map(|p| p.rings.first()));
+    let mut sorted: Vec<Area> = vec![Area::EMPTY; islands.len()];
+    for area in areas {
+        let p = area.rings.first().and_then(|r| point_beside(r));
+        if let Some(i) = p.and_then(|p| nest.around(p)) {
+            sorted[i].rings.extend(area.rings);
+        }
+    }
+    sorted
 }
 
 fn part(open: Area) -> Exposed {

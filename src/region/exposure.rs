@@ -20,13 +20,14 @@
 //! for sparse infill becomes skin as well. Skin and sparse area together are
 //! the fill.
 
-use super::cover::{Covered, Exposed, Islands, TOLERANCE, exposed, near, open};
+use super::cover::{
+    Covered, Exposed, Islands, TOLERANCE, by_island, exposed, near, open,
+};
 use crate::plane::clip::{
     crop, difference, intersection, not_covered_by_all, union,
 };
-use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
-use crate::plane::{Area, Solid, point_beside};
+use crate::plane::{Area, Solid};
 use crate::settings::{Settings, SkinWhere};
 use crate::units::Mm;
 
@@ -309,19 +310,6 @@ impl Slope<'_> {
             };
         }
     }
-}
-
-/// Areas by the island that each of them lies in.
-fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
-    let nest = Nest::new(islands.iter().filter_map(|p| p.rings.first()));
-    let mut sorted: Vec<Area> = vec![Area::EMPTY; islands.len()];
-    for area in areas {
-        let p = area.rings.first().and_then(|r| point_beside(r));
-        if let Some(i) = p.and_then(|p| nest.around(p)) {
-            sorted[i].rings.extend(area.rings);
-        }
-    }
-    sorted
 }
 
 /// What of the exposed parts hangs in the air, by island, if bridges are to be

@@ -48,6 +48,9 @@ pub struct Walls {
     /// Beads in the middle of places too thin for walls: of the part first,
     /// then of what each wall leaves.
     pub thin: Vec<Vec<Line>>,
+    /// Depths of the walls' centre lines below the outline, where the part is
+    /// not too thin for them.
+    pub depths: Vec<Mm>,
     /// What the walls leave for infill and skin.
     pub fill: Area,
     /// Solid that is neither under a bead nor left for filling, because it
@@ -296,14 +299,29 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
         }
         area = left;
     }
-    let mut walls = Walls {
-        lines,
-        thin,
-        fill: area,
-        gap: 0.0,
-    };
-    walls.gap = gap(outline, &walls, height, settings);
-    walls
+    Walls::of(outline, lines, thin, area, height, settings)
+}
+
+impl Walls {
+    /// These walls of an outline.
+    fn of(
+        outline: &Area,
+        lines: Vec<Vec<Line>>,
+        thin: Vec<Vec<Line>>,
+        fill: Area,
+        height: Mm,
+        settings: &Settings,
+    ) -> Walls {
+        let mut walls = Walls {
+            lines,
+            thin,
+            depths: wall_depths(height, settings).0,
+            fill,
+            gap: 0.0,
+        };
+        walls.gap = gap(outline, &walls, height, settings);
+        walls
+    }
 }
 
 /// Distance between the centre lines of two inner walls.
@@ -333,14 +351,7 @@ pub fn field_walls(
             cut(&area, &[], 0.0, width)
         })
         .collect();
-    let mut walls = Walls {
-        lines,
-        thin: Vec::new(),
-        fill,
-        gap: 0.0,
-    };
-    walls.gap = gap(outline, &walls, height, settings);
-    walls
+    Walls::of(outline, lines, Vec::new(), fill, height, settings)
 }
 
 /// The area shrunk by `distance` and thinned.

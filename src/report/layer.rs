@@ -23,8 +23,8 @@ use crate::contour::Outline;
 use crate::layers::LayerSpan;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, Solid};
+use crate::region::Walls;
 use crate::region::line::Line;
-use crate::region::{Walls, wall_depths};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
@@ -126,7 +126,7 @@ pub fn measure(
         ..LayerFigures::default()
     };
     outline(area, layer.z, probe, effort, &mut found)?;
-    walls(&layer, effort, settings, &mut found);
+    walls(&layer, effort, &mut found);
     if let Effort::Full { area_lines } = effort
         && area_lines > 0
     {
@@ -246,16 +246,14 @@ fn along(line: &Line) -> impl Iterator<Item = (DVec2, Mm)> + '_ {
     })
 }
 
-fn walls(
-    layer: &LayerParts<'_>,
-    effort: Effort,
-    settings: &Settings,
-    found: &mut LayerFigures,
-) {
-    let Walls { lines, thin, .. } = layer.walls;
+fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
+    let Walls {
+        lines,
+        thin,
+        depths,
+        ..
+    } = layer.walls;
     let edges = layer.printed.grid();
-    let height = layer.span.height();
-    let (depths, _) = wall_depths(height, settings);
     let constant = |l: &&Line| l.widths.is_empty();
     let depth =
         |p: DVec2| edges.nearest(p).map_or(f64::NAN, |(_, q)| p.distance(q));

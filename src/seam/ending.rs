@@ -14,6 +14,7 @@ use crate::bead::{Bead, Role, cross_section};
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
+use crate::walls::Support;
 use glam::DVec2;
 
 /// A bead, and what follows on it.
@@ -23,6 +24,12 @@ pub struct Ended {
     pub bead: Bead,
     /// Where the nozzle goes when it is done, before anything else.
     pub wipe: Option<DVec2>,
+}
+
+impl From<Bead> for Ended {
+    fn from(bead: Bead) -> Ended {
+        Ended { bead, wipe: None }
+    }
 }
 
 impl Ended {
@@ -48,7 +55,7 @@ pub fn endings(
     let finish = |bead: Bead| {
         let meant = bead.closed && bead.role == Role::OuterWall;
         if !meant || bead.points.len() < 3 {
-            return Ended { bead, wipe: None };
+            return bead.into();
         }
         let length = bead.length();
         // Half of a loop must be left as it is.
@@ -65,6 +72,19 @@ pub fn endings(
         Ended { bead, wipe }
     };
     beads.into_iter().map(finish).collect()
+}
+
+/// The beads, walls cut where they begin or cease to hang over what holds
+/// them.
+pub fn cut(all: Vec<Ended>, support: &Support<'_>) -> Vec<Ended> {
+    let mut out = Vec::with_capacity(all.len());
+    for Ended { bead, wipe } in all {
+        out.extend(support.cut(bead).into_iter().map(Ended::from));
+        if let Some(last) = out.last_mut() {
+            last.wipe = wipe;
+        }
+    }
+    out
 }
 
 /// A closed bead as an open one that overlaps its beginning by a scarf, and

@@ -26,7 +26,6 @@ use super::cross::meets;
 use crate::bead::{Bead, Role};
 use crate::plane::Rect;
 use crate::plane::grid::EdgeGrid;
-use crate::region::wall_depths;
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
@@ -45,8 +44,6 @@ pub struct Obstacles<'a> {
     tops: OnceCell<EdgeGrid>,
     width: Mm,
     inner_width: Mm,
-    /// Depth of the fill's border below the outline.
-    border: Mm,
 }
 
 /// How near to the middle of a wall counts as on it, as a share of its width:
@@ -64,7 +61,6 @@ impl<'a> Obstacles<'a> {
     pub fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
-        height: Mm,
         settings: &Settings,
     ) -> Obstacles<'a> {
         Obstacles {
@@ -78,7 +74,6 @@ impl<'a> Obstacles<'a> {
             tops: OnceCell::new(),
             width: settings.outer_wall_width,
             inner_width: settings.inner_wall_width,
-            border: wall_depths(height, settings).1,
         }
     }
 
@@ -230,7 +225,7 @@ impl<'a> Obstacles<'a> {
                     || b.role == Role::Overhang && !self.hangs_outside(b)
             })
         });
-        let inside = trimmed(points, 1.2 * self.border);
+        let inside = trimmed(points, 1.2 * self.ground.border);
         inside
             .windows(2)
             .any(|p| !grid.crossings(p[0], p[1]).is_empty())

@@ -16,7 +16,6 @@ use super::{Ground, Travel, gate, of_part, wipe};
 use crate::bead::Bead;
 use crate::plane::clip::intersection;
 use crate::plane::{Solid, path_length};
-use crate::region::wall_depths;
 use crate::settings::{Combing, Hidden, HopWhen, Settings};
 use crate::units::Mm;
 use glam::DVec2;
@@ -47,14 +46,12 @@ impl<'a> Planner<'a> {
     pub fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
-        height: Mm,
         settings: &'a Settings,
     ) -> Planner<'a> {
-        let border = wall_depths(height, settings).1;
-        let clearance = border.max(settings.outer_wall_width);
+        let clearance = ground.border.max(settings.outer_wall_width);
         Planner {
             ground,
-            obstacles: Obstacles::new(beads, ground, height, settings),
+            obstacles: Obstacles::new(beads, ground, settings),
             comb: Comb::new(Cow::Borrowed(ground.outline), clearance),
             sparse: OnceCell::new(),
             covered: OnceCell::new(),

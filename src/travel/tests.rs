@@ -1,5 +1,6 @@
 use super::*;
 use crate::plane::rect;
+use crate::region::wall_depths;
 use crate::settings::{Combing, Hidden, HopWhen};
 use decide::Obstacles;
 
@@ -95,7 +96,7 @@ impl Part {
         question: impl FnOnce(&Obstacles<'_>) -> T,
     ) -> T {
         self.on_ground(|ground| {
-            question(&Obstacles::new(beads, ground, 0.2, &self.settings))
+            question(&Obstacles::new(beads, ground, &self.settings))
         })
     }
 
@@ -103,14 +104,16 @@ impl Part {
         act(Ground {
             outline: &Solid::of(&self.outline, 1.0),
             sparse: &Solid::of(&self.sparse, 1.0),
+            border: wall_depths(0.2, &self.settings).1,
             above: self.above.as_ref(),
         })
     }
 
     /// The path through some beads of the part, moved by `offset`.
     fn path(&self, beads: Vec<Bead>, offset: DVec2) -> LayerPath {
+        let beads = beads.into_iter().map(Ended::from).collect();
         self.on_ground(|ground| {
-            connect(SPAN, beads, &[], ground, None, offset, &self.settings)
+            connect(SPAN, beads, ground, None, offset, &self.settings)
         })
     }
 

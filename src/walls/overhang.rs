@@ -6,8 +6,8 @@
 //!   ▒▒▒▒╲_____╱▒▒▒▒     that follow each other without a travel
 //! ```
 //!
-//! In: a layer's beads in print order, and the solid of the layer below. Out:
-//! the same beads, walls cut where they begin or cease to hang. A wall that
+//! In: a bead, and the solid of the layer below. Out: the bead, cut where it
+//! begins or ceases to hang, if it is a wall. A wall that
 //! has grown wider reaches another one beside it, which holds it, and is left
 //! as it is, as is what fills the gaps between walls; the one bead of a thin
 //! place has air on both sides. By how much a bead may hang over is a share
@@ -70,19 +70,13 @@ impl<'a> Support<'a> {
         })
     }
 
-    /// The beads, cut where they begin or cease to hang.
-    pub fn cut(&self, beads: Vec<Bead>) -> Vec<Bead> {
-        let mut out = Vec::with_capacity(beads.len());
-        for bead in beads {
-            crate::limits::check();
-            match bead.role {
-                Role::OuterWall | Role::InnerWall => {
-                    self.cut_one(bead, &mut out);
-                }
-                _ => out.push(bead),
-            }
+    /// The bead, cut where it begins or ceases to hang, if it is a wall.
+    pub fn cut(&self, bead: Bead) -> Vec<Bead> {
+        crate::limits::check();
+        match bead.role {
+            Role::OuterWall | Role::InnerWall => self.pieces(bead),
+            _ => vec![bead],
         }
-        out
     }
 
     /// Is there more of the part beside this place of a bead?
@@ -95,7 +89,7 @@ impl<'a> Support<'a> {
         self.own.contains(p + side) || self.own.contains(p - side)
     }
 
-    fn cut_one(&self, bead: Bead, out: &mut Vec<Bead>) {
+    fn pieces(&self, bead: Bead) -> Vec<Bead> {
         let wall = usize::from(bead.role != Role::OuterWall);
         let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
         let n = bead.points.len();
@@ -116,8 +110,7 @@ impl<'a> Support<'a> {
         cuts.dedup_by(|a, b| *a - *b < 1e-9);
         let segments = if bead.closed { n } else { n.saturating_sub(1) };
         if segments == 0 {
-            out.push(bead);
-            return;
+            return vec![bead];
         }
         cuts.retain(|c| *c < segments as f64);
         let mut ends = vec![0.0];
@@ -143,10 +136,9 @@ impl<'a> Support<'a> {
         let pieces = join(pieces, &bead);
         if let [one] = pieces.as_slice() {
             let role = if one.hangs { Role::Overhang } else { bead.role };
-            out.push(Bead { role, ..bead });
-            return;
+            return vec![Bead { role, ..bead }];
         }
-        out.extend(pieces.iter().map(|piece| part(&bead, piece)));
+        pieces.iter().map(|piece| part(&bead, piece)).collect()
     }
 }
 
@@ -296,7 +288,7 @@ mod tests {
             ..Settings::default()
         };
         let support = Support::new(&below, &own, &settings);
-        support.map_or(vec![bead.clone()], |s| s.cut(vec![bead]))
+        support.map_or(vec![bead.clone()], |s| s.cut(bead))
     }
 
     fn lengths(beads: &[Bead]) -> Vec<(Role, f64)> {
