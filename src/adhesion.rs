@@ -6,7 +6,7 @@
 //!     ┊←─ distance ─→┊
 //! ```
 
-use crate::bead::{Bead, Role, spacing};
+use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Ring, signed_area};
@@ -273,15 +273,7 @@ fn in_chain(
 }
 
 fn around(role: Role, points: Ring, width: Mm, height: Mm) -> Bead {
-    Bead {
-        role,
-        points,
-        closed: true,
-        width,
-        widths: Vec::new(),
-        height,
-        small: false,
-    }
+    Bead::new(role, Stroke::new(points, true, width), height)
 }
 
 #[cfg(test)]
@@ -301,7 +293,7 @@ mod tests {
         let lengths = |outlines: &[Area], settings: &Settings| {
             let skirt = Skirt::new(outlines, settings);
             let beads = skirt.beads(0.2);
-            beads.iter().map(Bead::length).collect::<Vec<f64>>()
+            beads.iter().map(|b| b.length()).collect::<Vec<f64>>()
         };
         let alone = lengths(std::slice::from_ref(&outline), &settings);
         assert_eq!(alone.len(), 2);
@@ -404,7 +396,7 @@ mod tests {
         let mut settings = Settings::default();
         settings.brim.place = BrimPlace::Outer;
         let loops = brim(&rect(0.0, 0.0, 9.0, 9.0), 0.2, &settings);
-        let lengths: Vec<f64> = loops.iter().map(Bead::length).collect();
+        let lengths: Vec<f64> = loops.iter().map(|b| b.length()).collect();
         assert!(lengths.is_sorted_by(|a, b| a > b), "{lengths:?}");
     }
 }

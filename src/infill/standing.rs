@@ -114,30 +114,23 @@ impl Standing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bead::Role;
+    use crate::bead::{Role, Stroke};
     use glam::DVec2;
     use std::f64::consts::TAU;
 
     fn bead(points: &[(f64, f64)]) -> Bead {
         let points = points.iter().map(|&(x, y)| DVec2::new(x, y));
-        Bead {
-            role: Role::SparseInfill,
-            points: points.collect(),
-            closed: false,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        }
+        Bead::new(
+            Role::SparseInfill,
+            Stroke::new(points.collect(), false, 0.45),
+            0.2,
+        )
     }
 
     fn ring(x: f64, radius: f64) -> Bead {
         let at = |i: u32| DVec2::from_angle(TAU * f64::from(i) / 40.0) * radius;
-        Bead {
-            points: (0..40).map(|i| at(i) + DVec2::X * x).collect(),
-            closed: true,
-            ..bead(&[])
-        }
+        let points = (0..40).map(|i| at(i) + DVec2::X * x).collect();
+        Bead::new(Role::SparseInfill, Stroke::new(points, true, 0.45), 0.2)
     }
 
     #[test]

@@ -28,13 +28,13 @@ pub mod slit;
 mod thin;
 mod tip;
 
-use crate::bead::spacing;
+use crate::bead::{Stroke, spacing};
 use crate::plane::offset::{Room, offset, offset_within};
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
-use line::{Line, absorb, cut};
+use line::{absorb, along, cut};
 use ridge::{Ridge, ridges};
 
 /// Share of `accuracy` left to the outline; the offsets get the rest.
@@ -44,10 +44,10 @@ pub const OUTLINE_SHARE: f64 = 0.7;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Walls {
     /// Centre lines by wall, the outermost first.
-    pub lines: Vec<Vec<Line>>,
+    pub lines: Vec<Vec<Stroke>>,
     /// Beads in the middle of places too thin for walls: of the part first,
     /// then of what each wall leaves.
-    pub thin: Vec<Vec<Line>>,
+    pub thin: Vec<Vec<Stroke>>,
     /// Depths of the walls' centre lines below the outline, where the part is
     /// not too thin for them.
     pub depths: Vec<Mm>,
@@ -112,9 +112,9 @@ impl Lay {
 /// One wall's rings and the beads of places too thin for it.
 pub(crate) struct Laid {
     /// The rings, cut where a bead runs in their middle.
-    pub lines: Vec<Line>,
+    pub lines: Vec<Stroke>,
     /// These beads.
-    pub thin: Vec<Line>,
+    pub thin: Vec<Stroke>,
     /// The rings, whole.
     pub rings: Area,
     /// The ridges of these beads.
@@ -180,7 +180,7 @@ impl<'a> Skeleton<'a> {
         let (beads, slivers) = self.thin_places(depth, lay.limit, lay.least);
         Laid {
             lines: cut(&rings, &beads, lay.centre, lay.width),
-            thin: beads.iter().map(|r| Line::along(r, lay.extra)).collect(),
+            thin: beads.iter().map(|r| along(r, lay.extra)).collect(),
             rings,
             ridges: beads,
             slivers,
@@ -237,7 +237,7 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
     let last = Lay::inside(settings.skin_width, height, settings);
     let away = 0.5 * spacing_to_inner(height, settings);
     let mut area = outline.clone();
-    let mut lines: Vec<Vec<Line>> = Vec::new();
+    let mut lines: Vec<Vec<Stroke>> = Vec::new();
     let mut thin = Vec::new();
     let plans: Vec<Lay> = (0..settings.walls)
         .map(|k| match k {
@@ -270,7 +270,7 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
                 .ridges
                 .drain(..)
                 .map(|r| tip::square_ends(r, solid.grid(), depth, plan.least))
-                .map(|r| Line::along(&r, plan.extra))
+                .map(|r| along(&r, plan.extra))
                 .collect();
             if lines.is_empty() {
                 tip::fill_posts(&mut laid, solid, plan, tolerance);
@@ -306,8 +306,8 @@ impl Walls {
     /// These walls of an outline.
     fn of(
         outline: &Area,
-        lines: Vec<Vec<Line>>,
-        thin: Vec<Vec<Line>>,
+        lines: Vec<Vec<Stroke>>,
+        thin: Vec<Vec<Stroke>>,
         fill: Area,
         height: Mm,
         settings: &Settings,

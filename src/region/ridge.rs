@@ -18,9 +18,9 @@
 
 use super::ball::Border;
 use super::run::{Run, join, split_runs};
-use crate::plane::Solid;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::Room;
+use crate::plane::{Solid, path_length};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -168,12 +168,7 @@ impl Ridge {
 
     /// Length of the line.
     pub(super) fn length(&self) -> Mm {
-        let open: Mm =
-            self.points.windows(2).map(|p| p[0].distance(p[1])).sum();
-        match (self.closed, self.points.first(), self.points.last()) {
-            (true, Some(a), Some(b)) => open + b.distance(*a),
-            _ => open,
-        }
+        path_length(&self.points, self.closed)
     }
 
     /// The thickness half way through its points.

@@ -18,9 +18,9 @@
 
 use super::ridge::Ridge;
 use super::{Laid, Lay, shrink};
+use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, Solid, ring_length, signed_area};
-use crate::region::line::Line;
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -136,7 +136,7 @@ pub(super) fn fill_posts(
     if !post.contains(&true) {
         return;
     }
-    let ring_of = |line: &Line| {
+    let ring_of = |line: &Stroke| {
         let p = *line.points.first()?;
         outline
             .grid()
@@ -154,11 +154,10 @@ pub(super) fn fill_posts(
             rings: vec![ring.clone()],
         };
         let rings = shrink(&one, 0.5 * width, tolerance).rings;
-        laid.lines.extend(rings.into_iter().map(|points| Line {
-            points,
-            closed: true,
-            width,
-            widths: Vec::new(),
-        }));
+        laid.lines.extend(
+            rings
+                .into_iter()
+                .map(|points| Stroke::new(points, true, width)),
+        );
     }
 }

@@ -10,7 +10,7 @@
 //! and where the nozzle goes without printing after each. A bead's height is
 //! its layer's, so a scarf ramps by flow, that is by width, alone.
 
-use crate::bead::{Bead, Role, cross_section};
+use crate::bead::{Bead, Role, Stroke, cross_section};
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
@@ -91,8 +91,7 @@ pub fn cut(all: Vec<Ended>, support: &Support<'_>) -> Vec<Ended> {
 /// ends before that by a gap.
 fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
     let n = bead.points.len();
-    let width =
-        |i: usize| bead.widths.get(i % n).copied().unwrap_or(bead.width);
+    let width = |i: usize| bead.width_at(i);
     // Where there are to be points: its own, and those of the ramps.
     let end = length + scarf - gap;
     let mut stops: Vec<(Mm, DVec2, Mm)> = Vec::new();
@@ -144,9 +143,12 @@ fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
         false => Vec::new(),
     };
     Bead {
-        points: stops.iter().map(|s| s.1).collect(),
-        widths,
-        closed: false,
+        stroke: Stroke {
+            points: stops.iter().map(|s| s.1).collect(),
+            widths,
+            closed: false,
+            width: bead.width,
+        },
         ..*bead
     }
 }
@@ -212,15 +214,7 @@ mod tests {
     }
 
     fn wall(half: f64) -> Bead {
-        Bead {
-            role: Role::OuterWall,
-            points: square(half),
-            closed: true,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        }
+        Bead::new(Role::OuterWall, Stroke::new(square(half), true, 0.45), 0.2)
     }
 
     fn ended(bead: Bead, settings: &Settings) -> Ended {

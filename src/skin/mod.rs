@@ -139,7 +139,7 @@ mod tests {
             assert_eq!(p.rings.len(), 1);
             assert_eq!(p.rings[0].role, Role::TopSkin);
             let lines = &p.fills[0].lines;
-            let length: f64 = lines.iter().map(Bead::length).sum();
+            let length: f64 = lines.iter().map(|b| b.length()).sum();
             let space = spacing(0.45, 0.45, 0.2);
             let side = 20.0 - space - 0.4;
             assert!((length * space / (side * side) - 1.0).abs() < 0.01);
@@ -156,7 +156,7 @@ mod tests {
         let fills = patches.iter().flat_map(|p| &p.fills);
         fills
             .map(|f| {
-                let length: f64 = f.lines.iter().map(Bead::length).sum();
+                let length: f64 = f.lines.iter().map(|b| b.length()).sum();
                 (f.lines[0].role, length * space)
             })
             .collect()
@@ -206,7 +206,7 @@ mod tests {
         for (fill, (role, should)) in fills.iter().zip(expected) {
             let width = if role == Role::TopSkin { 0.5 } else { 0.45 };
             let space = spacing(width, width, 0.2);
-            let length: f64 = fill.lines.iter().map(Bead::length).sum();
+            let length: f64 = fill.lines.iter().map(|b| b.length()).sum();
             assert_eq!(fill.lines[0].role, role);
             assert_eq!(fill.lines[0].width, width);
             let closed = role == Role::BottomSkin;
@@ -253,7 +253,7 @@ mod tests {
         let all = patches(&square(10.0), faces, 1, 0.2, &settings);
         let last = all[0].fills.last().unwrap();
         assert_eq!(last.lines[0].role, Role::Ironing);
-        let length: f64 = last.lines.iter().map(Bead::length).sum();
+        let length: f64 = last.lines.iter().map(|b| b.length()).sum();
         let side = |inner: f64, off: f64| (inner + off).powi(2);
         let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
         let should = side(inner, -0.45) - side(8.0, 0.45);

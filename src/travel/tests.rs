@@ -1,4 +1,5 @@
 use super::*;
+use crate::bead::Stroke;
 use crate::plane::rect;
 use crate::region::wall_depths;
 use crate::settings::{Combing, Hidden, HopWhen};
@@ -15,15 +16,11 @@ fn points(at: &[(f64, f64)]) -> Vec<DVec2> {
 }
 
 fn bead(role: Role, at: &[(f64, f64)]) -> Bead {
-    Bead {
-        role,
-        points: points(at),
-        closed: false,
-        width: 0.45,
-        widths: Vec::new(),
-        height: 0.2,
-        small: false,
-    }
+    Bead::new(role, Stroke::new(points(at), false, 0.45), 0.2)
+}
+
+fn closed(role: Role, points: Vec<DVec2>) -> Bead {
+    Bead::new(role, Stroke::new(points, true, 0.45), 0.2)
 }
 
 /// A layer: its outline, its sparse infill, and walls along the outline.
@@ -52,11 +49,8 @@ impl Part {
             for (role, d) in [(Role::InnerWall, 0.6), (Role::OuterWall, 0.225)]
             {
                 let ring = rect(x0 + d, y0 + d, x1 - d, y1 - d).rings;
-                part.walls.push(Bead {
-                    points: ring.into_iter().flatten().collect(),
-                    closed: true,
-                    ..bead(role, &[])
-                });
+                let points = ring.into_iter().flatten().collect();
+                part.walls.push(closed(role, points));
             }
         }
         part
@@ -77,11 +71,8 @@ impl Part {
         };
         part.outline.rings.extend(hole(0.0));
         part.sparse.rings.extend(hole(0.4));
-        part.walls.push(Bead {
-            points: hole(0.225).remove(0),
-            closed: true,
-            ..bead(Role::OuterWall, &[])
-        });
+        let points = hole(0.225).remove(0);
+        part.walls.push(closed(Role::OuterWall, points));
         part
     }
 

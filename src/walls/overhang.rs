@@ -14,7 +14,7 @@
 //! of its width: at half of it, it is the centre line that must not leave the
 //! solid.
 
-use crate::bead::{Bead, Role};
+use crate::bead::{Bead, Role, Stroke};
 use crate::plane::Solid;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
@@ -202,9 +202,12 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
         } else {
             bead.role
         },
-        points,
-        widths,
-        closed: false,
+        stroke: Stroke {
+            points,
+            widths,
+            closed: false,
+            width: bead.width,
+        },
         ..*bead
     }
 }
@@ -258,15 +261,7 @@ mod tests {
     }
 
     fn wall(points: Vec<DVec2>) -> Bead {
-        Bead {
-            role: Role::OuterWall,
-            points,
-            closed: true,
-            width: 0.4,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        }
+        Bead::new(Role::OuterWall, Stroke::new(points, true, 0.4), 0.2)
     }
 
     /// Cuts a bead in a large part over one that ends.
@@ -335,22 +330,18 @@ mod tests {
     #[test]
     fn the_bead_of_a_thin_place_has_nothing_beside_it() {
         // A fin of 0.6 mm sticks out over nothing from x = 5 on.
-        let fin = Bead {
-            closed: false,
-            widths: vec![0.6, 0.6],
-            ..wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)])
-        };
+        let mut fin = wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)]);
+        fin.closed = false;
+        fin.widths = vec![0.6, 0.6];
         let below = rect(-1.0, -5.0, 5.0, 5.0);
         let thin = rect(0.0, -0.3, 20.0, 0.3);
         let found =
             lengths(&cut_in(thin.clone(), fin.clone(), below.clone(), 50.0));
         assert_eq!(found, [(Role::OuterWall, 5.0), (Role::Overhang, 15.0)]);
         // Also where the middle of what hangs is one of its points.
-        let bent = Bead {
-            points: [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec(),
-            widths: vec![0.6; 3],
-            ..fin.clone()
-        };
+        let mut bent = fin.clone();
+        bent.points = [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec();
+        bent.widths = vec![0.6; 3];
         let away = rect(-9.0, -5.0, -5.0, 5.0);
         let found = lengths(&cut_in(thin.clone(), bent, away, 50.0));
         assert_eq!(found, [(Role::Overhang, 20.0)]);
