@@ -6,10 +6,10 @@
 //!     ┊←─ distance ─→┊
 //! ```
 
-use crate::bead::{Bead, Role, spacing};
+use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
-use crate::plane::{Area, Ring, signed_area};
+use crate::plane::{Area, Rect, Ring, signed_area};
 use crate::settings::{BrimPlace, Settings};
 use crate::units::Mm;
 use geo::{ConvexHull, Coord, MultiPoint, Point};
@@ -77,6 +77,64 @@ impl Skirt {
             .map(|points| around(Role::Skirt, points, self.width, height))
             .collect()
     }
+}
+
+/// A layer's loops: the skirt's and, in the first one, the brim's. `skirt` is
+/// there if it is not of the first layer alone.
+pub fn loops(
+    number: usize,
+    outline: &Area,
+    height: Mm,
+    skirt: Option<&Skirt>,
+    settings: &Settings,
+) -> Vec<Bead> {
+    let mut beads = match skirt {
+        _ if number >= settings.skirt.layers as usize => Vec::new(),
+        Some(skirt) => skirt.beads(height),
+        None => Skirt::new([outline], settings).beads(height),
+    };
+    if number == 0 {
+        beads.extend(brim(outline, height, settings));
+    }
+    beads
+}
+
+/// Leaves out loops that would leave the bed, and tells what to do about it.
+/// `offset` leads from the loops' coordinates to the bed's.
+pub fn keep_on_bed(
+    loops: &mut Vec<Bead>,
+    offset: DVec2,
+    settings: &Settings,
+) -> Vec<String> {
+    let printer = &settings.printer;
+    let bed = Rect {
+        min: DVec2::ZERO,
+        max: DVec2::new(printer.bed_x, printer.bed_y),
+    };
+    let leaves = |b: &mut Bead| {
+        let half = DVec2::splat(0.5 * b.width);
+        !b.points.iter().all(|&p| {
+            let p = p + offset;
+            bed.contains(p - half) && bed.contains(p + half)
+        })
+    };
+    let left_out: Vec<Bead> = loops.extract_if(.., leaves).collect();
+    let told = [
+        (
+            Role::Skirt,
+            "the skirt does not fit on the bed and is left out; lower \
+             skirt.distance or set skirt.loops = 0",
+        ),
+        (
+            Role::Brim,
+            "the brim does not fit on the bed: loops that would leave it are \
+             left out; lower brim.width",
+        ),
+    ];
+    told.into_iter()
+        .filter(|(role, _)| left_out.iter().any(|b| b.role == *role))
+        .map(|(_, text)| text.to_owned())
+        .collect()
 }
 
 /// Loops beside the part that hold it down, `brim.gap` away from its outline
@@ -215,15 +273,7 @@ fn in_chain(
 }
 
 fn around(role: Role, points: Ring, width: Mm, height: Mm) -> Bead {
-    Bead {
-        role,
-        points,
-        closed: true,
-        width,
-        widths: Vec::new(),
-        height,
-        small: false,
-    }
+    Bead::new(role, Stroke::new(points, true, width), height)
 }
 
 #[cfg(test)]
@@ -243,7 +293,7 @@ mod tests {
         let lengths = |outlines: &[Area], settings: &Settings| {
             let skirt = Skirt::new(outlines, settings);
             let beads = skirt.beads(0.2);
-            beads.iter().map(Bead::length).collect::<Vec<f64>>()
+            beads.iter().map(|b| b.length()).collect::<Vec<f64>>()
         };
         let alone = lengths(std::slice::from_ref(&outline), &settings);
         assert_eq!(alone.len(), 2);
@@ -346,7 +396,7 @@ mod tests {
         let mut settings = Settings::default();
         settings.brim.place = BrimPlace::Outer;
         let loops = brim(&rect(0.0, 0.0, 9.0, 9.0), 0.2, &settings);
-        let lengths: Vec<f64> = loops.iter().map(Bead::length).collect();
+        let lengths: Vec<f64> = loops.iter().map(|b| b.length()).collect();
         assert!(lengths.is_sorted_by(|a, b| a > b), "{lengths:?}");
     }
 }

@@ -16,6 +16,7 @@ use crate::plane::path_length;
 pub use crate::units::cross_section;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
+use std::ops::{Deref, DerefMut};
 
 /// What a bead is for. The G-code dialect translates it to its reader's word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -82,31 +83,40 @@ impl Role {
     }
 }
 
-/// One extruded line in a layer's plane.
+/// A line in the plane that is as wide as its bead.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bead {
-    /// What it is for.
-    pub role: Role,
-    /// Centre line, mm, in print order; a closed bead does not repeat its
-    /// first point.
+pub struct Stroke {
+    /// Centre line, mm; a closed stroke does not repeat its first point.
     pub points: Vec<DVec2>,
-    /// True if the bead returns to its first point.
+    /// True if the stroke returns to its first point.
     pub closed: bool,
-    /// Width of the squeezed bead; where it varies, its mean.
+    /// Its width; where it varies, its mean.
     pub width: Mm,
     /// Width at each point where it varies; empty where it does not.
     pub widths: Vec<Mm>,
-    /// Height, which is the layer's.
-    pub height: Mm,
-    /// True for a wall that goes round something small, a thin pin or a hole,
-    /// and stays true for what it is cut into.
-    pub small: bool,
 }
 
-impl Bead {
-    /// Length of the centre line, with the closing segment of a closed bead.
+impl Stroke {
+    /// A stroke of one width.
+    pub fn new(points: Vec<DVec2>, closed: bool, width: Mm) -> Stroke {
+        Stroke {
+            points,
+            closed,
+            width,
+            widths: Vec::new(),
+        }
+    }
+
+    /// Length of the centre line, with the closing segment of a closed stroke.
     pub fn length(&self) -> Mm {
         path_length(&self.points, self.closed)
+    }
+
+    /// The points in order, the first one repeated at the end of a closed
+    /// stroke.
+    pub fn path(&self) -> impl Iterator<Item = DVec2> + '_ {
+        let back = self.closed.then(|| self.points.first().copied()).flatten();
+        self.points.iter().copied().chain(back)
     }
 
     /// The segments of the centre line, the closing one included.
@@ -114,7 +124,13 @@ impl Bead {
         self.path().zip(self.path().skip(1))
     }
 
-    /// Lets a closed bead begin at its point `i`.
+    /// The width at point `i`, counted round a closed stroke.
+    pub fn width_at(&self, i: usize) -> Mm {
+        let varying = self.widths.get(i % self.widths.len().max(1));
+        varying.copied().unwrap_or(self.width)
+    }
+
+    /// Lets a closed stroke begin at its point `i`.
     pub fn begin_at(&mut self, i: usize) {
         if i < self.points.len() {
             self.points.rotate_left(i);
@@ -124,10 +140,99 @@ impl Bead {
         }
     }
 
-    /// Turns the bead round.
+    /// Turns the stroke round.
     pub fn reverse(&mut self) {
         self.points.reverse();
         self.widths.reverse();
+    }
+
+    /// The stroke as an open one, which ends where a closed one closes.
+    pub fn opened(&self) -> Stroke {
+        let mut open = self.clone();
+        if self.closed {
+            open.points.extend(self.points.first());
+            open.widths.extend(self.widths.first());
+            open.closed = false;
+        }
+        open
+    }
+
+    /// Goes on with an open stroke that begins where this one ends.
+    pub fn append(&mut self, after: &Stroke) {
+        self.points.extend(after.points.iter().skip(1));
+        self.widths.extend(after.widths.iter().skip(1));
+    }
+
+    /// The part of an open stroke between two shares of its length.
+    pub fn part(&self, from: f64, to: f64) -> Stroke {
+        if from <= 0.0 && to >= 1.0 {
+            return self.clone();
+        }
+        let length = self.length();
+        let (from, to) = (from * length, to * length);
+        let mut part = Stroke::new(Vec::new(), false, self.width);
+        let mut done = 0.0;
+        for i in 1..self.points.len() {
+            let (a, b) = (self.points[i - 1], self.points[i]);
+            let step = a.distance(b);
+            let mut push = |at: Mm| {
+                let t = ((at - done) / step.max(1e-12)).clamp(0.0, 1.0);
+                part.points.push(a.lerp(b, t));
+                if let Some(w) = self.widths.get(i - 1..=i) {
+                    part.widths.push(w[0] + t * (w[1] - w[0]));
+                }
+            };
+            let (low, high) = (from.max(done), to.min(done + step));
+            if high > low {
+                if done <= from {
+                    push(low);
+                }
+                push(high);
+            }
+            done += step;
+        }
+        part
+    }
+}
+
+/// One extruded line in a layer's plane: a stroke, in print order, with a
+/// height and a role.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bead {
+    /// What it is for.
+    pub role: Role,
+    /// Where it lies.
+    pub stroke: Stroke,
+    /// Height, which is the layer's.
+    pub height: Mm,
+    /// True for a wall that goes round something small, a thin pin or a hole,
+    /// and stays true for what it is cut into.
+    pub small: bool,
+}
+
+impl Deref for Bead {
+    type Target = Stroke;
+
+    fn deref(&self) -> &Stroke {
+        &self.stroke
+    }
+}
+
+impl DerefMut for Bead {
+    fn deref_mut(&mut self) -> &mut Stroke {
+        &mut self.stroke
+    }
+}
+
+impl Bead {
+    /// A bead that goes round nothing small.
+    pub fn new(role: Role, stroke: Stroke, height: Mm) -> Bead {
+        Bead {
+            role,
+            stroke,
+            height,
+            small: false,
+        }
     }
 
     /// The bead as beads of constant width, each beginning where the one
@@ -173,10 +278,11 @@ impl Bead {
                         last.points.push(at(k + 1));
                     }
                     _ => pieces.push(Bead {
-                        points: vec![at(k), at(k + 1)],
-                        width,
-                        widths: Vec::new(),
-                        closed: false,
+                        stroke: Stroke::new(
+                            vec![at(k), at(k + 1)],
+                            false,
+                            width,
+                        ),
                         ..self
                     }),
                 }
@@ -188,13 +294,6 @@ impl Bead {
     /// Cross-section of the bead.
     pub fn area(&self) -> Mm2 {
         cross_section(self.width, self.height)
-    }
-
-    /// The points in print order, the first one repeated at the end of a
-    /// closed bead.
-    pub fn path(&self) -> impl Iterator<Item = DVec2> + '_ {
-        let back = self.closed.then(|| self.points.first().copied()).flatten();
-        self.points.iter().copied().chain(back)
     }
 }
 
@@ -216,19 +315,19 @@ mod tests {
 
     #[test]
     fn a_closed_bead_counts_its_closing_side() {
-        let mut b = Bead {
-            role: Role::OuterWall,
-            points: vec![
-                DVec2::new(0.0, 0.0),
-                DVec2::new(3.0, 0.0),
-                DVec2::new(3.0, 4.0),
-            ],
-            closed: true,
-            width: 0.4,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        };
+        let mut b = Bead::new(
+            Role::OuterWall,
+            Stroke::new(
+                vec![
+                    DVec2::new(0.0, 0.0),
+                    DVec2::new(3.0, 0.0),
+                    DVec2::new(3.0, 4.0),
+                ],
+                true,
+                0.4,
+            ),
+            0.2,
+        );
         assert_eq!(b.length(), 12.0);
         assert_eq!(b.path().count(), 4);
         b.widths = vec![0.4, 0.4, 0.6];
@@ -239,10 +338,22 @@ mod tests {
         assert_eq!(widths[0], 0.4);
         let steps = widths[1..].windows(2).map(|w| (w[1] - w[0]).abs());
         assert!(steps.fold(0.0, f64::max) < 0.0401, "{widths:?}");
-        let length: f64 = pieces.iter().map(Bead::length).sum();
+        let length: f64 = pieces.iter().map(|p| p.length()).sum();
         assert!((length - 12.0).abs() < 1e-12);
         b.closed = false;
         assert_eq!(b.length(), 7.0);
         assert_eq!(b.path().count(), 3);
+    }
+
+    #[test]
+    fn a_part_of_a_stroke_keeps_its_widths() {
+        let points = vec![DVec2::ZERO, DVec2::X * 4.0, DVec2::X * 10.0];
+        let mut path = Stroke::new(points, false, 0.5);
+        path.widths = vec![0.4, 0.4, 0.7];
+        let part = path.part(0.2, 0.6);
+        let x: Vec<f64> = part.points.iter().map(|p| p.x).collect();
+        assert_eq!(x, [2.0, 4.0, 6.0]);
+        assert!((part.widths[2] - 0.5).abs() < 1e-9);
+        assert_eq!(path.part(0.0, 1.0), path);
     }
 }

@@ -113,8 +113,7 @@ struct Dense {
 /// A closed bead with points no farther apart than `step`; its own stay.
 fn resampled(bead: &Bead, step: Mm) -> Vec<Dense> {
     let n = bead.points.len();
-    let width =
-        |i: usize| bead.widths.get(i % n).copied().unwrap_or(bead.width);
+    let width = |i: usize| bead.width_at(i);
     let out = |i: usize| -> DVec2 {
         let (a, b) = (bead.points[i % n], bead.points[(i + 1) % n]);
         -(b - a).perp().normalize_or_zero()
@@ -174,6 +173,7 @@ fn mix(seed: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bead::Stroke;
 
     #[test]
     fn noise_is_smooth_and_fills_its_range() {
@@ -191,17 +191,12 @@ mod tests {
 
     #[test]
     fn walls_keep_their_corners_and_get_points_between() {
-        let square = Bead {
-            role: Role::OuterWall,
-            points: [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)]
-                .map(|(x, y)| DVec2::new(x, y))
-                .to_vec(),
-            closed: true,
-            width: 0.45,
-            widths: vec![0.4, 0.5, 0.5, 0.4],
-            height: 0.2,
-            small: false,
-        };
+        let ring = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec();
+        let mut square =
+            Bead::new(Role::OuterWall, Stroke::new(ring, true, 0.45), 0.2);
+        square.widths = vec![0.4, 0.5, 0.5, 0.4];
         let dense = resampled(&square, 0.5);
         assert_eq!(dense.len(), 32);
         assert!((dense[4].width - 0.45).abs() < 1e-12);

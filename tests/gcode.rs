@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 use glam::{DVec2, DVec3};
-use isoslice::bead::{Bead, Role};
+use isoslice::bead::{Bead, Role, Stroke};
 use isoslice::gcode::{Header, Totals, WriteError, Writer};
 use isoslice::layers::LayerSpan;
 use isoslice::pace::rates::Rater;
@@ -23,15 +23,7 @@ fn points(at: &[(f64, f64)]) -> Vec<DVec2> {
 }
 
 fn bead(role: Role, width: f64, closed: bool, at: &[(f64, f64)]) -> Bead {
-    Bead {
-        role,
-        points: points(at),
-        closed,
-        width,
-        widths: Vec::new(),
-        height: 0.2,
-        small: false,
-    }
+    Bead::new(role, Stroke::new(points(at), closed, width), 0.2)
 }
 
 fn travel(at: &[(f64, f64)], retract: bool) -> Move {
@@ -116,15 +108,11 @@ fn rough(layers: usize) -> Vec<LayerPath> {
                     hop: retract,
                     ..Travel::straight(at[0], retract)
                 }));
-                moves.push(Move::Print(Bead {
-                    role: Role::SparseInfill,
-                    points: at,
-                    closed: false,
-                    width: 0.35 + 0.2 * random(),
-                    widths: Vec::new(),
-                    height: 0.2,
-                    small: false,
-                }));
+                moves.push(Move::Print(Bead::new(
+                    Role::SparseInfill,
+                    Stroke::new(at, false, 0.35 + 0.2 * random()),
+                    0.2,
+                )));
             }
             layer(index, moves)
         })

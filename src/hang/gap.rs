@@ -8,8 +8,7 @@ use crate::plane::clip::{crop, difference, intersection};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::Lines;
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect, edges};
-use crate::region::cover::Cover;
+use crate::plane::{Area, Rect, Solid, edges};
 use crate::settings::Settings;
 use crate::skin::bridge::{direction, hung};
 use crate::units::{Mm, Mm2};
@@ -44,8 +43,8 @@ const BOXES: usize = 200;
 /// The gaps in some boxes of a layer.
 pub(super) fn gaps(
     boxes: Vec<Rect>,
-    here: &Cover<'_>,
-    below: &Cover<'_>,
+    here: &Area,
+    below: &Solid<'_>,
     number: usize,
     limits: Limits,
     settings: &Settings,
@@ -57,8 +56,8 @@ pub(super) fn gaps(
             min: rect.min - 3.0 - limits.held,
             max: rect.max + 3.0 + limits.held,
         };
-        let under = crop(&below.area.rings, wide);
-        let open = difference(&crop(&here.area.rings, rect), &under);
+        let under = crop(&below.area().rings, wide);
+        let open = difference(&crop(&here.rings, rect), &under);
         let beyond = difference(&open, &offset(&under, limits.held, TOLERANCE));
         let beyond = Area {
             rings: beyond
@@ -73,7 +72,7 @@ pub(super) fn gaps(
     });
     found
         .filter(|area| area.content() > SPECK)
-        .map(|area| over(area, below.grid, number, limits, settings))
+        .map(|area| over(area, below.grid(), number, limits, settings))
         .collect()
 }
 

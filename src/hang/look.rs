@@ -8,8 +8,7 @@
 
 use super::gap::{Gap, gaps};
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Rect, Ring, edges, signed_area};
-use crate::region::cover::Cover;
+use crate::plane::{Area, Rect, Ring, Solid, edges, signed_area};
 use crate::region::floating::{Floating, floating};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
@@ -98,15 +97,15 @@ impl Limits {
 impl Look {
     /// Looks at layer `number` of some height, `here`, over `below`.
     pub fn new(
-        here: Cover<'_>,
-        below: Cover<'_>,
+        here: &Solid<'_>,
+        below: &Solid<'_>,
         number: usize,
         height: Mm,
         settings: &Settings,
     ) -> Look {
         crate::limits::check();
         let limits = Limits::new(height, settings);
-        let begins = floating(here.area, &below);
+        let begins = floating(here.area(), below);
         let rings_of = |f: &'_ Floating| -> Vec<Name> {
             let firsts = f.island.rings.iter().filter_map(|r| r.first());
             firsts.map(|p| name(*p)).collect()
@@ -124,24 +123,23 @@ impl Look {
         };
         let mut boxes = Vec::new();
         let mut first = 0;
-        for ring in &here.area.rings {
+        for ring in &here.area().rings {
             let numbers = EdgeGrid::numbers(std::slice::from_ref(ring));
             let from = look.rim.len();
             look.places(ring, first);
             first += numbers;
             let own = &mut look.rim[from..];
             if begins.is_empty() || !is_new(ring) {
-                look.leans |= over(own, below.grid, limits, &mut boxes);
+                look.leans |= over(own, below.grid(), limits, &mut boxes);
             }
         }
-        under_lids(&here, below.area, limits, &mut boxes);
+        under_lids(here, below.area(), limits, &mut boxes);
         if !boxes.is_empty() {
-            let old = here.area.rings.iter().filter(|ring| !is_new(ring));
+            let old = here.area().rings.iter().filter(|ring| !is_new(ring));
             let old = Area {
                 rings: old.cloned().collect(),
             };
-            let old = Cover { area: &old, ..here };
-            look.gaps = gaps(boxes, &old, &below, number, limits, settings);
+            look.gaps = gaps(boxes, &old, below, number, limits, settings);
             look.settle_ledges();
         }
         look.begins = begins;
@@ -335,7 +333,7 @@ fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
 
 /// Adds boxes around runs of the rim below that lie far under solid.
 fn under_lids(
-    here: &Cover<'_>,
+    here: &Solid<'_>,
     below: &Area,
     limits: Limits,
     boxes: &mut Vec<Rect>,
@@ -351,8 +349,8 @@ fn under_lids(
         let mut run: Option<Rect> = None;
         let mut since = f64::INFINITY;
         let mut ask = |p: DVec2| {
-            let free = here.grid.nearest_edge(p, depth).is_none();
-            if free && here.grid.contains(p) {
+            let free = here.grid().nearest_edge(p, depth).is_none();
+            if free && here.grid().contains(p) {
                 let around = Rect {
                     min: p + all.min,
                     max: p + all.max,
@@ -396,10 +394,8 @@ mod tests {
             vec![at(15.0, 0.0), at(30.0, 0.0), at(30.0, 10.0), at(0.0, 10.0)];
         let ring = [ring, vec![at(0.0, 0.0)]].concat();
         let here = Area { rings: vec![ring] };
-        let grids = [&here, &below].map(|area| EdgeGrid::new(area, 1.0));
-        let [here, below] = [(&here, &grids[0]), (&below, &grids[1])]
-            .map(|(area, grid)| Cover { area, grid });
-        let look = Look::new(here, below, 5, 0.2, &Settings::default());
+        let [here, below] = [here, below].map(Solid::new);
+        let look = Look::new(&here, &below, 5, 0.2, &Settings::default());
         let ledges: Vec<Ledge> = look
             .rim
             .iter()

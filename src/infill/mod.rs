@@ -31,14 +31,13 @@ mod sheet;
 pub mod standing;
 mod triangles;
 
-use crate::bead::{Bead, Role, spacing};
+use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::contour::{FieldError, remedy};
 use crate::model::{ExpressionError, LoadError, Source};
 use crate::plane::border::{Border, Piece};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
-use crate::region::line::Line;
 use crate::settings::{
     self, InfillCentre, InfillMode, InfillPattern, Settings,
 };
@@ -313,15 +312,7 @@ impl<'a> Infill<'a> {
             phase: settings.infill_phase / 100.0,
             shortest: width,
         };
-        let line = |line: Line| Bead {
-            role: Role::SparseInfill,
-            points: line.points,
-            closed: line.closed,
-            width: line.width,
-            widths: line.widths,
-            height: place.height,
-            small: false,
-        };
+        let bead = |stroke| Bead::new(Role::SparseInfill, stroke, place.height);
         let (pieces, reach) = match &self.kind {
             Kind::Pattern(pattern) => {
                 (pattern.pieces(&layer), pattern.reach(&layer))
@@ -329,7 +320,7 @@ impl<'a> Infill<'a> {
             Kind::Shape(shape) if settings.infill_mode == InfillMode::Solid => {
                 let lines =
                     shape.solid(sparse, &layer, around, place.height, settings);
-                return Ok(lines?.into_iter().map(line).collect());
+                return Ok(lines?.into_iter().map(bead).collect());
             }
             Kind::Shape(shape) => {
                 let lines = shape.lines(&layer, around, width)?;
@@ -338,14 +329,9 @@ impl<'a> Infill<'a> {
         };
         let pieces = pieces.into_iter().filter(|p| p.points.len() > 1);
         let joined = join::join(pieces.collect(), &border, reach);
-        let beads = joined.into_iter().map(|p| {
-            line(Line {
-                points: p.points,
-                closed: p.closed,
-                width,
-                widths: Vec::new(),
-            })
-        });
+        let beads = joined
+            .into_iter()
+            .map(|p| bead(Stroke::new(p.points, p.closed, width)));
         Ok(beads.collect())
     }
 

@@ -14,6 +14,7 @@
 
 use super::clusters::clusters;
 use super::{InfillError, Layer, Site};
+use crate::bead::Stroke;
 use crate::contour::{Detail, Field, field, outlines};
 use crate::model::{Expression, Place, Source, SourceKind, load};
 use crate::plane::border::{Border, Cutter, Piece};
@@ -21,7 +22,6 @@ use crate::plane::clip::intersection;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::{Area, Rect, Ring, path_length};
-use crate::region::line::Line;
 use crate::region::{Lay, lay, shrink};
 use crate::settings::Settings;
 use crate::timings::Timings;
@@ -193,7 +193,7 @@ impl Shape {
         around: Around<'_>,
         height: Mm,
         settings: &Settings,
-    ) -> Result<Vec<Line>, InfillError> {
+    ) -> Result<Vec<Stroke>, InfillError> {
         let width = settings.infill_width;
         let mut inside = self.inside(area, layer.z, around, width)?;
         let mut lines = Vec::new();
@@ -216,12 +216,10 @@ impl Shape {
             phase: 0.0,
         };
         let fill = hatch(&inside, rows, 0.5 * width);
-        lines.extend(fill.into_iter().map(|s| Line {
-            points: vec![s.from, s.to],
-            closed: false,
-            width,
-            widths: Vec::new(),
-        }));
+        lines.extend(
+            fill.into_iter()
+                .map(|s| Stroke::new(vec![s.from, s.to], false, width)),
+        );
         Ok(lines)
     }
 }

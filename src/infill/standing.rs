@@ -18,7 +18,6 @@ use crate::bead::Bead;
 use crate::plane::grid::EdgeGrid;
 use crate::settings::{self, Settings};
 use crate::units::Mm;
-use glam::DVec2;
 
 /// Beads whose middles are within this share of their width of each other
 /// hold each other.
@@ -29,6 +28,10 @@ pub struct Standing {
     reach: Mm,
     /// The beads of the layer below, if it is known.
     below: Option<EdgeGrid>,
+    /// Beads that have been left out.
+    left_out: usize,
+    /// The infill is people's own.
+    own: bool,
 }
 
 impl Standing {
@@ -39,6 +42,8 @@ impl Standing {
         (own || graded).then(|| Standing {
             reach: HELD * settings.infill_width,
             below: None,
+            left_out: 0,
+            own,
         })
     }
 
@@ -48,22 +53,24 @@ impl Standing {
     }
 
     /// Takes the next layer, and leaves out what of its infill stands on
-    /// nothing: so many beads. `others` are its other ones.
-    pub fn keep<'a>(
+    /// nothing. `others` are its other beads; `counts` tells whether it is to
+    /// be counted.
+    pub fn kept<'a>(
         &mut self,
-        infill: &mut Vec<Bead>,
+        mut infill: Vec<Bead>,
         others: impl Iterator<Item = &'a Bead>,
-    ) -> usize {
+        counts: bool,
+    ) -> Vec<Bead> {
         crate::limits::check();
         let below = self.below.take();
         let held = |bead: &Bead, by: &EdgeGrid| {
-            let mut edges = edges(bead);
+            let mut edges = bead.segments();
             edges.any(|(a, b)| !by.clear(a, b, self.reach))
         };
         let stands =
             |bead: &Bead| below.as_ref().is_none_or(|below| held(bead, below));
         let grid = |beads: &[&Bead]| {
-            EdgeGrid::of_lines(beads.iter().map(|b| line(b)), self.reach)
+            EdgeGrid::of_lines(beads.iter().map(|b| b.path()), self.reach)
         };
         let mut kept: Vec<&Bead> = others.collect();
         let mut stays: Vec<bool> = infill.iter().map(stands).collect();
@@ -84,53 +91,46 @@ impl Standing {
             here = grid(&kept);
         }
         self.below = Some(here);
-        let left_out = stays.iter().filter(|stays| !**stays).count();
+        if counts {
+            self.left_out += stays.iter().filter(|stays| !**stays).count();
+        }
         let mut stays = stays.into_iter();
         infill.retain(|_| stays.next().unwrap_or(true));
-        left_out
+        infill
     }
-}
 
-/// The bead's points, the first one again at the end of a closed one.
-fn line(bead: &Bead) -> impl Iterator<Item = DVec2> + '_ {
-    let again = usize::from(bead.closed);
-    bead.points
-        .iter()
-        .chain(bead.points.iter().take(again))
-        .copied()
-}
-
-/// The edges of a bead.
-fn edges(bead: &Bead) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
-    line(bead).zip(line(bead).skip(1))
+    /// What the user should know: patterns are not to blame.
+    pub fn warning(&self) -> Option<String> {
+        (self.own && self.left_out > 0).then(|| {
+            format!(
+                "beads of the infill's shape that lie on nothing and touch \
+                 nothing in their layer are left out: {}",
+                self.left_out
+            )
+        })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bead::Role;
+    use crate::bead::{Role, Stroke};
+    use glam::DVec2;
     use std::f64::consts::TAU;
 
     fn bead(points: &[(f64, f64)]) -> Bead {
         let points = points.iter().map(|&(x, y)| DVec2::new(x, y));
-        Bead {
-            role: Role::SparseInfill,
-            points: points.collect(),
-            closed: false,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        }
+        Bead::new(
+            Role::SparseInfill,
+            Stroke::new(points.collect(), false, 0.45),
+            0.2,
+        )
     }
 
     fn ring(x: f64, radius: f64) -> Bead {
         let at = |i: u32| DVec2::from_angle(TAU * f64::from(i) / 40.0) * radius;
-        Bead {
-            points: (0..40).map(|i| at(i) + DVec2::X * x).collect(),
-            closed: true,
-            ..bead(&[])
-        }
+        let points = (0..40).map(|i| at(i) + DVec2::X * x).collect();
+        Bead::new(Role::SparseInfill, Stroke::new(points, true, 0.45), 0.2)
     }
 
     #[test]
@@ -143,11 +143,9 @@ mod tests {
         let wall = bead(&[(0.0, -9.0), (0.0, 9.0)]);
         let line = bead(&[(0.3, 5.0), (20.0, 5.0)]);
         let mut layer = |beads: &[Bead]| {
-            let mut infill = [std::slice::from_ref(&line), beads].concat();
-            let all = infill.len();
-            let left_out = standing.keep(&mut infill, [&wall].into_iter());
-            assert_eq!(infill.len() + left_out, all);
-            infill.len() - 1
+            let infill = [std::slice::from_ref(&line), beads].concat();
+            let others = [&wall].into_iter();
+            standing.kept(infill, others, true).len() - 1
         };
         // All of the first layer stands on the bed.
         assert_eq!(layer(&[ring(15.0, 1.0)]), 1);
@@ -163,9 +161,9 @@ mod tests {
         let alone = bead(&[(13.2, -4.0), (13.2, -8.0)]);
         assert_eq!(layer(&[beside, from_wall, alone.clone()]), 2);
         standing.forget();
-        let mut infill = vec![alone];
-        standing.keep(&mut infill, [&wall].into_iter());
-        assert_eq!(infill.len(), 1);
+        let kept = standing.kept(vec![alone], [&wall].into_iter(), true);
+        assert_eq!(kept.len(), 1);
+        assert_eq!(standing.left_out, 3);
         assert!(Standing::new(&Settings::default()).is_none());
     }
 }

@@ -63,7 +63,8 @@ pub(super) fn begin_at(bead: &mut Bead, spot: Spot) {
     } else if p.distance(b) < SAME {
         bead.begin_at(next);
     } else {
-        if let (Some(u), Some(v)) = (bead.widths.get(i), bead.widths.get(next))
+        if let (Some(&u), Some(&v)) =
+            (bead.widths.get(i), bead.widths.get(next))
         {
             let t = a.distance(p) / a.distance(b);
             bead.widths.insert(i + 1, u + t * (v - u));

@@ -117,6 +117,7 @@ fn add_inner(loops: &mut Vec<Loop>, inner: Vec<Bead>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bead::Stroke;
     use glam::DVec2;
 
     #[test]
@@ -132,14 +133,8 @@ mod tests {
         // Fuzz has moved the first point of the right one's wall out.
         let mut right = square(20.0, 4.8);
         right[0] = DVec2::new(14.9, -5.1);
-        let walls = [square(0.0, 4.8), right].map(|points| Bead {
-            role: Role::OuterWall,
-            points,
-            closed: true,
-            width: 0.4,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
+        let walls = [square(0.0, 4.8), right].map(|points| {
+            Bead::new(Role::OuterWall, Stroke::new(points, true, 0.4), 0.2)
         });
         let beads = LayerBeads {
             walls: walls.to_vec(),

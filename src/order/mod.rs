@@ -52,6 +52,17 @@ pub struct LayerBeads {
     pub skin: Vec<Patch>,
 }
 
+impl LayerBeads {
+    /// The beads of walls and skin.
+    pub fn shell(&self) -> impl Iterator<Item = &Bead> {
+        let patches = self.skin.iter().flat_map(|patch| {
+            let fills = patch.fills.iter().flat_map(|f| &f.lines);
+            patch.rings.iter().chain(fills)
+        });
+        self.walls.iter().chain(patches)
+    }
+}
+
 /// What one layer hands to the next.
 #[derive(Clone, Debug, Default)]
 pub struct Head {
@@ -162,6 +173,7 @@ fn island_start(island: &Island) -> Option<DVec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bead::Stroke;
     use crate::settings::WallOrder;
     use jobs::Job;
 
@@ -170,15 +182,11 @@ mod tests {
     }
 
     fn wall(role: Role, points: Vec<DVec2>) -> Bead {
-        Bead {
-            role,
-            points,
-            closed: true,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        }
+        Bead::new(role, Stroke::new(points, true, 0.45), 0.2)
+    }
+
+    fn line(role: Role, at: &[(f64, f64)]) -> Bead {
+        Bead::new(role, Stroke::new(ring(at), false, 0.45), 0.2)
     }
 
     fn square(x: f64, half: f64) -> Vec<DVec2> {
@@ -264,9 +272,8 @@ mod tests {
         ] {
             let (mut beads, outline) = two_squares();
             // A piece of a wall far from every seam, and one in a gap.
-            let piece = |role, from: f64, to: f64| Bead {
-                closed: false,
-                ..wall(role, ring(&[(from, -3.0), (to, -3.0)]))
+            let piece = |role, from: f64, to: f64| {
+                line(role, &[(from, -3.0), (to, -3.0)])
             };
             beads.walls.push(piece(Role::InnerWall, -2.0, -1.0));
             beads.walls.push(piece(Role::GapFill, 1.0, 2.0));
@@ -300,11 +307,8 @@ mod tests {
 
     #[test]
     fn lines_and_rings_are_printed_on_a_short_way() {
-        let line = |y: f64| Bead {
-            closed: false,
-            ..wall(Role::SparseInfill, ring(&[(0.0, y), (10.0, y)]))
-        };
-        let jobs = [line(0.0), line(2.0), line(1.0)].map(Job::of);
+        let jobs = [0.0, 2.0, 1.0]
+            .map(|y| Job::of(line(Role::SparseInfill, &[(0.0, y), (10.0, y)])));
         let mut at = Some(DVec2::new(11.0, -1.0));
         let mut out = Vec::new();
         let jobs = jobs.into_iter().map(|j| (0, j)).collect();

@@ -52,19 +52,21 @@ pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bead::Role;
+    use crate::bead::{Role, Stroke};
 
     #[test]
     fn no_line_is_printed_between_two_older_ones() {
         // Rows 0 to 9 around a hole in rows 3 to 6: 14 lines.
-        let line = |y: f64, from: f64, to: f64| Bead {
-            role: Role::TopSkin,
-            points: vec![DVec2::new(from, y), DVec2::new(to, y)],
-            closed: false,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
+        let line = |y: f64, from: f64, to: f64| {
+            Bead::new(
+                Role::TopSkin,
+                Stroke::new(
+                    vec![DVec2::new(from, y), DVec2::new(to, y)],
+                    false,
+                    0.45,
+                ),
+                0.2,
+            )
         };
         let mut lines: Vec<Bead> = Vec::new();
         let mut after: Vec<Vec<u32>> = Vec::new();

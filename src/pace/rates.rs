@@ -5,7 +5,7 @@
 //! a break, each with its rates. Where a setting is an expression a bead is
 //! asked about every `STEP` and cut where the answer changes noticeably.
 
-use crate::bead::{Bead, Role};
+use crate::bead::{Bead, Role, Stroke};
 use crate::layers::LayerSpan;
 use crate::model::{Model, Place};
 use crate::plane::grid::EdgeGrid;
@@ -332,9 +332,7 @@ fn part(bead: &Bead, steps: &[Step]) -> Bead {
             .map(|(_, s)| s.to),
     );
     Bead {
-        points,
-        closed: false,
-        widths: Vec::new(),
+        stroke: Stroke::new(points, false, bead.width),
         ..*bead
     }
 }
@@ -344,15 +342,15 @@ mod tests {
     use super::*;
 
     fn bead(points: &[(f64, f64)], closed: bool) -> Bead {
-        Bead {
-            role: Role::OuterWall,
-            points: points.iter().map(|&p| p.into()).collect(),
-            closed,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        }
+        Bead::new(
+            Role::OuterWall,
+            Stroke::new(
+                points.iter().map(|&p| p.into()).collect(),
+                closed,
+                0.45,
+            ),
+            0.2,
+        )
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::slowing::LAYER_TIME_TOLERANCE;
 use super::*;
-use crate::bead::{Role, cross_section};
+use crate::bead::{Role, Stroke, cross_section};
 use crate::settings::{Flavour, Varying};
 
 impl<'a> Pacer<'a> {
@@ -24,17 +24,17 @@ fn span(index: usize) -> LayerSpan {
 }
 
 fn square(role: Role, side: f64) -> Bead {
-    Bead {
+    Bead::new(
         role,
-        points: [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)]
-            .map(|(x, y)| DVec2::new(x + 50.0, y + 50.0))
-            .to_vec(),
-        closed: true,
-        width: 0.45,
-        widths: Vec::new(),
-        height: 0.2,
-        small: false,
-    }
+        Stroke::new(
+            [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)]
+                .map(|(x, y)| DVec2::new(x + 50.0, y + 50.0))
+                .to_vec(),
+            true,
+            0.45,
+        ),
+        0.2,
+    )
 }
 
 /// A travel that is retracted and lifted.
@@ -107,11 +107,8 @@ fn walls_round_small_things_are_slower() {
     s.cooling.min_layer_time = 0.0;
     let of = |s: &Settings, small| {
         // Cut open as well: it is still what it was.
-        let bead = Bead {
-            small,
-            closed: false,
-            ..square(Role::OuterWall, 4.9)
-        };
+        let mut bead = square(Role::OuterWall, 4.9);
+        (bead.small, bead.closed) = (small, false);
         speeds(&Pacer::plain(s).paced(layer(1, vec![bead])))[0]
     };
     assert_eq!(of(&s, true), 25.0);
@@ -152,11 +149,9 @@ fn roles_have_their_accelerations() {
     let one = |a: f64| {
         let mut s = s.clone();
         s.acceleration.outer_wall = a;
-        let bead = Bead {
-            points: vec![DVec2::splat(50.0), DVec2::new(150.0, 50.0)],
-            closed: false,
-            ..square(Role::OuterWall, 1.0)
-        };
+        let mut bead = square(Role::OuterWall, 1.0);
+        bead.points = vec![DVec2::splat(50.0), DVec2::new(150.0, 50.0)];
+        bead.closed = false;
         let mut path = layer(1, vec![bead]);
         path.moves.remove(0);
         let mut pacer = Pacer::plain(&s);
@@ -237,10 +232,8 @@ fn bridges_have_their_own_speed_flow_and_fan() {
     back.rotate_left(1);
     assert_eq!(fans(&pacer.paced(layer(2, back))), [100.0, 40.0]);
     assert!(fans(&pacer.paced(layer(0, beads))).is_empty());
-    let ironed = Bead {
-        width: 0.1,
-        ..square(Role::Ironing, 20.0)
-    };
+    let mut ironed = square(Role::Ironing, 20.0);
+    ironed.width = 0.1;
     assert!((fed(ironed) - 0.1 * 0.1 * 0.2).abs() < 1e-12);
 }
 

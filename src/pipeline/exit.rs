@@ -4,31 +4,30 @@
 //! layer hands to the next passes through here, and is forgotten at the
 //! beginning of every block: see [`Exit::restart`].
 
-use super::shell::{Filled, Ready, Shell};
+use super::layer::{Filled, Layer, Ready};
 use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
-use crate::bead::{Bead, Role};
+use crate::adhesion::keep_on_bed;
+use crate::bead::Role;
 use crate::gcode::{Totals, Writer};
 use crate::hang::foot::Foot;
 use crate::hang::{self, Hanging, Look};
 use crate::infill::standing::Standing;
 use crate::layers::LayerSpan;
 use crate::limits;
-use crate::order::{Head, LayerBeads, order};
+use crate::order::{Head, order};
 use crate::pace::Pacer;
-use crate::plane::Rect;
-use crate::plane::grid::EdgeGrid;
 use crate::preview::Pictures;
+use crate::region::wall_depths;
 use crate::report;
-use crate::seam::ending::{Ended, endings};
-use crate::settings::{self, Settings};
+use crate::seam::ending::{Ended, cut, endings};
+use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Ground, Move, connect};
 use crate::walls::Support;
 use glam::DVec2;
 use std::io;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// The stages that run in order.
 pub(super) struct Exit<'a, 'w> {
@@ -40,8 +39,6 @@ pub(super) struct Exit<'a, 'w> {
     head: Head,
     /// For infill that may stand on nothing.
     standing: Option<Standing>,
-    /// Beads of it that do.
-    left_out: usize,
     pacer: Pacer<'a>,
     writer: Writer<'a, &'w mut dyn io::Write>,
     /// The layers to be written.
@@ -102,7 +99,6 @@ impl<'a, 'w> Exit<'a, 'w> {
             offset,
             head: Head::default(),
             standing: Standing::new(pacer.settings()),
-            left_out: 0,
             pacer,
             writer,
             next: layers.start - layers.start % BLOCK,
@@ -120,7 +116,7 @@ impl<'a, 'w> Exit<'a, 'w> {
 
     /// Takes the next layer.
     pub fn layer(&mut self, ready: Ready) -> Result<(), SliceError> {
-        let (shell, above) = (&ready.shell, ready.above.as_ref());
+        let (layer, above) = (&ready.layer, ready.above.as_ref());
         let below = ready.below.as_ref();
         let Filled {
             mut beads,
@@ -129,57 +125,60 @@ impl<'a, 'w> Exit<'a, 'w> {
             look,
             figures,
         } = ready.filled;
-        let index = shell.span.index;
+        let index = layer.span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {
-            self.restart(&shell.span);
+            self.restart(&layer.span);
         }
-        self.drop_skirt_off_the_bed(&mut beads, index);
+        let off_bed = keep_on_bed(&mut beads.skirt, self.offset, self.settings);
+        if index == 0 {
+            self.warnings.extend(off_bed);
+        }
         let written = self.layers.contains(&index);
         if let Some(standing) = &mut self.standing {
-            let LayerBeads {
-                walls,
-                infill,
-                skin,
-                ..
-            } = &mut beads;
-            let patches = skin.iter().flat_map(|p| {
-                let fills = p.fills.iter().flat_map(|f| &f.lines);
-                p.rings.iter().chain(fills)
+            let infill = std::mem::take(&mut beads.infill);
+            beads.infill = self.timings.time(Stage::Infill, || {
+                standing.kept(infill, beads.shell(), written)
             });
-            let left_out = self.timings.time(Stage::Infill, || {
-                standing.keep(infill, walls.iter().chain(patches))
-            });
-            if written {
-                self.left_out += left_out;
-            }
         }
-        self.follow_hanging(shell, look.as_ref(), written);
+        self.follow_hanging(layer, look.as_ref(), written);
         let from = self.head.at;
-        let outline = &shell.outline.area;
+        // Not that of the walls, which layers share whose heights are the
+        // same but for rounding: ways that are equally long would be told
+        // apart by which of the layers has come first.
+        let height = layer.span.height();
+        let solid = layer.outline.grid();
         let ended = self.timings.time(Stage::Order, || {
-            let beads = order(beads, outline, &mut self.head, self.settings);
-            endings(beads, &shell.solid, self.settings)
+            let beads =
+                order(beads, layer.area(), &mut self.head, self.settings);
+            endings(beads, solid, self.settings)
         });
         self.head.at = ended.last().and_then(Ended::end).or(from);
         let path = self.timings.time(Stage::Travel, || {
-            let (beads, wipes) = self.overhangs(ended, shell, below);
+            let below = below.filter(|below| !layer.same_outline(below));
+            let below = below.map(|below| below.top(self.settings));
+            let support = below
+                .as_deref()
+                .and_then(|b| Support::new(b, &layer.outline, self.settings));
+            let beads = match &support {
+                Some(support) => cut(ended, support),
+                None => ended,
+            };
             if written {
-                let of_part = beads
-                    .iter()
-                    .filter(|b| !matches!(b.role, Role::Skirt | Role::Brim));
+                let loops = [Role::Skirt, Role::Brim];
+                let of_part =
+                    beads.iter().filter(|b| !loops.contains(&b.bead.role));
                 let count = of_part.count();
                 self.beads += count;
-                self.tally.add(&shell.outline, gap, count == 0);
+                self.tally.add(layer, gap, count == 0);
             }
             let mut path = connect(
-                shell.span,
+                layer.span,
                 beads,
-                &wipes,
                 Ground {
-                    outline,
-                    solid: &shell.solid,
+                    outline: &layer.outline,
                     sparse: &sparse,
-                    above: above.map(|a| &a.outline.area),
+                    border: wall_depths(height, self.settings).1,
+                    above: above.map(Layer::area),
                 },
                 from,
                 self.offset,
@@ -202,7 +201,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
         let paced = self
             .timings
-            .time(Stage::Pace, || self.pacer.layer(path, Some(&shell.solid)))?;
+            .time(Stage::Pace, || self.pacer.layer(path, Some(solid)))?;
         self.timings.time(Stage::Gcode, || match written {
             true => self.writer.layer(&paced),
             false => self.writer.rehearse(&paced),
@@ -219,54 +218,20 @@ impl<'a, 'w> Exit<'a, 'w> {
         Ok(())
     }
 
-    /// The beads, with walls cut where they hang over the layer below, and
-    /// what follows on each.
-    fn overhangs(
-        &self,
-        ended: Vec<Ended>,
-        shell: &Shell,
-        below: Option<&Shell>,
-    ) -> (Vec<Bead>, Vec<Option<DVec2>>) {
-        let below = below.filter(|b| !Arc::ptr_eq(&b.outline, &shell.outline));
-        let squeezed = below
-            .and_then(|b| b.squeezed(self.settings))
-            .map(|area| (EdgeGrid::new(&area, 1.0), area));
-        let support = below.and_then(|b| match &squeezed {
-            Some((grid, area)) => {
-                Support::new(area, grid, &shell.solid, self.settings)
-            }
-            None => {
-                let area = &b.outline.area;
-                Support::new(area, &b.solid, &shell.solid, self.settings)
-            }
-        });
-        let mut beads = Vec::with_capacity(ended.len());
-        let mut wipes = Vec::with_capacity(ended.len());
-        for Ended { bead, wipe } in ended {
-            match &support {
-                Some(support) => beads.extend(support.cut(vec![bead])),
-                None => beads.push(bead),
-            }
-            wipes.resize(beads.len(), None);
-            if let Some(last) = wipes.last_mut() {
-                *last = wipe;
-            }
-        }
-        (beads, wipes)
-    }
-
     /// Follows what hangs.
     fn follow_hanging(
         &mut self,
-        shell: &Shell,
+        layer: &Layer,
         look: Option<&Look>,
         written: bool,
     ) {
-        let (offset, span) = (self.offset, shell.span);
+        let (offset, span) = (self.offset, layer.span);
         let place = |p: DVec2| (p + offset).extend(span.bottom);
         let tracker = &mut self.hanging;
         self.timings.time(Stage::Hang, || match look {
-            Some(look) => tracker.layer(look, &shell.solid, written, place),
+            Some(look) => {
+                tracker.layer(look, layer.outline.grid(), written, place)
+            }
             None => tracker.same(span.height(), written, self.settings),
         });
         // With the block, or with the part.
@@ -275,8 +240,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             tracker.restart(written, self.settings);
         }
         if span.index == 0 && written {
-            let outline = &shell.outline.area;
-            self.foot = Foot::new(outline, span.height(), self.settings);
+            self.foot = Foot::new(layer.area(), span.height(), self.settings);
         }
     }
 
@@ -291,14 +255,8 @@ impl<'a, 'w> Exit<'a, 'w> {
 
     /// Ends the file.
     pub fn finish(mut self) -> Result<Done, SliceError> {
-        let own = !matches!(self.settings.infill, settings::Infill::Pattern(_));
-        if own && self.left_out > 0 {
-            self.warnings.push(format!(
-                "beads of the infill's shape that lie on nothing and touch \
-                 nothing in their layer are left out: {}",
-                self.left_out
-            ));
-        }
+        let standing = self.standing.as_ref();
+        self.warnings.extend(standing.and_then(Standing::warning));
         Ok(Done {
             beads: self.beads,
             tally: self.tally,
@@ -308,42 +266,5 @@ impl<'a, 'w> Exit<'a, 'w> {
             totals: self.writer.finish()?,
             figures: self.figures,
         })
-    }
-
-    fn drop_skirt_off_the_bed(&mut self, beads: &mut LayerBeads, layer: usize) {
-        let printer = &self.settings.printer;
-        let bed = Rect {
-            min: DVec2::ZERO,
-            max: DVec2::new(printer.bed_x, printer.bed_y),
-        };
-        let mut left_out = Vec::new();
-        beads.skirt.retain(|b| {
-            let half = DVec2::splat(0.5 * b.width);
-            let fits = b.points.iter().all(|&p| {
-                let p = p + self.offset;
-                bed.contains(p - half) && bed.contains(p + half)
-            });
-            if !fits {
-                left_out.push(b.role);
-            }
-            fits
-        });
-        if layer > 0 {
-            return;
-        }
-        if left_out.contains(&Role::Skirt) {
-            self.warnings.push(
-                "the skirt does not fit on the bed and is left out; lower \
-                 skirt.distance or set skirt.loops = 0"
-                    .into(),
-            );
-        }
-        if left_out.contains(&Role::Brim) {
-            self.warnings.push(
-                "the brim does not fit on the bed: loops that would leave it \
-                 are left out; lower brim.width"
-                    .into(),
-            );
-        }
     }
 }

@@ -21,14 +21,14 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `shell` | what is known of a layer on its way |
+//! | `layer` | what is known of a layer on its way |
 //! | `stages` | what can be done for many layers at a time |
 //! | `supply` | does that, a window of layers ahead of who writes them |
 //! | `exit` | what is done in order |
 //! | `tally` | counts over all layers, and warnings that follow from them |
 
 mod exit;
-mod shell;
+mod layer;
 mod stages;
 mod supply;
 mod tally;

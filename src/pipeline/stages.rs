@@ -1,13 +1,13 @@
 //! What is done for many layers at a time, on any thread.
 //!
-//! In: a slab's spans. Out: the shells of its layers, and, once a layer's
+//! In: a slab's spans. Out: the outlines of its layers, and, once a layer's
 //! neighbours are known, its beads. Nothing here depends on the order in
 //! which layers are worked on.
 
-use super::shell::{Inside, Shell};
+use super::layer::{Inside, Layer, faces, window};
 use super::{BLOCK, SliceError};
-use crate::adhesion::{Skirt, brim};
-use crate::contour::{Detail, Field, FieldError, Outline, field, outlines};
+use crate::adhesion::{Skirt, loops};
+use crate::contour::{Detail, Field, FieldError, field, outlines};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
 use crate::infill::{self, Infill};
@@ -15,15 +15,14 @@ use crate::layers::LayerSpan;
 use crate::limits;
 use crate::model::Model;
 use crate::order::LayerBeads;
-use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Rect};
-use crate::region::compensate::{CELL, Compensation};
-use crate::region::cover::{Cover, Rough};
-use crate::region::exposure::{Slope, roomy, slope_layers, split};
+use crate::plane::{Area, Rect, Solid};
+use crate::region::compensate::Compensation;
+use crate::region::cover::rough;
+use crate::region::exposure::{Exposure, roomy};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::seam::Seams;
-use crate::settings::{Settings, SkinWhere, WallOffset};
+use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::Surroundings;
@@ -56,10 +55,7 @@ pub(super) struct Stages<'a> {
     skirt: Option<Skirt>,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
-    top_layers: usize,
-    bottom_layers: usize,
-    /// Layers of the part.
-    layer_count: usize,
+    exposure: Exposure<'a>,
     infill: Infill<'a>,
     pub timings: Timings,
     pub gauge: Gauge<'a>,
@@ -108,9 +104,7 @@ impl<'a> Stages<'a> {
             fuzzy: Fuzzy::new(settings, around)?,
             skirt: None,
             bed: -model.offset.z,
-            top_layers: settings.top_layers() as usize,
-            bottom_layers: settings.bottom_layers() as usize,
-            layer_count: spans.len(),
+            exposure: Exposure::new(settings, spans.len()),
             infill: Infill::new(settings, around, site)?,
             timings: Timings::default(),
             gauge,
@@ -130,10 +124,10 @@ impl<'a> Stages<'a> {
         let mut areas = Vec::new();
         for span in beside.iter().step_by(step).chain(beside.last()) {
             let of_span =
-                self.shells(std::slice::from_ref(span), &(0..usize::MAX))?;
-            areas.extend(of_span.into_iter().map(|s| s.outline));
+                self.layers(std::slice::from_ref(span), &(0..usize::MAX))?;
+            areas.extend(of_span.into_iter().map(|l| l.outline));
         }
-        let areas = areas.iter().map(|outline| &outline.area);
+        let areas = areas.iter().map(|outline| outline.area());
         Ok(Skirt::new(areas, self.settings))
     }
 
@@ -142,7 +136,7 @@ impl<'a> Stages<'a> {
         self.field.slab_layers()
     }
 
-    /// The layers whose shells a run needs that writes `layers` of `count`:
+    /// The layers whose outlines a run needs that writes `layers` of `count`:
     /// those to be rehearsed, and the neighbours of all of these.
     pub fn needed(&self, layers: &Range<usize>, count: usize) -> Range<usize> {
         let first = layers.start - layers.start % BLOCK;
@@ -150,45 +144,22 @@ impl<'a> Stages<'a> {
         below..(layers.end + self.reach_above()).min(count)
     }
 
-    /// How many layers have to cover a layer from above, lest it get skin.
-    fn layers_above(&self) -> usize {
-        match self.settings.skin_where {
-            SkinWhere::Exposed => self.top_layers,
-            SkinWhere::Ends => 0,
-        }
-    }
-
-    /// How many have to from below.
-    fn layers_below(&self) -> usize {
-        match self.settings.skin_where {
-            SkinWhere::Exposed => self.bottom_layers,
-            SkinWhere::Ends => 0,
-        }
-    }
-
-    /// True if a layer is skin all over, whatever covers it.
-    fn is_end(&self, layer: usize) -> bool {
-        self.settings.skin_where == SkinWhere::Ends
-            && (layer < self.bottom_layers
-                || layer + self.top_layers >= self.layer_count)
-    }
-
     /// How many layers above a layer it has to know.
     pub fn reach_above(&self) -> usize {
-        slope_layers(self.layers_above()).max(1)
+        self.exposure.reach_above()
     }
 
     /// How many layers below a layer it has to know.
     pub fn reach_below(&self) -> usize {
-        slope_layers(self.layers_below()).max(1)
+        self.exposure.reach_below()
     }
 
     /// Outlines of a slab's layers, as far as they are needed.
-    pub fn shells(
+    pub fn layers(
         &self,
         spans: &[LayerSpan],
         needed: &Range<usize>,
-    ) -> Result<Vec<Shell>, FieldError> {
+    ) -> Result<Vec<Layer>, FieldError> {
         let z: Vec<Mm> =
             spans.iter().map(|s| s.sample_z() + self.bed).collect();
         let detail = Detail {
@@ -203,7 +174,7 @@ impl<'a> Stages<'a> {
             .iter()
             .map(|(depth, f)| Ok((*depth, make(f)?.into_iter())))
             .collect::<Result<Vec<_>, FieldError>>()?;
-        let mut shells: Vec<Shell> = Vec::with_capacity(spans.len());
+        let mut layers: Vec<Layer> = Vec::with_capacity(spans.len());
         for (&span, outline) in spans.iter().zip(outlines_of_slab) {
             let mut offsets: Vec<(Mm, Area)> = offset_outlines
                 .iter_mut()
@@ -213,71 +184,56 @@ impl<'a> Stages<'a> {
                 continue;
             }
             let moved = Compensation::new(&span, self.settings);
-            let alike = |below: &&Shell| {
+            let alike = |below: &&Layer| {
                 Compensation::new(&below.span, self.settings) == moved
-                    && *below.truth() == outline
+                    && *below.found == outline
             };
             if offsets.is_empty()
-                && let Some(below) = shells.last().filter(alike)
+                && let Some(below) = layers.last().filter(alike)
             {
-                shells.push(Shell {
+                layers.push(Layer {
                     span,
                     ..below.clone()
                 });
                 continue;
             }
-            let grid = EdgeGrid::new(&outline.area, CELL);
-            let changed = self.timings.time(Stage::Walls, || {
-                moved.apply(&outline.area, &grid, &mut offsets)
-            });
-            let (outline, grid, truth) = match changed {
-                None => (outline, grid, None),
-                Some(area) => {
-                    let grid = EdgeGrid::new(&area, CELL);
-                    let printed = Outline {
-                        area,
-                        ..outline.clone()
-                    };
-                    (printed, grid, Some(Arc::new(outline)))
+            let found = outline;
+            let outline = Solid::new(found.area.clone());
+            let changed = self
+                .timings
+                .time(Stage::Walls, || moved.apply(&outline, &mut offsets));
+            let outline = changed.map_or(outline, Solid::new);
+            let same = layers.last().filter(|b| b.area() == outline.area());
+            let (outline, rough) = match same {
+                Some(below) => (below.outline.clone(), below.rough.clone()),
+                None => {
+                    let rough = self.timings.time(Stage::Skin, || {
+                        rough(outline.area(), self.settings)
+                    });
+                    (Arc::new(outline), Arc::new(rough))
                 }
             };
-            let same = shells.last().filter(|below| *below.outline == outline);
-            let solid = match same {
-                Some(below) => below.solid.clone(),
-                None => Arc::new(grid),
-            };
-            let rough = match same {
-                Some(below) => below.rough.clone(),
-                None => Arc::new(self.timings.time(Stage::Skin, || {
-                    Rough::new(&outline.area, self.settings)
-                })),
-            };
-            let outline = match same {
-                Some(below) => below.outline.clone(),
-                None => Arc::new(outline),
-            };
-            shells.push(Shell {
+            layers.push(Layer {
                 span,
+                found: Arc::new(found),
                 outline,
-                truth,
-                solid,
                 rough,
                 offsets: Arc::new(offsets.into_iter().map(|o| o.1).collect()),
                 inside: None,
             });
         }
-        Ok(shells)
+        Ok(layers)
     }
 
     /// A layer's walls and what they leave.
-    pub fn inside(&self, shell: &Shell) -> Inside {
-        let height = shell.span.height();
+    pub fn inside(&self, layer: &Layer) -> Inside {
+        let height = layer.span.height();
         let walls = self.timings.time(Stage::Walls, || {
-            let outline = &shell.outline.area;
-            match shell.offsets.is_empty() {
+            let outline = layer.area();
+            match layer.offsets.is_empty() {
                 true => walls(outline, height, self.settings),
                 false => {
-                    let areas = shell.offsets.to_vec();
+                    let areas = layer.offsets.to_vec();
                     field_walls(outline, areas, height, self.settings)
                 }
             }
@@ -291,15 +247,15 @@ impl<'a> Stages<'a> {
     /// How far the `k`th layer of the run is off, if it is to be measured.
     pub fn figures(
         &self,
-        shell: &Shell,
+        layer: &Layer,
         walls: &Walls,
         k: usize,
     ) -> Result<Option<LayerFigures>, ReportError> {
         let parts = LayerParts {
-            span: shell.span,
-            z: shell.span.sample_z() + self.bed,
-            outline: shell.truth(),
-            edges: &shell.solid,
+            span: layer.span,
+            z: layer.span.sample_z() + self.bed,
+            outline: &layer.found,
+            printed: &layer.outline,
             walls,
         };
         self.timings
@@ -308,16 +264,16 @@ impl<'a> Stages<'a> {
 
     /// How layer `i` of the window lies over the one below, unless they are
     /// the same or it is the first.
-    pub fn look(&self, window: &VecDeque<Shell>, i: usize) -> Option<Look> {
-        let (here, below) = (&window[i], window.get(i.checked_sub(1)?)?);
-        if Arc::ptr_eq(&here.outline, &below.outline) {
+    pub fn look(&self, layers: &VecDeque<Layer>, i: usize) -> Option<Look> {
+        let (here, below) = (&layers[i], layers.get(i.checked_sub(1)?)?);
+        if here.same_outline(below) {
             return None;
         }
         let span = here.span;
         Some(self.timings.time(Stage::Hang, || {
             Look::new(
-                here.cover(),
-                below.cover(),
+                &here.outline,
+                &below.outline,
                 span.index,
                 span.height(),
                 self.settings,
@@ -329,90 +285,23 @@ impl<'a> Stages<'a> {
     /// has sparse infill.
     pub fn beads(
         &self,
-        window: &VecDeque<Shell>,
+        layers: &VecDeque<Layer>,
         i: usize,
-        inside: &Inside,
+        Inside { walls, roomy }: &Inside,
     ) -> Result<(LayerBeads, Area), SliceError> {
-        let shell = &window[i];
-        let Inside { walls, roomy } = inside;
-        let span = shell.span;
-        let height = span.height();
-        // A neighbour that is the same as the layer, or as another of its
-        // neighbours, covers nothing less.
-        let mut seen: Vec<&Arc<Outline>> = vec![&shell.outline];
-        let mut cover = |k: Option<usize>| -> Option<Option<Cover<'_>>> {
-            let Some(near) = k.and_then(|k| window.get(k)) else {
-                return Some(None);
-            };
-            if seen.iter().any(|s| Arc::ptr_eq(s, &near.outline)) {
-                return None;
-            }
-            seen.push(&near.outline);
-            Some(Some(near.rough.cover()))
-        };
-        let mut above: Vec<_> = (1..=self.layers_above())
-            .filter_map(|k| cover(i.checked_add(k)))
-            .collect();
-        let below: Vec<_> = (1..=self.layers_below())
-            .filter_map(|k| cover(i.checked_sub(k)))
-            .collect();
-        let layer = span.index;
-        if self.is_end(layer) {
-            above.push(None);
-        }
+        let Layer { span, outline, .. } = &layers[i];
+        let (number, height) = (span.index, span.height());
+        let solid = outline.grid();
         let (areas, skin) = self.timings.time(Stage::Skin, || {
-            // The layers right above and below, the latter if it may not hold
-            // all of this one.
-            let next = |k: Option<usize>| {
-                let near = k.and_then(|k| window.get(k))?;
-                Some(near.face())
-            };
-            let faces = skin::Faces {
-                above: next(i.checked_add(1)),
-                below: next(i.checked_sub(1)),
-            };
-            let support = i
-                .checked_sub(1)
-                .filter(|&k| !Arc::ptr_eq(&window[k].outline, &shell.outline))
-                .map(|k| window[k].rough.cover());
-            let slope =
-                |layers: usize, step: &dyn Fn(usize) -> Option<usize>| {
-                    let near = |k: usize| {
-                        let shell = window.get(step(k)?)?;
-                        Some(shell.rough.cover())
-                    };
-                    let same = |k: usize| {
-                        let shell_k = step(k).and_then(|k| window.get(k));
-                        shell_k.is_some_and(|s| {
-                            Arc::ptr_eq(&s.outline, &shell.outline)
-                        })
-                    };
-                    let all = slope_layers(layers);
-                    Slope {
-                        last: near(layers),
-                        beyond: (layers + 1..=all)
-                            .filter(|&k| !same(k))
-                            .map(near)
-                            .collect(),
-                        reach: (all - layers) as f64 * height,
-                    }
-                };
-            let slopes = [
-                slope(self.layers_above(), &|k| i.checked_add(k)),
-                slope(self.layers_below(), &|k| i.checked_sub(k)),
-            ];
-            let areas = split(
-                &walls.fill,
-                roomy,
-                &above,
-                &below,
-                support,
-                &shell.rough.area,
-                &slopes,
+            let window = window(layers, i);
+            let areas = self.exposure.split(&walls.fill, roomy, &window);
+            let skin = skin::patches(
+                &areas.skin,
+                faces(layers, i),
+                number,
+                height,
                 self.settings,
             );
-            let skin =
-                skin::patches(&areas.skin, faces, layer, height, self.settings);
             (areas, skin)
         });
         let mut walls = walls::beads(
@@ -421,39 +310,36 @@ impl<'a> Stages<'a> {
             self.settings.speed.small_perimeter_length,
         );
         let sites = self.timings.time(Stage::Walls, || {
-            self.seams
-                .sites(&walls, layer, span.sample_z(), &shell.solid)
+            self.seams.sites(&walls, number, span.sample_z(), solid)
         })?;
         if let Some(fuzzy) = &self.fuzzy {
             self.timings.time(Stage::Walls, || {
-                fuzzy.apply(&mut walls, layer, span.sample_z(), &shell.solid)
+                fuzzy.apply(&mut walls, number, span.sample_z(), solid)
             })?;
         }
-        let outline = &shell.outline.area;
-        let mut around = match &self.skirt {
-            _ if layer >= self.settings.skirt.layers as usize => Vec::new(),
-            Some(skirt) => skirt.beads(height),
-            None => Skirt::new([outline], self.settings).beads(height),
-        };
-        if layer == 0 {
-            around.extend(brim(outline, height, self.settings));
-        }
         let beads = LayerBeads {
-            skirt: around,
+            skirt: loops(
+                number,
+                outline.area(),
+                height,
+                self.skirt.as_ref(),
+                self.settings,
+            ),
             walls,
             sites,
             infill: self.timings.time(Stage::Infill, || {
                 let place = infill::Place {
-                    number: layer,
+                    number,
                     z: span.sample_z(),
                     height,
                 };
-                self.infill.beads(&areas.sparse, place, Some(&shell.solid))
+                self.infill.beads(&areas.sparse, place, Some(solid))
             })?,
             skin,
         };
         Ok((beads, areas.sparse))
     }
+
     /// How many of the part's layers there are up to the highest one that
     /// has something to print. The bounds may reach higher than the part, and
     /// what is thinner than any line is left out.
@@ -477,18 +363,18 @@ impl<'a> Stages<'a> {
 
     /// Which of some layers have something to print.
     fn prints(&self, spans: &[LayerSpan]) -> Result<Vec<bool>, SliceError> {
-        let shells = self.shells(spans, &(0..usize::MAX))?.into_par_iter();
-        let prints = |shell: Shell| {
-            if shell.outline.area.is_empty() {
+        let layers = self.layers(spans, &(0..usize::MAX))?.into_par_iter();
+        let prints = |layer: Layer| {
+            if layer.area().is_empty() {
                 return Ok(false);
             }
-            let inside = self.inside(&shell);
-            let window = VecDeque::from([shell]);
-            let (beads, _) = self.beads(&window, 0, &inside)?;
+            let inside = self.inside(&layer);
+            let alone = VecDeque::from([layer]);
+            let (beads, _) = self.beads(&alone, 0, &inside)?;
             Ok(!(beads.walls.is_empty()
                 && beads.infill.is_empty()
                 && beads.skin.is_empty()))
         };
-        shells.map(prints).collect()
+        layers.map(prints).collect()
     }
 }

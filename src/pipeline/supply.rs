@@ -4,11 +4,12 @@
 //! with the neighbours it looks at. What is kept is the window of layers that
 //! later ones look at, so memory does not grow with the part's height.
 
-use super::shell::{Filled, Inside, Ready, Shell};
+use super::layer::{Filled, Inside, Layer, Ready};
 use super::stages::Stages;
 use super::{BLOCK, SliceError};
 use crate::layers::LayerSpan;
 use crate::limits;
+use crate::plane::Solid;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -33,7 +34,7 @@ pub(super) struct Supply<'a> {
     /// The layers to be written.
     layers: Range<usize>,
     /// Layers that are still looked at.
-    window: VecDeque<Shell>,
+    window: VecDeque<Layer>,
     /// Index of the layer that is filled next.
     next: usize,
 }
@@ -125,7 +126,12 @@ impl<'a> Supply<'a> {
         let mut points = 0;
         let fits = |&i: &usize| {
             let before = points;
-            points += self.window[i].points();
+            points += self.window[i]
+                .area()
+                .rings
+                .iter()
+                .map(Vec::len)
+                .sum::<usize>();
             i < from + self.pool.current_num_threads() || before < BATCH_POINTS
         };
         from..from + (from..end).take_while(fits).count()
@@ -138,14 +144,14 @@ impl<'a> Supply<'a> {
         let (stages, needed) = (self.stages, &self.needed);
         let made = self.pool.install(|| {
             let slabs = slabs.par_iter();
-            slabs.map(|s| Ok(stages.shells(s, needed)?)).collect()
+            slabs.map(|s| Ok(stages.layers(s, needed)?)).collect()
         });
-        for mut shell in all_or_first(made)?.into_iter().flatten() {
+        for mut layer in all_or_first(made)?.into_iter().flatten() {
             // Also where one slab ends and the next begins.
             if let Some(below) = self.window.back() {
-                shell.share(below);
+                layer.share(below);
             }
-            self.window.push_back(shell);
+            self.window.push_back(layer);
         }
         Ok(())
     }
@@ -156,17 +162,17 @@ impl<'a> Supply<'a> {
         let mut batch = Vec::with_capacity(which.len());
         let filled = self.filled(which.clone())?;
         let near = |i: usize| {
-            let shell = self.window.get(i)?;
+            let layer = self.window.get(i)?;
             let inside = None;
-            Some(Shell {
+            Some(Layer {
                 inside,
-                ..shell.clone()
+                ..layer.clone()
             })
         };
         for (i, filled) in which.zip(filled) {
-            let Some(shell) = near(i) else { break };
+            let Some(layer) = near(i) else { break };
             batch.push(Ready {
-                shell,
+                layer,
                 below: i.checked_sub(1).and_then(near),
                 above: near(i + 1),
                 filled,
@@ -185,31 +191,31 @@ impl<'a> Supply<'a> {
         &mut self,
         which: Range<usize>,
     ) -> Result<Vec<Filled>, SliceError> {
-        let (stages, shells) = (self.stages, &self.window);
+        let (stages, layers) = (self.stages, &self.window);
         // Layers that are the same, together.
         let mut groups: Vec<Range<usize>> = Vec::new();
         for i in which {
             match groups.last_mut() {
-                Some(group) if shells[i].same(&shells[i - 1]) => {
+                Some(group) if layers[i].same(&layers[i - 1]) => {
                     group.end = i + 1;
                 }
                 _ => groups.push(i..i + 1),
             }
         }
         let fill = |i: usize, inside: &Inside| {
-            let index = shells[i].span.index;
+            let index = layers[i].span.index;
             let figures = match self.layers.contains(&index) {
                 true => {
                     let k = index - self.layers.start;
-                    stages.figures(&shells[i], &inside.walls, k)?
+                    stages.figures(&layers[i], &inside.walls, k)?
                 }
                 false => None,
             };
-            let (beads, sparse) = stages.beads(shells, i, inside)?;
+            let (beads, sparse) = stages.beads(layers, i, inside)?;
             Ok(Filled {
                 beads,
-                sparse,
-                look: stages.look(shells, i),
+                sparse: Solid::new(sparse),
+                look: stages.look(layers, i),
                 gap: inside.walls.gap,
                 figures,
             })
@@ -218,11 +224,11 @@ impl<'a> Supply<'a> {
             let first = group.start;
             let below = first
                 .checked_sub(1)
-                .map(|k| &shells[k])
-                .filter(|below| shells[first].same(below))
+                .map(|k| &layers[k])
+                .filter(|below| layers[first].same(below))
                 .and_then(|below| below.inside.clone());
             let inside = below
-                .unwrap_or_else(|| Arc::new(stages.inside(&shells[first])));
+                .unwrap_or_else(|| Arc::new(stages.inside(&layers[first])));
             let filled = group.clone().into_par_iter();
             let filled = filled.map(|i| fill(i, &inside)).collect();
             Ok((all_or_first(filled)?, inside))
@@ -235,7 +241,7 @@ impl<'a> Supply<'a> {
         {
             all.extend(filled);
             let last = &self.window[group.end - 1];
-            let again = |above: &Shell| above.same(last);
+            let again = |above: &Layer| above.same(last);
             if self.window.get(group.end).is_none_or(again) {
                 self.window[group.end - 1].inside = Some(inside);
             }

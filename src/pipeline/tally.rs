@@ -1,6 +1,6 @@
 //! Counts over all layers, and the warnings that follow from them.
 
-use crate::contour::Outline;
+use super::layer::Layer;
 use crate::units::Mm2;
 
 /// What is counted over all layers.
@@ -23,9 +23,10 @@ pub(super) struct Tally {
 impl Tally {
     /// Counts a layer with gaps of this area; `empty` if nothing of the part
     /// is printed in it.
-    pub fn add(&mut self, outline: &Outline, gap: Mm2, empty: bool) {
+    pub fn add(&mut self, layer: &Layer, gap: Mm2, empty: bool) {
+        let outline = &layer.found;
         self.gap += gap;
-        self.solid += outline.area.content();
+        self.solid += layer.area().content();
         self.nan_samples += outline.nan_samples;
         self.nan_layers += usize::from(outline.nan_samples > 0);
         self.forced_rings += outline.forced_rings;

@@ -4,7 +4,8 @@
 //! holes clockwise, in millimetres. [`clip`] combines areas, [`offset`]
 //! grows and shrinks them, [`simplify`] thins their rings within a tolerance,
 //! [`hatch`] draws parallel lines across them, [`border`] cuts any lines,
-//! [`grid`] answers what is where and [`nest`] which ring is around a point.
+//! [`grid`] answers what is where and [`nest`] which ring is around a point;
+//! a [`Solid`] is an area with its grid.
 
 pub mod border;
 pub mod clip;
@@ -12,12 +13,14 @@ pub mod grid;
 pub mod hatch;
 pub mod offset;
 pub mod places;
+mod solid;
 mod trim;
 
 pub use isocontour::plane::{
     Area, Rect, Ring, edges, nest, path_length, point_beside, ring_contains,
     ring_length, signed_area, simplify,
 };
+pub use solid::Solid;
 
 /// A rectangle, for tests.
 #[cfg(test)]

@@ -14,7 +14,7 @@
 use super::clip::positive;
 use super::grid::EdgeGrid;
 use super::trim::{self, Moved, State};
-use super::{Area, Rect, Ring, signed_area};
+use super::{Area, Rect, Ring, Solid, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -22,25 +22,8 @@ use glam::DVec2;
 /// border moves away from become arcs around the corner, within `tolerance`
 /// of the true distance; corners it moves into stay sharp.
 pub fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
-    if area.is_empty() || distance == 0.0 {
-        return area.clone();
-    }
-    offset_with(
-        area,
-        &EdgeGrid::new(area, distance.abs()),
-        distance,
-        tolerance,
-    )
-}
-
-/// The same, with a grid of the area's edges that is there already.
-pub fn offset_with(
-    area: &Area,
-    grid: &EdgeGrid,
-    distance: Mm,
-    tolerance: Mm,
-) -> Area {
-    offset_within(area, grid, None, distance, tolerance)
+    let solid = Solid::of(area, distance.abs());
+    offset_within(&solid, None, distance, tolerance)
 }
 
 /// How far an area's edges can move inwards until they meet what is opposite:
@@ -72,17 +55,18 @@ impl Room {
     }
 }
 
-/// The same, where it is known how far the edges can move inwards.
+/// [`offset`] where it may be known how far the edges can move inwards.
 pub fn offset_within(
-    area: &Area,
-    grid: &EdgeGrid,
+    solid: &Solid<'_>,
     room: Option<&Room>,
     distance: Mm,
     tolerance: Mm,
 ) -> Area {
+    let area = solid.area();
     if area.is_empty() || distance == 0.0 {
         return area.clone();
     }
+    let grid = solid.grid();
     // Arcs are cut short by the tolerance, and coordinates are rounded.
     let slack = 1.02 * tolerance + 1e-6;
     let clearance = (distance.abs() - slack).max(0.0);

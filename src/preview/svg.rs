@@ -107,25 +107,21 @@ pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bead::Bead;
+    use crate::bead::{Bead, Stroke};
     use crate::layers::LayerSpan;
     use crate::travel::Travel;
 
     #[test]
     fn beads_and_travels_are_drawn_upright() {
-        let bead = Bead {
-            role: Role::OuterWall,
-            points: vec![
-                DVec2::ZERO,
-                DVec2::new(10.0, 0.0),
-                DVec2::splat(10.0),
-            ],
-            closed: true,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        };
+        let bead = Bead::new(
+            Role::OuterWall,
+            Stroke::new(
+                vec![DVec2::ZERO, DVec2::new(10.0, 0.0), DVec2::splat(10.0)],
+                true,
+                0.45,
+            ),
+            0.2,
+        );
         let travel = Move::Travel(Travel::straight(DVec2::new(5.0, 5.0), true));
         let path = LayerPath {
             span: LayerSpan {

@@ -12,7 +12,7 @@
 
 use crate::plane::grid::{EdgeGrid, nearest_on};
 use crate::plane::offset::Room;
-use crate::plane::{Area, edges};
+use crate::plane::{Solid, edges};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -118,11 +118,12 @@ struct Grown {
 }
 
 impl<'a> Border<'a> {
-    /// The border of an area, of which `grid` has the edges.
-    pub fn new(area: &Area, grid: &'a EdgeGrid, radius: Mm) -> Border<'a> {
+    /// The border of an area.
+    pub fn new(solid: &'a Solid<'_>, radius: Mm) -> Border<'a> {
+        let area = solid.area();
         let numbers = EdgeGrid::numbers(&area.rings);
         let mut border = Border {
-            grid,
+            grid: solid.grid(),
             radius,
             seen: Seen::new(numbers),
             next: Vec::with_capacity(numbers),

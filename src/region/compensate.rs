@@ -7,10 +7,9 @@
 
 use super::slit::{filled, slits};
 use crate::layers::LayerSpan;
-use crate::plane::Area;
 use crate::plane::clip::{difference, intersection, union};
-use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
+use crate::plane::{Area, Solid};
 use crate::settings::Settings;
 use crate::units::Mm;
 
@@ -44,40 +43,34 @@ impl Compensation {
     /// The outline as the print will have it, if the plastic does what it is
     /// drawn in for; `None` if it is not drawn in.
     pub fn squeezed(&self, outline: &Area) -> Option<Area> {
-        let grid = || EdgeGrid::new(outline, CELL);
-        (self.draw_in > 0.0).then(|| {
-            self.grown(outline, &grid(), &mut [])
-                .unwrap_or_else(|| outline.clone())
-        })
+        let grown = || self.grown(&Solid::of(outline, CELL), &mut []);
+        (self.draw_in > 0.0).then(|| grown().unwrap_or_else(|| outline.clone()))
     }
 
-    /// The outline to print, unless it is the one there is; `grid` has its
-    /// edges. `walls` are areas that lie so deep in it, and are changed as it
-    /// is.
+    /// The outline to print, unless it is the one there is. `walls` are areas
+    /// that lie so deep in it, and are changed as it is.
     pub fn apply(
         &self,
-        outline: &Area,
-        grid: &EdgeGrid,
+        outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
     ) -> Option<Area> {
-        let grown = self.grown(outline, grid, walls);
+        let grown = self.grown(outline, walls);
         if self.draw_in == 0.0 {
             return grown;
         }
         for (_, wall) in walls {
             *wall = self.drawn_in(wall);
         }
-        Some(self.drawn_in(grown.as_ref().unwrap_or(outline)))
+        Some(self.drawn_in(grown.as_ref().unwrap_or(outline.area())))
     }
 
     /// The outline with its slits filled, and grown.
     fn grown(
         &self,
-        outline: &Area,
-        grid: &EdgeGrid,
+        outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
     ) -> Option<Area> {
-        let closed = self.closed(outline, grid, walls);
+        let closed = self.closed(outline, walls);
         if self.grow == 0.0 {
             return closed;
         }
@@ -85,10 +78,10 @@ impl Compensation {
         for (_, wall) in walls.iter_mut() {
             *wall = grow(wall);
         }
-        let grown = grow(closed.as_ref().unwrap_or(outline));
+        let grown = grow(closed.as_ref().unwrap_or(outline.area()));
         // What was wider than a slit may be one now.
         let closed = match self.grow > 0.0 {
-            true => self.closed(&grown, &EdgeGrid::new(&grown, CELL), walls),
+            true => self.closed(&Solid::of(&grown, CELL), walls),
             false => None,
         };
         Some(closed.unwrap_or(grown))
@@ -97,18 +90,17 @@ impl Compensation {
     /// The outline with its slits filled, if it has any.
     fn closed(
         &self,
-        outline: &Area,
-        grid: &EdgeGrid,
+        outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
     ) -> Option<Area> {
         if self.slit <= 0.0 {
             return None;
         }
-        let found = slits(outline, grid, self.slit, self.tolerance);
+        let found = slits(outline, self.slit, self.tolerance);
         if found.is_empty() {
             return None;
         }
-        let closed = filled(outline, &found, self.slit, self.tolerance);
+        let closed = filled(outline.area(), &found, self.slit, self.tolerance);
         for (depth, wall) in walls {
             let around = offset(&found, *depth + self.slit, self.tolerance);
             let inner = offset(&closed, -*depth, self.tolerance);
@@ -141,7 +133,7 @@ impl Compensation {
 const ROUNDING: f64 = 0.5;
 
 /// Size of the cells in which edges are looked up, mm.
-pub const CELL: Mm = 1.0;
+const CELL: Mm = 1.0;
 
 #[cfg(test)]
 mod tests {
@@ -170,8 +162,7 @@ mod tests {
     impl Compensation {
         /// The outline to print.
         fn printed(&self, outline: &Area) -> Area {
-            let grid = EdgeGrid::new(outline, CELL);
-            self.apply(outline, &grid, &mut [])
+            self.apply(&Solid::of(outline, CELL), &mut [])
                 .unwrap_or_else(|| outline.clone())
         }
     }
@@ -284,10 +275,9 @@ mod tests {
                 .collect(),
         };
         let mut walls = [(0.2, both(0.2)), (0.6, both(0.6))];
-        let outline = both(0.0);
-        let grid = EdgeGrid::new(&outline, CELL);
+        let outline = Solid::new(both(0.0));
         let c = Compensation::new(&span(0), &Settings::default());
-        assert!(c.apply(&outline, &grid, &mut walls).is_some());
+        assert!(c.apply(&outline, &mut walls).is_some());
         for (depth, wall) in walls {
             assert_eq!(wall.rings.len(), 1, "{depth}");
             let exact = (10.0 - 2.0 * depth) * (4.0 - 2.0 * depth);

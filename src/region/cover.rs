@@ -11,59 +11,29 @@ use crate::plane::clip::{crop, intersection, not_covered_by_all};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::nest::Nest;
 use crate::plane::simplify::simplify;
-use crate::plane::{Area, Rect, Ring, edges, point_beside};
+use crate::plane::{Area, Rect, Ring, Solid, edges, point_beside};
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
-/// A neighbouring layer's solid.
-#[derive(Clone, Copy, Debug)]
-pub struct Cover<'a> {
-    /// Its outline; for skin a [`Rough`] one does.
-    pub area: &'a Area,
-    /// The outline again, for asking what is where.
-    pub grid: &'a EdgeGrid,
-}
-
 /// How far borders between skin and sparse infill may be off: coarse enough to
 /// be cheap, finer than any bead, and nobody sees them, mm.
 pub(super) const TOLERANCE: Mm = 0.02;
 
-/// An outline as exact as skin needs it. A dozen layers ask what it covers of
-/// them, and points are what each of them pays for.
-#[derive(Clone, Debug)]
-pub struct Rough {
-    /// The outline.
-    pub area: Area,
-    /// The same one's edges: an exact grid would tell otherwise of places
-    /// between the two.
-    grid: EdgeGrid,
-}
-
-impl Rough {
-    /// A rough outline; an exact one if there are no walls, as then the fill
-    /// itself ends at the outline, and would not be covered by a rough one.
-    pub fn new(outline: &Area, settings: &Settings) -> Rough {
-        let rings = outline.rings.iter().map(|r| match settings.walls {
-            0 => r.clone(),
-            _ => simplify(r, TOLERANCE),
-        });
-        let area = Area {
-            rings: rings.filter(|r| !r.is_empty()).collect(),
-        };
-        let grid = EdgeGrid::new(&area, CELL);
-        Rough { area, grid }
-    }
-
-    /// As what covers other layers.
-    pub fn cover(&self) -> Cover<'_> {
-        Cover {
-            area: &self.area,
-            grid: &self.grid,
-        }
-    }
+/// An outline as exact as skin needs it: a dozen layers ask what it covers of
+/// them, and points are what each of them pays for. It is exact if there are
+/// no walls, as then the fill itself ends at the outline, and would not be
+/// covered by a rough one.
+pub fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
+    let rings = outline.rings.iter().map(|r| match settings.walls {
+        0 => r.clone(),
+        _ => simplify(r, TOLERANCE),
+    });
+    Solid::new(Area {
+        rings: rings.filter(|r| !r.is_empty()).collect(),
+    })
 }
 
 /// Where an island is not covered by all covers.
@@ -118,12 +88,12 @@ impl<'a> Islands<'a> {
     }
 
     /// How much of each island a cover covers.
-    pub fn covered(&self, cover: &Cover<'_>) -> Vec<Covered> {
+    pub fn covered(&self, cover: &Solid<'_>) -> Vec<Covered> {
         let of = |(island, touched): (&Area, bool)| {
             let p = island.rings.first().and_then(|r| r.first());
             match p {
                 Some(_) if touched => Covered::Partly,
-                Some(&p) if cover.grid.contains(p) => Covered::Wholly,
+                Some(&p) if cover.grid().contains(p) => Covered::Wholly,
                 _ => Covered::Not,
             }
         };
@@ -131,9 +101,9 @@ impl<'a> Islands<'a> {
     }
 
     /// By island, whether an edge of the cover runs in it.
-    fn touching(&self, cover: &Cover<'_>) -> Vec<bool> {
+    fn touching(&self, cover: &Solid<'_>) -> Vec<bool> {
         let mut touched = vec![false; self.all.len()];
-        for ring in &cover.area.rings {
+        for ring in &cover.area().rings {
             let mut meets = false;
             let around = Rect::around(ring);
             if !around.meets(self.bounds) {
@@ -166,7 +136,7 @@ impl<'a> Islands<'a> {
 impl Islands<'_> {
     /// True if a disc is found that is all in an island, and in all of the
     /// covers; it is looked for at some places only.
-    fn hold_disc(&self, i: usize, radius: Mm, covers: &[Cover<'_>]) -> bool {
+    fn hold_disc(&self, i: usize, radius: Mm, covers: &[&Solid<'_>]) -> bool {
         /// Places along each side of the island's box.
         const PLACES: u32 = 8;
         let bounds = self.all[i].bounds();
@@ -182,7 +152,7 @@ impl Islands<'_> {
             let p = bounds.min + step * (at + 0.5);
             holds(&self.grid, p)
                 && self.nest.around(p) == Some(i)
-                && covers.iter().all(|c| holds(c.grid, p))
+                && covers.iter().all(|c| holds(c.grid(), p))
         })
     }
 }
@@ -212,7 +182,7 @@ const CROP_SHARE: usize = 30;
 /// `disc`.
 pub(super) fn exposed(
     asked: &Islands<'_>,
-    covers: &[Cover<'_>],
+    covers: &[&Solid<'_>],
     disc: Mm,
     matters: impl Fn(&Area) -> bool,
 ) -> Vec<Exposed> {
@@ -226,8 +196,8 @@ pub(super) fn exposed(
             let Some(&p) = island.rings.first().and_then(|r| r.first()) else {
                 return Exposed::Everywhere;
             };
-            let open = |(k, c): (usize, &Cover<'_>)| {
-                !touching[k][i] && !c.grid.contains(p)
+            let open = |(k, c): (usize, &&Solid<'_>)| {
+                !touching[k][i] && !c.grid().contains(p)
             };
             match covers.iter().enumerate().any(open) {
                 true => Exposed::Everywhere,
@@ -245,8 +215,8 @@ pub(super) fn exposed(
     }
     let near = Near::new(islands, &left);
     let size = |area: &Area| area.rings.iter().map(Vec::len).sum::<usize>();
-    let sweep: usize = covers.iter().map(|c| size(c.area)).sum();
-    let single: usize = covers.iter().map(|c| near.work(c.area)).sum();
+    let sweep: usize = covers.iter().map(|c| size(c.area())).sum();
+    let single: usize = covers.iter().map(|c| near.work(c.area())).sum();
     if single > CROP_SHARE * sweep {
         // Rings that many islands are near to would be cropped again and
         // again.
@@ -255,15 +225,17 @@ pub(super) fn exposed(
         }
         return result;
     }
-    let rings: Vec<Vec<Vec<u32>>> =
-        covers.iter().map(|c| near.rings(c.area, islands)).collect();
+    let rings: Vec<Vec<Vec<u32>>> = covers
+        .iter()
+        .map(|c| near.rings(c.area(), islands))
+        .collect();
     for i in left {
         crate::limits::check();
         let mut bounds = islands[i].bounds();
         bounds.min -= 1.0;
         bounds.max += 1.0;
         let cropped = |k: usize| {
-            let all = &covers[k].area.rings;
+            let all = &covers[k].area().rings;
             crop(rings[k][i].iter().map(|&r| &all[r as usize]), bounds)
         };
         let near: Vec<Area> = (0..covers.len())
@@ -311,24 +283,30 @@ fn anything_matters(
 fn all_at_once(
     islands: &[Area],
     which: &[usize],
-    covers: &[Cover<'_>],
+    covers: &[&Solid<'_>],
 ) -> Vec<(usize, Exposed)> {
     let rings = which.iter().flat_map(|&i| islands[i].rings.clone());
     let joined = Area {
         rings: rings.collect(),
     };
-    let covers: Vec<&Area> = covers.iter().map(|c| c.area).collect();
+    let covers: Vec<&Area> = covers.iter().map(|c| c.area()).collect();
     let open = not_covered_by_all(&joined, &covers);
-    let nest = Nest::new(islands.iter().filter_map(|i| i.rings.first()));
-    let mut parts = vec![Area::EMPTY; islands.len()];
-    for part in open.islands() {
-        let p = part.rings.first().and_then(|r| point_beside(r));
-        if let Some(i) = p.and_then(|p| nest.around(p)) {
-            parts[i].rings.extend(part.rings);
-        }
-    }
+    let mut parts = by_island(islands, open.islands());
     let own = |&i: &usize| (i, part(std::mem::take(&mut parts[i])));
     which.iter().map(own).collect()
+}
+
+/// Areas by the island that each of them lies in.
+pub(super) fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
+    let nest = Nest::new(islands.iter().filter_map(|p| p.rings.first()));
+    let mut sorted: Vec<Area> = vec![Area::EMPTY; islands.len()];
+    for area in areas {
+        let p = area.rings.first().and_then(|r| point_beside(r));
+        if let Some(i) = p.and_then(|p| nest.around(p)) {
+            sorted[i].rings.extend(area.rings);
+        }
+    }
+    sorted
 }
 
 fn part(open: Area) -> Exposed {
@@ -406,18 +384,18 @@ mod tests {
                 walls,
                 ..Settings::default()
             };
-            Rough::new(&exact, &settings)
+            rough(&exact, &settings)
         };
-        assert_eq!(with(0).area, exact);
+        assert_eq!(*with(0).area(), exact);
         let rough = with(2);
-        assert!(rough.area.rings[0].len() < 200);
+        assert!(rough.area().rings[0].len() < 200);
         let mut between = 0;
         for k in 0..4000 {
             let t = std::f64::consts::TAU * f64::from(k) / 4000.0;
             for off in [-0.005, 0.005] {
                 let p = DVec2::from_angle(t) * (10.0 + off);
-                let inside = rough.area.contains(p);
-                assert_eq!(rough.cover().grid.contains(p), inside, "{p}");
+                let inside = rough.area().contains(p);
+                assert_eq!(rough.grid().contains(p), inside, "{p}");
                 between += usize::from(inside != exact.contains(p));
             }
         }
@@ -426,13 +404,9 @@ mod tests {
 
     /// What is covered of each island.
     fn contents(islands: &[Area], covers: &[Area]) -> Vec<f64> {
-        let grids: Vec<EdgeGrid> =
-            covers.iter().map(|c| EdgeGrid::new(c, 1.0)).collect();
-        let covers: Vec<Cover<'_>> = covers
-            .iter()
-            .zip(&grids)
-            .map(|(area, grid)| Cover { area, grid })
-            .collect();
+        let covers: Vec<Solid<'_>> =
+            covers.iter().map(|c| Solid::of(c, 1.0)).collect();
+        let covers: Vec<&Solid<'_>> = covers.iter().collect();
         let of = |(e, island): (&Exposed, &Area)| match e {
             Exposed::Nowhere => island.content(),
             Exposed::Part(part) => island.content() - part.content(),
@@ -471,13 +445,8 @@ mod tests {
             rect(40.0, 0.0, 50.0, 10.0),
         ];
         let area = rect(-1.0, -1.0, 24.0, 11.0);
-        let grid = EdgeGrid::new(&area, 1.0);
-        let cover = Cover {
-            area: &area,
-            grid: &grid,
-        };
         use Covered::{Not, Partly, Wholly};
-        let covered = Islands::new(&islands).covered(&cover);
+        let covered = Islands::new(&islands).covered(&Solid::of(&area, 1.0));
         assert_eq!(covered, [Wholly, Partly, Not]);
         assert!((open(&islands[1], &area).content() - 60.0).abs() < 1e-6);
         assert!((open(&islands[2], &area).content() - 100.0).abs() < 1e-6);
@@ -491,12 +460,8 @@ mod tests {
             &rect(-1.0, -1.0, 21.0, 21.0),
             &rect(6.0, 6.0, 8.0, 8.0),
         );
-        let grid = EdgeGrid::new(&cover, 1.0);
-        let cover = Cover {
-            area: &cover,
-            grid: &grid,
-        };
-        let all = exposed(&Islands::new(&[frame]), &[cover], 1.0, |_| true);
+        let cover = Solid::new(cover);
+        let all = exposed(&Islands::new(&[frame]), &[&cover], 1.0, |_| true);
         assert_eq!(all, [Exposed::Nowhere]);
     }
 

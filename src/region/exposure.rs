@@ -21,15 +21,14 @@
 //! the fill.
 
 use super::cover::{
-    Cover, Covered, Exposed, Islands, TOLERANCE, exposed, near, open,
+    Covered, Exposed, Islands, TOLERANCE, by_island, exposed, near, open,
 };
 use crate::plane::clip::{
     crop, difference, intersection, not_covered_by_all, union,
 };
-use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
-use crate::plane::{Area, point_beside};
-use crate::settings::Settings;
+use crate::plane::{Area, Solid};
+use crate::settings::{Settings, SkinWhere};
 use crate::units::Mm;
 
 /// The fill, split.
@@ -41,19 +40,36 @@ pub struct FillAreas {
     pub sparse: Area,
 }
 
-/// The layers on one side of a layer, as far as a slope's shell reaches.
+/// A layer and those around it, each as its outline, as exact as skin needs
+/// it. Layers that are the same share one.
 #[derive(Clone, Debug)]
-pub struct Slope<'a> {
-    /// The last layer of the skin's window; `None` beyond the part.
-    pub last: Option<Cover<'a>>,
-    /// The layers farther away that count near what `last` leaves open.
-    pub beyond: Vec<Option<Cover<'a>>>,
+pub struct Window<'a> {
+    /// Number of the layer.
+    pub number: usize,
+    /// Its height.
+    pub height: Mm,
+    /// Its outline.
+    pub here: &'a Solid<'a>,
+    /// The layers above it, the nearest first, as far as the part and
+    /// [`Exposure::reach_above`] reach; more do no harm.
+    pub above: Vec<&'a Solid<'a>>,
+    /// The layers below it.
+    pub below: Vec<&'a Solid<'a>>,
+}
+
+/// The layers on one side of a layer, as far as a slope's shell reaches.
+struct Slope<'a> {
+    /// The last layer of those that have to cover it.
+    last: &'a Solid<'a>,
+    /// The layers farther away that count near what `last` leaves open;
+    /// `None` beyond the part.
+    beyond: Vec<Option<&'a Solid<'a>>>,
     /// How far `last` recedes from the farthest one on a slope of 45°.
-    pub reach: Mm,
+    reach: Mm,
 }
 
 /// Layers that count on a slope, where `layers` do on a level.
-pub fn slope_layers(layers: usize) -> usize {
+fn slope_layers(layers: usize) -> usize {
     (layers as f64 * std::f64::consts::SQRT_2).ceil() as usize
 }
 
@@ -67,84 +83,164 @@ pub fn roomy(fill: &Area, settings: &Settings) -> Area {
     }
 }
 
-/// Splits a layer's fill, of which `roomy` is what [`roomy()`] found. `above`
-/// and `below` are the layers that have to cover it, nearest first; `None`
-/// beyond the part. One that covers the same as another may be left out.
-/// `support` is the layer right below, if there is one that does not cover
-/// all of this one. `outline` is the layer's solid, as exact as the covers,
-/// and `slopes` are the layers that count beside what others leave open of it.
-#[expect(clippy::too_many_arguments, reason = "a layer's surroundings")]
-pub fn split(
-    fill: &Area,
-    roomy: &Area,
-    above: &[Option<Cover<'_>>],
-    below: &[Option<Cover<'_>>],
-    support: Option<Cover<'_>>,
-    outline: &Area,
-    slopes: &[Slope<'_>],
-    settings: &Settings,
-) -> FillAreas {
-    // The farthest first: they leave the least to be looked at.
-    let n = above.len().max(below.len());
-    let covers: Option<Vec<Cover<'_>>> = (0..n)
-        .rev()
-        .flat_map(|k| above.get(k).into_iter().chain(below.get(k)))
-        .copied()
-        .collect();
-    let sparse = match covers {
-        Some(covers) if !roomy.is_empty() => {
-            sparse(roomy, &covers, support, outline, slopes, settings)
+/// Tells a part's skin from its sparse infill.
+#[derive(Clone, Copy, Debug)]
+pub struct Exposure<'a> {
+    settings: &'a Settings,
+    /// Layers that have to cover a layer from above, lest it get skin.
+    above: usize,
+    /// Layers that have to cover it from below.
+    below: usize,
+    /// Layers of the part.
+    layer_count: usize,
+}
+
+impl<'a> Exposure<'a> {
+    /// For a part of so many layers.
+    pub fn new(settings: &'a Settings, layer_count: usize) -> Exposure<'a> {
+        let covering = |layers: u32| match settings.skin_where {
+            SkinWhere::Exposed => layers as usize,
+            SkinWhere::Ends => 0,
+        };
+        Exposure {
+            settings,
+            above: covering(settings.top_layers()),
+            below: covering(settings.bottom_layers()),
+            layer_count,
         }
-        _ => Vec::new(),
-    };
-    let skin = less(fill, &sparse);
-    let rings = sparse.into_iter().flat_map(|s| s.rings);
-    FillAreas {
-        skin,
-        sparse: Area {
-            rings: rings.collect(),
-        },
+    }
+
+    /// How many layers above a layer it has to know: the next one, whose
+    /// outline tells roles, in any case.
+    pub fn reach_above(&self) -> usize {
+        slope_layers(self.above).max(1)
+    }
+
+    /// How many layers below a layer it has to know.
+    pub fn reach_below(&self) -> usize {
+        slope_layers(self.below).max(1)
+    }
+
+    /// True if a layer is skin all over, whatever covers it.
+    fn is_end(&self, number: usize) -> bool {
+        let s = self.settings;
+        s.skin_where == SkinWhere::Ends
+            && (number < s.bottom_layers() as usize
+                || number + s.top_layers() as usize >= self.layer_count)
+    }
+
+    /// Splits a layer's fill, of which `roomy` is what [`roomy()`] found.
+    pub fn split(
+        &self,
+        fill: &Area,
+        roomy: &Area,
+        window: &Window<'_>,
+    ) -> FillAreas {
+        let sparse = match self.covers(window) {
+            Some(covers) if !roomy.is_empty() => {
+                self.sparse(roomy, &covers, window)
+            }
+            _ => Vec::new(),
+        };
+        let skin = less(fill, &sparse);
+        let rings = sparse.into_iter().flat_map(|s| s.rings);
+        FillAreas {
+            skin,
+            sparse: Area {
+                rings: rings.collect(),
+            },
+        }
+    }
+
+    /// The layers that have to cover a layer, if the part goes on so far.
+    fn covers<'w>(&self, window: &Window<'w>) -> Option<Vec<&'w Solid<'w>>> {
+        if self.is_end(window.number) {
+            return None;
+        }
+        // A neighbour that is the same as the layer, or as another of its
+        // neighbours, covers nothing less.
+        let mut seen = vec![window.here];
+        let mut new = |near: &&'w Solid<'w>| {
+            let new = !seen.iter().any(|s| s.is(near));
+            seen.push(near);
+            new
+        };
+        let above = window.above.get(..self.above)?.iter().copied();
+        let above: Vec<_> = above.filter(&mut new).collect();
+        let below = window.below.get(..self.below)?.iter().copied();
+        let below: Vec<_> = below.filter(&mut new).collect();
+        // The farthest first: they leave the least to be looked at.
+        let n = above.len().max(below.len());
+        let all = (0..n)
+            .rev()
+            .flat_map(|k| above.get(k).into_iter().chain(below.get(k)));
+        Some(all.copied().collect())
+    }
+
+    /// The islands of sparse infill.
+    fn sparse(
+        &self,
+        roomy: &Area,
+        covers: &[&Solid<'_>],
+        window: &Window<'_>,
+    ) -> Vec<Area> {
+        let settings = self.settings;
+        let islands = roomy.islands();
+        // Most of what is covered of a lattice is thin.
+        let half = 0.5 * settings.infill_width;
+        let matters = |part: &Area| {
+            part.content() >= settings.skin_min_area
+                && !offset(part, -half, TOLERANCE).is_empty()
+        };
+        let asked = Islands::new(&islands);
+        let disc = (settings.skin_min_area / std::f64::consts::PI).sqrt();
+        let disc = disc.max(half) + 2.0 * TOLERANCE;
+        let mut exposed = exposed(&asked, covers, disc, matters);
+        let outline = window.here.area();
+        for (side, layers) in
+            [(&window.above, self.above), (&window.below, self.below)]
+        {
+            if let Some(slope) = window.slope(side, layers) {
+                slope.expose(&islands, &asked, &mut exposed, outline);
+            }
+        }
+        let support = window.below.first().filter(|s| !s.is(window.here));
+        let hanging = hanging(&exposed, support.copied(), settings);
+        let mut sparse = Vec::new();
+        let all = islands.into_iter().zip(exposed).zip(hanging);
+        for ((island, exposed), hanging) in all {
+            match exposed {
+                Exposed::Nowhere => sparse.push(island),
+                Exposed::Everywhere => {}
+                Exposed::Part(part) => {
+                    let grown = grown(&part, &hanging, settings);
+                    let left =
+                        printable(&difference(&island, &grown), settings);
+                    sparse.extend(left.islands());
+                }
+            }
+        }
+        sparse
     }
 }
 
-/// The islands of sparse infill.
-fn sparse(
-    roomy: &Area,
-    covers: &[Cover<'_>],
-    support: Option<Cover<'_>>,
-    outline: &Area,
-    slopes: &[Slope<'_>],
-    settings: &Settings,
-) -> Vec<Area> {
-    let islands = roomy.islands();
-    // Most of what is covered of a lattice is thin.
-    let half = 0.5 * settings.infill_width;
-    let matters = |part: &Area| {
-        part.content() >= settings.skin_min_area
-            && !offset(part, -half, TOLERANCE).is_empty()
-    };
-    let asked = Islands::new(&islands);
-    let disc = (settings.skin_min_area / std::f64::consts::PI).sqrt();
-    let disc = disc.max(half) + 2.0 * TOLERANCE;
-    let mut exposed = exposed(&asked, covers, disc, matters);
-    for slope in slopes {
-        slope.expose(&islands, &asked, &mut exposed, outline);
+impl<'a> Window<'a> {
+    /// What counts on a slope beside the first `layers` on one side.
+    fn slope(
+        &self,
+        side: &[&'a Solid<'a>],
+        layers: usize,
+    ) -> Option<Slope<'a>> {
+        let all = slope_layers(layers);
+        let beyond = (layers..all).map(|k| side.get(k).copied());
+        Some(Slope {
+            last: side.get(layers.checked_sub(1)?)?,
+            beyond: beyond
+                .filter(|s| s.is_none_or(|s| !s.is(self.here)))
+                .collect(),
+            reach: (all - layers) as f64 * self.height,
+        })
     }
-    let hanging = hanging(&exposed, support, settings);
-    let mut sparse = Vec::new();
-    let all = islands.into_iter().zip(exposed).zip(hanging);
-    for ((island, exposed), hanging) in all {
-        match exposed {
-            Exposed::Nowhere => sparse.push(island),
-            Exposed::Everywhere => {}
-            Exposed::Part(part) => {
-                let grown = grown(&part, &hanging, settings);
-                let left = printable(&difference(&island, &grown), settings);
-                sparse.extend(left.islands());
-            }
-        }
-    }
-    sparse
 }
 
 impl Slope<'_> {
@@ -156,7 +252,7 @@ impl Slope<'_> {
         exposed: &mut [Exposed],
         outline: &Area,
     ) {
-        let covered = |c: &Option<Cover<'_>>| c.map(|c| asked.covered(&c));
+        let covered = |c: &Option<&Solid<'_>>| c.map(|c| asked.covered(c));
         let covered: Vec<Option<Vec<Covered>>> =
             self.beyond.iter().map(covered).collect();
         let wholly = |covered: &Option<Vec<Covered>>, i: usize| {
@@ -166,7 +262,6 @@ impl Slope<'_> {
             .filter(|&i| exposed[i] != Exposed::Everywhere)
             .filter(|&i| covered.iter().any(|c| !wholly(c, i)))
             .collect();
-        let Some(last) = self.last else { return };
         if candidates.is_empty() {
             return;
         }
@@ -181,7 +276,7 @@ impl Slope<'_> {
             .iter()
             .zip(&covered)
             .filter(|(_, c)| candidates.iter().any(|&i| !wholly(c, i)))
-            .map(|(cover, _)| Some(near(&all, cover.as_ref()?.area)))
+            .map(|(cover, _)| Some(near(&all, cover.as_ref()?.area())))
             .collect();
         let open_beyond = match covers {
             Some(covers) => {
@@ -197,7 +292,7 @@ impl Slope<'_> {
         bounds.min -= self.reach + 1.0;
         bounds.max += self.reach + 1.0;
         let here = crop(&outline.rings, bounds);
-        let receded = open(&here, last.area);
+        let receded = open(&here, self.last.area());
         if receded.is_empty() {
             return;
         }
@@ -217,24 +312,11 @@ impl Slope<'_> {
     }
 }
 
-/// Areas by the island that each of them lies in.
-fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
-    let nest = Nest::new(islands.iter().filter_map(|p| p.rings.first()));
-    let mut sorted: Vec<Area> = vec![Area::EMPTY; islands.len()];
-    for area in areas {
-        let p = area.rings.first().and_then(|r| point_beside(r));
-        if let Some(i) = p.and_then(|p| nest.around(p)) {
-            sorted[i].rings.extend(area.rings);
-        }
-    }
-    sorted
-}
-
 /// What of the exposed parts hangs in the air, by island, if bridges are to be
 /// anchored beyond the overlap that skin has anyway.
 fn hanging(
     exposed: &[Exposed],
-    support: Option<Cover<'_>>,
+    support: Option<&Solid<'_>>,
     settings: &Settings,
 ) -> Vec<Area> {
     let none = || vec![Area::EMPTY; exposed.len()];
@@ -253,7 +335,7 @@ fn hanging(
             parts.extend(islands);
         }
     }
-    let covered = Islands::new(&parts).covered(&support);
+    let covered = Islands::new(&parts).covered(support);
     let mut all = Area::EMPTY;
     for (part, covered) in parts.iter().zip(&covered) {
         if *covered != Covered::Wholly {
@@ -263,7 +345,7 @@ fn hanging(
     // What a bead's own width bridges needs no anchor.
     let half = 0.5 * settings.bottom_skin_width();
     // Not `open`: what that cuts would shrink from the cut.
-    let open = difference(&all, &near(&all, support.area));
+    let open = difference(&all, &near(&all, support.area()));
     let core = offset(&open, -half, TOLERANCE);
     let mut hanging = none();
     for (owner, core) in
@@ -341,29 +423,34 @@ fn printable(area: &Area, settings: &Settings) -> Area {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::grid::EdgeGrid;
     use crate::plane::rect;
 
+    /// Splits the fill of a layer that some more layers would have to cover
+    /// from above, which are `beyond` the part.
     fn split_under(
         fill: &Area,
         above: &[&Area],
         below: &[&Area],
+        beyond: usize,
         settings: &Settings,
     ) -> FillAreas {
-        let grids = |areas: &[&Area]| -> Vec<EdgeGrid> {
-            areas.iter().map(|a| EdgeGrid::new(a, 1.0)).collect()
+        let solids = |areas: &[&'_ Area]| -> Vec<Solid<'static>> {
+            areas.iter().map(|a| Solid::new((*a).clone())).collect()
         };
-        let (over, under) = (grids(above), grids(below));
-        fn covers<'a>(
-            areas: &[&'a Area],
-            grids: &'a [EdgeGrid],
-        ) -> Vec<Option<Cover<'a>>> {
-            let all = areas.iter().zip(grids);
-            all.map(|(area, grid)| Some(Cover { area, grid })).collect()
-        }
-        let (above, below) = (covers(above, &over), covers(below, &under));
-        let roomy = roomy(fill, settings);
-        split(fill, &roomy, &above, &below, None, fill, &[], settings)
+        let (over, under) = (solids(above), solids(below));
+        let exposure = Exposure {
+            above: above.len() + beyond,
+            below: below.len(),
+            ..Exposure::new(settings, 100)
+        };
+        let window = Window {
+            number: 50,
+            height: 0.2,
+            here: &Solid::of(fill, 1.0),
+            above: over.iter().collect(),
+            below: under.iter().collect(),
+        };
+        exposure.split(fill, &roomy(fill, settings), &window)
     }
 
     #[test]
@@ -371,13 +458,13 @@ mod tests {
         let settings = Settings::default();
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
-        let f = split_under(&fill, &[&all, &all], &[&all], &settings);
+        let f = split_under(&fill, &[&all, &all], &[&all], 0, &settings);
         assert!((f.sparse.content() - 400.0).abs() < 1e-6);
         assert!(f.skin.content() < 1e-6);
-        let f = split_under(&fill, &[&all, &Area::EMPTY], &[&all], &settings);
+        let f =
+            split_under(&fill, &[&all, &Area::EMPTY], &[&all], 0, &settings);
         assert_eq!(f.skin, fill);
-        let beyond =
-            split(&fill, &fill, &[None], &[], None, &fill, &[], &settings);
+        let beyond = split_under(&fill, &[], &[], 1, &settings);
         assert_eq!(beyond.skin, fill);
     }
 
@@ -403,7 +490,8 @@ mod tests {
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         let all = rect(-1.0, -1.0, 21.0, 21.0);
         let holed = difference(&all, &rect(5.0, 5.0, 10.0, 10.0));
-        let f = split_under(&fill, &[&all, &holed, &all], &[&all], &settings);
+        let f =
+            split_under(&fill, &[&all, &holed, &all], &[&all], 0, &settings);
         let grown = 5.0 + 2.0 * settings.skin_overlap;
         let skin = f.skin.content();
         assert!((25.0..=grown * grown).contains(&skin), "{skin}");
@@ -417,7 +505,7 @@ mod tests {
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         // Leaves a strip 0.2 mm wide once the skin has grown.
         let cover = rect(19.8 - settings.skin_overlap, -1.0, 21.0, 21.0);
-        let f = split_under(&fill, &[&cover], &[], &settings);
+        let f = split_under(&fill, &[&cover], &[], 0, &settings);
         assert_eq!(f.skin, fill);
         assert!(f.sparse.is_empty());
     }

@@ -7,9 +7,9 @@
 //!
 //! Not looked for: whether the cavity is closed above and below.
 
-use super::cover::{Cover, Covered, Islands};
-use crate::plane::Area;
+use super::cover::{Covered, Islands};
 use crate::plane::nest::Nest;
+use crate::plane::{Area, Solid};
 use glam::DVec2;
 
 /// An island that begins in the air.
@@ -24,17 +24,17 @@ pub struct Floating {
 }
 
 /// A layer's islands that begin in the air over `below`.
-pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<Floating> {
+pub fn floating(outline: &Area, below: &Solid<'_>) -> Vec<Floating> {
     let mut free = outline.islands();
     free.retain(|island| {
         // Nearly always the first point tells.
         let mut points = island.rings.first().into_iter().flatten();
-        !points.any(|&p| below.grid.contains(p))
+        !points.any(|&p| below.grid().contains(p))
     });
     if free.is_empty() {
         return Vec::new();
     }
-    let around = Nest::new(below.area.rings.iter());
+    let around = Nest::new(below.area().rings.iter());
     let covered = Islands::new(&free).covered(below);
     let free = free.into_iter().zip(covered);
     free.filter(|(_, covered)| *covered == Covered::Not)
@@ -54,7 +54,6 @@ pub fn floating(outline: &Area, below: &Cover<'_>) -> Vec<Floating> {
 mod tests {
     use super::*;
     use crate::plane::clip::difference;
-    use crate::plane::grid::EdgeGrid;
 
     fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Area {
         crate::plane::rect(x0, low, x1, high)
@@ -64,19 +63,15 @@ mod tests {
     fn what_has_nothing_below_floats_in_a_cavity_or_beside_the_part() {
         let block = rect(0.0, 30.0, 0.0, 30.0);
         let below = difference(&block, &rect(5.0, 25.0, 5.0, 25.0));
-        let grid = EdgeGrid::new(&below, 1.0);
-        let cover = Cover {
-            area: &below,
-            grid: &grid,
-        };
+        let below = Solid::new(below);
         let on = |area: &Area| -> Vec<(DVec2, bool)> {
-            let all = floating(area, &cover).into_iter();
+            let all = floating(area, &below).into_iter();
             all.map(|f| (f.at, f.in_cavity)).collect()
         };
         let place = DVec2::new;
         let inside = rect(8.0, 12.0, 8.0, 12.0);
         assert_eq!(on(&inside), [(place(8.0, 8.0), true)]);
-        assert_eq!(floating(&inside, &cover)[0].island, inside);
+        assert_eq!(floating(&inside, &below)[0].island, inside);
         // Beside it all, over an edge, and over all of it.
         let beside = rect(40.0, 45.0, 8.0, 12.0);
         assert_eq!(on(&beside), [(place(40.0, 8.0), false)]);

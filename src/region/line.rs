@@ -7,23 +7,11 @@
 //! in, each taking half.
 
 use super::ridge::Ridge;
+use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Rect, edges, path_length};
+use crate::plane::{Area, Rect, edges};
 use crate::units::Mm;
 use glam::DVec2;
-
-/// A centre line.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Line {
-    /// Its points; the first is not repeated at the end of a closed one.
-    pub points: Vec<DVec2>,
-    /// It returns to its first point.
-    pub closed: bool,
-    /// Width of its bead; the mean, if it varies.
-    pub width: Mm,
-    /// Width at each point, if it varies; else empty.
-    pub widths: Vec<Mm>,
-}
 
 /// Distance of the places at which a line near a ridge is looked at, mm.
 const STEP: Mm = 0.2;
@@ -42,33 +30,25 @@ const CELL: Mm = 0.8;
 /// Slack in distances that are equal but for rounding and thinning, mm.
 const SLACK: Mm = 0.05;
 
-impl Line {
-    /// Length, with the closing segment of a closed line.
-    pub fn length(&self) -> Mm {
-        path_length(&self.points, self.closed)
+/// The ridge's stroke for a bead `extra` wider than the area is thick.
+pub(super) fn along(ridge: &Ridge, extra: Mm) -> Stroke {
+    let widths: Vec<Mm> = ridge.thickness.iter().map(|t| t + extra).collect();
+    let (mut sum, mut length) = (0.0, 0.0);
+    for (p, w) in ridge.points.windows(2).zip(widths.windows(2)) {
+        let step = p[0].distance(p[1]);
+        sum += 0.5 * (w[0] + w[1]) * step;
+        length += step;
     }
-
-    /// The ridge's line for a bead `extra` wider than the area is thick.
-    pub(super) fn along(ridge: &Ridge, extra: Mm) -> Line {
-        let widths: Vec<Mm> =
-            ridge.thickness.iter().map(|t| t + extra).collect();
-        let (mut sum, mut length) = (0.0, 0.0);
-        for (p, w) in ridge.points.windows(2).zip(widths.windows(2)) {
-            let step = p[0].distance(p[1]);
-            sum += 0.5 * (w[0] + w[1]) * step;
-            length += step;
-        }
-        let width = match length > 0.0 {
-            true => sum / length,
-            false => widths.first().copied().unwrap_or(extra),
-        };
-        let same = widths.iter().all(|w| (w - width).abs() < 1e-3);
-        Line {
-            points: ridge.points.clone(),
-            closed: ridge.closed,
-            width,
-            widths: if same { Vec::new() } else { widths },
-        }
+    let width = match length > 0.0 {
+        true => sum / length,
+        false => widths.first().copied().unwrap_or(extra),
+    };
+    let same = widths.iter().all(|w| (w - width).abs() < 1e-3);
+    Stroke {
+        points: ridge.points.clone(),
+        closed: ridge.closed,
+        width,
+        widths: if same { Vec::new() } else { widths },
     }
 }
 
@@ -195,13 +175,8 @@ pub(super) fn cut(
     ridges: &[Ridge],
     depth: Mm,
     width: Mm,
-) -> Vec<Line> {
-    let line = |points, closed| Line {
-        points,
-        closed,
-        width,
-        widths: Vec::new(),
-    };
+) -> Vec<Stroke> {
+    let line = |points, closed| Stroke::new(points, closed, width);
     if ridges.is_empty() {
         return rings.rings.iter().map(|r| line(r.clone(), true)).collect();
     }
@@ -321,11 +296,11 @@ pub(super) fn cut(
 /// Widens the lines beside slivers: `away` is how far a line is from the
 /// border of the area whose ridges the slivers are.
 pub(super) fn absorb(
-    lines: Vec<Line>,
+    lines: Vec<Stroke>,
     slivers: &[Ridge],
     away: Mm,
     tolerance: Mm,
-) -> Vec<Line> {
+) -> Vec<Stroke> {
     if slivers.is_empty() {
         return lines;
     }
@@ -339,12 +314,12 @@ pub(super) fn absorb(
 }
 
 fn widen(
-    line: Line,
+    line: Stroke,
     index: &RidgeIndex<'_>,
     away: Mm,
     reach: Mm,
     tolerance: Mm,
-) -> Line {
+) -> Stroke {
     let n = line.points.len();
     let mut points = Vec::with_capacity(n);
     let mut widths = Vec::with_capacity(n);
@@ -429,7 +404,7 @@ fn widen(
         thin.points.pop();
         thin.thickness.pop();
     }
-    Line::along(&thin, 0.0)
+    along(&thin, 0.0)
 }
 
 #[cfg(test)]

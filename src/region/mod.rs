@@ -28,14 +28,13 @@ pub mod slit;
 mod thin;
 mod tip;
 
-use crate::bead::spacing;
-use crate::plane::grid::EdgeGrid;
-use crate::plane::offset::{Room, offset_within};
+use crate::bead::{Stroke, spacing};
+use crate::plane::offset::{Room, offset, offset_within};
 use crate::plane::simplify::simplify;
-use crate::plane::{Area, signed_area};
+use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
-use line::{Line, absorb, cut};
+use line::{absorb, along, cut};
 use ridge::{Ridge, ridges};
 
 /// Share of `accuracy` left to the outline; the offsets get the rest.
@@ -45,10 +44,13 @@ pub const OUTLINE_SHARE: f64 = 0.7;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Walls {
     /// Centre lines by wall, the outermost first.
-    pub lines: Vec<Vec<Line>>,
+    pub lines: Vec<Vec<Stroke>>,
     /// Beads in the middle of places too thin for walls: of the part first,
     /// then of what each wall leaves.
-    pub thin: Vec<Vec<Line>>,
+    pub thin: Vec<Vec<Stroke>>,
+    /// Depths of the walls' centre lines below the outline, where the part is
+    /// not too thin for them.
+    pub depths: Vec<Mm>,
     /// What the walls leave for infill and skin.
     pub fill: Area,
     /// Solid that is neither under a bead nor left for filling, because it
@@ -110,9 +112,9 @@ impl Lay {
 /// One wall's rings and the beads of places too thin for it.
 pub(crate) struct Laid {
     /// The rings, cut where a bead runs in their middle.
-    pub lines: Vec<Line>,
+    pub lines: Vec<Stroke>,
     /// These beads.
-    pub thin: Vec<Line>,
+    pub thin: Vec<Stroke>,
     /// The rings, whole.
     pub rings: Area,
     /// The ridges of these beads.
@@ -123,11 +125,8 @@ pub(crate) struct Laid {
 
 /// Lays one wall along the border of an area.
 pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
-    let grid = EdgeGrid::new(area, cell(area));
-    let skeleton = Skeleton::new(area, &grid, lay.limit, tolerance);
-    let room = Some(&skeleton.room);
-    let rings = shrink_with(area, &grid, room, lay.centre, tolerance);
-    skeleton.lay(rings, 0.0, lay)
+    let skeleton = Skeleton::new(area, lay.limit, tolerance);
+    skeleton.lay(skeleton.shrunk(lay.centre, tolerance), 0.0, lay)
 }
 
 /// Size of a grid's cells: three times the mean length of the edges, within bounds
@@ -138,26 +137,41 @@ fn cell(area: &Area) -> Mm {
     (3.0 * area.perimeter() / edges.max(1) as f64).clamp(0.5, 1.0)
 }
 
-/// The ridges of an area, as far as they matter to some walls.
+/// An area and its ridges, as far as they matter to some walls.
 ///
 /// What is left of the area when it has shrunk by d has the same ridges where
 /// the area is thicker than 2·d, and is thinner there by that: all walls can
 /// be laid by the ridges of the outline.
-struct Skeleton {
+struct Skeleton<'a> {
+    solid: Solid<'a>,
     ridges: Vec<Ridge>,
     /// How far the area's edges can move inwards.
     room: Room,
 }
 
-impl Skeleton {
-    fn new(area: &Area, grid: &EdgeGrid, limit: Mm, tolerance: Mm) -> Skeleton {
+impl<'a> Skeleton<'a> {
+    fn new(area: &'a Area, limit: Mm, tolerance: Mm) -> Skeleton<'a> {
+        let solid = Solid::of(area, cell(area));
         let (mut ridges, room) = match area.is_empty() || limit <= 0.0 {
             true => (Vec::new(), Room::default()),
-            false => ridges(area, grid, limit, tolerance),
+            false => ridges(&solid, limit, tolerance),
         };
         // A post's ridge is a point.
         ridges.retain(|r| r.length() > 0.25 * r.thickest());
-        Skeleton { ridges, room }
+        Skeleton {
+            solid,
+            ridges,
+            room,
+        }
+    }
+
+    /// The area shrunk by `distance` and thinned.
+    fn shrunk(&self, distance: Mm, tolerance: Mm) -> Area {
+        let room = Some(&self.room);
+        thinned(
+            offset_within(&self.solid, room, -distance, tolerance),
+            tolerance,
+        )
     }
 
     /// Cuts the rings of a wall of what is left at `depth`, and lays the
@@ -166,7 +180,7 @@ impl Skeleton {
         let (beads, slivers) = self.thin_places(depth, lay.limit, lay.least);
         Laid {
             lines: cut(&rings, &beads, lay.centre, lay.width),
-            thin: beads.iter().map(|r| Line::along(r, lay.extra)).collect(),
+            thin: beads.iter().map(|r| along(r, lay.extra)).collect(),
             rings,
             ridges: beads,
             slivers,
@@ -223,7 +237,7 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
     let last = Lay::inside(settings.skin_width, height, settings);
     let away = 0.5 * spacing_to_inner(height, settings);
     let mut area = outline.clone();
-    let mut lines: Vec<Vec<Line>> = Vec::new();
+    let mut lines: Vec<Vec<Stroke>> = Vec::new();
     let mut thin = Vec::new();
     let plans: Vec<Lay> = (0..settings.walls)
         .map(|k| match k {
@@ -241,12 +255,8 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
             depth += plan.inner;
         }
         limit = limit.max(2.0 * depth + last.least);
-        let grid = EdgeGrid::new(&area, cell(&area));
-        let skeleton = Skeleton::new(&area, &grid, limit, settings.accuracy);
-        let shrunk = |distance: Mm, tolerance: Mm| {
-            let room = Some(&skeleton.room);
-            shrink_with(&area, &grid, room, distance, tolerance)
-        };
+        let skeleton = Skeleton::new(&area, limit, settings.accuracy);
+        let solid = &skeleton.solid;
         depth = 0.0;
         for &plan in pair {
             // The outer wall is seen.
@@ -254,16 +264,16 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
                 true => tolerance,
                 false => 2.0 * tolerance,
             };
-            let rings = shrunk(depth + plan.centre, tolerance);
+            let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let mut laid = skeleton.lay(rings, depth, plan);
             laid.thin = laid
                 .ridges
                 .drain(..)
-                .map(|r| tip::square_ends(r, &grid, depth, plan.least))
-                .map(|r| Line::along(&r, plan.extra))
+                .map(|r| tip::square_ends(r, solid.grid(), depth, plan.least))
+                .map(|r| along(&r, plan.extra))
                 .collect();
             if lines.is_empty() {
-                tip::fill_posts(&mut laid, outline, &grid, plan, tolerance);
+                tip::fill_posts(&mut laid, solid, plan, tolerance);
             }
             if let Some(before) = lines.last_mut() {
                 let wide = std::mem::take(before);
@@ -275,8 +285,8 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
         }
         // Nobody sees the border of what is filled.
         let left = match lines.len() == plans.len() {
-            true => shrunk(depth, settings.accuracy),
-            false => shrunk(depth, tolerance),
+            true => skeleton.shrunk(depth, settings.accuracy),
+            false => skeleton.shrunk(depth, tolerance),
         };
         // What the last walls leave and no bead can fill is theirs as well.
         if lines.len() == plans.len()
@@ -289,14 +299,29 @@ pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
         }
         area = left;
     }
-    let mut walls = Walls {
-        lines,
-        thin,
-        fill: area,
-        gap: 0.0,
-    };
-    walls.gap = gap(outline, &walls, height, settings);
-    walls
+    Walls::of(outline, lines, thin, area, height, settings)
+}
+
+impl Walls {
+    /// These walls of an outline.
+    fn of(
+        outline: &Area,
+        lines: Vec<Vec<Stroke>>,
+        thin: Vec<Vec<Stroke>>,
+        fill: Area,
+        height: Mm,
+        settings: &Settings,
+    ) -> Walls {
+        let mut walls = Walls {
+            lines,
+            thin,
+            depths: wall_depths(height, settings).0,
+            fill,
+            gap: 0.0,
+        };
+        walls.gap = gap(outline, &walls, height, settings);
+        walls
+    }
 }
 
 /// Distance between the centre lines of two inner walls.
@@ -326,14 +351,7 @@ pub fn field_walls(
             cut(&area, &[], 0.0, width)
         })
         .collect();
-    let mut walls = Walls {
-        lines,
-        thin: Vec::new(),
-        fill,
-        gap: 0.0,
-    };
-    walls.gap = gap(outline, &walls, height, settings);
-    walls
+    Walls::of(outline, lines, Vec::new(), fill, height, settings)
 }
 
 /// The area shrunk by `distance` and thinned.
@@ -341,26 +359,15 @@ pub(crate) fn shrink(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     if distance == 0.0 || area.is_empty() {
         return area.clone();
     }
-    let grid = EdgeGrid::new(area, distance);
-    shrink_with(area, &grid, None, distance, tolerance)
+    thinned(offset(area, -distance, tolerance), tolerance)
 }
 
-/// The same, with a grid of the area's edges, and how far they can move.
-fn shrink_with(
-    area: &Area,
-    grid: &EdgeGrid,
-    room: Option<&Room>,
-    distance: Mm,
-    tolerance: Mm,
-) -> Area {
-    let mut shrunk = offset_within(area, grid, room, -distance, tolerance);
-    shrunk.rings = shrunk
-        .rings
-        .iter()
-        .map(|r| simplify(r, tolerance))
-        .filter(|r| !r.is_empty())
-        .collect();
-    shrunk
+/// The area with as few points as the tolerance permits.
+fn thinned(area: Area, tolerance: Mm) -> Area {
+    let rings = area.rings.iter().map(|r| simplify(r, tolerance));
+    Area {
+        rings: rings.filter(|r| !r.is_empty()).collect(),
+    }
 }
 
 /// Content of the outline less that of the beads' bands and the fill.

@@ -12,21 +12,21 @@
 //! left for lines. Together they leave nothing open that is wider than the
 //! thinnest bead.
 
-use super::line::{Line, RidgeIndex, absorb};
+use super::line::{RidgeIndex, absorb, along};
 use super::ridge::Ridge;
-use super::{Lay, Skeleton, cell, shrink, shrink_with};
+use super::{Lay, Skeleton, lay, shrink};
+use crate::bead::Stroke;
 use crate::plane::Area;
-use crate::plane::grid::EdgeGrid;
 use crate::units::Mm;
 use glam::DVec2;
 
 /// The beads around a solid area.
 pub(crate) struct Patch {
     /// The ring, cut where a bead runs in the middle.
-    pub rings: Vec<Line>,
+    pub rings: Vec<Stroke>,
     /// Beads in places too thin for two sides of the ring, or for lines
     /// between them.
-    pub thin: Vec<Line>,
+    pub thin: Vec<Stroke>,
     /// The ring whole.
     pub whole: Area,
     /// Where these beads run inside the ring.
@@ -42,17 +42,15 @@ const SLACK: Mm = 0.02;
 
 /// Lays the beads around a solid area.
 pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
-    let grid = EdgeGrid::new(area, cell(area));
     let limit = 2.0 * plan.inner + plan.limit;
-    let skeleton = Skeleton::new(area, &grid, limit, tolerance);
-    let room = Some(&skeleton.room);
-    let rings = shrink_with(area, &grid, room, plan.centre, tolerance);
+    let skeleton = Skeleton::new(area, limit, tolerance);
+    let rings = skeleton.shrunk(plan.centre, tolerance);
     let laid = skeleton.lay(rings, 0.0, plan);
     let (core, slivers) =
         skeleton.thin_places(plan.inner, plan.limit, plan.least);
     let away = plan.inner - plan.centre;
     let mut thin = laid.thin;
-    thin.extend(core.iter().map(|r| Line::along(r, plan.extra)));
+    thin.extend(core.iter().map(|r| along(r, plan.extra)));
     Patch {
         rings: absorb(laid.lines, &slivers, away, tolerance),
         thin,
@@ -109,17 +107,13 @@ impl Free<'_> {
 
 /// Rings inside one another that fill an area, the outermost first, and the
 /// beads of places too thin for them.
-pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Line> {
+pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
     let away = plan.inner - plan.centre;
     let mut area = area.clone();
-    let mut rings: Vec<Line> = Vec::new();
-    let mut last: Vec<Line> = Vec::new();
+    let mut rings: Vec<Stroke> = Vec::new();
+    let mut last: Vec<Stroke> = Vec::new();
     while !area.is_empty() {
-        let grid = EdgeGrid::new(&area, cell(&area));
-        let skeleton = Skeleton::new(&area, &grid, plan.limit, tolerance);
-        let room = Some(&skeleton.room);
-        let whole = shrink_with(&area, &grid, room, plan.centre, tolerance);
-        let laid = skeleton.lay(whole, 0.0, plan);
+        let laid = lay(&area, plan, tolerance);
         rings.extend(absorb(last, &laid.slivers, away, tolerance));
         rings.extend(laid.thin);
         last = laid.lines;
@@ -211,7 +205,7 @@ mod tests {
         // 0.156 mm: the ring's sides share it.
         let shared = strip(0.97);
         assert!(shared.thin.is_empty());
-        let widest = |l: &Line| l.widths.iter().copied().fold(0.0, f64::max);
+        let widest = |l: &Stroke| l.widths.iter().copied().fold(0.0, f64::max);
         let width = widest(&shared.rings[0]);
         assert!((width - 0.45 - 0.078).abs() < 0.003, "{width}");
     }

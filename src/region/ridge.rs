@@ -18,9 +18,9 @@
 
 use super::ball::Border;
 use super::run::{Run, join, split_runs};
-use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::Room;
+use crate::plane::{Solid, path_length};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -36,15 +36,14 @@ pub struct Ridge {
 }
 
 /// The ridges of an area where it is thinner than `limit`, and how far its
-/// edges can move. `grid` holds the area's edges. Lines are thinned to
-/// `tolerance`, in place and thickness.
+/// edges can move. Lines are thinned to `tolerance`, in place and thickness.
 pub fn ridges(
-    area: &Area,
-    grid: &EdgeGrid,
+    solid: &Solid<'_>,
     limit: Mm,
     tolerance: Mm,
 ) -> (Vec<Ridge>, Room) {
-    let mut border = Border::new(area, grid, 0.5 * limit);
+    let (area, grid) = (solid.area(), solid.grid());
+    let mut border = Border::new(solid, 0.5 * limit);
     let mut runs: Vec<Run> = Vec::new();
     let mut first_edge = 0;
     for ring in &area.rings {
@@ -169,12 +168,7 @@ impl Ridge {
 
     /// Length of the line.
     pub(super) fn length(&self) -> Mm {
-        let open: Mm =
-            self.points.windows(2).map(|p| p[0].distance(p[1])).sum();
-        match (self.closed, self.points.first(), self.points.last()) {
-            (true, Some(a), Some(b)) => open + b.distance(*a),
-            _ => open,
-        }
+        path_length(&self.points, self.closed)
     }
 
     /// The thickness half way through its points.
@@ -205,6 +199,7 @@ impl Ridge {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::Area;
     use std::f64::consts::TAU;
 
     fn area(points: &[(f64, f64)]) -> Area {
@@ -213,7 +208,7 @@ mod tests {
     }
 
     fn ridges_of(area: &Area, limit: f64) -> Vec<Ridge> {
-        ridges(area, &EdgeGrid::new(area, limit), limit, 0.005).0
+        ridges(&Solid::of(area, limit), limit, 0.005).0
     }
 
     fn total(r: &Ridge) -> f64 {

@@ -18,12 +18,11 @@
 //! as wide as the limit become a row of holes. Elsewhere the outline is the
 //! same; on islands with slits it is within the tolerance.
 
-use super::cover::{Cover, Covered, Islands};
+use super::cover::{Covered, Islands};
 use crate::plane::clip::{union, unite};
-use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
-use crate::plane::{Area, Rect, Ring, edges, signed_area};
+use crate::plane::{Area, Rect, Ring, Solid, edges, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -42,12 +41,13 @@ const HARDLY: f64 = 10.0;
 
 /// The places in which an outline's slits are filled, each a little larger
 /// than the slit: what is narrower than `width` between facing edges. They
-/// reach into the area by `tolerance` at most. `grid` has the area's edges.
-pub fn slits(area: &Area, grid: &EdgeGrid, width: Mm, tolerance: Mm) -> Area {
+/// reach into the area by `tolerance` at most.
+pub fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
+    let grid = outline.grid();
     let mut found: Vec<Ring> = Vec::new();
     let mut facing: Vec<usize> = Vec::new();
     let mut first = 0;
-    for ring in &area.rings {
+    for ring in &outline.area().rings {
         crate::limits::check();
         for (number, (a, b)) in (first..).zip(edges(ring)) {
             let Some(along) = (b - a).try_normalize() else {
@@ -130,13 +130,9 @@ fn between(
 
 /// The area with its slits filled, as [`slits`] has found them.
 pub fn filled(area: &Area, slits: &Area, width: Mm, tolerance: Mm) -> Area {
-    let grid = EdgeGrid::new(slits, width);
+    let places = Solid::of(slits, width);
     let islands = area.islands();
-    let asked = Islands::new(&islands);
-    let covered = asked.covered(&Cover {
-        area: slits,
-        grid: &grid,
-    });
+    let covered = Islands::new(&islands).covered(&places);
     let (mut touched, mut left) = (Area::EMPTY, Area::EMPTY);
     for (island, covered) in islands.into_iter().zip(covered) {
         match covered {
@@ -148,7 +144,7 @@ pub fn filled(area: &Area, slits: &Area, width: Mm, tolerance: Mm) -> Area {
     all.rings.retain(|ring| {
         let around = Rect::around(ring);
         let enclosed = signed_area(ring) < 0.0
-            && grid.meets(Rect {
+            && places.grid().meets(Rect {
                 min: around.min - tolerance,
                 max: around.max + tolerance,
             });
@@ -182,8 +178,7 @@ mod tests {
 
     /// The area as it is printed.
     fn closed(area: &Area) -> Area {
-        let grid = EdgeGrid::new(area, 1.0);
-        let found = slits(area, &grid, WIDTH, TOLERANCE);
+        let found = slits(&Solid::of(area, 1.0), WIDTH, TOLERANCE);
         match found.is_empty() {
             true => area.clone(),
             false => filled(area, &found, WIDTH, TOLERANCE),

@@ -18,9 +18,9 @@
 
 use super::ridge::Ridge;
 use super::{Laid, Lay, shrink};
+use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Rect, ring_length, signed_area};
-use crate::region::line::Line;
+use crate::plane::{Area, Rect, Solid, ring_length, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -116,16 +116,15 @@ fn corners(
 /// a wall and have no ridge, a ring that fills them.
 pub(super) fn fill_posts(
     laid: &mut Laid,
-    outline: &Area,
-    grid: &EdgeGrid,
+    outline: &Solid<'_>,
     lay: Lay,
     tolerance: Mm,
 ) {
     let thickness = |ring: &[DVec2]| {
         4.0 * signed_area(ring) / ring_length(ring).max(f64::MIN_POSITIVE)
     };
-    let mut post: Vec<bool> = outline
-        .rings
+    let rings = &outline.area().rings;
+    let mut post: Vec<bool> = rings
         .iter()
         .map(|ring| {
             let bounds = Rect::around(ring);
@@ -137,26 +136,28 @@ pub(super) fn fill_posts(
     if !post.contains(&true) {
         return;
     }
-    let ring_of = |line: &Line| {
+    let ring_of = |line: &Stroke| {
         let p = *line.points.first()?;
-        grid.nearest_within(p, lay.limit).map(|(ring, _)| ring)
+        outline
+            .grid()
+            .nearest_within(p, lay.limit)
+            .map(|(ring, _)| ring)
     };
     for ring in laid.thin.iter().filter_map(ring_of) {
         post[ring] = false;
     }
     laid.lines
         .retain(|line| ring_of(line).is_none_or(|ring| !post[ring]));
-    for (ring, _) in outline.rings.iter().zip(&post).filter(|(_, p)| **p) {
+    for (ring, _) in rings.iter().zip(&post).filter(|(_, p)| **p) {
         let width = (0.5 * thickness(ring)).max(lay.least);
         let one = Area {
             rings: vec![ring.clone()],
         };
         let rings = shrink(&one, 0.5 * width, tolerance).rings;
-        laid.lines.extend(rings.into_iter().map(|points| Line {
-            points,
-            closed: true,
-            width,
-            widths: Vec::new(),
-        }));
+        laid.lines.extend(
+            rings
+                .into_iter()
+                .map(|points| Stroke::new(points, true, width)),
+        );
     }
 }

@@ -19,12 +19,12 @@ use super::ReportError;
 use super::area::content;
 use super::probe::{Probe, Spot};
 use super::spread::Spread;
+use crate::bead::Stroke;
 use crate::contour::Outline;
 use crate::layers::LayerSpan;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Rect};
-use crate::region::line::Line;
-use crate::region::{Walls, wall_depths};
+use crate::plane::{Area, Rect, Solid};
+use crate::region::Walls;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
@@ -46,8 +46,8 @@ pub struct LayerParts<'a> {
     pub z: Mm,
     /// Its outline.
     pub outline: &'a Outline,
-    /// The outline's edges.
-    pub edges: &'a EdgeGrid,
+    /// The outline that is printed.
+    pub printed: &'a Solid<'a>,
     /// Its walls.
     pub walls: &'a Walls,
 }
@@ -126,7 +126,7 @@ pub fn measure(
         ..LayerFigures::default()
     };
     outline(area, layer.z, probe, effort, &mut found)?;
-    walls(&layer, effort, settings, &mut found);
+    walls(&layer, effort, &mut found);
     if let Effort::Full { area_lines } = effort
         && area_lines > 0
     {
@@ -231,32 +231,26 @@ fn nearest(
 }
 
 /// Points along a line, with the bead's width there.
-fn along(line: &Line) -> impl Iterator<Item = (DVec2, Mm)> + '_ {
-    let n = line.points.len();
-    let width = |i: usize| line.widths.get(i).copied().unwrap_or(line.width);
-    let edges = if line.closed { n } else { n.saturating_sub(1) };
-    (0..edges).flat_map(move |i| {
-        let j = (i + 1) % n;
-        let (a, b) = (line.points[i], line.points[j]);
+fn along(line: &Stroke) -> impl Iterator<Item = (DVec2, Mm)> + '_ {
+    line.segments().enumerate().flat_map(move |(i, (a, b))| {
+        let (from, to) = (line.width_at(i), line.width_at(i + 1));
         let steps = (a.distance(b) / STEP).ceil().clamp(1.0, 1e4);
         (0..2 * steps as usize).map(move |k| {
             let t = k as f64 / (2.0 * steps);
-            (a.lerp(b, t), width(i) + t * (width(j) - width(i)))
+            (a.lerp(b, t), from + t * (to - from))
         })
     })
 }
 
-fn walls(
-    layer: &LayerParts<'_>,
-    effort: Effort,
-    settings: &Settings,
-    found: &mut LayerFigures,
-) {
-    let Walls { lines, thin, .. } = layer.walls;
-    let edges = layer.edges;
-    let height = layer.span.height();
-    let (depths, _) = wall_depths(height, settings);
-    let constant = |l: &&Line| l.widths.is_empty();
+fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
+    let Walls {
+        lines,
+        thin,
+        depths,
+        ..
+    } = layer.walls;
+    let edges = layer.printed.grid();
+    let constant = |l: &&Stroke| l.widths.is_empty();
     let depth =
         |p: DVec2| edges.nearest(p).map_or(f64::NAN, |(_, q)| p.distance(q));
     let Some(outer) = lines.first() else {
@@ -264,7 +258,7 @@ fn walls(
     };
     // All beads along the middle of a thin part touch its outline.
     let thin = thin.first().into_iter().flatten();
-    let touching: Vec<&Line> = outer.iter().chain(thin).collect();
+    let touching: Vec<&Stroke> = outer.iter().chain(thin).collect();
     let points = touching.iter().map(|l| 2 * l.points.len()).sum();
     // Taken evenly from both kinds, as a summary mixes them.
     let every = stride(effort, points);
@@ -285,12 +279,10 @@ fn walls(
     for k in 1..lines.len().min(depths.len()) {
         let apart = depths[k] - depths[k - 1];
         let before = &lines[k - 1];
-        let edges = before.iter().enumerate().flat_map(|(i, l)| {
-            let n = l.points.len();
-            let last = if l.closed { n } else { n.saturating_sub(1) };
-            let edge = move |e| (l.points[e], l.points[(e + 1) % n]);
-            (0..last).map(move |e| (i, edge(e)))
-        });
+        let edges = before
+            .iter()
+            .enumerate()
+            .flat_map(|(i, l)| l.segments().map(move |edge| (i, edge)));
         let grid = EdgeGrid::of(edges, NEIGHBOURS * apart);
         for (p, _) in lines[k].iter().filter(constant).flat_map(along) {
             let near = grid.nearest_within(p, NEIGHBOURS * apart);
@@ -335,7 +327,7 @@ mod tests {
             span,
             z: 0.0,
             outline: &outline,
-            edges: &EdgeGrid::new(&outline.area, 1.0),
+            printed: &Solid::of(&outline.area, 1.0),
             walls,
         };
         let frame = Rect {

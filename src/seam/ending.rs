@@ -10,10 +10,11 @@
 //! and where the nozzle goes without printing after each. A bead's height is
 //! its layer's, so a scarf ramps by flow, that is by width, alone.
 
-use crate::bead::{Bead, Role, cross_section};
+use crate::bead::{Bead, Role, Stroke, cross_section};
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
+use crate::walls::Support;
 use glam::DVec2;
 
 /// A bead, and what follows on it.
@@ -23,6 +24,12 @@ pub struct Ended {
     pub bead: Bead,
     /// Where the nozzle goes when it is done, before anything else.
     pub wipe: Option<DVec2>,
+}
+
+impl From<Bead> for Ended {
+    fn from(bead: Bead) -> Ended {
+        Ended { bead, wipe: None }
+    }
 }
 
 impl Ended {
@@ -48,7 +55,7 @@ pub fn endings(
     let finish = |bead: Bead| {
         let meant = bead.closed && bead.role == Role::OuterWall;
         if !meant || bead.points.len() < 3 {
-            return Ended { bead, wipe: None };
+            return bead.into();
         }
         let length = bead.length();
         // Half of a loop must be left as it is.
@@ -67,12 +74,24 @@ pub fn endings(
     beads.into_iter().map(finish).collect()
 }
 
+/// The beads, walls cut where they begin or cease to hang over what holds
+/// them.
+pub fn cut(all: Vec<Ended>, support: &Support<'_>) -> Vec<Ended> {
+    let mut out = Vec::with_capacity(all.len());
+    for Ended { bead, wipe } in all {
+        out.extend(support.cut(bead).into_iter().map(Ended::from));
+        if let Some(last) = out.last_mut() {
+            last.wipe = wipe;
+        }
+    }
+    out
+}
+
 /// A closed bead as an open one that overlaps its beginning by a scarf, and
 /// ends before that by a gap.
 fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
     let n = bead.points.len();
-    let width =
-        |i: usize| bead.widths.get(i % n).copied().unwrap_or(bead.width);
+    let width = |i: usize| bead.width_at(i);
     // Where there are to be points: its own, and those of the ramps.
     let end = length + scarf - gap;
     let mut stops: Vec<(Mm, DVec2, Mm)> = Vec::new();
@@ -124,9 +143,12 @@ fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
         false => Vec::new(),
     };
     Bead {
-        points: stops.iter().map(|s| s.1).collect(),
-        widths,
-        closed: false,
+        stroke: Stroke {
+            points: stops.iter().map(|s| s.1).collect(),
+            widths,
+            closed: false,
+            width: bead.width,
+        },
         ..*bead
     }
 }
@@ -192,15 +214,7 @@ mod tests {
     }
 
     fn wall(half: f64) -> Bead {
-        Bead {
-            role: Role::OuterWall,
-            points: square(half),
-            closed: true,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        }
+        Bead::new(Role::OuterWall, Stroke::new(square(half), true, 0.45), 0.2)
     }
 
     fn ended(bead: Bead, settings: &Settings) -> Ended {

@@ -4,17 +4,16 @@
 //! rings, and its fills by role, in print order: what is seen comes last.
 
 use super::bridge::bridges;
-use super::roles::{Path, Sides};
+use super::roles::Sides;
 use super::strokes::strokes;
-use super::{Fill, Patch, sweep};
-use crate::bead::{Bead, Role, spacing};
+use super::{Face, Fill, Patch, sweep};
+use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::plane::Area;
 use crate::plane::clip::difference;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::offset::offset;
 use crate::region::Lay;
-use crate::region::cover::{Cover, Covered};
-use crate::region::line::Line;
+use crate::region::cover::Covered;
 use crate::region::neighbour::Neighbour;
 use crate::region::patch::{Free, Patch as Around, concentric, patch};
 use crate::settings::{Settings, SkinOrder, SkinPattern};
@@ -33,8 +32,8 @@ struct Look {
 
 /// What the islands of a layer have in common.
 pub(super) struct Filler<'a> {
-    pub above: Face<'a>,
-    pub below: Face<'a>,
+    pub above: Side<'a>,
+    pub below: Side<'a>,
     pub on_bed: bool,
     pub angle: Degrees,
     pub height: Mm,
@@ -42,22 +41,22 @@ pub(super) struct Filler<'a> {
 }
 
 /// A layer next to this one, sorted by place when an island first asks.
-pub(super) struct Face<'a> {
-    cover: Option<Cover<'a>>,
+pub(super) struct Side<'a> {
+    face: Option<Face<'a>>,
     sorted: OnceCell<Neighbour<'a>>,
 }
 
-impl<'a> Face<'a> {
-    /// Of the layer there, if there is one.
-    pub fn new(cover: Option<Cover<'a>>) -> Face<'a> {
-        Face {
-            cover,
+impl<'a> Side<'a> {
+    /// For the layer there, if there is one.
+    pub fn new(face: Option<Face<'a>>) -> Side<'a> {
+        Side {
+            face,
             sorted: OnceCell::new(),
         }
     }
 
     fn get(&self) -> Option<&Neighbour<'a>> {
-        let area = self.cover?.area;
+        let area = self.face?.rough.area();
         Some(self.sorted.get_or_init(|| Neighbour::new(area)))
     }
 }
@@ -198,13 +197,7 @@ impl Filler<'_> {
         look: Look,
         angle: Degrees,
         free: &Free<'_>,
-    ) -> Vec<(i64, Line)> {
-        let line = |path: Path, width, closed| Line {
-            points: path.points,
-            closed,
-            width,
-            widths: path.widths,
-        };
+    ) -> Vec<(i64, Stroke)> {
         if look.pattern == SkinPattern::Concentric {
             let plan = Lay::inside(look.width, self.height, self.settings);
             // Up to the ring's own side.
@@ -220,20 +213,15 @@ impl Filler<'_> {
         let all = strokes(area, lines, look.width, shortest);
         let ends: Vec<_> = all
             .iter()
-            .filter_map(|s| Some((*s.points.first()?, *s.points.last()?)))
+            .filter_map(|(_, s)| Some((*s.points.first()?, *s.points.last()?)))
             .collect();
         let free = free.of(&ends);
         all.into_iter()
             .zip(free)
-            .flat_map(|(s, free)| {
-                let path = Path {
-                    points: s.points,
-                    widths: s.widths,
-                };
-                free.into_iter().map(move |(a, b)| (s.row, path.part(a, b)))
+            .flat_map(|((row, stroke), free)| {
+                free.into_iter().map(move |(a, b)| (row, stroke.part(a, b)))
             })
-            .filter(|(_, p)| p.length() >= shortest)
-            .map(|(row, p)| (row, line(p, look.width, false)))
+            .filter(|(_, stroke)| stroke.length() >= shortest)
             .collect()
     }
 
@@ -243,7 +231,7 @@ impl Filler<'_> {
         role: Role,
         look: Look,
         angle: Degrees,
-        paths: Vec<(i64, Line)>,
+        paths: Vec<(i64, Stroke)>,
     ) -> Fill {
         let swept = match role {
             Role::TopSkin => {
@@ -285,42 +273,29 @@ impl Filler<'_> {
         };
         let segments = hatch(&top, lines, inset);
         let paths = segments.into_iter().map(|s| {
-            let line = Line {
-                points: vec![s.from, s.to],
-                closed: false,
-                width: spacing,
-                widths: Vec::new(),
-            };
+            let line = Stroke::new(vec![s.from, s.to], false, spacing);
             (s.row, line)
         });
         let look = Look {
             pattern: SkinPattern::Lines,
             width: spacing,
         };
-        let paths: Vec<(i64, Line)> = paths.collect();
+        let paths: Vec<(i64, Stroke)> = paths.collect();
         (!paths.is_empty())
             .then(|| self.fill(Role::Ironing, look, self.angle, paths))
     }
 
-    fn bead(&self, role: Role, line: Line) -> Bead {
-        Bead {
-            role,
-            points: line.points,
-            closed: line.closed,
-            width: line.width,
-            widths: line.widths,
-            height: self.height,
-            small: false,
-        }
+    fn bead(&self, role: Role, stroke: Stroke) -> Bead {
+        Bead::new(role, stroke, self.height)
     }
 }
 
 /// Lines cut into pieces of one role each, by role.
 fn by_role(
-    paths: Vec<(i64, Line)>,
+    paths: Vec<(i64, Stroke)>,
     roles: [Role; 3],
     sides: Sides<'_>,
-) -> Vec<(Role, Vec<(i64, Line)>)> {
+) -> Vec<(Role, Vec<(i64, Stroke)>)> {
     let mut parts: Vec<_> = roles.map(|role| (role, Vec::new())).into();
     let mut push = |role, line| {
         if let Some(part) = parts.iter_mut().find(|p| p.0 == role) {
@@ -328,7 +303,7 @@ fn by_role(
         }
     };
     for (row, line) in paths {
-        let mut pieces = sides.cut(Path::along(&line));
+        let mut pieces = sides.cut(line.opened());
         if let [(role, _)] = pieces.as_slice() {
             push(*role, (row, line));
             continue;
@@ -338,18 +313,15 @@ fn by_role(
             && let Some(last) = pieces.pop()
         {
             match pieces.first_mut() {
-                Some(first) if first.0 == last.0 => first.1.begin_with(last.1),
+                Some((role, first)) if *role == last.0 => {
+                    let before = std::mem::replace(first, last.1);
+                    first.append(&before);
+                }
                 _ => pieces.push(last),
             }
         }
         for (role, piece) in pieces {
-            let line = Line {
-                points: piece.points,
-                closed: false,
-                width: line.width,
-                widths: piece.widths,
-            };
-            push(role, (row, line));
+            push(role, (row, piece));
         }
     }
     parts
@@ -378,11 +350,9 @@ mod tests {
             above: (Covered::Partly, Some(&grid)),
             below: (Covered::Wholly, None),
         };
-        let ring = |points| Line {
-            points,
-            closed: true,
-            width: 0.4,
+        let ring = |points| Stroke {
             widths: vec![0.4, 0.5, 0.4, 0.5],
+            ..Stroke::new(points, true, 0.4)
         };
         let lines = vec![
             (0, ring(rect(0.0, 10.0, 0.0, 10.0))),

@@ -21,11 +21,11 @@ mod strokes;
 mod sweep;
 
 use crate::bead::Bead;
-use crate::plane::Area;
-use crate::region::cover::{Cover, Covered, Islands};
+use crate::plane::{Area, Solid};
+use crate::region::cover::{Covered, Islands};
 use crate::settings::Settings;
 use crate::units::Mm;
-use fill::{Face, Filler};
+use fill::{Filler, Side};
 use roles::Sides;
 
 /// A connected skin area's beads.
@@ -52,9 +52,18 @@ pub struct Fill {
 #[derive(Clone, Copy, Debug)]
 pub struct Faces<'a> {
     /// The next layer.
-    pub above: Option<Cover<'a>>,
+    pub above: Option<Face<'a>>,
     /// The layer below.
-    pub below: Option<Cover<'a>>,
+    pub below: Option<Face<'a>>,
+}
+
+/// A neighbouring layer.
+#[derive(Clone, Copy, Debug)]
+pub struct Face<'a> {
+    /// Its outline: right at its edge lines change their role.
+    pub outline: &'a Solid<'a>,
+    /// The outline as exact as areas need it.
+    pub rough: &'a Solid<'a>,
 }
 
 /// The beads of a layer's skin. Even layers get lines at `skin_angle`, odd
@@ -68,22 +77,22 @@ pub fn patches(
 ) -> Vec<Patch> {
     let islands = skin.islands();
     let asked = Islands::new(&islands);
-    let side = |face: Option<Cover<'_>>| match face {
-        Some(cover) => asked.covered(&cover),
+    let side = |face: Option<Face<'_>>| match face {
+        Some(face) => asked.covered(face.rough),
         None => vec![Covered::Not; islands.len()],
     };
     let (above, below) = (side(faces.above), side(faces.below));
     let filler = Filler {
-        above: Face::new(faces.above),
-        below: Face::new(faces.below),
+        above: Side::new(faces.above),
+        below: Side::new(faces.below),
         on_bed: layer == 0,
         angle: settings.skin_direction(layer),
         height,
         settings,
     };
     let sides = above.into_iter().zip(below).map(|(above, below)| Sides {
-        above: (above, faces.above.map(|c| c.grid)),
-        below: (below, faces.below.map(|c| c.grid)),
+        above: (above, faces.above.map(|f| f.outline.grid())),
+        below: (below, faces.below.map(|f| f.outline.grid())),
     });
     islands
         .iter()
@@ -97,12 +106,14 @@ mod tests {
     use super::*;
     use crate::bead::{Role, spacing};
     use crate::plane::clip::difference;
-    use crate::plane::grid::EdgeGrid;
     use crate::settings::SkinPattern;
     use glam::DVec2;
 
-    fn cover<'a>(area: &'a Area, grid: &'a EdgeGrid) -> Cover<'a> {
-        Cover { area, grid }
+    fn face<'a>(solid: &'a Solid<'a>) -> Face<'a> {
+        Face {
+            outline: solid,
+            rough: solid,
+        }
     }
 
     fn square(half: f64) -> Area {
@@ -116,10 +127,10 @@ mod tests {
     fn a_square_gets_a_ring_and_lines_that_turn() {
         let settings = Settings::default();
         let area = square(12.0);
-        let grid = EdgeGrid::new(&area, 1.0);
+        let area = Solid::new(area);
         let faces = Faces {
             above: None,
-            below: Some(cover(&area, &grid)),
+            below: Some(face(&area)),
         };
         for layer in [0, 1] {
             let patches = patches(&square(10.0), faces, layer, 0.2, &settings);
@@ -128,7 +139,7 @@ mod tests {
             assert_eq!(p.rings.len(), 1);
             assert_eq!(p.rings[0].role, Role::TopSkin);
             let lines = &p.fills[0].lines;
-            let length: f64 = lines.iter().map(Bead::length).sum();
+            let length: f64 = lines.iter().map(|b| b.length()).sum();
             let space = spacing(0.45, 0.45, 0.2);
             let side = 20.0 - space - 0.4;
             assert!((length * space / (side * side) - 1.0).abs() < 0.01);
@@ -145,7 +156,7 @@ mod tests {
         let fills = patches.iter().flat_map(|p| &p.fills);
         fills
             .map(|f| {
-                let length: f64 = f.lines.iter().map(Bead::length).sum();
+                let length: f64 = f.lines.iter().map(|b| b.length()).sum();
                 (f.lines[0].role, length * space)
             })
             .collect()
@@ -169,12 +180,11 @@ mod tests {
                     .to_vec(),
             ],
         };
-        let (above, below) = (rect(-12.0, 5.0), rect(-4.0, 12.0));
-        let (over, under) =
-            (EdgeGrid::new(&above, 1.0), EdgeGrid::new(&below, 1.0));
+        let [above, below] =
+            [rect(-12.0, 5.0), rect(-4.0, 12.0)].map(Solid::new);
         let faces = Faces {
-            above: Some(cover(&above, &over)),
-            below: Some(cover(&below, &under)),
+            above: Some(face(&above)),
+            below: Some(face(&below)),
         };
         let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
         let half = 0.5 * inner;
@@ -196,7 +206,7 @@ mod tests {
         for (fill, (role, should)) in fills.iter().zip(expected) {
             let width = if role == Role::TopSkin { 0.5 } else { 0.45 };
             let space = spacing(width, width, 0.2);
-            let length: f64 = fill.lines.iter().map(Bead::length).sum();
+            let length: f64 = fill.lines.iter().map(|b| b.length()).sum();
             assert_eq!(fill.lines[0].role, role);
             assert_eq!(fill.lines[0].width, width);
             let closed = role == Role::BottomSkin;
@@ -211,11 +221,10 @@ mod tests {
     fn a_roof_over_a_gap_is_a_bridge_but_not_on_the_bed() {
         let settings = Settings::default();
         let wide = square(12.0);
-        let frame = difference(&wide, &square(5.0));
-        let grid = EdgeGrid::new(&frame, 1.0);
+        let frame = Solid::new(difference(&wide, &square(5.0)));
         let faces = Faces {
             above: None,
-            below: Some(cover(&frame, &grid)),
+            below: Some(face(&frame)),
         };
         let all = patches(&square(10.0), faces, 1, 0.2, &settings);
         let found = contents(&all, &settings);
@@ -236,18 +245,15 @@ mod tests {
             ironing: true,
             ..Settings::default()
         };
-        let wide = square(12.0);
-        let half = square(4.0);
-        let (under, over) =
-            (EdgeGrid::new(&wide, 1.0), EdgeGrid::new(&half, 1.0));
+        let [wide, half] = [square(12.0), square(4.0)].map(Solid::new);
         let faces = Faces {
-            above: Some(cover(&half, &over)),
-            below: Some(cover(&wide, &under)),
+            above: Some(face(&half)),
+            below: Some(face(&wide)),
         };
         let all = patches(&square(10.0), faces, 1, 0.2, &settings);
         let last = all[0].fills.last().unwrap();
         assert_eq!(last.lines[0].role, Role::Ironing);
-        let length: f64 = last.lines.iter().map(Bead::length).sum();
+        let length: f64 = last.lines.iter().map(|b| b.length()).sum();
         let side = |inner: f64, off: f64| (inner + off).powi(2);
         let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
         let should = side(inner, -0.45) - side(8.0, 0.45);
@@ -255,7 +261,7 @@ mod tests {
         assert!((is / should - 1.0).abs() < 0.02, "{is} {should}");
         for line in &last.lines {
             let middle = line.points[0].midpoint(line.points[1]);
-            assert!(!over.contains(middle));
+            assert!(!half.grid().contains(middle));
         }
     }
 

@@ -5,12 +5,9 @@
 //! away. Lines are cut where they pass these outlines.
 
 use super::short::join_short;
-use crate::bead::Role;
+use crate::bead::{Role, Stroke};
 use crate::plane::grid::EdgeGrid;
-use crate::plane::path_length;
 use crate::region::cover::Covered;
-use crate::region::line::Line;
-use crate::units::Mm;
 use glam::DVec2;
 
 /// The neighbours of an island of skin.
@@ -20,13 +17,6 @@ pub(super) struct Sides<'a> {
     pub above: (Covered, Option<&'a EdgeGrid>),
     /// What is below.
     pub below: (Covered, Option<&'a EdgeGrid>),
-}
-
-/// A path with its widths, if they vary.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Path {
-    pub points: Vec<DVec2>,
-    pub widths: Vec<Mm>,
 }
 
 impl Sides<'_> {
@@ -55,11 +45,11 @@ impl Sides<'_> {
     }
 
     /// The role of most of a path.
-    pub fn most(&self, line: &Line) -> Role {
+    pub fn most(&self, stroke: &Stroke) -> Role {
         if let Some(role) = self.only() {
             return role;
         }
-        let pieces = self.cut(Path::along(line));
+        let pieces = self.cut(stroke.opened());
         let mut lengths = [
             (Role::BottomSkin, 0.0),
             (Role::TopSkin, 0.0),
@@ -68,7 +58,7 @@ impl Sides<'_> {
         for (role, piece) in &pieces {
             for (own, length) in &mut lengths {
                 if own == role {
-                    *length += path_length(&piece.points, false);
+                    *length += piece.length();
                 }
             }
         }
@@ -76,8 +66,8 @@ impl Sides<'_> {
         most.map_or(Role::InternalSkin, |m| m.0)
     }
 
-    /// A path in pieces of one role each.
-    pub fn cut(&self, path: Path) -> Vec<(Role, Path)> {
+    /// An open stroke in pieces of one role each.
+    pub fn cut(&self, path: Stroke) -> Vec<(Role, Stroke)> {
         if let Some(role) = self.only() {
             return vec![(role, path)];
         }
@@ -86,7 +76,7 @@ impl Sides<'_> {
             .filter(|s| s.0 == Covered::Partly)
             .filter_map(|s| s.1);
         let grids: Vec<&EdgeGrid> = grids.collect();
-        let mut pieces: Vec<(Role, Path)> = Vec::new();
+        let mut pieces: Vec<(Role, Stroke)> = Vec::new();
         for i in 1..path.points.len() {
             let (a, b) = (path.points[i - 1], path.points[i]);
             let widths = path.widths.get(i - 1..=i);
@@ -113,8 +103,10 @@ impl Sides<'_> {
                     }
                     _ => pieces.push((
                         role,
-                        Path {
+                        Stroke {
                             points: vec![a.lerp(b, from), end],
+                            closed: false,
+                            width: path.width,
                             widths: [from, to]
                                 .into_iter()
                                 .filter_map(width)
@@ -126,66 +118,6 @@ impl Sides<'_> {
             }
         }
         join_short(pieces)
-    }
-}
-
-impl Path {
-    /// All of a line, up to where it closes.
-    pub fn along(line: &Line) -> Path {
-        let end = usize::from(line.closed);
-        let again = |n: usize| ..end.min(n);
-        let (points, widths) = (&line.points, &line.widths);
-        Path {
-            points: [points, &points[again(points.len())]].concat(),
-            widths: [widths, &widths[again(widths.len())]].concat(),
-        }
-    }
-
-    /// Puts a path that ends where this one begins before it.
-    pub fn begin_with(&mut self, mut before: Path) {
-        before.points.pop();
-        before.widths.pop();
-        self.points.splice(..0, before.points);
-        self.widths.splice(..0, before.widths);
-    }
-
-    /// Length of the path.
-    pub fn length(&self) -> Mm {
-        path_length(&self.points, false)
-    }
-
-    /// Its part between two shares of its length.
-    pub fn part(&self, from: f64, to: f64) -> Path {
-        if from <= 0.0 && to >= 1.0 {
-            return self.clone();
-        }
-        let length = self.length();
-        let (from, to) = (from * length, to * length);
-        let mut part = Path {
-            points: Vec::new(),
-            widths: Vec::new(),
-        };
-        let mut done = 0.0;
-        for i in 1..self.points.len() {
-            let (a, b) = (self.points[i - 1], self.points[i]);
-            let step = a.distance(b);
-            let mut push = |at: Mm| {
-                let t = ((at - done) / step.max(1e-12)).clamp(0.0, 1.0);
-                part.points.push(a.lerp(b, t));
-                if let Some(w) = self.widths.get(i - 1..=i) {
-                    part.widths.push(w[0] + t * (w[1] - w[0]));
-                }
-            };
-            let (low, high) = (from.max(done), to.min(done + step));
-            if high > low {
-                if done <= from {
-                    push(low);
-                }
-                push(high);
-            }
-            done += step;
-        }
-        part
     }
 }
 
@@ -209,9 +141,14 @@ mod tests {
             above: (Covered::Partly, Some(&left)),
             below: (Covered::Partly, Some(&below)),
         };
-        let path = Path {
-            points: vec![DVec2::ZERO, DVec2::X * 4.0, DVec2::X * 10.0],
+        let line = Stroke::new(
+            vec![DVec2::ZERO, DVec2::X * 4.0, DVec2::X * 10.0],
+            false,
+            0.4,
+        );
+        let path = Stroke {
             widths: vec![0.4, 0.4, 0.7],
+            ..line.clone()
         };
         let pieces = sides.cut(path.clone());
         let roles: Vec<Role> = pieces.iter().map(|p| p.0).collect();
@@ -222,12 +159,6 @@ mod tests {
             assert!((l - e).abs() < 1e-9, "{lengths:?}");
         }
         assert_eq!(pieces[1].1.widths, [0.4, 0.4, 0.45]);
-        let line = Line {
-            points: path.points.clone(),
-            closed: false,
-            width: 0.4,
-            widths: Vec::new(),
-        };
         assert_eq!(sides.most(&line), InternalSkin);
         // A top 0.5 mm long is none.
         let above = rect(3.5, 20.0);
@@ -237,18 +168,5 @@ mod tests {
         };
         let roles: Vec<Role> = sides.cut(path).iter().map(|p| p.0).collect();
         assert_eq!(roles, [BottomSkin, InternalSkin]);
-    }
-
-    #[test]
-    fn a_part_of_a_path_keeps_its_widths() {
-        let path = Path {
-            points: vec![DVec2::ZERO, DVec2::X * 4.0, DVec2::X * 10.0],
-            widths: vec![0.4, 0.4, 0.7],
-        };
-        let part = path.part(0.2, 0.6);
-        let x: Vec<f64> = part.points.iter().map(|p| p.x).collect();
-        assert_eq!(x, [2.0, 4.0, 6.0]);
-        assert!((part.widths[2] - 0.5).abs() < 1e-9);
-        assert_eq!(path.part(0.0, 1.0), path);
     }
 }

@@ -5,8 +5,7 @@
 //! one with it. The shortest comes first, and is measured again once it has
 //! grown: with a heap that takes n·log n for n pieces.
 
-use super::roles::Path;
-use crate::bead::Role;
+use crate::bead::{Role, Stroke};
 use crate::units::Mm;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -16,7 +15,7 @@ const SHORT: Mm = 1.0;
 
 /// Gives short pieces the role of the longer one beside them, the shortest
 /// first.
-pub(super) fn join_short(pieces: Vec<(Role, Path)>) -> Vec<(Role, Path)> {
+pub(super) fn join_short(pieces: Vec<(Role, Stroke)>) -> Vec<(Role, Stroke)> {
     if pieces.len() < 2 {
         return pieces;
     }
@@ -56,8 +55,8 @@ struct Runs {
 
 impl Runs {
     /// Of one piece each.
-    fn new(pieces: &[(Role, Path)]) -> Runs {
-        let run = |(i, (role, path)): (usize, &(Role, Path))| Run {
+    fn new(pieces: &[(Role, Stroke)]) -> Runs {
+        let run = |(i, (role, path)): (usize, &(Role, Stroke))| Run {
             role: *role,
             length: path.length(),
             before: i.checked_sub(1),
@@ -116,14 +115,11 @@ impl Runs {
     }
 
     /// The pieces, joined.
-    fn of(self, pieces: Vec<(Role, Path)>) -> Vec<(Role, Path)> {
-        let mut joined: Vec<(Role, Path)> = Vec::new();
+    fn of(self, pieces: Vec<(Role, Stroke)>) -> Vec<(Role, Stroke)> {
+        let mut joined: Vec<(Role, Stroke)> = Vec::new();
         for (run, (_, piece)) in self.all.iter().zip(pieces) {
             match joined.last_mut() {
-                Some((_, whole)) if run.last.is_none() => {
-                    whole.points.extend(piece.points.into_iter().skip(1));
-                    whole.widths.extend(piece.widths.into_iter().skip(1));
-                }
+                Some((_, whole)) if run.last.is_none() => whole.append(&piece),
                 _ => joined.push((run.role, piece)),
             }
         }
@@ -169,13 +165,15 @@ mod tests {
         [Role::BottomSkin, Role::TopSkin, Role::InternalSkin];
 
     /// Straight pieces of these roles and lengths.
-    fn row(of: &[(usize, f64)]) -> Vec<(Role, Path)> {
+    fn row(of: &[(usize, f64)]) -> Vec<(Role, Stroke)> {
         let mut x = 0.0;
         let mut piece = |&(role, length): &(usize, f64)| {
             let from = x;
             x += length;
-            let path = Path {
+            let path = Stroke {
                 points: [from, x].map(|x| DVec2::new(x, 0.0)).to_vec(),
+                closed: false,
+                width: 0.4,
                 widths: vec![0.4 + from, 0.4 + x],
             };
             (ROLES[role], path)

@@ -13,21 +13,11 @@
 //!
 //! Not filled: what no line passes, as it is narrower than two rows.
 
+use crate::bead::Stroke;
 use crate::plane::Area;
 use crate::plane::hatch::{Lines, hatch};
 use crate::units::Mm;
 use glam::DVec2;
-
-/// One stroke of a fill.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Stroke {
-    /// Its row; neighbours have numbers one apart.
-    pub row: i64,
-    /// Its points.
-    pub points: Vec<DVec2>,
-    /// Width at each point, if it varies; else empty.
-    pub widths: Vec<Mm>,
-}
 
 /// Rows looked at for each one that is drawn.
 const FINE: i64 = 4;
@@ -46,14 +36,15 @@ type Span = (f64, f64);
 /// By how much a line grows to one side: at coordinates along it.
 type Profile = Vec<(f64, Mm)>;
 
-/// The lines as strokes `width` wide. Pieces shorter than `shortest` are left
+/// The lines as strokes `width` wide, each with its row; neighbouring rows
+/// have numbers one apart. Pieces shorter than `shortest` are left
 /// out.
 pub(super) fn strokes(
     area: &Area,
     lines: Lines,
     width: Mm,
     shortest: Mm,
-) -> Vec<Stroke> {
+) -> Vec<(i64, Stroke)> {
     let along = DVec2::from_angle(lines.angle.to_radians());
     let across = along.perp();
     let fine = Lines {
@@ -102,11 +93,7 @@ pub(super) fn strokes(
                 places.sort_by(f64::total_cmp);
                 places.dedup_by(|a, b| *a - *b < 1e-6);
             }
-            let mut stroke = Stroke {
-                row,
-                points: Vec::new(),
-                widths: Vec::new(),
-            };
+            let mut stroke = Stroke::new(Vec::new(), false, width);
             for u in places {
                 let (a, b) = (grown(&up, u), grown(&down, u));
                 let p = base + along * u + across * (0.5 * (a - b));
@@ -116,7 +103,7 @@ pub(super) fn strokes(
             if stroke.widths.iter().all(|w| *w == width) {
                 stroke.widths.clear();
             }
-            strokes.push(stroke);
+            strokes.push((row, stroke));
         }
     }
     strokes
@@ -222,7 +209,7 @@ mod tests {
     }
 
     /// Content under strokes whose rows are `spacing` apart.
-    fn content(strokes: &[Stroke], spacing: f64, width: f64) -> f64 {
+    fn content(strokes: &[(i64, Stroke)], spacing: f64, width: f64) -> f64 {
         let of = |s: &Stroke| {
             let at =
                 |i: usize| s.widths.get(i).map_or(0.0, |w| w - width) + spacing;
@@ -233,7 +220,7 @@ mod tests {
                 })
                 .sum::<f64>()
         };
-        strokes.iter().map(of).sum()
+        strokes.iter().map(|(_, s)| of(s)).sum()
     }
 
     #[test]
@@ -248,11 +235,11 @@ mod tests {
         };
         let all = strokes(&area, slanted, 0.44, 0.2);
         assert_eq!(all.len(), 35);
-        assert!(all.iter().all(|s| s.widths.is_empty()));
+        assert!(all.iter().all(|(_, s)| s.widths.is_empty()));
         // The first row is a whole spacing from the border: half a row more.
         let all = strokes(&area, level(0.4, 0.399), 0.44, 0.2);
         let widest = |s: &Stroke| s.widths.iter().copied().fold(0.0, f64::max);
-        assert!(widest(&all[0]) > 0.55 && widest(&all[0]) < 0.65);
+        assert!((0.55..0.65).contains(&widest(&all[0].1)));
     }
 
     #[test]
@@ -266,9 +253,9 @@ mod tests {
             let filled = content(&all, 0.4, 0.44);
             let share = filled / (PI * 36.0);
             assert!((share - 1.0).abs() < 0.006, "{phase}: {share}");
-            for s in &all {
+            for (_, s) in &all {
                 for (i, p) in s.points.iter().enumerate() {
-                    let w = s.widths.get(i).copied().unwrap_or(0.44);
+                    let w = s.width_at(i);
                     let side = p.y.abs() + 0.5 * (w - 0.04);
                     let reach = DVec2::new(p.x, side).length();
                     // Plain ends stand out by half a row, as they did.

@@ -7,14 +7,14 @@
 //!    1 ────────────────────   printed between two older ones
 //! ```
 
-use crate::region::line::Line;
+use crate::bead::Stroke;
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
 
 /// For each of the lines, which are in the order of their rows, those it has
 /// to wait for. `width` is how near the ends of two count as beside.
 pub(super) fn after(
-    lines: &[(i64, Line)],
+    lines: &[(i64, Stroke)],
     angle: Degrees,
     width: Mm,
 ) -> Vec<Vec<u32>> {
@@ -56,12 +56,7 @@ mod tests {
     fn lines_wait_for_what_is_beside_them() {
         let line = |row: i64, from: f64, to: f64| {
             let points = [from, to].map(|x| DVec2::new(x, row as f64));
-            let line = Line {
-                points: points.to_vec(),
-                closed: false,
-                width: 0.4,
-                widths: Vec::new(),
-            };
+            let line = Stroke::new(points.to_vec(), false, 0.4);
             (row, line)
         };
         // A hole in rows 1 and 2; row 4 is not beside any other.

@@ -26,7 +26,6 @@ use super::cross::meets;
 use crate::bead::{Bead, Role};
 use crate::plane::Rect;
 use crate::plane::grid::EdgeGrid;
-use crate::region::wall_depths;
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
@@ -36,8 +35,6 @@ use std::cell::OnceCell;
 pub struct Obstacles<'a> {
     ground: Ground<'a>,
     beads: &'a [Bead],
-    /// Border of the sparse infill.
-    sparse: &'a OnceCell<EdgeGrid>,
     /// Box around the sparse infill; nothing if there is none, or if it is
     /// not printed.
     infill: Option<Rect>,
@@ -47,8 +44,6 @@ pub struct Obstacles<'a> {
     tops: OnceCell<EdgeGrid>,
     width: Mm,
     inner_width: Mm,
-    /// Depth of the fill's border below the outline.
-    border: Mm,
 }
 
 /// How near to the middle of a wall counts as on it, as a share of its width:
@@ -62,35 +57,24 @@ const ROUNDED: f64 = 0.95;
 const CELL: Mm = 1.0;
 
 impl<'a> Obstacles<'a> {
-    /// Of a layer with these beads, in print order. `sparse` takes up the
-    /// border of its sparse infill.
+    /// Of a layer with these beads, in print order.
     pub fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
-        sparse: &'a OnceCell<EdgeGrid>,
-        height: Mm,
         settings: &Settings,
     ) -> Obstacles<'a> {
         Obstacles {
             ground,
             beads,
-            sparse,
-            infill: (!ground.sparse.is_empty() && !settings.is_hollow())
-                .then(|| ground.sparse.bounds()),
+            infill: (!ground.sparse.area().is_empty() && !settings.is_hollow())
+                .then(|| ground.sparse.area().bounds()),
             walls: OnceCell::new(),
             open: OnceCell::new(),
             inner: OnceCell::new(),
             tops: OnceCell::new(),
             width: settings.outer_wall_width,
             inner_width: settings.inner_wall_width,
-            border: wall_depths(height, settings).1,
         }
-    }
-
-    /// The border of the layer's sparse infill.
-    pub fn sparse(&self) -> &'a EdgeGrid {
-        self.sparse
-            .get_or_init(|| EdgeGrid::new(self.ground.sparse, CELL))
     }
 
     /// True if every part of the way through `points` lies over sparse infill,
@@ -106,11 +90,12 @@ impl<'a> Obstacles<'a> {
         let way = trimmed(points, self.inner_width);
         if way.is_empty() {
             // So short that it is all ends: what counts is between them.
-            return self.sparse().contains(0.5 * (*a + *b));
+            return self.ground.sparse.grid().contains(0.5 * (*a + *b));
         }
+        let sparse = || self.ground.sparse.grid();
         way.iter().all(|&p| bounds.contains(p))
-            && self.sparse().contains(way[0])
-            && !meets(self.sparse(), &way)
+            && sparse().contains(way[0])
+            && !meets(sparse(), &way)
     }
 
     /// True if the way crosses a wall: if it meets one, but for half a line's
@@ -137,7 +122,7 @@ impl<'a> Obstacles<'a> {
         bead.role == Role::Overhang
             && middle.is_some_and(|&p| {
                 let reach = 0.5 * self.width + NEAR * self.inner_width;
-                self.ground.solid.nearest_edge(p, reach).is_some()
+                self.ground.outline.grid().nearest_edge(p, reach).is_some()
             })
     }
 
@@ -154,7 +139,7 @@ impl<'a> Obstacles<'a> {
     /// True if the way through `points` leaves the part, or touches its
     /// border.
     pub fn air(&self, points: &[DVec2]) -> bool {
-        meets(self.ground.solid, points)
+        meets(self.ground.outline.grid(), points)
     }
 
     /// True if the way crosses an outer wall, or follows one: if it comes too
@@ -167,7 +152,7 @@ impl<'a> Obstacles<'a> {
         let along = trimmed(points, self.width);
         let follows = along
             .windows(2)
-            .any(|p| !self.ground.solid.clear(p[0], p[1], near));
+            .any(|p| !self.ground.outline.grid().clear(p[0], p[1], near));
         // Beads of thin places reach into the part, where they go on as two,
         // and so do walls that grow wider.
         let open = self.open.get_or_init(|| {
@@ -209,14 +194,15 @@ impl<'a> Obstacles<'a> {
         for p in points {
             match before {
                 None => {
-                    let near = self.ground.solid.nearest_edge(p, middle);
+                    let near =
+                        self.ground.outline.grid().nearest_edge(p, middle);
                     let depth = near.map_or(middle, |(_, q)| p.distance(q));
                     least = ROUNDED * depth;
                 }
                 Some(q) => {
                     let length = q.distance(p);
                     let end = q.lerp(p, (left / length).min(1.0));
-                    if !self.ground.solid.clear(q, end, least) {
+                    if !self.ground.outline.grid().clear(q, end, least) {
                         return true;
                     }
                     left -= length;
@@ -239,7 +225,7 @@ impl<'a> Obstacles<'a> {
                     || b.role == Role::Overhang && !self.hangs_outside(b)
             })
         });
-        let inside = trimmed(points, 1.2 * self.border);
+        let inside = trimmed(points, 1.2 * self.ground.border);
         inside
             .windows(2)
             .any(|p| !grid.crossings(p[0], p[1]).is_empty())

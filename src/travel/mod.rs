@@ -24,13 +24,12 @@ mod wipe;
 
 use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
-use crate::plane::Area;
-use crate::plane::grid::EdgeGrid;
+use crate::plane::{Area, Solid};
+use crate::seam::ending::Ended;
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 use plan::Planner;
-use std::cell::OnceCell;
 
 /// One step of a layer's tool path, in print order.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,35 +69,32 @@ pub struct LayerPath {
 /// What a layer is made of, in the model's coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// Its border.
-    pub outline: &'a Area,
-    /// The same, for asking what is where.
-    pub solid: &'a EdgeGrid,
+    /// Its outline.
+    pub outline: &'a Solid<'a>,
     /// Where it has sparse infill.
-    pub sparse: &'a Area,
+    pub sparse: &'a Solid<'a>,
+    /// Depth below the outline of what the walls leave.
+    pub border: Mm,
     /// The border of the layer above, if there is one.
     pub above: Option<&'a Area>,
 }
 
-/// Connects the beads of a layer. `wipes` tells for each of them where the
-/// nozzle goes right after it, if anywhere; `from` is where the head stands,
-/// in the model's coordinates; `offset` moves the result to the printer's.
+/// Connects the beads of a layer. `from` is where the head stands, in the
+/// model's coordinates; `offset` moves the result to the printer's.
 pub fn connect(
     span: LayerSpan,
-    beads: Vec<Bead>,
-    wipes: &[Option<DVec2>],
+    beads: Vec<Ended>,
     ground: Ground<'_>,
     from: Option<DVec2>,
     offset: DVec2,
     settings: &Settings,
 ) -> LayerPath {
-    let sparse = OnceCell::new();
-    let planner =
-        Planner::new(&beads, ground, &sparse, span.height(), settings);
+    let (beads, wipes): (Vec<Bead>, Vec<Option<DVec2>>) =
+        beads.into_iter().map(|e| (e.bead, e.wipe)).unzip();
+    let planner = Planner::new(&beads, ground, settings);
     let mut travels: Vec<Option<Travel>> = Vec::with_capacity(beads.len());
     let mut at = from;
     let mut before: Option<&Bead> = None;
-    let wipe = |i: usize| wipes.get(i).copied().flatten();
     for (next, bead) in beads.iter().enumerate() {
         crate::limits::check();
         let Some((start, end)) = ends(bead) else {
@@ -110,7 +106,7 @@ pub fn connect(
             None => Travel::straight(start, false),
         }));
         before = Some(bead);
-        at = wipe(next).or(Some(end));
+        at = wipes[next].or(Some(end));
     }
     let mut moves = Vec::with_capacity(2 * beads.len());
     for (i, (mut bead, travel)) in beads.into_iter().zip(travels).enumerate() {
@@ -123,7 +119,7 @@ pub fn connect(
         }
         moves.push(Move::Print(bead));
         let there = |p| Travel::straight(p, false).moved(offset);
-        moves.extend(wipe(i).map(|p| Move::Travel(there(p))));
+        moves.extend(wipes[i].map(|p| Move::Travel(there(p))));
     }
     LayerPath { span, moves }
 }

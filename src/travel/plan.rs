@@ -15,17 +15,12 @@ use super::decide::Obstacles;
 use super::{Ground, Travel, gate, of_part, wipe};
 use crate::bead::Bead;
 use crate::plane::clip::intersection;
-use crate::plane::grid::EdgeGrid;
-use crate::plane::path_length;
-use crate::region::wall_depths;
+use crate::plane::{Solid, path_length};
 use crate::settings::{Combing, Hidden, HopWhen, Settings};
 use crate::units::Mm;
 use glam::DVec2;
 use std::borrow::Cow;
 use std::cell::OnceCell;
-
-/// Size of a grid's cells, mm: some lengths of an outline's edges.
-const CELL: Mm = 1.0;
 
 /// How far ways over sparse infill keep from its border where they can, as a
 /// share of a line's width: what they need to be surely inside.
@@ -47,25 +42,17 @@ pub struct Planner<'a> {
 }
 
 impl<'a> Planner<'a> {
-    /// For a layer with these beads, in print order. `sparse` takes up the
-    /// border of its sparse infill.
+    /// For a layer with these beads, in print order.
     pub fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
-        sparse: &'a OnceCell<EdgeGrid>,
-        height: Mm,
         settings: &'a Settings,
     ) -> Planner<'a> {
-        let border = wall_depths(height, settings).1;
-        let clearance = border.max(settings.outer_wall_width);
+        let clearance = ground.border.max(settings.outer_wall_width);
         Planner {
             ground,
-            obstacles: Obstacles::new(beads, ground, sparse, height, settings),
-            comb: Comb::new(
-                Cow::Borrowed(ground.outline),
-                Cow::Borrowed(ground.solid),
-                clearance,
-            ),
+            obstacles: Obstacles::new(beads, ground, settings),
+            comb: Comb::new(Cow::Borrowed(ground.outline), clearance),
             sparse: OnceCell::new(),
             covered: OnceCell::new(),
             clearance,
@@ -105,7 +92,7 @@ impl<'a> Planner<'a> {
     }
 
     fn way(&self, a: DVec2, b: DVec2, inside: bool, next: usize) -> Travel {
-        if !inside && !self.ground.solid.contains(a) {
+        if !inside && !self.ground.outline.grid().contains(a) {
             return Travel::straight(b, true);
         }
         let direct = [a, b];
@@ -158,13 +145,12 @@ impl<'a> Planner<'a> {
         longest: Mm,
     ) -> Option<Vec<DVec2>> {
         let sparse = self.ground.sparse;
-        if sparse.is_empty() {
+        if sparse.area().is_empty() {
             return None;
         }
         let comb = self.sparse.get_or_init(|| {
-            let grid = Cow::Borrowed(self.obstacles.sparse());
             let clearance = OFF_BORDER * self.settings.infill_width;
-            Comb::new(Cow::Borrowed(sparse), grid, clearance)
+            Comb::new(Cow::Borrowed(sparse), clearance)
         });
         let reach = self.settings.inner_wall_width;
         let from = comb.entry(a, reach)?;
@@ -201,9 +187,8 @@ impl<'a> Planner<'a> {
         let round = || {
             let above = self.ground.above?;
             let comb = self.covered.get_or_init(|| {
-                let area = intersection(self.ground.outline, above);
-                let grid = EdgeGrid::new(&area, CELL);
-                Comb::new(Cow::Owned(area), Cow::Owned(grid), self.clearance)
+                let area = intersection(self.ground.outline.area(), above);
+                Comb::new(Cow::Owned(Solid::new(area)), self.clearance)
             });
             let round = with_ends(comb.way(a, b, longest)?);
             let good = path_length(&round, false) <= longest

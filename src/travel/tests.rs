@@ -1,5 +1,7 @@
 use super::*;
+use crate::bead::Stroke;
 use crate::plane::rect;
+use crate::region::wall_depths;
 use crate::settings::{Combing, Hidden, HopWhen};
 use decide::Obstacles;
 
@@ -14,15 +16,11 @@ fn points(at: &[(f64, f64)]) -> Vec<DVec2> {
 }
 
 fn bead(role: Role, at: &[(f64, f64)]) -> Bead {
-    Bead {
-        role,
-        points: points(at),
-        closed: false,
-        width: 0.45,
-        widths: Vec::new(),
-        height: 0.2,
-        small: false,
-    }
+    Bead::new(role, Stroke::new(points(at), false, 0.45), 0.2)
+}
+
+fn closed(role: Role, points: Vec<DVec2>) -> Bead {
+    Bead::new(role, Stroke::new(points, true, 0.45), 0.2)
 }
 
 /// A layer: its outline, its sparse infill, and walls along the outline.
@@ -51,11 +49,8 @@ impl Part {
             for (role, d) in [(Role::InnerWall, 0.6), (Role::OuterWall, 0.225)]
             {
                 let ring = rect(x0 + d, y0 + d, x1 - d, y1 - d).rings;
-                part.walls.push(Bead {
-                    points: ring.into_iter().flatten().collect(),
-                    closed: true,
-                    ..bead(role, &[])
-                });
+                let points = ring.into_iter().flatten().collect();
+                part.walls.push(closed(role, points));
             }
         }
         part
@@ -76,11 +71,8 @@ impl Part {
         };
         part.outline.rings.extend(hole(0.0));
         part.sparse.rings.extend(hole(0.4));
-        part.walls.push(Bead {
-            points: hole(0.225).remove(0),
-            closed: true,
-            ..bead(Role::OuterWall, &[])
-        });
+        let points = hole(0.225).remove(0);
+        part.walls.push(closed(Role::OuterWall, points));
         part
     }
 
@@ -94,35 +86,33 @@ impl Part {
         beads: &[Bead],
         question: impl FnOnce(&Obstacles<'_>) -> T,
     ) -> T {
-        let grid = EdgeGrid::new(&self.outline, 1.0);
-        let cell = OnceCell::new();
-        let ground = self.ground(&grid);
-        question(&Obstacles::new(beads, ground, &cell, 0.2, &self.settings))
+        self.on_ground(|ground| {
+            question(&Obstacles::new(beads, ground, &self.settings))
+        })
     }
 
-    fn ground<'a>(&'a self, solid: &'a EdgeGrid) -> Ground<'a> {
-        Ground {
-            outline: &self.outline,
-            solid,
-            sparse: &self.sparse,
+    fn on_ground<T>(&self, act: impl FnOnce(Ground<'_>) -> T) -> T {
+        act(Ground {
+            outline: &Solid::of(&self.outline, 1.0),
+            sparse: &Solid::of(&self.sparse, 1.0),
+            border: wall_depths(0.2, &self.settings).1,
             above: self.above.as_ref(),
-        }
+        })
+    }
+
+    /// The path through some beads of the part, moved by `offset`.
+    fn path(&self, beads: Vec<Bead>, offset: DVec2) -> LayerPath {
+        let beads = beads.into_iter().map(Ended::from).collect();
+        self.on_ground(|ground| {
+            connect(SPAN, beads, ground, None, offset, &self.settings)
+        })
     }
 
     /// The travels between beads of the part, in order; its walls come first.
     fn travels(&self, beads: Vec<Bead>) -> Vec<Travel> {
         let count = beads.len();
         let all: Vec<Bead> = self.walls.iter().cloned().chain(beads).collect();
-        let grid = EdgeGrid::new(&self.outline, 1.0);
-        let path = connect(
-            SPAN,
-            all,
-            &[],
-            self.ground(&grid),
-            None,
-            DVec2::ZERO,
-            &self.settings,
-        );
+        let path = self.path(all, DVec2::ZERO);
         let mut travels: Vec<Travel> = path
             .moves
             .into_iter()
@@ -397,10 +387,10 @@ fn islands_are_left_and_entered_squarely() {
     assert!(travel.retract);
     let way: Vec<DVec2> = [from].into_iter().chain(travel.points).collect();
     assert_eq!(way.last(), Some(&to));
-    let grid = EdgeGrid::new(&part.outline, 1.0);
+    let outline = Solid::of(&part.outline, 1.0);
     let crossing: Vec<&[DVec2]> = way
         .windows(2)
-        .filter(|p| !grid.crossings(p[0], p[1]).is_empty())
+        .filter(|p| !outline.grid().crossings(p[0], p[1]).is_empty())
         .collect();
     let [air] = crossing[..] else {
         panic!("not once: {way:?}");
@@ -463,18 +453,9 @@ fn ways_begin_where_the_wipe_ends() {
 #[test]
 fn beads_are_moved_to_the_bed() {
     let part = Part::square();
-    let grid = EdgeGrid::new(&part.outline, 1.0);
     let line = bead(Role::SparseInfill, &[(1.0, 1.0), (4.0, 1.0)]);
     let by = DVec2::new(100.0, 50.0);
-    let path = connect(
-        SPAN,
-        vec![line],
-        &[],
-        part.ground(&grid),
-        None,
-        by,
-        &part.settings,
-    );
+    let path = part.path(vec![line], by);
     let Some(Move::Print(b)) = path.moves.last() else {
         panic!("nothing printed");
     };

@@ -55,21 +55,21 @@ fn along(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bead::Role;
+    use crate::bead::{Role, Stroke};
     use crate::plane::path_length;
 
     fn bead(closed: bool) -> Bead {
-        Bead {
-            role: Role::OuterWall,
-            points: [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0)]
-                .map(DVec2::from)
-                .to_vec(),
-            closed,
-            width: 0.45,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        }
+        Bead::new(
+            Role::OuterWall,
+            Stroke::new(
+                [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0)]
+                    .map(DVec2::from)
+                    .to_vec(),
+                closed,
+                0.45,
+            ),
+            0.2,
+        )
     }
 
     fn wiped(closed: bool, length: f64) -> Vec<DVec2> {

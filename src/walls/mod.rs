@@ -4,10 +4,8 @@ mod overhang;
 
 pub use overhang::Support;
 
-use crate::bead::{Bead, Role};
-use crate::plane::path_length;
+use crate::bead::{Bead, Role, Stroke};
 use crate::region::Walls;
-use crate::region::line::Line;
 use crate::units::Mm;
 
 /// The walls' lines as beads, the outer wall's first. A part too thin for
@@ -31,16 +29,11 @@ pub fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
     rings.chain(thin).collect()
 }
 
-fn bead(line: &Line, role: Role, height: Mm, small: Mm) -> Bead {
+fn bead(stroke: &Stroke, role: Role, height: Mm, small: Mm) -> Bead {
     let wall = matches!(role, Role::OuterWall | Role::InnerWall);
-    let ring = wall && line.closed;
+    let ring = wall && stroke.closed;
     Bead {
-        role,
-        points: line.points.clone(),
-        closed: line.closed,
-        width: line.width,
-        widths: line.widths.clone(),
-        height,
-        small: ring && path_length(&line.points, true) < small,
+        small: ring && stroke.length() < small,
+        ..Bead::new(role, stroke.clone(), height)
     }
 }

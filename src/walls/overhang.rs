@@ -6,16 +6,16 @@
 //!   ▒▒▒▒╲_____╱▒▒▒▒     that follow each other without a travel
 //! ```
 //!
-//! In: a layer's beads in print order, and the solid of the layer below. Out:
-//! the same beads, walls cut where they begin or cease to hang. A wall that
+//! In: a bead, and the solid of the layer below. Out: the bead, cut where it
+//! begins or ceases to hang, if it is a wall. A wall that
 //! has grown wider reaches another one beside it, which holds it, and is left
 //! as it is, as is what fills the gaps between walls; the one bead of a thin
 //! place has air on both sides. By how much a bead may hang over is a share
 //! of its width: at half of it, it is the centre line that must not leave the
 //! solid.
 
-use crate::bead::{Bead, Role};
-use crate::plane::Area;
+use crate::bead::{Bead, Role, Stroke};
+use crate::plane::Solid;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
 use crate::settings::Settings;
@@ -24,7 +24,7 @@ use glam::DVec2;
 
 /// What holds a layer's walls.
 pub struct Support<'a> {
-    solid: &'a EdgeGrid,
+    below: &'a EdgeGrid,
     /// The solid shrunk or grown for outer and for inner walls, if not half
     /// of a wall may hang over.
     moved: Option<[EdgeGrid; 2]>,
@@ -46,13 +46,11 @@ const BESIDE: f64 = 0.6;
 const TOLERANCE: Mm = 0.01;
 
 impl<'a> Support<'a> {
-    /// The solid of the layer below, `area`, of which `solid` is the grid,
-    /// for the walls of a layer whose own solid is `own`; nothing if no wall
-    /// is to be an overhang.
+    /// The solid of the layer below for the walls of a layer whose own solid
+    /// is `own`; nothing if no wall is to be an overhang.
     pub fn new(
-        area: &Area,
-        solid: &'a EdgeGrid,
-        own: &'a EdgeGrid,
+        below: &'a Solid<'_>,
+        own: &'a Solid<'_>,
         settings: &Settings,
     ) -> Option<Support<'a>> {
         let share = settings.overhang_share;
@@ -62,29 +60,23 @@ impl<'a> Support<'a> {
         let widths = [settings.outer_wall_width, settings.inner_wall_width];
         let share = 0.01 * share - 0.5;
         let grid = |width: Mm| {
-            EdgeGrid::new(&offset(area, share * width, TOLERANCE), 1.0)
+            EdgeGrid::new(&offset(below.area(), share * width, TOLERANCE), 1.0)
         };
         Some(Support {
-            solid,
+            below: below.grid(),
             moved: (share != 0.0).then(|| widths.map(grid)),
             wide: widths.map(|w| w * (1.0 + WIDER)),
-            own,
+            own: own.grid(),
         })
     }
 
-    /// The beads, cut where they begin or cease to hang.
-    pub fn cut(&self, beads: Vec<Bead>) -> Vec<Bead> {
-        let mut out = Vec::with_capacity(beads.len());
-        for bead in beads {
-            crate::limits::check();
-            match bead.role {
-                Role::OuterWall | Role::InnerWall => {
-                    self.cut_one(bead, &mut out);
-                }
-                _ => out.push(bead),
-            }
+    /// The bead, cut where it begins or ceases to hang, if it is a wall.
+    pub fn cut(&self, bead: Bead) -> Vec<Bead> {
+        crate::limits::check();
+        match bead.role {
+            Role::OuterWall | Role::InnerWall => self.pieces(bead),
+            _ => vec![bead],
         }
-        out
     }
 
     /// Is there more of the part beside this place of a bead?
@@ -97,9 +89,9 @@ impl<'a> Support<'a> {
         self.own.contains(p + side) || self.own.contains(p - side)
     }
 
-    fn cut_one(&self, bead: Bead, out: &mut Vec<Bead>) {
+    fn pieces(&self, bead: Bead) -> Vec<Bead> {
         let wall = usize::from(bead.role != Role::OuterWall);
-        let grid = self.moved.as_ref().map_or(self.solid, |m| &m[wall]);
+        let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
         let n = bead.points.len();
         // Where along the bead, as segment + share of it, edges are crossed.
         let mut cuts: Vec<f64> = Vec::new();
@@ -118,8 +110,7 @@ impl<'a> Support<'a> {
         cuts.dedup_by(|a, b| *a - *b < 1e-9);
         let segments = if bead.closed { n } else { n.saturating_sub(1) };
         if segments == 0 {
-            out.push(bead);
-            return;
+            return vec![bead];
         }
         cuts.retain(|c| *c < segments as f64);
         let mut ends = vec![0.0];
@@ -145,10 +136,9 @@ impl<'a> Support<'a> {
         let pieces = join(pieces, &bead);
         if let [one] = pieces.as_slice() {
             let role = if one.hangs { Role::Overhang } else { bead.role };
-            out.push(Bead { role, ..bead });
-            return;
+            return vec![Bead { role, ..bead }];
         }
-        out.extend(pieces.iter().map(|piece| part(&bead, piece)));
+        pieces.iter().map(|piece| part(&bead, piece)).collect()
     }
 }
 
@@ -212,9 +202,12 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
         } else {
             bead.role
         },
-        points,
-        widths,
-        closed: false,
+        stroke: Stroke {
+            points,
+            widths,
+            closed: false,
+            width: bead.width,
+        },
         ..*bead
     }
 }
@@ -259,6 +252,7 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::Area;
 
     fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<DVec2> {
         [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
@@ -267,15 +261,7 @@ mod tests {
     }
 
     fn wall(points: Vec<DVec2>) -> Bead {
-        Bead {
-            role: Role::OuterWall,
-            points,
-            closed: true,
-            width: 0.4,
-            widths: Vec::new(),
-            height: 0.2,
-            small: false,
-        }
+        Bead::new(Role::OuterWall, Stroke::new(points, true, 0.4), 0.2)
     }
 
     /// Cuts a bead in a large part over one that ends.
@@ -289,16 +275,15 @@ mod tests {
         below: Vec<DVec2>,
         share: f64,
     ) -> Vec<Bead> {
-        let own = EdgeGrid::new(&Area { rings: vec![own] }, 1.0);
+        let solid = |ring| Solid::new(Area { rings: vec![ring] });
+        let (own, below) = (solid(own), solid(below));
         let settings = Settings {
             overhang_share: share,
             outer_wall_width: 0.4,
             ..Settings::default()
         };
-        let area = Area { rings: vec![below] };
-        let grid = EdgeGrid::new(&area, 1.0);
-        let support = Support::new(&area, &grid, &own, &settings);
-        support.map_or(vec![bead.clone()], |s| s.cut(vec![bead]))
+        let support = Support::new(&below, &own, &settings);
+        support.map_or(vec![bead.clone()], |s| s.cut(bead))
     }
 
     fn lengths(beads: &[Bead]) -> Vec<(Role, f64)> {
@@ -345,22 +330,18 @@ mod tests {
     #[test]
     fn the_bead_of_a_thin_place_has_nothing_beside_it() {
         // A fin of 0.6 mm sticks out over nothing from x = 5 on.
-        let fin = Bead {
-            closed: false,
-            widths: vec![0.6, 0.6],
-            ..wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)])
-        };
+        let mut fin = wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)]);
+        fin.closed = false;
+        fin.widths = vec![0.6, 0.6];
         let below = rect(-1.0, -5.0, 5.0, 5.0);
         let thin = rect(0.0, -0.3, 20.0, 0.3);
         let found =
             lengths(&cut_in(thin.clone(), fin.clone(), below.clone(), 50.0));
         assert_eq!(found, [(Role::OuterWall, 5.0), (Role::Overhang, 15.0)]);
         // Also where the middle of what hangs is one of its points.
-        let bent = Bead {
-            points: [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec(),
-            widths: vec![0.6; 3],
-            ..fin.clone()
-        };
+        let mut bent = fin.clone();
+        bent.points = [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec();
+        bent.widths = vec![0.6; 3];
         let away = rect(-9.0, -5.0, -5.0, 5.0);
         let found = lengths(&cut_in(thin.clone(), bent, away, 50.0));
         assert_eq!(found, [(Role::Overhang, 20.0)]);

@@ -63,7 +63,7 @@ fn islands_in_each_other_s_boxes_are_filled_once() {
     let places = || (0..24).map(spread);
     let length = |area: &Area| -> f64 {
         let layers = lay(&settings, HERE, area, places());
-        layers.iter().flatten().map(Bead::length).sum()
+        layers.iter().flatten().map(|b| b.length()).sum()
     };
     let single: f64 = area.islands().iter().map(length).sum();
     let together = length(&area);

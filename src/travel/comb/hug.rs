@@ -100,8 +100,8 @@ impl Comb<'_> {
         let along = (b - a) / length;
         let mut aside = along.perp();
         let mut near: Vec<DVec2> = Vec::new();
-        self.grid.visit_edges_near(a, b, reach, |edge| {
-            let (p, q) = self.grid.edge(edge);
+        self.grid().visit_edges_near(a, b, reach, |edge| {
+            let (p, q) = self.grid().edge(edge);
             let place =
                 |p: DVec2| DVec2::new((p - a).dot(along), (p - a).dot(aside));
             let beside = |p: &DVec2| (0.0..=length).contains(&p.x);
@@ -127,7 +127,7 @@ impl Comb<'_> {
     fn clear_way(&self, way: &[Stop]) -> bool {
         way.windows(2).all(|pair| {
             let room = pair[0].room.min(pair[1].room);
-            self.grid.clear(pair[0].at, pair[1].at, KEPT * room)
+            self.grid().clear(pair[0].at, pair[1].at, KEPT * room)
         })
     }
 
@@ -142,8 +142,8 @@ impl Comb<'_> {
         let rings = self.rings();
         let ring = rings.places.ring(pair[0].edge);
         let total = rings.places.length(ring);
-        let forwards = (rings.place(&self.grid, &pair[1])
-            - rings.place(&self.grid, &pair[0]))
+        let forwards = (rings.place(self.grid(), &pair[1])
+            - rings.place(self.grid(), &pair[0]))
         .rem_euclid(total);
         let mut sides = [(true, forwards), (false, total - forwards)];
         sides.sort_by(|p, q| p.1.total_cmp(&q.1));
@@ -177,7 +177,7 @@ impl Comb<'_> {
         };
         let mut steps = (end.edge + count - begin.edge) % count;
         if steps == 0
-            && rings.place(&self.grid, &end) < rings.place(&self.grid, &begin)
+            && rings.place(self.grid(), &end) < rings.place(self.grid(), &begin)
         {
             steps = count;
         }
@@ -185,7 +185,7 @@ impl Comb<'_> {
         points.push(begin.at);
         for k in 0..steps {
             let edge = first + (begin.edge - first + k) % count;
-            points.push(self.grid.edge(edge).1);
+            points.push(self.grid().edge(edge).1);
         }
         points.push(end.at);
         if !ahead {

@@ -29,7 +29,7 @@ mod hug;
 mod pull;
 mod rings;
 
-use crate::plane::Area;
+use crate::plane::Solid;
 use crate::plane::grid::{EdgeGrid, nearest_on};
 use crate::units::Mm;
 use glam::DVec2;
@@ -39,8 +39,7 @@ use std::cell::OnceCell;
 
 /// Ways inside an area.
 pub struct Comb<'a> {
-    area: Cow<'a, Area>,
-    grid: Cow<'a, EdgeGrid>,
+    solid: Cow<'a, Solid<'a>>,
     clearance: Mm,
     /// Only layers with travels that need it pay for it.
     rings: OnceCell<Rings>,
@@ -76,23 +75,22 @@ const ROUNDS: usize = 4;
 const GAIN: f64 = 0.01;
 
 impl<'a> Comb<'a> {
-    /// For travels inside `area`, whose edges are in `grid`, that keep the
-    /// distance `clearance` from its border where they can.
-    pub fn new(
-        area: Cow<'a, Area>,
-        grid: Cow<'a, EdgeGrid>,
-        clearance: Mm,
-    ) -> Comb<'a> {
+    /// For travels inside `solid` that keep the distance `clearance` from its
+    /// border where they can.
+    pub fn new(solid: Cow<'a, Solid<'a>>, clearance: Mm) -> Comb<'a> {
         Comb {
-            area,
-            grid,
+            solid,
             clearance,
             rings: OnceCell::new(),
         }
     }
 
+    fn grid(&self) -> &EdgeGrid {
+        self.solid.grid()
+    }
+
     fn rings(&self) -> &Rings {
-        self.rings.get_or_init(|| Rings::new(&self.area))
+        self.rings.get_or_init(|| Rings::new(self.solid.area()))
     }
 
     /// The way points between `a` and `b`, none if the straight way is inside;
@@ -165,10 +163,10 @@ impl<'a> Comb<'a> {
     /// The place inside, off the border, at which a way from or to `p` begins;
     /// nothing if it is outside by more than `reach`.
     pub fn entry(&self, p: DVec2, reach: Mm) -> Option<DVec2> {
-        if self.grid.contains(p) {
+        if self.grid().contains(p) {
             return Some(self.off(p).at);
         }
-        let (edge, q) = self.grid.nearest_edge(p, reach)?;
+        let (edge, q) = self.grid().nearest_edge(p, reach)?;
         let stop = self.off_border(q, edge);
         (stop.room > 0.0).then_some(stop.at)
     }
@@ -186,8 +184,8 @@ impl<'a> Comb<'a> {
         reach: Mm,
         mut visit: impl FnMut(usize, DVec2),
     ) {
-        self.grid.visit_edges_near(p, p, reach, |edge| {
-            let (a, b) = self.grid.edge(edge);
+        self.grid().visit_edges_near(p, p, reach, |edge| {
+            let (a, b) = self.grid().edge(edge);
             visit(edge, nearest_on(p, a, b));
         });
     }
@@ -195,13 +193,13 @@ impl<'a> Comb<'a> {
     /// Direction into the area, square to an edge of its border: the area is
     /// to the left of its edges.
     pub(super) fn normal(&self, edge: usize) -> DVec2 {
-        let (a, b) = self.grid.edge(edge);
+        let (a, b) = self.grid().edge(edge);
         (b - a).perp().normalize_or_zero()
     }
 
     /// A point of the border, moved into the area.
     pub(super) fn off_border(&self, q: DVec2, edge: usize) -> Stop {
-        let (from, to) = self.grid.edge(edge);
+        let (from, to) = self.grid().edge(edge);
         let t = match (q == from, q == to) {
             (true, _) => 0.0,
             (_, true) => 1.0,
@@ -220,10 +218,11 @@ impl<'a> Comb<'a> {
             return here;
         }
         let mut away = DVec2::ZERO;
-        self.grid.visit_edges_near(p, p, here.room + ABOUT, |edge| {
-            let (a, b) = self.grid.edge(edge);
-            away += (p - nearest_on(p, a, b)).normalize_or_zero();
-        });
+        self.grid()
+            .visit_edges_near(p, p, here.room + ABOUT, |edge| {
+                let (a, b) = self.grid().edge(edge);
+                away += (p - nearest_on(p, a, b)).normalize_or_zero();
+            });
         let away = away.normalize_or_zero();
         let wanted = self.clearance - here.room;
         // Out of a right-angled corner it is farther than off an edge.
@@ -235,7 +234,7 @@ impl<'a> Comb<'a> {
             }
         });
         let inside = |s: &&Stop| {
-            s.room > here.room && self.grid.clear(p, s.at, 0.5 * here.room)
+            s.room > here.room && self.grid().clear(p, s.at, 0.5 * here.room)
         };
         let best = trials.iter().filter(inside);
         best.max_by(|s, t| s.room.total_cmp(&t.room))
@@ -245,7 +244,7 @@ impl<'a> Comb<'a> {
 
     /// A point of the way with the room it has.
     pub(super) fn stop(&self, at: DVec2) -> Stop {
-        let near = self.grid.nearest_edge(at, self.clearance);
+        let near = self.grid().nearest_edge(at, self.clearance);
         Stop {
             at,
             room: near.map_or(self.clearance, |(_, q)| at.distance(q)),
@@ -256,21 +255,21 @@ impl<'a> Comb<'a> {
     /// True if the line between two points keeps away from the outline as far
     /// as they do.
     fn sees(&self, a: Stop, b: Stop) -> bool {
-        self.grid.clear(a.at, b.at, KEPT * a.room.min(b.room))
+        self.grid().clear(a.at, b.at, KEPT * a.room.min(b.room))
     }
 
     /// True if the line between two points is inside at all.
     fn passes(&self, a: Stop, b: Stop) -> bool {
         let room = a.room.min(b.room);
-        room > 0.0 && self.grid.clear(a.at, b.at, PASSED * room)
+        room > 0.0 && self.grid().clear(a.at, b.at, PASSED * room)
     }
 
     /// A point beside the place where the outline comes nearest to a line.
     fn aside(&self, a: DVec2, b: DVec2) -> Option<Stop> {
         let mut nearest: Option<(f64, usize, f64)> = None;
         let ab = b - a;
-        self.grid.visit_edges_near(a, b, self.clearance, |edge| {
-            let (p, q) = self.grid.edge(edge);
+        self.grid().visit_edges_near(a, b, self.clearance, |edge| {
+            let (p, q) = self.grid().edge(edge);
             for v in [p, q] {
                 let t = ((v - a).dot(ab) / ab.length_squared()).clamp(0.0, 1.0);
                 let d = v.distance_squared(a + t * ab);
@@ -283,7 +282,7 @@ impl<'a> Comb<'a> {
             }
         });
         let (_, edge, end) = nearest?;
-        let (p, q) = self.grid.edge(edge);
+        let (p, q) = self.grid().edge(edge);
         Some(self.inwards(p.lerp(q, end), edge, end))
     }
 
@@ -314,11 +313,11 @@ impl<'a> Comb<'a> {
         for _ in 0..TRIALS {
             let at = p + far * inward;
             let mut across = false;
-            self.grid
+            self.grid()
                 .visit_crossed(p + START * far * inward, at, |_, _| {
                     across = true;
                 });
-            let near = self.grid.nearest_edge(at, far);
+            let near = self.grid().nearest_edge(at, far);
             let room = near.map_or(far, |(_, q)| at.distance(q));
             if !across && room > best.room {
                 best = Stop { at, room, base: p };

@@ -2,7 +2,7 @@
 
 use super::Comb;
 use crate::plane::grid::EdgeGrid;
-use crate::plane::{Area, Ring, edges, path_length, signed_area};
+use crate::plane::{Area, Ring, Solid, edges, path_length, signed_area};
 use glam::DVec2;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -111,13 +111,14 @@ fn shortest(area: &Area, grid: &EdgeGrid, ends: [DVec2; 2], room: f64) -> f64 {
 /// The length of the way and of the shortest one; or what is wrong with it.
 /// Nothing if the ends are not inside.
 fn judge(area: &Area, ends: [DVec2; 2]) -> Option<Result<[f64; 2], String>> {
-    let grid = EdgeGrid::new(area, 1.0);
+    let solid = Solid::of(area, 1.0);
+    let grid = solid.grid();
     let room = 1.05 * CLEARANCE;
     let roomy = |p: DVec2| grid.contains(p) && grid.clear(p, p, room);
     if !ends.iter().all(|&p| roomy(p)) {
         return None;
     }
-    let comb = Comb::new(Cow::Borrowed(area), Cow::Borrowed(&grid), CLEARANCE);
+    let comb = Comb::new(Cow::Borrowed(&solid), CLEARANCE);
     Some((|| {
         let points = comb.way(ends[0], ends[1], 1e3).ok_or("no way")?;
         let way: Vec<DVec2> = [ends[0]]
@@ -131,7 +132,7 @@ fn judge(area: &Area, ends: [DVec2; 2]) -> Option<Result<[f64; 2], String>> {
                 return Err(format!("too near: {pair:?} of {way:?}"));
             }
         }
-        let least = shortest(area, &grid, ends, least);
+        let least = shortest(area, grid, ends, least);
         Ok([path_length(&way, false), least])
     })())
 }

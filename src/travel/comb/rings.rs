@@ -100,7 +100,7 @@ impl Comb<'_> {
     /// Where a line crosses the border, in order.
     pub fn crossed(&self, a: DVec2, b: DVec2) -> Vec<Mark> {
         let mut marks: Vec<Mark> = Vec::new();
-        self.grid.visit_crossed(a, b, |t, edge| {
+        self.grid().visit_crossed(a, b, |t, edge| {
             let at = a.lerp(b, t);
             marks.push(Mark { t, edge, at });
         });
@@ -114,7 +114,8 @@ impl Comb<'_> {
     pub(super) fn ring_way(&self, from: Mark, to: Mark) -> Mm {
         let rings = self.rings();
         let total = rings.places.length(rings.places.ring(from.edge));
-        let way = rings.place(&self.grid, &to) - rings.place(&self.grid, &from);
+        let way =
+            rings.place(self.grid(), &to) - rings.place(self.grid(), &from);
         let forwards = way.rem_euclid(total);
         match forwards <= 0.5 * total {
             true => forwards,
@@ -134,7 +135,7 @@ impl Comb<'_> {
         let ring = rings.places.ring(from.edge);
         let way_round = self.ring_way(from, to);
         let ahead =
-            rings.place(&self.grid, &to) >= rings.place(&self.grid, &from);
+            rings.place(self.grid(), &to) >= rings.place(self.grid(), &from);
         let first = rings.places.first(ring);
         let count = rings.places.of_ring(ring).len();
         let next = |e: usize| first + (e - first + 1) % count;
@@ -152,14 +153,14 @@ impl Comb<'_> {
             // Once round at most, also where both are on one edge.
             let mut left = count;
             while (edge != to.edge || (left == count && !ahead)) && left > 0 {
-                add(self.grid.edge(edge).1, edge, 1.0);
+                add(self.grid().edge(edge).1, edge, 1.0);
                 edge = next(edge);
                 left -= 1;
             }
         } else {
             let mut left = count;
             while (edge != to.edge || (left == count && ahead)) && left > 0 {
-                add(self.grid.edge(edge).0, edge, 0.0);
+                add(self.grid().edge(edge).0, edge, 0.0);
                 edge = previous(edge);
                 left -= 1;
             }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::plane::path_length;
+use crate::plane::{Area, path_length};
 use std::f64::consts::{PI, TAU};
 
 fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
@@ -25,8 +25,8 @@ fn way(
     b: (f64, f64),
 ) -> Option<(f64, Vec<DVec2>)> {
     let area = Area { rings };
-    let grid = EdgeGrid::new(&area, 0.5);
-    let comb = Comb::new(Cow::Borrowed(&area), Cow::Borrowed(&grid), 0.5);
+    let solid = Solid::of(&area, 0.5);
+    let comb = Comb::new(Cow::Borrowed(&solid), 0.5);
     let (a, b) = (a.into(), b.into());
     let points = comb.way(a, b, 1e3)?;
     let all: Vec<DVec2> = [&[a], &points[..], &[b]]
@@ -35,7 +35,10 @@ fn way(
         .copied()
         .collect();
     for pair in all.windows(2) {
-        assert!(grid.crossings(pair[0], pair[1]).is_empty(), "{all:?}");
+        assert!(
+            solid.grid().crossings(pair[0], pair[1]).is_empty(),
+            "{all:?}"
+        );
     }
     Some((path_length(&all, false), points))
 }

@@ -1,0 +1,130 @@
+//! What is known of a layer on its way through the stages.
+
+use crate::contour::Outline;
+use crate::hang::Look;
+use crate::layers::LayerSpan;
+use crate::order::LayerBeads;
+use crate::plane::{Area, Solid};
+use crate::region::Walls;
+use crate::region::compensate::Compensation;
+use crate::region::exposure::Window;
+use crate::report::LayerFigures;
+use crate::settings::Settings;
+use crate::skin::{Face, Faces};
+use crate::units::{Mm, Mm2};
+use std::borrow::Cow;
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// Heights closer than this differ by rounding only, mm.
+const SAME_HEIGHT: Mm = 1e-9;
+
+/// A layer whose outline is known. Layers that are the same as the one below,
+/// as those of a prism are, share all of it.
+#[derive(Clone)]
+pub(super) struct Layer {
+    pub span: LayerSpan,
+    /// The outline that was found.
+    pub found: Arc<Outline>,
+    /// The outline to print.
+    pub outline: Arc<Solid<'static>>,
+    /// The outline to print, as exact as skin needs it.
+    pub rough: Arc<Solid<'static>>,
+    /// The outlines of the offset fields, if walls are made of these.
+    pub offsets: Arc<Vec<Area>>,
+    /// What is inside, as long as a layer above may be the same.
+    pub inside: Option<Arc<Inside>>,
+}
+
+/// What a layer's outline encloses.
+pub(super) struct Inside {
+    pub walls: Walls,
+    /// What sparse infill fits into.
+    pub roomy: Area,
+}
+
+impl Layer {
+    /// The outline to print.
+    pub fn area(&self) -> &Area {
+        self.outline.area()
+    }
+
+    /// As a neighbour of skin.
+    fn face(&self) -> Face<'_> {
+        Face {
+            outline: &self.outline,
+            rough: &self.rough,
+        }
+    }
+
+    /// What the layer above stands on: where an elephant's foot was taken
+    /// from the outline, the plastic goes there again.
+    pub fn top(&self, settings: &Settings) -> Cow<'_, Solid<'static>> {
+        let moved = Compensation::new(&self.span, settings);
+        match moved.squeezed(&self.found.area) {
+            Some(area) => Cow::Owned(Solid::new(area)),
+            None => Cow::Borrowed(&self.outline),
+        }
+    }
+
+    /// Shares with the layer below what is the same.
+    pub fn share(&mut self, below: &Layer) {
+        if below.area() == self.area() {
+            self.outline = below.outline.clone();
+            self.rough = below.rough.clone();
+        }
+    }
+
+    /// True if the layer below has the same outline.
+    pub fn same_outline(&self, below: &Layer) -> bool {
+        self.outline.is(&below.outline)
+    }
+
+    /// True if the layer below has the same walls.
+    pub fn same(&self, below: &Layer) -> bool {
+        let dh = below.span.height() - self.span.height();
+        dh.abs() < SAME_HEIGHT
+            && self.same_outline(below)
+            && self.offsets.is_empty()
+    }
+}
+
+/// Layer `i` of some and those around it, as skin looks at them.
+pub(super) fn window(layers: &VecDeque<Layer>, i: usize) -> Window<'_> {
+    Window {
+        number: layers[i].span.index,
+        height: layers[i].span.height(),
+        here: &layers[i].rough,
+        above: layers.range(i + 1..).map(|l| &*l.rough).collect(),
+        below: layers.range(..i).rev().map(|l| &*l.rough).collect(),
+    }
+}
+
+/// The layers right above and below layer `i` of some.
+pub(super) fn faces(layers: &VecDeque<Layer>, i: usize) -> Faces<'_> {
+    Faces {
+        above: layers.get(i + 1).map(Layer::face),
+        below: layers.range(..i).next_back().map(Layer::face),
+    }
+}
+
+/// A layer that has been filled.
+pub(super) struct Filled {
+    pub beads: LayerBeads,
+    /// Where there is sparse infill.
+    pub sparse: Solid<'static>,
+    /// Area of gaps that nothing fills.
+    pub gap: Mm2,
+    /// How it lies over the layer below, if that is not the same.
+    pub look: Option<Look>,
+    /// How far it is off, if it was measured.
+    pub figures: Option<LayerFigures>,
+}
+
+/// A layer that can be written, and its neighbours.
+pub(super) struct Ready {
+    pub layer: Layer,
+    pub below: Option<Layer>,
+    pub above: Option<Layer>,
+    pub filled: Filled,
+}

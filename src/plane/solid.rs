@@ -1,0 +1,63 @@
+//! An area that can be asked what is where.
+
+use super::Area;
+use super::grid::EdgeGrid;
+use crate::units::Mm;
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
+/// An area and a grid of its edges. The grid is made when it is first asked
+/// for: many areas are never asked.
+#[derive(Clone, Debug)]
+pub struct Solid<'a> {
+    area: Cow<'a, Area>,
+    cell: Mm,
+    grid: OnceLock<EdgeGrid>,
+}
+
+/// Size of a grid's cells where nothing else is asked for, mm: those of a
+/// smooth outline have a few edges each.
+const CELL: Mm = 1.0;
+
+impl<'a> Solid<'a> {
+    /// A solid of its own.
+    pub fn new(area: Area) -> Solid<'static> {
+        Solid {
+            area: Cow::Owned(area),
+            cell: CELL,
+            grid: OnceLock::new(),
+        }
+    }
+
+    /// A solid of an area that is elsewhere, for questions about the distance
+    /// `reach`.
+    pub fn of(area: &'a Area, reach: Mm) -> Solid<'a> {
+        Solid {
+            area: Cow::Borrowed(area),
+            cell: reach,
+            grid: OnceLock::new(),
+        }
+    }
+
+    /// What it covers.
+    pub fn area(&self) -> &Area {
+        &self.area
+    }
+
+    /// Its edges, for asking what is where.
+    pub fn grid(&self) -> &EdgeGrid {
+        self.grid
+            .get_or_init(|| EdgeGrid::new(&self.area, self.cell))
+    }
+
+    /// The area alone.
+    pub fn into_area(self) -> Area {
+        self.area.into_owned()
+    }
+
+    /// True if both are one solid. Layers with the same outline share theirs,
+    /// so this tells at once whether two of them are the same.
+    pub fn is(&self, other: &Solid<'_>) -> bool {
+        std::ptr::eq(self.area(), other.area())
+    }
+}
