@@ -36,9 +36,10 @@ pub(crate) fn unmarked(bytes: &[u8]) -> Result<&[u8], NotText> {
                 .step_by(2)
                 .all(|b| *b != 0)
     };
-    match marked || every_other(0) || every_other(1) {
-        true => Err(NotText::Utf16),
-        false => Ok(bytes.strip_prefix(MARK).unwrap_or(bytes)),
+    if marked || every_other(0) || every_other(1) {
+        Err(NotText::Utf16)
+    } else {
+        Ok(bytes.strip_prefix(MARK).unwrap_or(bytes))
     }
 }
 

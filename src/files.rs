@@ -85,9 +85,10 @@ fn up_to(source: impl Read, most: u64) -> io::Result<Vec<u8>> {
 }
 
 fn within(bytes: Vec<u8>, most: u64) -> Result<Vec<u8>, FileError> {
-    match bytes.len() as u64 > most {
-        true => Err(FileError::TooLarge { most }),
-        false => Ok(bytes),
+    if bytes.len() as u64 > most {
+        Err(FileError::TooLarge { most })
+    } else {
+        Ok(bytes)
     }
 }
 

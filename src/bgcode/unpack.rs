@@ -125,9 +125,10 @@ impl<R: Read> Unpacked<R> {
         let format = |what| Damaged::Format { block, what };
         let mut bytes = self.up_to(8)?;
         if bytes.is_empty() {
-            return match has_text {
-                true => Ok(false),
-                false => Err(Damaged::Empty.into()),
+            return if has_text {
+                Ok(false)
+            } else {
+                Err(Damaged::Empty.into())
             };
         }
         if bytes.len() < 8 {
@@ -212,9 +213,10 @@ impl<R: Read> Unpacked<R> {
 
     fn exactly(&mut self, count: usize) -> io::Result<Vec<u8>> {
         let bytes = self.up_to(count)?;
-        match bytes.len() == count {
-            true => Ok(bytes),
-            false => Err(Damaged::CutOff(self.blocks).into()),
+        if bytes.len() == count {
+            Ok(bytes)
+        } else {
+            Err(Damaged::CutOff(self.blocks).into())
         }
     }
 }

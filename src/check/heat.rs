@@ -126,9 +126,10 @@ impl Heat {
 
     /// The nozzle of a tool.
     fn nozzle(&self, tool: u32) -> &Nozzle {
-        match self.apart {
-            true => &self.nozzles[place(tool)],
-            false => &self.nozzles[SHARED],
+        if self.apart {
+            &self.nozzles[place(tool)]
+        } else {
+            &self.nozzles[SHARED]
         }
     }
 
@@ -201,9 +202,10 @@ impl Heat {
 
     /// The heaters that are on, with what they were told.
     pub fn on(&self) -> impl Iterator<Item = (&'static str, Celsius)> {
-        let there = match self.apart {
-            true => &self.nozzles[..SHARED],
-            false => &self.nozzles[SHARED..],
+        let there = if self.apart {
+            &self.nozzles[..SHARED]
+        } else {
+            &self.nozzles[SHARED..]
         };
         let targets = there.iter().filter_map(|nozzle| nozzle.target);
         let hottest = targets.fold(0.0, f64::max);

@@ -133,9 +133,10 @@ impl Rules {
             height: printer.height,
             nozzle,
             filament_diameter: settings.filament.diameter,
-            cross_section: match klipper {
-                true => 4.0 * nozzle * nozzle,
-                false => 8.0 * nozzle * nozzle,
+            cross_section: if klipper {
+                4.0 * nozzle * nozzle
+            } else {
+                8.0 * nozzle * nozzle
             },
             feed: klipper.then_some(50.0),
             retraction: (2.0 * settings.retract.length).max(20.0),
@@ -301,10 +302,13 @@ impl<'a> State<'a> {
                 self.ending.off();
             }
             Event::Tool { tool, .. } => self.tool = tool,
-            Event::FirmwareRetract { back, .. } => match back {
-                true => self.firmware_back |= bit(self.tool),
-                false => self.firmware_back &= !bit(self.tool),
-            },
+            Event::FirmwareRetract { back, .. } => {
+                if back {
+                    self.firmware_back |= bit(self.tool)
+                } else {
+                    self.firmware_back &= !bit(self.tool)
+                }
+            }
             Event::Home { line } => self.home(line, words),
             Event::Fan { line, .. } => self.code(line, 'M', 1060, words),
             Event::Macro { line } => self.named(line, reader),
@@ -484,10 +488,7 @@ impl<'a> State<'a> {
 
     /// Is the place one the head can go to?
     fn reach(&mut self, step: &Move, template: bool) {
-        let margin = match template {
-            true => BESIDE,
-            false => ROUNDING,
-        };
+        let margin = if template { BESIDE } else { ROUNDING };
         let rules = self.rules;
         if !rules.reach(step.to, margin) {
             self.verdict.add(Kind::OutOfReach, step.line, step.to, || {
@@ -672,14 +673,16 @@ impl<'a> State<'a> {
         let short = missing > self.rules.missing;
         if short || self.firmware_back & bit(step.tool) != 0 {
             let kind = Kind::Unprimed;
-            self.verdict
-                .add(kind, step.line, step.from, || match short {
-                    true => format!(
+            self.verdict.add(kind, step.line, step.from, || {
+                if short {
+                    format!(
                         "a bead begins with {missing:.2} mm of filament still \
                      pulled back"
-                    ),
-                    false => "a bead begins after G10, before G11".into(),
-                });
+                    )
+                } else {
+                    "a bead begins after G10, before G11".into()
+                }
+            });
         }
         // Whatever was missing is missing from this bead and no other.
         *self.back(step) = 0.0;

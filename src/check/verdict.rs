@@ -281,12 +281,13 @@ impl Verdict {
         let known = self.counts.entry(kind).or_insert(0);
         *known += 1;
         let kinds = || self.findings.iter().filter(|f| f.kind == kind);
-        let about = match *known as usize > APART
+        let about = if *known as usize > APART
             && kinds().count() >= APART
             && kinds().all(|f| f.about != about)
         {
-            true => OTHERS,
-            false => about,
+            OTHERS
+        } else {
+            about
         };
         let same = |f: &&mut Finding| f.kind == kind && f.about == about;
         if let Some(found) = self.findings.iter_mut().find(same) {

@@ -514,9 +514,10 @@ pub(super) fn of_code(
 pub(super) fn of_name(named: &Named) -> Option<Effect> {
     if named.is("SET_GCODE_OFFSET") {
         let far = |key| named.number(key).is_some_and(|n| n.abs() > 1.0);
-        return Some(match ["Z", "Z_ADJUST"].into_iter().any(far) {
-            true => Warns("moves every height by more than a millimetre"),
-            false => Effect::None,
+        return Some(if ["Z", "Z_ADJUST"].into_iter().any(far) {
+            Warns("moves every height by more than a millimetre")
+        } else {
+            Effect::None
         });
     }
     if let Some((_, effect)) = NAMES.iter().find(|(name, _)| named.is(name)) {

@@ -46,23 +46,19 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<()> {
 fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
     let settings = args.settings.gather()?.settings;
     let rules = Rules::new(&settings);
-    let (name, verdict) = match args.file == Path::new("-") {
-        true => {
-            let name = "standard input".to_owned();
-            let verdict = judge(io::stdin().lock(), &name, &rules)?;
-            (name, verdict)
+    let (name, verdict) = if args.file == Path::new("-") {
+        let name = "standard input".to_owned();
+        let verdict = judge(io::stdin().lock(), &name, &rules)?;
+        (name, verdict)
+    } else {
+        let name = args.file.display().to_string();
+        if args.file.is_dir() {
+            bail!("{name} is a folder; name a file in it");
         }
-        false => {
-            let name = args.file.display().to_string();
-            if args.file.is_dir() {
-                bail!("{name} is a folder; name a file in it");
-            }
-            let file = File::open(&args.file).with_context(|| {
-                format!("cannot read {name}: check its name")
-            })?;
-            let verdict = judge(file, &name, &rules)?;
-            (name, verdict)
-        }
+        let file = File::open(&args.file)
+            .with_context(|| format!("cannot read {name}: check its name"))?;
+        let verdict = judge(file, &name, &rules)?;
+        (name, verdict)
     };
     let mut out = io::stdout().lock();
     if args.json {

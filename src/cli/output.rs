@@ -174,9 +174,10 @@ impl Output {
                 file.as_file().sync_all()?;
                 let mut pending = pending();
                 let path = file.path().to_owned();
-                let done = match replaces {
-                    true => file.persist(destination),
-                    false => file.persist_noclobber(destination),
+                let done = if replaces {
+                    file.persist(destination)
+                } else {
+                    file.persist_noclobber(destination)
                 };
                 pending.retain(|p| *p != path);
                 done.map(drop).map_err(|e| e.error)

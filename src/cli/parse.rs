@@ -70,12 +70,11 @@ pub(crate) fn parse() -> Cli {
     let obeyed = |arg: std::ffi::OsString| {
         arg.to_string_lossy().contains(plain::is_obeyed)
     };
-    match error.use_stderr() && std::env::args_os().any(obeyed) {
-        true => {
-            eprint!("{}", plain::lines(&error.render().to_string()));
-        }
-        // Nobody is there to be told that it cannot be shown.
-        false => drop(error.print()),
+    if error.use_stderr() && std::env::args_os().any(obeyed) {
+        eprint!("{}", plain::lines(&error.render().to_string()));
+    } else {
+        // Where even the message cannot be shown, nobody can be told so.
+        drop(error.print());
     }
     exit(code)
 }
@@ -133,9 +132,10 @@ fn tip(given: &str) -> Option<String> {
     let name = given.trim_start_matches('-').split('=').next()?;
     let name = name.to_lowercase().replace('_', "-");
     if let Some((_, instead)) = WORDS.iter().find(|(word, _)| *word == name) {
-        return Some(match instead.starts_with('-') {
-            true => format!("write {instead}"),
-            false => (*instead).to_owned(),
+        return Some(if instead.starts_with('-') {
+            format!("write {instead}")
+        } else {
+            (*instead).to_owned()
         });
     }
     let setting = name.replace('-', "_");
@@ -150,9 +150,10 @@ fn tip(given: &str) -> Option<String> {
         .take(3)
         .map(|key| {
             let default = key.default();
-            match default.contains(['\n', '"']) {
-                true => format!("--set {}=VALUE", key.name),
-                false => format!("--set {}={default}", key.name),
+            if default.contains(['\n', '"']) {
+                format!("--set {}=VALUE", key.name)
+            } else {
+                format!("--set {}={default}", key.name)
             }
         })
         .collect();

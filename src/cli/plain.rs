@@ -35,13 +35,12 @@ pub(super) fn lines(text: &str) -> Cow<'_, str> {
 pub(super) fn json(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for c in text.chars() {
-        match is_obeyed(c) && c != '\n' {
-            true => {
-                for unit in c.encode_utf16(&mut [0; 2]) {
-                    plain.push_str(&format!("\\u{unit:04x}"));
-                }
+        if is_obeyed(c) && c != '\n' {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                plain.push_str(&format!("\\u{unit:04x}"));
             }
-            false => plain.push(c),
+        } else {
+            plain.push(c)
         }
     }
     plain
@@ -55,9 +54,10 @@ pub(super) fn print(text: &str) -> anyhow::Result<()> {
 /// Writes the text of a file to standard output: as it is, unless somebody
 /// looks at it there.
 pub(super) fn print_file(text: &str) -> anyhow::Result<()> {
-    match stdout().is_terminal() {
-        true => print(text),
-        false => output::print(text.as_bytes()),
+    if stdout().is_terminal() {
+        print(text)
+    } else {
+        output::print(text.as_bytes())
     }
 }
 
@@ -81,9 +81,10 @@ fn escaped(text: Cow<'_, str>, keep: impl Fn(char) -> bool) -> Cow<'_, str> {
     }
     let mut plain = String::with_capacity(text.len() + 16);
     for c in text.chars() {
-        match obeyed(c) {
-            true => plain.extend(c.escape_default()),
-            false => plain.push(c),
+        if obeyed(c) {
+            plain.extend(c.escape_default())
+        } else {
+            plain.push(c)
         }
     }
     Cow::Owned(plain)
@@ -91,9 +92,10 @@ fn escaped(text: Cow<'_, str>, keep: impl Fn(char) -> bool) -> Cow<'_, str> {
 
 fn shortened(text: &str) -> Cow<'_, str> {
     // Bytes first: most messages are short.
-    let count = match text.len() <= LONGEST {
-        true => return Cow::Borrowed(text),
-        false => text.chars().count(),
+    let count = if text.len() <= LONGEST {
+        return Cow::Borrowed(text);
+    } else {
+        text.chars().count()
     };
     if count <= LONGEST {
         return Cow::Borrowed(text);

@@ -251,9 +251,10 @@ impl Sliced {
                 file.display()
             );
         }
-        Ok(match file.as_os_str() == "-" {
-            true => Kind::Stdin,
-            false => Kind::Gcode(file.clone()),
+        Ok(if file.as_os_str() == "-" {
+            Kind::Stdin
+        } else {
+            Kind::Gcode(file.clone())
         })
     }
 

@@ -36,9 +36,10 @@ pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
         return print_json(&All(&gathered));
     }
     let settings = &gathered.settings;
-    let text = match args.effective {
-        true => settings.to_toml_with_origins(|key| origin(&gathered, key)),
-        false => settings.to_toml(),
+    let text = if args.effective {
+        settings.to_toml_with_origins(|key| origin(&gathered, key))
+    } else {
+        settings.to_toml()
     };
     plain::print_file(&text)
 }

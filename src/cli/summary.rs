@@ -203,22 +203,22 @@ fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
 pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
     let mut text = String::new();
-    match is_stream(sums.output) {
-        true => {
-            writeln!(text, "{} (on standard output)", plain::line(sums.model))?
-        }
-        false => writeln!(text, "{}", plain::value(sums.output.display()))?,
+    if is_stream(sums.output) {
+        writeln!(text, "{} (on standard output)", plain::line(sums.model))?
+    } else {
+        writeln!(text, "{}", plain::value(sums.output.display()))?
     }
     writeln!(text, "  size        {}", dimensions(summary.size))?;
     let (layers, count) = (&summary.layers, summary.layer_count);
-    match *layers == (0..count) {
-        true => writeln!(text, "  layers      {count}")?,
-        false => writeln!(
+    if *layers == (0..count) {
+        writeln!(text, "  layers      {count}")?
+    } else {
+        writeln!(
             text,
             "  layers      {} to {} of {count}",
             layers.start + 1,
             layers.end
-        )?,
+        )?
     }
     writeln!(text, "  print time  {}", human_time(summary.time))?;
     write!(

@@ -138,15 +138,16 @@ impl<W: Write> Writer<'_, W> {
         let settings = self.settings;
         let filament = &settings.filament;
         let source = self.templates.start_source();
-        let bed = match bed_heated(settings) {
-            true => heating(
+        let bed = if bed_heated(settings) {
+            heating(
                 source,
                 start,
                 "M140",
                 "M190",
                 &["bed_temperature", "first_layer_bed_temperature"],
-            ),
-            false => Heating::Waits,
+            )
+        } else {
+            Heating::Waits
         };
         let nozzle = heating(
             source,

@@ -89,14 +89,12 @@ fn known(flavour: Flavour, settings: &Settings) -> bool {
 
 /// A name that no parser stumbles over.
 fn name(model: &str) -> String {
-    let plain = |c: char| match c.is_ascii_alphanumeric() {
-        true => c,
-        false => '_',
-    };
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = model.chars().map(plain).collect();
-    match name.is_empty() {
-        true => "part".to_owned(),
-        false => name,
+    if name.is_empty() {
+        "part".to_owned()
+    } else {
+        name
     }
 }
 

@@ -37,9 +37,10 @@ impl<W: Write> Writer<'_, W> {
         }
         self.set_fan(layer.fan);
         let labelled = labelled(&layer.moves);
-        let label = match labelled.is_empty() {
-            true => None,
-            false => self.label.clone(),
+        let label = if labelled.is_empty() {
+            None
+        } else {
+            self.label.clone()
         };
         let mut clock = Clock::new(layer);
         self.mark_if_due(clock.time());

@@ -10,10 +10,7 @@ impl<W: Write> Writer<'_, W> {
     pub(super) fn modes(&mut self) {
         self.line("G21");
         self.line("G90");
-        self.line(match self.filament.relative {
-            true => "M83",
-            false => "M82",
-        });
+        self.line(if self.filament.relative { "M83" } else { "M82" });
     }
 
     pub(super) fn temperature(&mut self, command: &str, to: Celsius) {

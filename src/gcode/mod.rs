@@ -227,9 +227,10 @@ impl<'a, W: Write> Writer<'a, W> {
         let templates = Templates::new(settings, header)?;
         let start = templates.start()?;
         let whole = header.layers == (0..header.layer_count);
-        let waiting = match whole && tells_progress(settings) {
-            true => Some(Waiting::new(settings.gcode.flavour)?),
-            false => None,
+        let waiting = if whole && tells_progress(settings) {
+            Some(Waiting::new(settings.gcode.flavour)?)
+        } else {
+            None
         };
         let mut writer = Self {
             out: Sink::new(out, header.format)?,

@@ -213,9 +213,10 @@ fn from_toml(text: &str) -> Value {
 fn number(x: f64) -> Value {
     // Up to here an f64 holds every whole number.
     const WHOLE: f64 = 9e15;
-    match x.fract() == 0.0 && x.abs() < WHOLE {
-        true => Value::from(x as i64),
-        false => Value::from(x),
+    if x.fract() == 0.0 && x.abs() < WHOLE {
+        Value::from(x as i64)
+    } else {
+        Value::from(x)
     }
 }
 

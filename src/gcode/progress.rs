@@ -213,9 +213,10 @@ impl Clock {
     }
 
     pub(super) fn time(&self) -> Seconds {
-        match self.printing > 0.0 {
-            true => self.time * self.passed / self.printing,
-            false => 0.0,
+        if self.printing > 0.0 {
+            self.time * self.passed / self.printing
+        } else {
+            0.0
         }
     }
 }

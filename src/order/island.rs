@@ -30,9 +30,10 @@ pub(super) fn print_island(
     }
     // Gaps lie between such walls, where there are any; else they can be
     // filled on the way through the infill.
-    let gap_stage = match jobs.iter().any(|j| j.0 == away_stage) {
-        true => away_stage,
-        false => 3,
+    let gap_stage = if jobs.iter().any(|j| j.0 == away_stage) {
+        away_stage
+    } else {
+        3
     };
     let gaps = island.gaps.into_iter();
     jobs.extend(gaps.map(|b| (gap_stage, Job::of(b))));

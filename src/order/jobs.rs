@@ -27,9 +27,10 @@ pub(super) enum Job {
 impl Job {
     /// A bead that may begin at either end, or anywhere if it is closed.
     pub fn of(bead: Bead) -> Job {
-        match bead.closed {
-            true => Job::rings(vec![bead], 0),
-            false => Job::Line(bead),
+        if bead.closed {
+            Job::rings(vec![bead], 0)
+        } else {
+            Job::Line(bead)
         }
     }
 
@@ -100,10 +101,10 @@ impl Job {
             } => {
                 let Some(spot) = spot else { return beads };
                 for (i, bead) in beads.iter_mut().enumerate() {
-                    match bead.closed {
-                        true if i == leader => begin_at(bead, spot),
-                        true => begin_near(bead, spot.at),
-                        false => {}
+                    if bead.closed && i == leader {
+                        begin_at(bead, spot);
+                    } else if bead.closed {
+                        begin_near(bead, spot.at);
                     }
                 }
                 beads
@@ -115,9 +116,10 @@ impl Job {
 
 /// Where a bead ends.
 pub(super) fn end(bead: &Bead) -> Option<DVec2> {
-    match bead.closed {
-        true => bead.points.first().copied(),
-        false => bead.points.last().copied(),
+    if bead.closed {
+        bead.points.first().copied()
+    } else {
+        bead.points.last().copied()
     }
 }
 
@@ -193,10 +195,10 @@ fn settle_rings(
     to: Option<DVec2>,
 ) {
     let ends = |jobs: &[(u32, Job)], (i, turned): (usize, bool)| {
-        jobs[i].1.ends().map(|(a, b)| match turned {
-            true => (b, a),
-            false => (a, b),
-        })
+        jobs[i]
+            .1
+            .ends()
+            .map(|(a, b)| if turned { (b, a) } else { (a, b) })
     };
     let mut before = at;
     for (k, &visit) in order.iter().enumerate() {

@@ -132,9 +132,10 @@ impl NearEnds {
         let (from, to) = (self.starts[cell], self.starts[cell + 1]);
         for &m in &self.members[from as usize..to as usize] {
             let d = self.points[m as usize].distance_squared(p);
-            let worst = match found.len() == count {
-                true => found.last().map_or(limit, |f| f.0),
-                false => limit,
+            let worst = if found.len() == count {
+                found.last().map_or(limit, |f| f.0)
+            } else {
+                limit
             };
             if d < worst {
                 found.truncate(count - 1);

@@ -73,10 +73,10 @@ pub(super) fn tour(
     let mut search = Search::new(stops, first.clone(), start, end);
     search.run();
     let better = search.tour;
-    match length(stops, &better, start, end) < length(stops, &first, start, end)
-    {
-        true => better,
-        false => first,
+    if length(stops, &better, start, end) < length(stops, &first, start, end) {
+        better
+    } else {
+        first
     }
 }
 
@@ -92,9 +92,10 @@ pub(super) fn length(
     let mut sum = 0.0;
     for visit in tour {
         let stop = &stops[visit.stop];
-        let (from, to) = match visit.turned && stop.turns {
-            true => (stop.to, stop.from),
-            false => (stop.from, stop.to),
+        let (from, to) = if visit.turned && stop.turns {
+            (stop.to, stop.from)
+        } else {
+            (stop.from, stop.to)
         };
         sum += at.map_or(0.0, |at| at.distance(from));
         at = Some(to);
@@ -116,9 +117,10 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
             let mut left: Vec<usize> = of_stage.map(|s| s.0).collect();
             while let Some((k, visit)) = nearest_of(stops, &left, at) {
                 crate::limits::check();
-                at = Some(match visit.turned {
-                    true => stops[visit.stop].from,
-                    false => stops[visit.stop].to,
+                at = Some(if visit.turned {
+                    stops[visit.stop].from
+                } else {
+                    stops[visit.stop].to
                 });
                 left.remove(k);
                 tour.push(visit);
@@ -135,9 +137,10 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
             if std::mem::replace(&mut done[stop], true) {
                 continue;
             }
-            at = Some(match turned {
-                true => stops[stop].from,
-                false => stops[stop].to,
+            at = Some(if turned {
+                stops[stop].from
+            } else {
+                stops[stop].to
             });
             tour.push(Visit { stop, turned });
         }
@@ -213,10 +216,7 @@ impl<'a> Search<'a> {
     /// The other end of a stop. What cannot be turned has one place only as
     /// far as exchanges are concerned: the error is the way through it.
     fn other(stop: &Stop) -> DVec2 {
-        match stop.turns {
-            true => stop.to,
-            false => stop.from,
-        }
+        if stop.turns { stop.to } else { stop.from }
     }
 
     /// Where the `k`th stop of the tour is entered; behind the last one, the
@@ -226,9 +226,10 @@ impl<'a> Search<'a> {
             return self.end;
         };
         let stop = &self.stops[visit.stop];
-        Some(match visit.turned {
-            true => Self::other(stop),
-            false => stop.from,
+        Some(if visit.turned {
+            Self::other(stop)
+        } else {
+            stop.from
         })
     }
 
@@ -240,9 +241,10 @@ impl<'a> Search<'a> {
         };
         let visit = self.tour.get(k)?;
         let stop = &self.stops[visit.stop];
-        Some(match visit.turned {
-            true => stop.from,
-            false => Self::other(stop),
+        Some(if visit.turned {
+            stop.from
+        } else {
+            Self::other(stop)
         })
     }
 
@@ -284,9 +286,10 @@ impl<'a> Search<'a> {
         }
         for forward in [true, false] {
             // What could follow the stop before, or precede the `k`th one.
-            let here = match forward {
-                true => self.exit_before(k),
-                false => self.entry(k),
+            let here = if forward {
+                self.exit_before(k)
+            } else {
+                self.entry(k)
             };
             let Some(here) = here else { continue };
             self.ends.near(here, now - GAIN, PARTNERS, near);
@@ -299,9 +302,10 @@ impl<'a> Search<'a> {
                 // True if the stop is left at this end.
                 let visit = self.tour[place];
                 let left = (end % 2 == 1) != visit.turned;
-                let done = match forward == left {
-                    true => self.turn(k, place + usize::from(forward)),
-                    false => false,
+                let done = if forward == left {
+                    self.turn(k, place + usize::from(forward))
+                } else {
+                    false
                 };
                 if done
                     || self.fetch(k, place, left, forward)
@@ -389,9 +393,10 @@ impl<'a> Search<'a> {
             return false;
         }
         let old = self.way(from) + self.way(to) + self.way(k);
-        let (head, tail) = match turn {
-            true => (self.exit_before(to), self.entry(from)),
-            false => (self.entry(from), self.exit_before(to)),
+        let (head, tail) = if turn {
+            (self.exit_before(to), self.entry(from))
+        } else {
+            (self.entry(from), self.exit_before(to))
         };
         let new = self.way_to(to, self.exit_before(from))
             + between(self.exit_before(k), head)
@@ -403,9 +408,10 @@ impl<'a> Search<'a> {
             self.turn_round(from, to);
         }
         let count = to - from;
-        match k < from {
-            true => self.tour[low..high].rotate_right(count),
-            false => self.tour[low..high].rotate_left(count),
+        if k < from {
+            self.tour[low..high].rotate_right(count)
+        } else {
+            self.tour[low..high].rotate_left(count)
         }
         self.update(low, high);
         true

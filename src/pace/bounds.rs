@@ -19,9 +19,10 @@ pub(super) fn speed_limit(
         0 => speed.first_layer,
         _ => f64::INFINITY,
     };
-    match bead.small {
-        true => first.min(speed.small_perimeter),
-        false => first,
+    if bead.small {
+        first.min(speed.small_wall)
+    } else {
+        first
     }
 }
 
@@ -34,9 +35,10 @@ pub(super) fn print_speed(
 ) -> MmPerSec {
     let area = bead.area() * rates.flow;
     let speed = rates.speed.min(settings.printer.max_speed);
-    match area > 0.0 && settings.filament.max_flow > 0.0 {
-        true => speed.min(settings.filament.max_flow / area),
-        false => speed,
+    if area > 0.0 && settings.filament.max_flow > 0.0 {
+        speed.min(settings.filament.max_flow / area)
+    } else {
+        speed
     }
 }
 
@@ -58,12 +60,14 @@ pub(super) fn acceleration(
         Role::SparseInfill => by_role.sparse_infill,
         Role::Skirt | Role::Brim => 0.0,
     };
-    let own = match asked > 0.0 {
-        true => asked,
-        false => settings.printer.acceleration,
+    let own = if asked > 0.0 {
+        asked
+    } else {
+        settings.printer.acceleration
     };
-    match span.index == 0 && by_role.first_layer > 0.0 {
-        true => own.min(by_role.first_layer),
-        false => own,
+    if span.index == 0 && by_role.first_layer > 0.0 {
+        own.min(by_role.first_layer)
+    } else {
+        own
     }
 }

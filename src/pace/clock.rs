@@ -47,9 +47,10 @@ impl<T> Clock<T> {
         };
         if step.travels() {
             let prints = step.prints();
-            let set = match prints {
-                true => state.acceleration,
-                false => state.travel_acceleration,
+            let set = if prints {
+                state.acceleration
+            } else {
+                state.travel_acceleration
             };
             let acceleration = set.unwrap_or(self.acceleration);
             let way = step.to - step.from;

@@ -20,15 +20,17 @@ pub(super) fn fan_speed(
         return 0.0;
     }
     let (short, long) = (cooling.min_layer_time, cooling.long_layer_time);
-    let shortness = match long > short {
-        true => ((long - time) / (long - short)).clamp(0.0, 1.0),
-        false => f64::from(u8::from(time < long)),
+    let shortness = if long > short {
+        ((long - time) / (long - short)).clamp(0.0, 1.0)
+    } else {
+        f64::from(u8::from(time < long))
     };
     let most = cooling.short_layer_fan_speed.unwrap_or(asked).max(asked);
     let wanted = asked + shortness * (most - asked);
-    match number < full {
-        true => wanted * (number - off) / (full - off),
-        false => wanted,
+    if number < full {
+        wanted * (number - off) / (full - off)
+    } else {
+        wanted
     }
 }
 

@@ -7,7 +7,7 @@
 //! Guarantees:
 //! - a bead runs at its role's speed and acceleration, no faster than
 //!   `speed.first_layer` on the first layer, short closed walls no faster than
-//!   `speed.small_perimeter`, none faster than the filament can be melted
+//!   `speed.small_wall`, none faster than the filament can be melted
 //!   (`filament.max_flow`), slower if the layer would take less than
 //!   `cooling.min_layer_time`, but not below `cooling.min_speed` for that;
 //! - the fan runs faster on layers of little time, and comes up in steps
@@ -281,9 +281,10 @@ impl<'a> Pacer<'a> {
             from.distance(wipe[0]) + path_length(&wipe, false)
         });
         // Firmware that retracts by itself does it at a stand.
-        let first = match way > SAME_PLACE && !retract.firmware {
-            true => retract.length * retract.before_wipe / 100.0,
-            false => retract.length,
+        let first = if way > SAME_PLACE && !retract.firmware {
+            retract.length * retract.before_wipe / 100.0
+        } else {
+            retract.length
         };
         if first > 0.0 {
             self.motion.push_filament(-first, retract.speed);
@@ -312,9 +313,10 @@ impl<'a> Pacer<'a> {
 
     fn prime(&mut self, out: &mut Vec<PacedMove>) {
         let retract = &self.settings.retract;
-        let (length, extra) = match self.retracted {
-            true => (retract.length, retract.extra_prime),
-            false => (0.0, 0.0),
+        let (length, extra) = if self.retracted {
+            (retract.length, retract.extra_prime)
+        } else {
+            (0.0, 0.0)
         };
         let extra = extra + std::mem::take(&mut self.oozed);
         if !std::mem::take(&mut self.retracted) && extra <= 0.0 {

@@ -152,9 +152,10 @@ impl<'a> Rater<'a> {
 
     /// Speed of the fan at a layer's beginning, unless its first bead says it.
     pub fn fan(&self, span: &LayerSpan) -> Option<Percent> {
-        match span.index < self.settings.cooling.fan_off_layers as usize {
-            true => Some(0.0),
-            false => self.fan.constant(),
+        if span.index < self.settings.cooling.fan_off_layers as usize {
+            Some(0.0)
+        } else {
+            self.fan.constant()
         }
     }
 
@@ -285,9 +286,10 @@ fn steps(bead: &Bead) -> Vec<Step> {
             let last = i + 1 == count as usize;
             steps.push(Step {
                 from: a.lerp(b, i as f64 / count),
-                to: match last {
-                    true => b,
-                    false => a.lerp(b, (i + 1) as f64 / count),
+                to: if last {
+                    b
+                } else {
+                    a.lerp(b, (i + 1) as f64 / count)
                 },
                 corner: last,
             });

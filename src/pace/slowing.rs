@@ -28,9 +28,12 @@ impl Slowing {
     }
 
     fn time(&self, motion: &mut Motion) -> Seconds {
-        motion.time(|s| match s.prints {
-            true => self.apply(s.speed),
-            false => s.speed,
+        motion.time(|s| {
+            if s.prints {
+                self.apply(s.speed)
+            } else {
+                s.speed
+            }
         })
     }
 }

@@ -415,11 +415,8 @@ impl<'a> Stages<'a> {
                 skin::patches(&areas.skin, faces, layer, height, self.settings);
             (areas, skin)
         });
-        let mut walls = walls::beads(
-            walls,
-            height,
-            self.settings.speed.small_perimeter_length,
-        );
+        let mut walls =
+            walls::beads(walls, height, self.settings.speed.small_wall_length);
         let sites = self.timings.time(Stage::Walls, || {
             self.seams
                 .sites(&walls, layer, span.sample_z(), &shell.solid)

@@ -152,9 +152,10 @@ fn srgb([r, g, b, a]: [f32; 4]) -> [u8; 4] {
     }
     let encoded = |x: f32| {
         let x = (x / a).clamp(0.0, 1.0);
-        byte(match x <= 0.003_130_8 {
-            true => 12.92 * x,
-            false => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+        byte(if x <= 0.003_130_8 {
+            12.92 * x
+        } else {
+            1.055 * x.powf(1.0 / 2.4) - 0.055
         })
     };
     [encoded(r), encoded(g), encoded(b), byte(a)]
@@ -163,9 +164,10 @@ fn srgb([r, g, b, a]: [f32; 4]) -> [u8; 4] {
 /// A byte of sRGB in linear light.
 fn linear(byte: u8) -> f32 {
     let x = f32::from(byte) / 255.0;
-    match x <= 0.040_45 {
-        true => x / 12.92,
-        false => ((x + 0.055) / 1.055).powf(2.4),
+    if x <= 0.040_45 {
+        x / 12.92
+    } else {
+        ((x + 0.055) / 1.055).powf(2.4)
     }
 }
 

@@ -83,9 +83,10 @@ pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
                 at = bead.path().last();
             }
             Move::Travel(travel) => {
-                let dash = match travel.retract {
-                    true => " stroke-dasharray=\"0.4 0.3\"",
-                    false => "",
+                let dash = if travel.retract {
+                    " stroke-dasharray=\"0.4 0.3\""
+                } else {
+                    ""
                 };
                 let _ = write!(
                     travels,

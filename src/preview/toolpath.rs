@@ -240,9 +240,10 @@ impl Collector {
     fn step<R: Read>(&mut self, step: &Move, reader: &Reader<R>) {
         self.path.statistics.filament += step.filament;
         self.pull(step.filament);
-        let what = match step.prints() {
-            true => step.role as u8,
-            false => TRAVEL,
+        let what = if step.prints() {
+            step.role as u8
+        } else {
+            TRAVEL
         };
         self.clock.push(step, reader.state(), what);
         if self.clock.is_full() {

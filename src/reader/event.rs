@@ -170,11 +170,10 @@ impl Move {
 
     /// Cross-section of the bead, from filament of this diameter.
     pub fn area(&self, filament_diameter: Mm) -> Mm2 {
-        match self.prints() {
-            true => {
-                self.filament * filament_area(filament_diameter) / self.length()
-            }
-            false => 0.0,
+        if self.prints() {
+            self.filament * filament_area(filament_diameter) / self.length()
+        } else {
+            0.0
         }
     }
 }

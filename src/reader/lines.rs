@@ -125,9 +125,10 @@ impl<R: Read> Lines<R> {
                     searched = 0;
                     continue;
                 }
-                let end = match alone || unsure {
-                    true => LineEnd::Return,
-                    false => LineEnd::Feed,
+                let end = if alone || unsure {
+                    LineEnd::Return
+                } else {
+                    LineEnd::Feed
                 };
                 return Ok(Some(self.line(from, to, true, end)));
             }

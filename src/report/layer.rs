@@ -274,9 +274,10 @@ fn walls(
     });
     for (even, p, w) in spots.step_by(every) {
         let off = (depth(p) - 0.5 * w) * MICRONS;
-        match even {
-            true => found.outer_wall.add(off),
-            false => found.varying.add(off),
+        if even {
+            found.outer_wall.add(off)
+        } else {
+            found.varying.add(off)
         }
     }
     if matches!(effort, Effort::Points(_)) {

@@ -102,12 +102,14 @@ impl<'a> Gauge<'a> {
             let every = self.count.div_ceil(chosen).max(1);
             k % every == every / 2
         };
-        let effort = match self.full {
-            true => Effort::Full {
+        let effort = if self.full {
+            Effort::Full {
                 area_lines: if among(AREA_LAYERS) { AREA_LINES } else { 0 },
-            },
-            false if among(SUMMARY_LAYERS) => Effort::Points(SUMMARY_POINTS),
-            false => return Ok(None),
+            }
+        } else if among(SUMMARY_LAYERS) {
+            Effort::Points(SUMMARY_POINTS)
+        } else {
+            return Ok(None);
         };
         let mut found =
             measure(parts, &self.probe, frame, effort, self.settings)?;

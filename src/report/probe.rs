@@ -146,9 +146,10 @@ impl Probe {
                 let s = &mut all[i];
                 let (plus, minus) = (plus < 0.0, minus < 0.0);
                 // Out of an inside point first: that is where it should be.
-                let sides = match s.inside {
-                    true => [(1.0, plus), (-1.0, minus)],
-                    false => [(-1.0, minus), (1.0, plus)],
+                let sides = if s.inside {
+                    [(1.0, plus), (-1.0, minus)]
+                } else {
+                    [(-1.0, minus), (1.0, plus)]
                 };
                 s.bracket = sides
                     .into_iter()
@@ -174,9 +175,10 @@ impl Probe {
                 let s = &mut all[i];
                 if let Some((a, b)) = s.bracket {
                     let m = 0.5 * (a + b);
-                    s.bracket = match (f < 0.0) == s.inside {
-                        true => Some((m, b)),
-                        false => Some((a, m)),
+                    s.bracket = if (f < 0.0) == s.inside {
+                        Some((m, b))
+                    } else {
+                        Some((a, m))
                     };
                 }
             }

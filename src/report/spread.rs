@@ -70,13 +70,15 @@ impl Spread {
             return;
         }
         let first = self.count == 0;
-        self.least = match first {
-            true => other.least,
-            false => self.least.min(other.least),
+        self.least = if first {
+            other.least
+        } else {
+            self.least.min(other.least)
         };
-        self.greatest = match first {
-            true => other.greatest,
-            false => self.greatest.max(other.greatest),
+        self.greatest = if first {
+            other.greatest
+        } else {
+            self.greatest.max(other.greatest)
         };
         self.count += other.count;
         self.sum += other.sum;

@@ -148,9 +148,10 @@ impl<'a> Corners<'a> {
                 add(k, forth * s);
             }
         }
-        match sum > 1e-9 {
-            true => (sum, moment / sum),
-            false => (sum, offset),
+        if sum > 1e-9 {
+            (sum, moment / sum)
+        } else {
+            (sum, offset)
         }
     }
 

@@ -28,9 +28,10 @@ pub struct Ended {
 impl Ended {
     /// Where the nozzle is afterwards.
     pub fn end(&self) -> Option<DVec2> {
-        let end = match self.bead.closed {
-            true => self.bead.points.first(),
-            false => self.bead.points.last(),
+        let end = if self.bead.closed {
+            self.bead.points.first()
+        } else {
+            self.bead.points.last()
         };
         self.wipe.or(end.copied())
     }
@@ -54,13 +55,15 @@ pub fn endings(
         // Half of a loop must be left as it is.
         let scarf = settings.seam_scarf.min(0.5 * length);
         let gap = settings.seam_gap.min(0.5 * length);
-        let bead = match scarf > 0.0 || gap > 0.0 {
-            true => opened(&bead, length, scarf, gap),
-            false => bead,
+        let bead = if scarf > 0.0 || gap > 0.0 {
+            opened(&bead, length, scarf, gap)
+        } else {
+            bead
         };
-        let wipe = match settings.seam_wipe > 0.0 {
-            true => inwards(&bead, settings.seam_wipe, solid),
-            false => None,
+        let wipe = if settings.seam_wipe > 0.0 {
+            inwards(&bead, settings.seam_wipe, solid)
+        } else {
+            None
         };
         Ended { bead, wipe }
     };
@@ -103,25 +106,28 @@ fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
         from += edge;
     }
     // How much of the bead is printed at the time.
-    let share = |s: Mm| match scarf > 0.0 {
-        true => (s / scarf)
-            .min((length + scarf - s) / scarf)
-            .clamp(0.0, 1.0),
-        false => 1.0,
+    let share = |s: Mm| {
+        if scarf > 0.0 {
+            (s / scarf)
+                .min((length + scarf - s) / scarf)
+                .clamp(0.0, 1.0)
+        } else {
+            1.0
+        }
     };
     let vary = scarf > 0.0 || !bead.widths.is_empty();
     let thinned = |&(s, _, w): &(Mm, DVec2, Mm)| {
         let share = share(s);
-        match share < 1.0 {
-            true => {
-                width_of(share * cross_section(w, bead.height), bead.height)
-            }
-            false => w,
+        if share < 1.0 {
+            width_of(share * cross_section(w, bead.height), bead.height)
+        } else {
+            w
         }
     };
-    let widths = match vary {
-        true => stops.iter().map(thinned).collect(),
-        false => Vec::new(),
+    let widths = if vary {
+        stops.iter().map(thinned).collect()
+    } else {
+        Vec::new()
     };
     Bead {
         points: stops.iter().map(|s| s.1).collect(),
@@ -135,9 +141,10 @@ fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
 fn width_of(area: Mm2, height: Mm) -> Mm {
     use std::f64::consts::FRAC_PI_4;
     let round = FRAC_PI_4 * height * height;
-    match area > round {
-        true => (area - round) / height + height,
-        false => area / (FRAC_PI_4 * height),
+    if area > round {
+        (area - round) / height + height
+    } else {
+        area / (FRAC_PI_4 * height)
     }
 }
 
@@ -146,12 +153,13 @@ fn inwards(bead: &Bead, length: Mm, solid: &EdgeGrid) -> Option<DVec2> {
     /// How near something may be that the wipe could run into, mm.
     const REACH: Mm = 2.0;
     let n = bead.points.len();
-    let ways: [(DVec2, DVec2); 2] = match bead.closed {
-        true => [
+    let ways: [(DVec2, DVec2); 2] = if bead.closed {
+        [
             (bead.points[n - 1], bead.points[0]),
             (bead.points[0], bead.points[1]),
-        ],
-        false => [(bead.points[n - 2], bead.points[n - 1]); 2],
+        ]
+    } else {
+        [(bead.points[n - 2], bead.points[n - 1]); 2]
     };
     let end = ways[0].1;
     // The part lies to the left of its walls.
@@ -161,10 +169,7 @@ fn inwards(bead: &Bead, length: Mm, solid: &EdgeGrid) -> Option<DVec2> {
         let d = solid
             .nearest_within(p, REACH + length)
             .map_or(REACH + length, |(_, q)| p.distance(q));
-        match solid.contains(p) {
-            true => d,
-            false => -d,
-        }
+        if solid.contains(p) { d } else { -d }
     };
     let here = depth(end);
     [1.0, 0.5, 0.25]

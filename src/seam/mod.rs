@@ -103,9 +103,10 @@ impl<'a> Seams<'a> {
     ) -> Result<Vec<Site>, VaryError> {
         let own = |(number, wall): (usize, &Bead)| {
             let outer = wall.closed && wall.role == Role::OuterWall;
-            match outer && wall.points.len() > 2 {
-                true => self.site(&wall.points, [layer, number], z, solid),
-                false => Ok(Site::default()),
+            if outer && wall.points.len() > 2 {
+                self.site(&wall.points, [layer, number], z, solid)
+            } else {
+                Ok(Site::default())
             }
         };
         walls.iter().enumerate().map(own).collect()
@@ -274,9 +275,10 @@ fn toward(ring: &[DVec2], from: DVec2, to: DVec2) -> Option<DVec2> {
     };
     let ((a, all), (b, _)) = (place(from), place(to));
     let ahead = (b - a).rem_euclid(all);
-    let step = match ahead < 0.5 * all {
-        true => PULL.min(ahead),
-        false => -PULL.min(all - ahead),
+    let step = if ahead < 0.5 * all {
+        PULL.min(ahead)
+    } else {
+        -PULL.min(all - ahead)
     };
     along(ring, (a + step).rem_euclid(all))
 }

@@ -57,9 +57,10 @@ impl Settings {
 
     /// Acceleration of moves that do not print.
     pub fn travel_acceleration(&self) -> MmPerSec2 {
-        match self.acceleration.travel > 0.0 {
-            true => self.acceleration.travel,
-            false => self.printer.travel_acceleration,
+        if self.acceleration.travel > 0.0 {
+            self.acceleration.travel
+        } else {
+            self.printer.travel_acceleration
         }
     }
 

@@ -379,9 +379,10 @@ fn suggestion(name: &str, mut names: Vec<String>) -> String {
     let wanted = name.to_lowercase().replace(['_', ' '], "-");
     let likeness = |known: &str| {
         // Half a name ("mk4", "voron") is likelier than a misspelling.
-        match known.contains(&wanted) && wanted.len() > 1 {
-            true => 1.0,
-            false => strsim::jaro_winkler(&wanted, known),
+        if known.contains(&wanted) && wanted.len() > 1 {
+            1.0
+        } else {
+            strsim::jaro_winkler(&wanted, known)
         }
     };
     names.sort();

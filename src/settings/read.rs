@@ -28,6 +28,8 @@ const HEAD: [&str; 2] = ["description", "inherits"];
 pub struct Builder {
     settings: Settings,
     places: Places,
+    /// Old names of settings that were used, as warnings.
+    renamed: Vec<String>,
 }
 
 impl Builder {
@@ -164,8 +166,11 @@ impl Builder {
     /// # Errors
     /// As [`Settings::validate`], with the places of the values.
     pub fn finish(self) -> Result<(Settings, Vec<String>), SettingsError> {
-        let warnings = check::conflicts(&self.settings, &self.places)
-            .map_err(|conflict| conflict.into_error(&self.places))?;
+        let mut warnings = self.renamed;
+        warnings.extend(
+            check::conflicts(&self.settings, &self.places)
+                .map_err(|conflict| conflict.into_error(&self.places))?,
+        );
         Ok((self.settings, warnings))
     }
 
@@ -181,6 +186,10 @@ impl Builder {
         (key.field_mut)(&mut self.settings)
             .assign(raw, key)
             .map_err(|refused| refusal(refused, key, raw, place.clone()))?;
+        if name != key.name {
+            self.renamed
+                .push(format!("{place}: {name} is now called {}", key.name));
+        }
         self.places.insert(key.name, place);
         Ok(())
     }
@@ -348,9 +357,10 @@ fn parse<'a>(
                 Some(line) => format!("{what}, in `{}`", shortened(line)),
                 None => what,
             },
-            hint: match line.is_some_and(ends_in_unit) {
-                true => "; numbers have no unit, and texts have quotes",
-                false => "",
+            hint: if line.is_some_and(ends_in_unit) {
+                "; numbers have no unit, and texts have quotes"
+            } else {
+                ""
             },
             place: place(span),
         }

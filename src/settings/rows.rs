@@ -216,11 +216,12 @@ table::settings! {
         /// Speed of solid layers that are covered from both sides.
         internal_skin: Varying<MmPerSec> = Varying::Constant(60.0),
             in 0.1..=2000.0;
-        /// Greatest speed of closed walls shorter than
-        /// small_perimeter_length: around thin pins and small holes.
-        small_perimeter: MmPerSec = 25.0, in 0.1..=2000.0;
-        /// Length of wall below which small_perimeter holds; 0 for none.
-        small_perimeter_length: Mm = 20.0, in 0.0..=1000.0;
+        /// Greatest speed of closed walls shorter than small_wall_length:
+        /// around thin pins and small holes.
+        small_wall: MmPerSec = 25.0, in 0.1..=2000.0;
+        /// Closed walls shorter than this are printed at small_wall at most;
+        /// 0 for none.
+        small_wall_length: Mm = 20.0, in 0.0..=1000.0;
         /// Speed of skin that faces upwards.
         top_skin: Varying<MmPerSec> = Varying::Constant(40.0),
             in 0.1..=2000.0;

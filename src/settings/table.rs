@@ -167,8 +167,16 @@ pub fn keys() -> &'static [Key] {
     KEYS
 }
 
-/// The key of that name.
+/// Names that settings once had, and those they have now.
+const RENAMED: [(&str, &str); 2] = [
+    ("speed.small_perimeter", "speed.small_wall"),
+    ("speed.small_perimeter_length", "speed.small_wall_length"),
+];
+
+/// The key of that name, which may be one that the setting once had.
 pub(super) fn find(name: &str) -> Option<&'static Key> {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == name);
+    let name = renamed.map_or(name, |(_, new)| new);
     keys().iter().find(|key| key.name == name)
 }
 

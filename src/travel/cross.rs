@@ -34,10 +34,7 @@ pub fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
 fn side(a: DVec2, b: DVec2, p: DVec2) -> f64 {
     let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
     let turn = robust::orient2d(coord(a), coord(b), coord(p));
-    match turn == 0.0 {
-        true => 0.0,
-        false => turn.signum(),
-    }
+    if turn == 0.0 { 0.0 } else { turn.signum() }
 }
 
 /// True if an edge of the grid meets the way through `points`.

@@ -131,9 +131,10 @@ pub fn connect(
 /// Where a bead begins and ends.
 fn ends(bead: &Bead) -> Option<(DVec2, DVec2)> {
     let start = *bead.points.first()?;
-    let end = match bead.closed {
-        true => start,
-        false => bead.points.last().copied().unwrap_or(start),
+    let end = if bead.closed {
+        start
+    } else {
+        bead.points.last().copied().unwrap_or(start)
     };
     Some((start, end))
 }

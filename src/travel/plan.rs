@@ -137,9 +137,10 @@ impl<'a> Planner<'a> {
         }
         if let Some(way) = self.inside(a, b, longest, next).filter(fits) {
             let retract = !self.hidden(&way, next);
-            return match retract && !in_the_way {
-                true => straight(),
-                false => self.finished(&way, retract),
+            return if retract && !in_the_way {
+                straight()
+            } else {
+                self.finished(&way, retract)
             };
         }
         let through = gate::way(&self.comb, a, b, longest);
@@ -217,9 +218,10 @@ impl<'a> Planner<'a> {
     fn finished(&self, way: &[DVec2], retract: bool) -> Travel {
         let settings = &self.settings.retract;
         let long = path_length(way, false) > settings.max_unretracted;
-        let prime = match long && !retract {
-            true => settings.ooze_prime,
-            false => 0.0,
+        let prime = if long && !retract {
+            settings.ooze_prime
+        } else {
+            0.0
         };
         Travel {
             points: way[1..].to_vec(),

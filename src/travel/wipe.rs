@@ -17,11 +17,10 @@ pub fn path(bead: &Bead, settings: &Settings) -> Option<(Vec<DVec2>, DVec2)> {
         return None;
     }
     let mut way = Vec::new();
-    match bead.closed {
-        true => along(bead.path(), retract.wipe, &mut way),
-        false => {
-            along(bead.points.iter().rev().copied(), retract.wipe, &mut way)
-        }
+    if bead.closed {
+        along(bead.path(), retract.wipe, &mut way)
+    } else {
+        along(bead.points.iter().rev().copied(), retract.wipe, &mut way)
     }
     let end = *way.last()?;
     Some((way, end))

@@ -300,9 +300,10 @@ impl Foot {
         let along = (length * length - off * off).max(0.0).sqrt();
         // Seen more from the side, it may be the edge of a notch.
         let facing = along <= step || along <= off.min(REACH * step);
-        match self.normal != DVec3::ZERO && facing {
-            true => off,
-            false => length,
+        if self.normal != DVec3::ZERO && facing {
+            off
+        } else {
+            length
         }
     }
 }
@@ -328,9 +329,10 @@ fn feet_between(
         values.clear();
         field.evaluate(&places, &mut values);
         for ((end, middle), v) in ends.iter_mut().zip(&places).zip(&values) {
-            match *v < 0.0 {
-                true => end.0 = middle.at,
-                false => end.1 = middle.at,
+            if *v < 0.0 {
+                end.0 = middle.at
+            } else {
+                end.1 = middle.at
             }
         }
     }

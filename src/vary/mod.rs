@@ -280,9 +280,10 @@ impl<'a> Surroundings<'a> {
         solid: Option<&EdgeGrid>,
         out: &mut Vec<Place>,
     ) -> Result<(), VaryError> {
-        let map = match measure {
-            true => Some(self.depth_map()?),
-            false => None,
+        let map = if measure {
+            Some(self.depth_map()?)
+        } else {
+            None
         };
         let model_z = z - self.model.offset.z;
         let origin = self.model.origin.truncate();

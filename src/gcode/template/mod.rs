@@ -115,9 +115,10 @@ impl<'a> Templates<'a> {
         let own = |text: &'a str, default| {
             // Pasted with a file's beginning.
             let text = text.trim_start_matches('\u{feff}');
-            match text.trim().is_empty() {
-                true => default,
-                false => text,
+            if text.trim().is_empty() {
+                default
+            } else {
+                text
             }
         };
         let start = own(&gcode.start, flavour::default_start(gcode.flavour));

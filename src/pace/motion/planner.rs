@@ -176,9 +176,10 @@ impl Planner {
 
     /// That acceleration, where this one has been told.
     pub(super) fn gentle(&self, told: MmPerSec2) -> MmPerSec2 {
-        match self.is_gentle() {
-            true => GENTLE * told,
-            false => told,
+        if self.is_gentle() {
+            GENTLE * told
+        } else {
+            told
         }
     }
 
@@ -196,14 +197,15 @@ impl Planner {
                 let alike = a.prints == b.prints
                     && a.in_plane() == b.in_plane()
                     && a.stands() == b.stands();
-                match alike {
-                    true => jerk_limit(
+                if alike {
+                    jerk_limit(
                         jerk,
                         a.course.to_array(),
                         b.course.to_array(),
                         false,
-                    ),
-                    false => 0.0,
+                    )
+                } else {
+                    0.0
                 }
             }
         }
@@ -245,9 +247,10 @@ fn marlin(a: &Leg, b: &Leg, deviation: Mm, limits: &Limits) -> f64 {
         .min(limits.acceleration_z / turn.z)
         .min(limits.filament_acceleration / turn.w);
     let arc = acceleration * deviation * sin / (1.0 - sin);
-    match b.length < SHORT && cos > FRAC_1_SQRT_2 {
-        true => arc.min(acceleration * b.length / cos.acos().max(LEAST_TURN)),
-        false => arc,
+    if b.length < SHORT && cos > FRAC_1_SQRT_2 {
+        arc.min(acceleration * b.length / cos.acos().max(LEAST_TURN))
+    } else {
+        arc
     }
 }
 
@@ -256,9 +259,10 @@ fn marlin(a: &Leg, b: &Leg, deviation: Mm, limits: &Limits) -> f64 {
 fn jerk_limit(jerk: &Jerk, a: [f64; 4], b: [f64; 4], turns: bool) -> f64 {
     let jumps = a.into_iter().zip(b).map(|(from, to)| {
         let round = turns && from * to < 0.0;
-        match round {
-            true => from.abs().max(to.abs()),
-            false => (to - from).abs(),
+        if round {
+            from.abs().max(to.abs())
+        } else {
+            (to - from).abs()
         }
     });
     let limits = jerk.of_axes().to_array().into_iter().zip(jumps);

@@ -73,9 +73,10 @@ impl Comb<'_> {
                 return self.clear_way(&way).then_some(way);
             }
             let way = self.pulled(&way)?;
-            match stops_length(&way) < WORTH * a.at.distance(b.at) {
-                true => Some(way),
-                false => Some(self.tightened(a, way)),
+            if stops_length(&way) < WORTH * a.at.distance(b.at) {
+                Some(way)
+            } else {
+                Some(self.tightened(a, way))
             }
         })
     }
@@ -171,10 +172,7 @@ impl Comb<'_> {
         let ring = rings.places.ring(from.edge);
         let first = rings.places.first(ring);
         let count = rings.places.of_ring(ring).len();
-        let (begin, end) = match ahead {
-            true => (from, to),
-            false => (to, from),
-        };
+        let (begin, end) = if ahead { (from, to) } else { (to, from) };
         let mut steps = (end.edge + count - begin.edge) % count;
         if steps == 0
             && rings.place(&self.grid, &end) < rings.place(&self.grid, &begin)

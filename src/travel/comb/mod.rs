@@ -119,14 +119,13 @@ impl<'a> Comb<'a> {
         }
         let around = |spacing: Mm| {
             let mut way = vec![a];
-            match marks.is_empty() {
-                // It stays inside, but comes too near to the outline.
-                true => way.extend(self.aside(a.at, b.at)),
-                false => {
-                    for pair in marks.chunks_exact(2) {
-                        self.along(pair[0], pair[1], spacing, &mut way);
-                    }
-                }
+            // Without a mark the travel stays inside, but comes too near to
+            // the outline.
+            if marks.is_empty() {
+                way.extend(self.aside(a.at, b.at));
+            }
+            for pair in marks.chunks_exact(2) {
+                self.along(pair[0], pair[1], spacing, &mut way);
             }
             way.push(b);
             self.pulled(&self.joined(&way)?)
@@ -327,9 +326,10 @@ impl<'a> Comb<'a> {
                 break;
             }
             // The middle between this side and the other one.
-            far = match across {
-                true => 0.5 * far,
-                false => 0.5 * (far + room),
+            far = if across {
+                0.5 * far
+            } else {
+                0.5 * (far + room)
             };
         }
         best

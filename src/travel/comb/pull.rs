@@ -31,9 +31,10 @@ impl Comb<'_> {
             }
             while unseen > seen + 1 {
                 let middle = seen + (unseen - seen) / 2;
-                match self.sees(way[i], way[middle]) {
-                    true => seen = middle,
-                    false => unseen = middle,
+                if self.sees(way[i], way[middle]) {
+                    seen = middle
+                } else {
+                    unseen = middle
                 }
             }
             if seen == i && self.passes(way[i], way[i + 1]) {

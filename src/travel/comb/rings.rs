@@ -116,9 +116,10 @@ impl Comb<'_> {
         let total = rings.places.length(rings.places.ring(from.edge));
         let way = rings.place(&self.grid, &to) - rings.place(&self.grid, &from);
         let forwards = way.rem_euclid(total);
-        match forwards <= 0.5 * total {
-            true => forwards,
-            false => forwards - total,
+        if forwards <= 0.5 * total {
+            forwards
+        } else {
+            forwards - total
         }
     }
 

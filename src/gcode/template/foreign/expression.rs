@@ -156,9 +156,10 @@ impl<'a> Parser<'a> {
     }
 
     fn expect(&mut self, sign: &str) -> Result<(), Refused> {
-        match self.take(sign) {
-            true => Ok(()),
-            false => Err(format!("`{sign}` is missing")),
+        if self.take(sign) {
+            Ok(())
+        } else {
+            Err(format!("`{sign}` is missing"))
         }
     }
 
@@ -256,9 +257,10 @@ impl<'a> Parser<'a> {
     fn atom(&mut self) -> Parsed {
         match self.next() {
             Some(Token::Number(text)) => {
-                let kind = match text.contains('.') {
-                    true => Kind::Number,
-                    false => Kind::Whole,
+                let kind = if text.contains('.') {
+                    Kind::Number
+                } else {
+                    Kind::Whole
                 };
                 match text.parse::<f64>() {
                     Ok(_) => Ok((text.trim_end_matches('.').to_owned(), kind)),
@@ -308,16 +310,15 @@ impl<'a> Parser<'a> {
 
     /// A name, with its index if it has one.
     fn name(&mut self, name: &str) -> Parsed {
-        let index = match self.take("[") {
-            true => {
-                let index = match self.next() {
-                    Some(Token::Number(text) | Token::Name(text)) => text,
-                    _ => return Err(format!("{name}[…] is not understood")),
-                };
-                self.expect("]")?;
-                Some(index)
-            }
-            false => None,
+        let index = if self.take("[") {
+            let index = match self.next() {
+                Some(Token::Number(text) | Token::Name(text)) => text,
+                _ => return Err(format!("{name}[…] is not understood")),
+            };
+            self.expect("]")?;
+            Some(index)
+        } else {
+            None
         };
         let first = index.is_none_or(|i| FIRST_TOOL.contains(&i));
         let found = match (ours(name), index) {

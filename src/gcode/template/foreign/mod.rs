@@ -158,9 +158,10 @@ impl Translation<'_> {
             }
         };
         // A condition within a line takes nothing of what is round it.
-        Ok(Some(match self.is_alone(start, end) {
-            true => format!("{{% {condition}{lines} %}}"),
-            false => format!("{{%+ {condition}{lines} +%}}"),
+        Ok(Some(if self.is_alone(start, end) {
+            format!("{{% {condition}{lines} %}}")
+        } else {
+            format!("{{%+ {condition}{lines} +%}}")
         }))
     }
 
@@ -252,12 +253,11 @@ fn with_line_ends(source: Cow<'_, str>) -> Cow<'_, str> {
     }
     let mut out = String::with_capacity(source.len() + 16);
     for line in source.split_inclusive('\n') {
-        match line_of(line) {
-            true => {
-                let end = line.rfind("%}").unwrap_or(0);
-                let _ = write!(out, "{}+{}", &line[..end], &line[end..]);
-            }
-            false => out.push_str(line),
+        if line_of(line) {
+            let end = line.rfind("%}").unwrap_or(0);
+            let _ = write!(out, "{}+{}", &line[..end], &line[end..]);
+        } else {
+            out.push_str(line);
         }
     }
     Cow::Owned(out)
