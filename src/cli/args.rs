@@ -1,5 +1,6 @@
 //! Arguments that several commands share, and what they mean.
 
+use super::output::is_stream;
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
@@ -225,11 +226,6 @@ impl ModelArgs {
             },
         })
     }
-}
-
-/// True if `path` stands for standard input or output.
-pub(super) fn is_stream(path: &Path) -> bool {
-    path.as_os_str() == "-"
 }
 
 fn standard_input() -> anyhow::Result<String> {

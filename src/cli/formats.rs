@@ -1,6 +1,6 @@
 //! What a file is written as, by its name.
 
-use super::args::is_stream;
+use super::output::is_stream;
 use anyhow::bail;
 use isoslice::gcode::Format;
 use std::ffi::OsStr;

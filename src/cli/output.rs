@@ -8,7 +8,6 @@
 //! process removes that first: see [`discard_all`]. (A file without a name would
 //! not even survive that, but could not take the place of another in one step.)
 
-use super::args::is_stream;
 use super::closed;
 use anyhow::{Context, bail};
 use std::fs::{self, File};
@@ -16,6 +15,11 @@ use std::io::{self, BufWriter, Write, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
+
+/// True if `path` stands for standard input or output.
+pub(super) fn is_stream(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
 
 /// Bytes that are written at a time: files of tens of megabytes are common,
 /// and each call to the system costs microseconds.

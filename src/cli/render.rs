@@ -1,8 +1,8 @@
 //! `isoslice render`: a picture of a model, straight from its function.
 
-use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource, is_stream};
+use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
 use super::limits::{LimitArgs, watched};
-use super::output::Output;
+use super::output::{Output, is_stream};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;

@@ -1,9 +1,9 @@
 //! `isoslice slice`: from a model to a G-code file, and a summary.
 
-use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource, is_stream};
+use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
 use super::formats::format_of;
 use super::limits::{LimitArgs, watched};
-use super::output::{Output, same_file};
+use super::output::{Output, is_stream, same_file};
 use super::summary::{Sums, describe};
 use super::{plain, terminal};
 use anyhow::{Context, bail};

@@ -1,7 +1,7 @@
 //! What `isoslice slice` says when it is done: for people, and as JSON.
 
-use super::args::is_stream;
 use super::info::dimensions;
+use super::output::is_stream;
 use super::plain;
 use glam::DVec3;
 use isoslice::check::{Finding, Kind, Verdict};

@@ -20,7 +20,6 @@
 //! full.
 
 use super::number::text;
-use super::progress::Progress;
 use crate::pace::motion::Planner;
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, Percent, feed_rate};
@@ -241,6 +240,15 @@ pub(super) fn fan(flavour: Flavour, pwm: i64) -> String {
 pub(super) fn pwm(speed: Percent) -> i64 {
     // A number that is none stops the fan.
     (speed.clamp(0.0, 100.0) * 2.55).round() as i64
+}
+
+/// How far the print has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Progress {
+    /// Whole percents done.
+    pub percent: u8,
+    /// Whole minutes left.
+    pub minutes: u64,
 }
 
 /// How far the print has come.

@@ -5,7 +5,8 @@
 //! Until then the text waits in a temporary file, so that memory does not
 //! grow with the part.
 
-use super::{Writer, flavour};
+use super::Writer;
+use super::flavour::{self, Progress};
 use crate::pace::{PacedLayer, PacedMove};
 use crate::settings::{Emit, Flavour, Settings};
 use crate::units::Seconds;
@@ -32,15 +33,6 @@ struct Mark {
     at: u64,
     /// Time that has passed.
     time: Seconds,
-}
-
-/// How far the print has come.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Progress {
-    /// Whole percents done.
-    pub percent: u8,
-    /// Whole minutes left.
-    pub minutes: u64,
 }
 
 impl Progress {

@@ -77,7 +77,7 @@ pub use event::{Event, Heater, Move};
 pub use info::Info;
 pub use machine::State;
 pub use named::{Named, number};
-pub use nothing::NoGcode;
+pub use nothing::{NoGcode, Tally};
 pub use problem::{Problem, Problems};
 pub use role::Role;
 pub use words::Words;
@@ -86,7 +86,6 @@ use crate::bgcode::Damaged;
 use crate::units::Mm;
 use lines::Lines;
 use parser::Parser;
-pub use parser::Tally;
 use std::io::{self, Read};
 
 /// Diameter of the filament, unless the file or the caller says another.

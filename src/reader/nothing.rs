@@ -7,7 +7,6 @@
 //! macro's name for each object and layer comes with moves. What is refused
 //! here is refused at the end as well; a stream may have no end.
 
-use super::Tally;
 use std::io;
 
 /// Lines that are no commands, or names of macros, that a file may have beyond
@@ -17,6 +16,18 @@ const LINES: u64 = 10_000;
 /// Bytes that may pass without a single code: pictures and settings in
 /// comments at the head are a hundredth of it.
 const BYTES: u64 = 1 << 26;
+
+/// How many lines are commands, and how many are none. Lines that are blank
+/// or a comment are neither.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// A letter with a number, as in G1.
+    pub codes: u64,
+    /// A name, which may be a macro's.
+    pub names: u64,
+    /// Neither.
+    pub senseless: u64,
+}
 
 /// Why a file is no G-code.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

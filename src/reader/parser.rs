@@ -9,6 +9,7 @@ use super::layering::Layering;
 use super::lines::{Line, LineEnd};
 use super::machine::{Machine, Target};
 use super::named::{Named, number};
+use super::nothing::Tally;
 use super::problem::{Problem, Problems};
 use super::role::Role;
 use super::words::{Command, Words, parse};
@@ -37,18 +38,6 @@ pub(super) struct Parser {
     flat_arcs: bool,
     /// An arc on its way, and the filament of each of its moves.
     arc: Option<(Arc, Mm)>,
-}
-
-/// How many lines are commands, and how many are none. Lines that are blank
-/// or a comment are neither.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
-    /// A letter with a number, as in G1.
-    pub codes: u64,
-    /// A name, which may be a macro's.
-    pub names: u64,
-    /// Neither.
-    pub senseless: u64,
 }
 
 impl Parser {

@@ -1,6 +1,6 @@
 //! What several settings amount to together.
 
-use super::{Acceleration, Settings, check};
+use super::{Acceleration, Infill, Settings, check};
 use crate::units::{Celsius, Degrees, Mm, MmPerSec, MmPerSec2};
 
 impl Settings {
@@ -9,6 +9,22 @@ impl Settings {
     pub fn top_layers(&self) -> u32 {
         self.top_layers
             .unwrap_or_else(|| layers_in(self.top_thickness, self.layer_height))
+    }
+
+    /// True if nothing is printed inside walls and skin: a pattern without
+    /// density. An expression has the density that it has.
+    pub fn is_hollow(&self) -> bool {
+        self.infill_is_pattern() && self.infill_density.is(0.0)
+    }
+
+    /// True if all is printed as solid as skin: a pattern of full density.
+    pub fn is_solid(&self) -> bool {
+        self.infill_is_pattern() && self.infill_density.is(100.0)
+    }
+
+    /// True if infill is one of the patterns, and no expression or script.
+    pub fn infill_is_pattern(&self) -> bool {
+        matches!(self.infill, Infill::Pattern(_))
     }
 
     /// Least temperature of the nozzle at which plastic is pushed:

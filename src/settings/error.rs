@@ -1,6 +1,7 @@
 //! Where settings were given, and why they may be refused.
 
 use crate::files::FileError;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -46,6 +47,9 @@ impl Place {
         matches!(self, Place::File { .. } | Place::Set)
     }
 }
+
+/// Where each setting that was given was given.
+pub(super) type Places = BTreeMap<&'static str, Place>;
 
 /// Why there are no settings.
 #[derive(Debug, thiserror::Error)]

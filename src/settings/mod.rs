@@ -43,22 +43,24 @@ mod seam;
 mod shipped;
 mod sizes;
 mod table;
+mod text;
 mod value;
 mod words;
 mod write;
 
 pub use error::{Place, SettingsError};
 pub use infill::Infill;
-pub use profile::{Origin, Profile, ProfileKind, Profiles};
+pub use profile::{Origin, Profile, Profiles};
 pub use read::Builder;
 pub use rows::{
     Acceleration, Brim, Cooling, Filament, FuzzySkin, Gcode, Printer, Retract,
     Settings, Skirt, Speed, Support, Travel,
 };
 pub use seam::Seam;
+pub use shipped::ProfileKind;
 pub use sizes::{ImageFormat, PictureSize, Sizes};
-pub use table::{Key, Range, keys};
-pub use value::Varying;
+pub use table::{Key, keys};
+pub use value::{Range, Varying};
 pub use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
     InfillMode, InfillPattern, SeamRule, SkinOrder, SkinPattern, SkinWhere,

@@ -14,52 +14,14 @@
 //! that leads nowhere, or round in a circle, is an error with its place.
 
 use super::error::{Place, SettingsError};
-use super::read;
-use super::shipped::SHIPPED;
+use super::shipped::{ProfileKind, SHIPPED};
 use super::table::alternatives;
+use super::text;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Profiles that may inherit from one another, in a row.
 const MOST_INHERITED: usize = 32;
-
-/// What a profile is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ProfileKind {
-    /// A machine: bed, limits, retraction, firmware, start of the print.
-    Printer,
-    /// A material: temperatures, fan, flow, density, cost.
-    Filament,
-    /// A kind of print: heights, walls, infill.
-    Preset,
-}
-
-impl ProfileKind {
-    /// All, in the order in which they are taken over.
-    pub const ALL: [ProfileKind; 3] = [
-        ProfileKind::Printer,
-        ProfileKind::Filament,
-        ProfileKind::Preset,
-    ];
-
-    /// The word for it, which is also the option's.
-    pub fn word(self) -> &'static str {
-        match self {
-            ProfileKind::Printer => "printer",
-            ProfileKind::Filament => "filament",
-            ProfileKind::Preset => "preset",
-        }
-    }
-
-    /// The folder its files are in.
-    pub fn folder(self) -> &'static str {
-        match self {
-            ProfileKind::Printer => "printers",
-            ProfileKind::Filament => "filaments",
-            ProfileKind::Preset => "presets",
-        }
-    }
-}
 
 /// Where a profile comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -97,7 +59,7 @@ impl Profile {
         text: &str,
     ) -> Result<Self, SettingsError> {
         let file = file_name(kind, name, &origin);
-        let head = read::head(&file, text)?;
+        let head = text::head(&file, text)?;
         Ok(Profile {
             kind,
             name: name.to_owned(),
@@ -274,7 +236,7 @@ impl Profiles {
             let path = beside.join(name);
             let stem = path.file_stem().unwrap_or_default();
             let stem = stem.to_string_lossy().into_owned();
-            let text = read::text_of(&path)?;
+            let text = text::read(&path)?;
             let origin = Origin::File(path);
             return Profile::new(kind, &stem, origin, &text).map(Some);
         }
@@ -300,7 +262,7 @@ impl Profiles {
         if !path.is_file() {
             return Ok(None);
         }
-        let text = read::text_of(&path)?;
+        let text = text::read(&path)?;
         Profile::new(kind, name, Origin::File(path), &text).map(Some)
     }
 

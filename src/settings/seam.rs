@@ -1,7 +1,6 @@
 //! Where closed walls begin: a rule by its name, or an expression.
 
-use super::table::Key;
-use super::value::{Kind, Raw, Refused, Value};
+use super::value::{Kind, Measure, Raw, Refused, Value};
 use super::{SeamRule, Varying};
 
 /// Where closed walls begin and end. An expression is text here: what it
@@ -22,7 +21,11 @@ impl Seam {
 }
 
 impl Value for Seam {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
         if let Raw::Text(text) | Raw::Word(text) = raw
             && let Some(formula) = text.trim().strip_prefix(<Varying>::PREFIX)
         {
@@ -30,7 +33,7 @@ impl Value for Seam {
             return Ok(());
         }
         let mut rule = SeamRule::Aligned;
-        rule.assign(raw, key)?;
+        rule.assign(raw, measure)?;
         *self = Seam::Rule(rule);
         Ok(())
     }

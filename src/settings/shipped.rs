@@ -1,7 +1,45 @@
 //! The profiles that are part of the program: their texts, as they are in
 //! `profiles/`.
 
-use super::profile::ProfileKind::{self, Filament, Preset, Printer};
+/// What a profile is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ProfileKind {
+    /// A machine: bed, limits, retraction, firmware, start of the print.
+    Printer,
+    /// A material: temperatures, fan, flow, density, cost.
+    Filament,
+    /// A kind of print: heights, walls, infill.
+    Preset,
+}
+
+impl ProfileKind {
+    /// All, in the order in which they are taken over.
+    pub const ALL: [ProfileKind; 3] = [
+        ProfileKind::Printer,
+        ProfileKind::Filament,
+        ProfileKind::Preset,
+    ];
+
+    /// The word for it, which is also the option's.
+    pub fn word(self) -> &'static str {
+        match self {
+            ProfileKind::Printer => "printer",
+            ProfileKind::Filament => "filament",
+            ProfileKind::Preset => "preset",
+        }
+    }
+
+    /// The folder its files are in.
+    pub fn folder(self) -> &'static str {
+        match self {
+            ProfileKind::Printer => "printers",
+            ProfileKind::Filament => "filaments",
+            ProfileKind::Preset => "presets",
+        }
+    }
+}
+
+use ProfileKind::{Filament, Preset, Printer};
 
 macro_rules! shipped {
     ($($kind:ident, $folder:literal: $($name:literal)+;)+) => {

@@ -1,7 +1,6 @@
 //! Pictures in a file's head: `32x32, 300x300/QOI`.
 
-use super::Key;
-use super::value::{Kind, Raw, Refused, Value};
+use super::value::{Kind, Measure, Raw, Refused, Value};
 
 /// Greatest side of a picture in a file, pixels: no host shows a larger one,
 /// and the text of one is a megabyte.
@@ -102,7 +101,7 @@ fn picture(text: &str) -> Option<PictureSize> {
 }
 
 impl Value for Sizes {
-    fn assign(&mut self, raw: Raw<'_>, _: &Key) -> Result<(), Refused> {
+    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
         *self = match raw {
             Raw::Text(text) | Raw::Word(text) => {
                 Sizes::read(text).ok_or(Refused::Type)?

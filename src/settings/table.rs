@@ -7,23 +7,7 @@
 
 use super::Settings;
 use super::rows::{GROUPS, KEYS};
-use super::value::{Kind, Value};
-
-/// Least and greatest allowed value, both inclusive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    /// Least value.
-    pub min: f64,
-    /// Greatest value.
-    pub max: f64,
-}
-
-impl Range {
-    /// True if `value` is a number within the range.
-    pub fn contains(&self, value: f64) -> bool {
-        (self.min..=self.max).contains(&value)
-    }
-}
+use super::value::{Kind, Measure, Range, Value};
 
 /// One row of the table: a setting's name and all that is known about it.
 #[derive(Debug)]
@@ -154,6 +138,14 @@ impl Key {
             "" => String::new(),
             "%" | "°" => self.unit.to_owned(),
             unit => format!(" {unit}"),
+        }
+    }
+
+    /// What a number for it is measured by.
+    pub(super) fn measure(&self) -> Measure {
+        Measure {
+            unit: self.unit,
+            range: self.range,
         }
     }
 

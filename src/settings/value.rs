@@ -4,7 +4,30 @@
 //! In: a [`Raw`] value and the [`Key`] it is for. Out: the field, changed
 //! only if the value is of the right type and within the key's range.
 
-use super::table::Key;
+/// Least and greatest allowed value, both inclusive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
+}
+
+impl Range {
+    /// True if `value` is a number within the range.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.min..=self.max).contains(&value)
+    }
+}
+
+/// What a number is measured by.
+#[derive(Clone, Copy, Debug)]
+pub struct Measure {
+    /// Its unit; empty if it has none.
+    pub unit: &'static str,
+    /// The allowed values, if only some are.
+    pub range: Option<Range>,
+}
 
 /// A value as given, before its setting's type is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +94,8 @@ pub(super) enum Kind {
 /// A field of the settings.
 pub(super) trait Value {
     /// Takes the value over, or leaves the field as it is.
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused>;
+    fn assign(&mut self, raw: Raw<'_>, measure: Measure)
+    -> Result<(), Refused>;
     /// The value as TOML that `assign` reads back as the same value.
     fn to_toml(&self) -> String;
     /// The value as a number, if it is one.
@@ -80,17 +104,23 @@ pub(super) trait Value {
 }
 
 impl Value for f64 {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
         let parsed = match raw {
             Raw::Integer(i) => Some(i as f64),
             Raw::Float(x) => Some(x),
             Raw::Huge(_) => return Err(Refused::Range),
-            Raw::Text(s) if key.unit == "%" => percent(s),
-            Raw::Word(s) if key.unit == "%" => percent(s).or(s.parse().ok()),
+            Raw::Text(s) if measure.unit == "%" => percent(s),
+            Raw::Word(s) if measure.unit == "%" => {
+                percent(s).or(s.parse().ok())
+            }
             Raw::Word(s) => s.parse().ok(),
             _ => None,
         };
-        *self = in_range(parsed.ok_or(Refused::Type)?, key)?;
+        *self = in_range(parsed.ok_or(Refused::Type)?, measure)?;
         Ok(())
     }
 
@@ -120,8 +150,8 @@ fn percent(s: &str) -> Option<f64> {
     s.strip_suffix('%')?.trim_end().parse().ok()
 }
 
-fn in_range(value: f64, key: &Key) -> Result<f64, Refused> {
-    let inside = key.range.is_none_or(|range| range.contains(value));
+fn in_range(value: f64, measure: Measure) -> Result<f64, Refused> {
+    let inside = measure.range.is_none_or(|range| range.contains(value));
     if value.is_finite() && inside {
         Ok(value)
     } else {
@@ -174,7 +204,11 @@ impl From<f64> for Varying {
 }
 
 impl Value for Varying {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
         if let Raw::Text(text) | Raw::Word(text) = raw
             && let Some(formula) = text.trim().strip_prefix(Self::PREFIX)
         {
@@ -182,7 +216,7 @@ impl Value for Varying {
             return Ok(());
         }
         let mut value = 0.0;
-        value.assign(raw, key)?;
+        value.assign(raw, measure)?;
         *self = Varying::Constant(value);
         Ok(())
     }
@@ -206,7 +240,11 @@ impl Value for Varying {
 }
 
 impl Value for u32 {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
         let whole = match raw {
             Raw::Integer(i) => Some(i.into()),
             Raw::Huge(_) => return Err(Refused::Range),
@@ -215,7 +253,7 @@ impl Value for u32 {
             _ => None,
         };
         let whole = whole.ok_or(Refused::Type)?;
-        in_range(whole as f64, key)?;
+        in_range(whole as f64, measure)?;
         *self = u32::try_from(whole).map_err(|_| Refused::Range)?;
         Ok(())
     }
@@ -240,13 +278,13 @@ macro_rules! or_auto {
             fn assign(
                 &mut self,
                 raw: Raw<'_>,
-                key: &Key,
+                measure: Measure,
             ) -> Result<(), Refused> {
                 *self = match raw {
                     Raw::Text("auto") | Raw::Word("auto") => None,
                     _ => {
                         let mut value = <$value>::default();
-                        value.assign(raw, key)?;
+                        value.assign(raw, measure)?;
                         Some(value)
                     }
                 };
@@ -275,7 +313,7 @@ or_auto!(u32, WholeOrAuto);
 or_auto!(f64, NumberOrAuto);
 
 impl Value for bool {
-    fn assign(&mut self, raw: Raw<'_>, _: &Key) -> Result<(), Refused> {
+    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
         *self = match raw {
             Raw::Bool(b) => b,
             Raw::Word("true") => true,
@@ -299,7 +337,7 @@ impl Value for bool {
 }
 
 impl Value for String {
-    fn assign(&mut self, raw: Raw<'_>, _: &Key) -> Result<(), Refused> {
+    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
         *self = match raw {
             Raw::Text(s) | Raw::Word(s) => s.to_owned(),
             _ => return Err(Refused::Type),
@@ -366,7 +404,7 @@ macro_rules! words {
             fn assign(
                 &mut self,
                 raw: $crate::settings::value::Raw<'_>,
-                _: &$crate::settings::Key,
+                _: $crate::settings::value::Measure,
             ) -> Result<(), $crate::settings::value::Refused> {
                 use $crate::settings::value::{Raw, Refused};
                 *self = match raw {

@@ -11,7 +11,7 @@ mod speeds;
 
 pub(super) use speeds::{flow_note, speed_note};
 
-use super::read::Places;
+use super::error::Places;
 use super::{Flavour, Settings};
 use beads::{heights, sampling, widths};
 use heat::temperatures;

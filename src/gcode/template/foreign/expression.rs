@@ -13,19 +13,8 @@
 //!         | name "(" choice { "," choice } ")" | "(" choice ")"
 //! ```
 
-use super::names::{Ours, ours};
+use super::names::{Kind, Ours, ours};
 use crate::gcode::placeholders::{Scope, names};
-
-/// What an expression comes to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// A whole number: PrusaSlicer divides two of them without a rest.
-    Whole,
-    /// Any number.
-    Number,
-    /// Text, or true or false.
-    Other,
-}
 
 /// Why an expression is not understood: a sentence.
 pub(super) type Refused = String;

@@ -4,8 +4,16 @@
 //! placeholders"; OrcaSlicer's and Bambu Studio's in the wiki of the former,
 //! "Built in placeholders variables"; Cura's are the keys of its settings.
 
-use super::expression::Kind;
-use super::expression::Kind::{Number, Other, Whole};
+/// What an expression comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A whole number: PrusaSlicer divides two of them without a rest.
+    Whole,
+    /// Any number.
+    Number,
+    /// Text, or true or false.
+    Other,
+}
 
 /// What stands for another slicer's name.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +28,7 @@ pub(super) enum Ours {
     None(&'static str),
 }
 
+use Kind::{Number, Other, Whole};
 use Ours::{ByScope, Is, None, Pair};
 
 const NO_CHAMBER: &str =
