@@ -1,5 +1,5 @@
-//! Expressions in the language of PrusaSlicer's templates, which OrcaSlicer's
-//! are in, too: `max(bed_temperature[0] - 5, 0)`. Cura's names are among them.
+//! Expressions in the template language of PrusaSlicer and OrcaSlicer:
+//! `max(bed_temperature[0] - 5, 0)`. Cura's names are understood, too.
 //!
 //! ```text
 //! choice  = either [ "?" choice ":" choice ]
@@ -16,13 +16,13 @@
 use super::names::{Kind, Ours, ours};
 use crate::gcode::placeholders::{Scope, names};
 
-/// Why an expression is not understood: a sentence.
+/// Why an expression is not understood, as a sentence.
 pub(super) type Refused = String;
 
-/// Nesting of an expression.
+/// Greatest depth of nested expressions.
 const DEEPEST: usize = 32;
 
-/// Ways to name the only extruder.
+/// Indices that name the only extruder.
 const FIRST_TOOL: [&str; 6] = [
     "0",
     "initial_tool",
@@ -32,7 +32,7 @@ const FIRST_TOOL: [&str; 6] = [
     "current_tool",
 ];
 
-/// The expression of ours that does what theirs does.
+/// The minijinja expression that does what a foreign one does.
 pub(super) fn translated(text: &str, scope: Scope) -> Result<String, Refused> {
     let mut parser = Parser {
         tokens: tokens(text)?,
@@ -126,7 +126,7 @@ impl<'a> Parser<'a> {
         token
     }
 
-    /// Takes a sign, or a word, if it comes next.
+    /// Takes a sign or a word if it comes next.
     fn take(&mut self, word: &str) -> bool {
         let is = match self.tokens.get(self.at) {
             Some(Token::Sign(s) | Token::Name(s)) => *s == word,
@@ -333,7 +333,8 @@ impl<'a> Parser<'a> {
             (Some(Ours::ByScope(kind, _, other)), _) => {
                 (other.to_owned(), kind)
             }
-            // One of ours may have another meaning elsewhere.
+            // The name is one of this program's, but may mean something else in
+            // other slicers.
             _ if names(self.scope).any(|known| known == name) => {
                 (name.to_owned(), Kind::Number)
             }
