@@ -1,7 +1,7 @@
-//! A short tour: which stop comes next, and which way round it is taken.
+//! Finds a short tour: which stop comes next, and which way round it is taken.
 //!
-//! In: stops with one or two ends, in stages, and where the tour begins and
-//! leads to. Out: every stop once, stage by stage.
+//! In: stops with one or two ends, in stages, and the tour's start and end.
+//! Out: every stop once, stage by stage.
 //!
 //! ```text
 //!    ──●   ●──      nearest first leaves long ways to what it has passed by;
@@ -10,10 +10,10 @@
 //!                   as that helps and the work allowed lasts
 //! ```
 //!
-//! Guaranteed: never longer than nearest first, the same result everywhere,
-//! and work in proportion to the stops: partners for an exchange are looked
-//! for among near ends only, and what is moved has a greatest length. Not
-//! guaranteed: the shortest tour.
+//! Guaranteed: the tour is never longer than nearest first, the result is the
+//! same on every machine, and the work is in proportion to the stops. Partners
+//! for an exchange are looked for among near ends only, and the part that is
+//! moved has a greatest length. Not guaranteed: the shortest tour.
 
 use super::near_ends::NearEnds;
 use super::nearest::Nearest;
@@ -23,11 +23,11 @@ use glam::DVec2;
 /// Something to visit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
-    /// Where it is entered.
+    /// Where the stop is entered.
     pub from: DVec2,
-    /// Where it is left.
+    /// Where the stop is left.
     pub to: DVec2,
-    /// Whether it may be taken the other way round.
+    /// Whether the stop may be taken the other way round.
     pub turns: bool,
     /// Stops of a lower stage come first.
     pub stage: u32,
@@ -36,9 +36,9 @@ pub(super) struct Stop {
 /// A stop of a tour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Visit {
-    /// Its number.
+    /// The stop's number.
     pub stop: usize,
-    /// Whether it is taken the other way round.
+    /// Whether the stop is taken the other way round.
     pub turned: bool,
 }
 
@@ -46,21 +46,20 @@ pub(super) struct Visit {
 const SHORT: Mm = 0.8;
 /// An exchange has to save more than this, mm.
 const GAIN: Mm = 0.01;
-/// Ends looked at around each end of a long way.
+/// Number of ends that are tried around each end of a long way.
 const PARTNERS: usize = 6;
-/// What a way to the tour's end counts: where the next one begins is often a
-/// guess.
+/// Weight of the way to the tour's end, which is often a guess.
 const END_WEIGHT: f64 = 0.7;
-/// Stops moved at a time.
+/// Greatest number of stops moved at a time.
 const MOVED: usize = 3;
-/// Longest part of a tour that is turned round or passed over.
+/// Greatest number of stops that are turned round or passed over.
 const SPAN: usize = 1000;
-/// So few stops are looked through without a tree.
+/// Number of stops up to which they are searched without a tree.
 const FEW: usize = 40;
-/// Exchanges tried for each stop, on average, before it has to do.
+/// Number of exchanges that may be tried, per stop.
 const TRIALS: usize = 200;
 
-/// A tour of the stops from `start` to `end`, each of which may be anywhere.
+/// A tour of the stops from `start` to `end`, either of which may be free.
 pub(super) fn tour(
     stops: &[Stop],
     start: Option<DVec2>,
@@ -80,8 +79,8 @@ pub(super) fn tour(
     }
 }
 
-/// Length of the ways between the stops, and to both ends, the last one in
-/// part.
+/// Length of the ways between the stops and to both ends, the last one by its
+/// weight.
 pub(super) fn length(
     stops: &[Stop],
     tour: &[Visit],
@@ -103,7 +102,7 @@ pub(super) fn length(
     sum + END_WEIGHT * between(at, end)
 }
 
-/// Each time the nearest stop of those left in the stage.
+/// The tour that always goes to the nearest of the stops left in the stage.
 fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
     let mut stages: Vec<u32> = stops.iter().map(|s| s.stage).collect();
     stages.sort_unstable();
@@ -148,8 +147,7 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
     tour
 }
 
-/// Of the stops `left` the one nearest to `at`, or to the origin, and its
-/// place among them.
+/// The stop nearest to `at`, or to the origin, and its index in `left`.
 fn nearest_of(
     stops: &[Stop],
     left: &[usize],
@@ -196,7 +194,8 @@ impl<'a> Search<'a> {
         for (k, v) in tour.iter().enumerate() {
             places[v.stop] = k;
         }
-        // Looked at from the tour's beginning.
+        // The last stop in the queue is looked at first, so it begins with the
+        // tour's first one.
         let queue: Vec<usize> = tour.iter().rev().map(|v| v.stop).collect();
         Search {
             stops,
@@ -213,14 +212,15 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The other end of a stop. What cannot be turned has one place only as
-    /// far as exchanges are concerned: the error is the way through it.
+    /// The end of a stop at which it is not entered. For an exchange, a stop
+    /// that cannot be turned has one place only; the error is the way through
+    /// it.
     fn other(stop: &Stop) -> DVec2 {
         if stop.turns { stop.to } else { stop.from }
     }
 
-    /// Where the `k`th stop of the tour is entered; behind the last one, the
-    /// tour's end.
+    /// Where the `k`th stop of the tour is entered; the tour's end, if `k` is
+    /// behind the last stop.
     fn entry(&self, k: usize) -> Option<DVec2> {
         let Some(visit) = self.tour.get(k) else {
             return self.end;
@@ -233,8 +233,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Where the stop before the `k`th one is left; before the first one, the
-    /// tour's start.
+    /// Where the stop before the `k`th one is left; the tour's start, if there
+    /// is none.
     fn exit_before(&self, k: usize) -> Option<DVec2> {
         let Some(k) = k.checked_sub(1) else {
             return self.start;
@@ -253,7 +253,7 @@ impl<'a> Search<'a> {
         self.way_to(k, self.exit_before(k))
     }
 
-    /// Length of the way to the `k`th stop, if it led there from `from`.
+    /// Length of the way to the `k`th stop if it began at `from`.
     fn way_to(&self, k: usize, from: Option<DVec2>) -> Mm {
         let weight = if k < self.tour.len() { 1.0 } else { END_WEIGHT };
         weight * between(from, self.entry(k))
@@ -268,7 +268,7 @@ impl<'a> Search<'a> {
         while let Some(stop) = self.queue.pop() {
             crate::limits::check();
             self.queued[stop] = false;
-            // The way to it and the way from it, as long as one of them can
+            // The ways to and from a stop are tried as long as one of them can
             // be shortened.
             while self.trials > 0
                 && (0..2)
@@ -278,14 +278,15 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries to save something by giving up the way to the `k`th stop.
+    /// Tries to shorten the tour by giving up the way to the `k`th stop.
     fn shorten(&mut self, k: usize, near: &mut Vec<(f64, u32)>) -> bool {
         let now = self.way(k);
         if now < SHORT {
             return false;
         }
         for forward in [true, false] {
-            // What could follow the stop before, or precede the `k`th one.
+            // The stops that could follow the stop before, or precede the `k`th
+            // one.
             let here = if forward {
                 self.exit_before(k)
             } else {
@@ -336,8 +337,8 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Or-opt: fetches up to three stops, at one end of which `place` is, to
-    /// the way to the `k`th stop.
+    /// Or-opt: moves up to 3 stops, the first or last of which is at `place`,
+    /// into the way to the `k`th stop.
     fn fetch(
         &mut self,
         k: usize,
@@ -345,7 +346,8 @@ impl<'a> Search<'a> {
         left: bool,
         forward: bool,
     ) -> bool {
-        // At the end that is to be joined the part ends or begins.
+        // The part that is moved begins or ends at the stop that is to be
+        // joined.
         (1..=MOVED).any(|count| {
             let part = match left {
                 true if place + 1 >= count => place + 1 - count..place + 1,
@@ -354,14 +356,13 @@ impl<'a> Search<'a> {
                 }
                 _ => return false,
             };
-            // Its end comes first after the stop before, last before the
-            // `k`th one.
+            // Turning the part brings the end to be joined to the right side.
             self.shift(part.start, part.end, k, left == forward)
         })
     }
 
-    /// Or-opt: brings up to three stops at the way to the `k`th one to the
-    /// stop at `place`.
+    /// Or-opt: moves up to 3 stops beside the way to the `k`th one to the stop
+    /// at `place`.
     fn bring(
         &mut self,
         k: usize,
@@ -371,12 +372,13 @@ impl<'a> Search<'a> {
     ) -> bool {
         (1..=MOVED).any(|count| {
             let part = match forward {
-                // Those before the way, whose last end joins.
+                // The stops before the way, the last of which is joined.
                 true if k >= count => k - count..k,
                 false if k + count <= self.tour.len() => k..k + count,
                 _ => return false,
             };
-            // Behind a stop that is left there, before one that is entered.
+            // They come behind a stop that is left at this end, or before one
+            // that is entered.
             let to = place + usize::from(left);
             self.shift(part.start, part.end, to, left == forward)
         })
@@ -424,7 +426,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Notes what has changed between two places.
+    /// Queues the stops between two places, whose ways have changed.
     fn update(&mut self, from: usize, to: usize) {
         for k in from..to {
             self.places[self.tour[k].stop] = k;
@@ -446,7 +448,7 @@ fn gains(old: Mm, new: Mm) -> bool {
     old - new > GAIN
 }
 
-/// Length of a way; nothing if it leads from or to anywhere.
+/// Length of a way; 0 if one of its ends is free.
 fn between(a: Option<DVec2>, b: Option<DVec2>) -> Mm {
     a.zip(b).map_or(0.0, |(a, b)| a.distance(b))
 }

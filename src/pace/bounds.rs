@@ -1,5 +1,4 @@
-//! What bounds a bead's speed, whatever its role asks for, and how fast the
-//! head may get there.
+//! Limits of a bead's speed and acceleration.
 
 use super::rates::Rates;
 use crate::bead::{Bead, Role};
@@ -7,8 +6,8 @@ use crate::layers::LayerSpan;
 use crate::settings::Settings;
 use crate::units::{MmPerSec, MmPerSec2};
 
-/// Greatest speed of a bead, whatever its role's: the first layer's, and that
-/// of small walls.
+/// Greatest speed of a bead whatever its role: that of the first layer, and
+/// that of small walls.
 pub(super) fn speed_limit(
     bead: &Bead,
     span: &LayerSpan,
@@ -26,8 +25,8 @@ pub(super) fn speed_limit(
     }
 }
 
-/// Speed of a bead before cooling: what its rates ask for, what the filament's
-/// flow allows, and what the printer can, whichever is least.
+/// Speed of a bead before cooling: the least of what its rates ask for, what
+/// the filament's flow allows, and what the printer can do.
 pub(super) fn print_speed(
     settings: &Settings,
     bead: &Bead,

@@ -3,8 +3,8 @@
 use super::value::{Kind, Measure, Raw, Refused, Value};
 use super::{InfillPattern, Varying};
 
-/// Sparse infill. Expressions and scripts are text here: what they mean is
-/// for the model's language to say, which settings know nothing of.
+/// Sparse infill. Settings keep expressions and scripts as text;
+/// [`crate::model`] knows what they mean.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Infill {
     /// A pattern by its name.
@@ -15,7 +15,7 @@ pub enum Infill {
     Script(String),
 }
 
-/// How the path of a script ends.
+/// The extension of a script's path.
 const SCRIPT: &str = ".rhai";
 
 impl Value for Infill {

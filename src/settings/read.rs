@@ -1,8 +1,7 @@
-//! Reading settings: files and assignments, layered in the order given.
+//! Reads settings from files and assignments, in the order given.
 //!
-//! In: TOML text or `key=value`. Out: [`Settings`], and for each that was
-//! given the [`Place`] where, so that an error found only when all is known
-//! can still point to it.
+//! In: TOML text or `key=value`. Out: [`Settings`], and the [`Place`] of each
+//! setting that was given, so that an error found at the end can point to it.
 
 use super::check::{self, Conflict};
 use super::error::{Place, Places, SettingsError};
@@ -21,7 +20,7 @@ use toml::de::DeValue;
 pub struct Builder {
     settings: Settings,
     places: Places,
-    /// Old names of settings that were used, as warnings.
+    /// Warnings about old names of settings.
     renamed: Vec<String>,
 }
 
@@ -44,8 +43,8 @@ impl Builder {
     ///
     /// # Errors
     /// If it is not TOML, has an unknown key, or a value is of the wrong type
-    /// or out of range: the first such place in the file. What came before it
-    /// has been taken over then.
+    /// or out of range. The error is about the first such place in the file;
+    /// what stands before it has been taken over.
     pub fn toml(
         &mut self,
         name: &str,
@@ -81,15 +80,15 @@ impl Builder {
         Ok(chain)
     }
 
-    /// Takes over `text` except for the keys in `skip`; `place` tells a line's
-    /// place.
+    /// Takes over `text` except for the keys in `skip`. `place` makes a place
+    /// of a line.
     fn take_over(
         &mut self,
         text: &str,
         skip: &[&str],
         place: impl Fn(usize) -> Place,
     ) -> Result<(), SettingsError> {
-        // Templates that were edited on Windows must give the same G-code.
+        // Line ends of Windows in templates must not change the G-code.
         let text = &text.replace("\r\n", "\n");
         let place = |span: Range<usize>| place(line_of(text, span.start));
         let table = text::parse(text, &place)?;
@@ -144,12 +143,12 @@ impl Builder {
         self.assign(key, Raw::Word(value), Place::Set)
     }
 
-    /// What has been gathered so far; not yet checked for combinations.
+    /// The settings so far. Their combination has not been checked.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Where a setting was given; nowhere if it has its default.
+    /// Where a setting was given; nothing if it has its default.
     pub fn place(&self, key: &Key) -> Option<&Place> {
         self.places.get(key.name)
     }

@@ -13,14 +13,14 @@ pub enum ProfileKind {
 }
 
 impl ProfileKind {
-    /// All, in the order in which they are taken over.
+    /// All kinds, in the order in which their settings are taken over.
     pub const ALL: [ProfileKind; 3] = [
         ProfileKind::Printer,
         ProfileKind::Filament,
         ProfileKind::Preset,
     ];
 
-    /// The word for it, which is also the option's.
+    /// The kind's word, which is also the option's.
     pub fn word(self) -> &'static str {
         match self {
             ProfileKind::Printer => "printer",
@@ -29,7 +29,7 @@ impl ProfileKind {
         }
     }
 
-    /// The folder its files are in.
+    /// The folder of the kind's files.
     pub fn folder(self) -> &'static str {
         match self {
             ProfileKind::Printer => "printers",
@@ -51,7 +51,7 @@ macro_rules! shipped {
     };
 }
 
-/// Kind, name and text of each.
+/// Kind, name and text of each profile.
 pub(super) const SHIPPED: &[(ProfileKind, &str, &str)] = shipped! {
     Printer, "printers":
         "ender-3-s1"

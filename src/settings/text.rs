@@ -9,7 +9,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// What a profile has besides settings.
+/// Keys of a profile that are no settings.
 pub(super) const HEAD: [&str; 2] = ["description", "inherits"];
 
 /// The text of a settings file.
@@ -66,7 +66,7 @@ pub(super) fn parse<'a>(
     place: &dyn Fn(Range<usize>) -> Place,
 ) -> Result<Spanned<DeTable<'a>>, SettingsError> {
     DeTable::parse(text).map_err(|e| {
-        // Without a span the file as a whole is meant.
+        // An error without a span is about the whole file.
         let span = e.span().unwrap_or(0..0);
         let what = e.message().replace('\n', ", ");
         let line = text.lines().nth(line_of(text, span.start) - 1);
@@ -85,7 +85,7 @@ pub(super) fn parse<'a>(
     })
 }
 
-/// As much of a line as people read.
+/// A line, shortened for a message.
 fn shortened(line: &str) -> String {
     const MOST: usize = 60;
     match line.char_indices().nth(MOST) {
@@ -94,15 +94,15 @@ fn shortened(line: &str) -> String {
     }
 }
 
-/// `layer_height = 0.2mm`, `infill_density = 20%`.
+/// True for lines like `layer_height = 0.2mm` and `infill_density = 20%`.
 fn ends_in_unit(line: &str) -> bool {
     let value = line.split_once('=').map_or("", |(_, value)| value.trim());
     value.starts_with(|c: char| c.is_ascii_digit())
         && value.ends_with(|c: char| c.is_alphabetic() || c == '%')
 }
 
-/// One `key = value` of a file. A key that can be none, whatever the table
-/// says, has its hint in place of the value.
+/// One `key = value` of a file. A key that is written wrongly has a hint in
+/// place of the value.
 pub(super) struct Entry<'a> {
     pub(super) key: String,
     pub(super) value: Result<Raw<'a>, String>,
@@ -121,8 +121,8 @@ pub(super) fn flatten<'a>(
         let known = table::find(&name).is_some();
         let value_span = value.span();
         let value = match value.get_ref() {
-            // Else "speed.travel" in quotes would be speed.travel, and
-            // might be given twice in one file.
+            // A quoted "speed.travel" could give speed.travel a second time in
+            // one file.
             _ if key.get_ref().contains('.') => {
                 Err(format!("write {name} without quotes"))
             }
@@ -130,8 +130,8 @@ pub(super) fn flatten<'a>(
                 flatten(&format!("{name}."), inner, entries);
                 continue;
             }
-            // The unknown setting is likelier to be in it than the table
-            // itself to be what was meant, but an empty one must not pass.
+            // In an unknown table the settings are told of, not the table,
+            // unless it is empty.
             DeValue::Table(inner) if !known && !inner.is_empty() => {
                 flatten(&format!("{name}."), inner, entries);
                 continue;

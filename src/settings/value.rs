@@ -1,8 +1,8 @@
 //! Values of settings: what each type reads from TOML or from the command
 //! line, and how it is written.
 //!
-//! In: a [`Raw`] value and the [`Key`] it is for. Out: the field, changed
-//! only if the value is of the right type and within the key's range.
+//! In: a [`Raw`] value and the setting's [`Measure`]. Out: the field, changed
+//! only if the value is of the right type and within the range.
 
 /// Least and greatest allowed value, both inclusive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,9 +42,10 @@ pub(super) enum Raw<'a> {
     Bool(bool),
     /// A string in TOML.
     Text(&'a str),
-    /// What follows `key=` on the command line: the type is the setting's.
+    /// The text behind `key=` on the command line, which is read as the
+    /// setting's type.
     Word(&'a str),
-    /// Something no setting takes.
+    /// Something that no setting takes.
     Other(&'static str),
 }
 
@@ -159,20 +160,19 @@ fn in_range(value: f64, measure: Measure) -> Result<f64, Refused> {
     }
 }
 
-/// A number that may be different from place to place.
+/// A number that may differ from place to place.
 ///
-/// An expression is text here: what it means is for the model's language to
-/// say, which settings know nothing of.
+/// Settings keep an expression as text; [`crate::model`] knows what it means.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Varying<T = f64> {
-    /// The same everywhere.
+    /// One number everywhere.
     Constant(T),
     /// A formula of x, y, z and d.
     Expression(String),
 }
 
 impl Varying {
-    /// How an expression is told from other text.
+    /// The beginning of an expression, which tells it from other text.
     pub const PREFIX: &str = "expr:";
 
     /// The number, if it is the same everywhere.
@@ -248,7 +248,7 @@ impl Value for u32 {
         let whole = match raw {
             Raw::Integer(i) => Some(i.into()),
             Raw::Huge(_) => return Err(Refused::Range),
-            // Wide enough that what overflows it is hardly meant as a number.
+            // A number that overflows an i128 is hardly meant as one.
             Raw::Word(s) => s.parse::<i128>().ok(),
             _ => None,
         };
@@ -392,7 +392,7 @@ macro_rules! words {
         }
 
         impl $name {
-            /// The word that stands for it in files and assignments.
+            /// The value's word in files and assignments.
             pub fn word(self) -> &'static str {
                 match self {
                     $(Self::$variant => $word,)+
