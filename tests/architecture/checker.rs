@@ -51,10 +51,10 @@ fn every_way_to_write_it_is_caught() {
         "macro_rules! m { () => { $crate::pace::plan() } }",
         "const S: &str = r#\" \" \"#; use crate::pace;",
     ] {
-        assert_fault("field/tile.rs", text, "may not import `pace`");
+        assert_fault("vary/tile.rs", text, "may not import `pace`");
     }
     assert_fault("units.rs", "use super::pace;", "`pace`");
-    assert_fault("field/mod.rs", "use super::{pace, units};", "`pace`");
+    assert_fault("vary/mod.rs", "use super::{pace, units};", "`pace`");
 }
 
 #[test]
@@ -89,10 +89,10 @@ fn comments_and_strings_do_not_count() {
 #[test]
 fn forward_and_inner_paths_are_clean() {
     assert_clean(
-        "field/tile.rs",
+        "vary/tile.rs",
         "use crate::{layers::LayerSpan, model::{Model, Bounds}};\n\
-         use super::Grid;\nuse crate::field::Grid as G;\n\
-         pub(crate) fn f() {}\npub(in crate::field) fn g() {}\n\
+         use super::Grid;\nuse crate::vary::Grid as G;\n\
+         pub(crate) fn f() {}\npub(in crate::vary) fn g() {}\n\
          mod tests { use super::*; use super::super::Grid; }\n",
     );
     assert_clean("units.rs", "mod tests { use super::*; }");
@@ -107,7 +107,7 @@ fn heavy_crates_stay_where_they_belong() {
     assert_fault("gcode/mod.rs", "use anyhow::Context;", "`anyhow`");
     assert_fault("pace.rs", "#[derive(clap::Parser)]", "`clap`");
     assert_fault("pace.rs", "use clap as c;", "`clap`");
-    assert_clean("field/mod.rs", "use fidget::vm::VmFunction;");
+    assert_clean("vary/mod.rs", "use fidget::vm::VmFunction;");
     assert_clean("cli/mod.rs", "use clap::Parser; use anyhow::Result;");
     assert_clean(
         "walls.rs",
@@ -123,18 +123,18 @@ fn heavy_crates_stay_where_they_belong() {
 #[test]
 fn circles_are_found_and_named() {
     let circle = |names: [&str; 2]| {
-        vec![("field".to_owned(), names.map(str::to_owned).to_vec())]
+        vec![("vary".to_owned(), names.map(str::to_owned).to_vec())]
     };
     let all = "mod a;\nmod b;\npub use b::{B, C as D};\n";
     let one_way = [
-        ("field/mod.rs", all),
-        ("field/a.rs", "use super::b::B;\nfn f() { super::mine() }"),
-        ("field/b.rs", "mod tests { use super::super::a::A; }"),
+        ("vary/mod.rs", all),
+        ("vary/a.rs", "use super::b::B;\nfn f() { super::mine() }"),
+        ("vary/b.rs", "mod tests { use super::super::a::A; }"),
     ];
     assert_eq!(circles(&one_way), []);
     for back in [
         "use super::a::A;",
-        "fn f() -> crate::field::a::A {}",
+        "fn f() -> crate::vary::a::A {}",
         "use super::{a, C};",
     ] {
         let mut files = one_way;
@@ -146,10 +146,10 @@ fn circles_are_found_and_named() {
     }
     // A folder in it counts as one file.
     let nested = [
-        ("field/mod.rs", ""),
-        ("field/a/mod.rs", ""),
-        ("field/a/deep.rs", "use crate::field::b::B;"),
-        ("field/b.rs", "use super::a::deep::Deep;"),
+        ("vary/mod.rs", ""),
+        ("vary/a/mod.rs", ""),
+        ("vary/a/deep.rs", "use crate::vary::b::B;"),
+        ("vary/b.rs", "use super::a::deep::Deep;"),
     ];
     assert_eq!(circles(&nested), circle(["a", "b"]));
 }

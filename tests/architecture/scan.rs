@@ -8,7 +8,7 @@
 
 use crate::CONFINED;
 
-/// A module, from the crate's root down: `field::tile` is `["field", "tile"]`.
+/// A module, from the crate's root down: `vary::depth` is `["vary", "depth"]`.
 pub type Module = Vec<String>;
 
 /// A file and the paths in it.
