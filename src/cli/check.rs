@@ -1,4 +1,4 @@
-//! `isoslice check`: is G-code safe to run on a printer?
+//! `isoslice check`: checks whether G-code is safe to run on a printer.
 
 use super::args::SettingsSource;
 use super::limits::{LimitArgs, watched};
@@ -89,7 +89,7 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// `1 fault`, `2 faults`.
+/// Writes `1 fault` or `2 faults`.
 fn counted(count: u64, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
@@ -97,7 +97,7 @@ fn counted(count: u64, what: &str) -> String {
     }
 }
 
-/// What the counts say nothing of.
+/// The unknown commands, which the counts leave out.
 fn unknown(verdict: &Verdict) -> String {
     match verdict.unknown_words().count() as u64 {
         0 => String::new(),
