@@ -1,19 +1,18 @@
-//! How text is written down in bytes.
+//! Reads text from bytes.
 //!
-//! In: the bytes of a file. Out: its text in UTF-8, without the byte-order
-//! mark that some editors put at a file's beginning, or what else the bytes
-//! are.
+//! In: the bytes of a file. Out: the text in UTF-8, without the byte-order mark
+//! that some editors write at the beginning; or why the bytes are no text.
 
 /// The byte-order mark of UTF-8.
 const MARK: &[u8] = "\u{feff}".as_bytes();
 
-/// Why bytes are no text.
+/// Why bytes are not text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotText {
-    /// Text in another encoding.
+    /// The bytes are text in UTF-16.
     #[error("it is text in UTF-16; save it as UTF-8")]
     Utf16,
-    /// Anything else.
+    /// The bytes are not UTF-8, first in this line.
     #[error("line {0}: not valid UTF-8; save the file as plain text")]
     Line(usize),
 }
@@ -21,11 +20,11 @@ pub enum NotText {
 /// The bytes after the byte-order mark.
 ///
 /// # Errors
-/// If they are UTF-16.
+/// If the bytes are UTF-16.
 pub(crate) fn unmarked(bytes: &[u8]) -> Result<&[u8], NotText> {
     let marked =
         bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
-    // Without a mark: letters of English take every other byte.
+    // In UTF-16 without a mark every other byte of English text is 0.
     let every_other = |at: usize| {
         bytes.len() >= 4
             && bytes.iter().take(64).skip(at).step_by(2).all(|b| *b == 0)
@@ -36,16 +35,17 @@ pub(crate) fn unmarked(bytes: &[u8]) -> Result<&[u8], NotText> {
                 .step_by(2)
                 .all(|b| *b != 0)
     };
-    match marked || every_other(0) || every_other(1) {
-        true => Err(NotText::Utf16),
-        false => Ok(bytes.strip_prefix(MARK).unwrap_or(bytes)),
+    if marked || every_other(0) || every_other(1) {
+        Err(NotText::Utf16)
+    } else {
+        Ok(bytes.strip_prefix(MARK).unwrap_or(bytes))
     }
 }
 
 /// The text of a file.
 ///
 /// # Errors
-/// If it is none in UTF-8.
+/// If the bytes are not UTF-8.
 pub fn text(bytes: &[u8]) -> Result<&str, NotText> {
     let bytes = unmarked(bytes)?;
     std::str::from_utf8(bytes).map_err(|e| {

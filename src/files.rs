@@ -1,8 +1,8 @@
-//! Reading what users give, whatever it is: a file, a pipe, a device, a folder.
+//! Reads what users name: a file, a pipe, a device, a folder.
 //!
-//! In: a path and the most bytes that such a file may have. Out: its bytes, or
-//! its text. Guaranteed: no more memory is taken than that, and a pipe that
-//! nobody writes to does not outlast the run's limit of time.
+//! In: a path, and the greatest length of such a file. Out: the file's bytes or
+//! text. Guaranteed: reading takes no more memory than that length, and a pipe
+//! that nobody writes to does not outlast the run's time limit.
 
 use crate::encoding::{self, NotText};
 use crate::limits;
@@ -13,34 +13,34 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Largest file of settings, profile, or script with its templates, bytes: the
-/// longest that are in use have some 10 kB.
+/// Greatest length of a settings file, profile or script, bytes. The longest in
+/// use have some 10 kB.
 pub const MAX_SETTINGS_BYTES: u64 = 1 << 20;
 
-/// Time between looks at the limits while a pipe is waited for.
+/// Time between checks of the limits while a pipe is waited for.
 const EVERY: Duration = Duration::from_millis(20);
 
-/// Why a file is not read.
+/// Why a file cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// The system's reason.
+    /// The system refuses it.
     #[error(transparent)]
     System(#[from] io::Error),
-    /// There is more in it than may be.
+    /// The file is too large.
     #[error("it is larger than {} MB", .most >> 20)]
     TooLarge {
         /// The limit, bytes.
         most: u64,
     },
-    /// It is no text.
+    /// The file is not text.
     #[error(transparent)]
     NotText(#[from] NotText),
 }
 
-/// What is in a file, which may have at most `most` bytes.
+/// The bytes of a file, which may have at most `most` of them.
 ///
 /// # Errors
-/// If it cannot be read, or is larger.
+/// If the file cannot be read, or is larger.
 pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     let bytes = if fs::metadata(path)?.is_file() {
         up_to(File::open(path)?, most)?
@@ -52,7 +52,7 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     within(bytes, most)
 }
 
-/// What comes from standard input, as [`read`].
+/// The bytes from standard input, as [`read`].
 ///
 /// # Errors
 /// As [`read`].
@@ -60,7 +60,7 @@ pub fn read_standard_input(most: u64) -> Result<Vec<u8>, FileError> {
     within(waiting(move || up_to(io::stdin().lock(), most))?, most)
 }
 
-/// The text in a file, as [`read`].
+/// The text of a file, read as by [`read`].
 ///
 /// # Errors
 /// As [`read`], or if it is not UTF-8.
@@ -71,13 +71,13 @@ pub fn read_text(path: &Path, most: u64) -> Result<String, FileError> {
 /// Bytes as text.
 ///
 /// # Errors
-/// If they are not UTF-8.
+/// If the bytes are not UTF-8.
 pub fn text(bytes: &[u8]) -> Result<String, FileError> {
     Ok(encoding::text(bytes)?.to_owned())
 }
 
-/// One byte more than may be, at most. Not by the size that the folder tells:
-/// pipes and devices have none.
+/// Reads at most one byte more than `most`. The size of a file is not asked
+/// for, since pipes and devices have none.
 fn up_to(source: impl Read, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     source.take(most + 1).read_to_end(&mut bytes)?;
@@ -85,21 +85,22 @@ fn up_to(source: impl Read, most: u64) -> io::Result<Vec<u8>> {
 }
 
 fn within(bytes: Vec<u8>, most: u64) -> Result<Vec<u8>, FileError> {
-    match bytes.len() as u64 > most {
-        true => Err(FileError::TooLarge { most }),
-        false => Ok(bytes),
+    if bytes.len() as u64 > most {
+        Err(FileError::TooLarge { most })
+    } else {
+        Ok(bytes)
     }
 }
 
-/// Does what may wait for others, on a thread of its own. When the run is
-/// stopped that is left to itself.
+/// Reads on a thread of its own, since reading may have to wait. If the run is
+/// stopped, the thread is abandoned.
 fn waiting(
     read: impl FnOnce() -> io::Result<Vec<u8>> + Send + 'static,
 ) -> io::Result<Vec<u8>> {
     let (sender, receiver) = channel();
     let reading = thread::Builder::new().name("reading".into());
     reading.spawn(move || {
-        // Nobody listens any more if the run was stopped.
+        // If the run was stopped, nobody receives the result.
         let _ = sender.send(read());
     })?;
     loop {

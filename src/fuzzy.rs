@@ -1,9 +1,9 @@
 //! Fuzzy skin: outer walls moved to and fro, as a texture to look at and hold.
 //!
-//! In: a layer's wall beads. Out: the same, the outer walls among them moved
-//! along their in-plane normals by a noise that depends on the place alone:
-//! the same part always gets the same texture, and neighbouring layers similar
-//! ones. How far is a setting that may differ from place to place.
+//! In: a layer's wall beads. Out: the beads, of which the outer walls are moved
+//! along their in-plane normals by a noise that depends on the place only. So a
+//! part always gets one texture, and neighbouring layers get similar ones. The
+//! distance is a setting that may differ from place to place.
 
 use crate::bead::{Bead, Role};
 use crate::model::Place;
@@ -14,7 +14,7 @@ use crate::units::Mm;
 use crate::vary::{Quantity, Surroundings, VaryError};
 use glam::{DVec2, DVec3};
 
-/// Points of a fuzzy wall for each grain.
+/// Number of points of a fuzzy wall for each grain.
 const POINTS: f64 = 4.0;
 
 /// The texture of a run.
@@ -25,10 +25,10 @@ pub struct Fuzzy<'a> {
 }
 
 impl<'a> Fuzzy<'a> {
-    /// The texture that settings ask for, if any.
+    /// The texture that the settings ask for, if any.
     ///
     /// # Errors
-    /// If its thickness is no expression.
+    /// If the expression of its thickness has a mistake.
     pub fn new(
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
@@ -42,8 +42,8 @@ impl<'a> Fuzzy<'a> {
         }))
     }
 
-    /// Moves the outer walls of a layer, whose outline at the height `z` above
-    /// the bed is `solid`. The first layer stays smooth: it has to stick.
+    /// Moves the outer walls of a layer whose outline at height `z` above the
+    /// bed is `solid`. The first layer stays smooth, since it has to stick.
     ///
     /// # Errors
     /// If the thickness has no value somewhere.
@@ -105,12 +105,13 @@ impl<'a> Fuzzy<'a> {
 /// A point of a wall.
 struct Dense {
     at: DVec2,
-    /// Outwards, of length 1 along an edge, shorter at a corner.
+    /// Direction outwards, of length 1 along an edge, shorter at a corner.
     normal: DVec2,
     width: Mm,
 }
 
-/// A closed bead with points no farther apart than `step`; its own stay.
+/// The points of a closed bead, with more between them so that none are farther
+/// apart than `step`.
 fn resampled(bead: &Bead, step: Mm) -> Vec<Dense> {
     let n = bead.points.len();
     let width = |i: usize| bead.width_at(i);
@@ -152,7 +153,7 @@ fn noise(p: DVec3) -> f64 {
         for value in at.to_array() {
             bits = mix(bits ^ (value as i64 as u64));
         }
-        // 53 bits are what a double holds.
+        // A double holds 53 bits.
         (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     };
     let blend = |a: f64, b: f64, t: f64| a + (b - a) * t;

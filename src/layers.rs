@@ -1,4 +1,4 @@
-//! The z plan: which layers there are, and at which height each is sampled.
+//! Plans the layers of a part, and the height at which each is sampled.
 //!
 //! In: the part's height and the two layer heights. Out: contiguous spans
 //! from the bed up. The outline of a layer is the field at its mid-plane, so
@@ -15,9 +15,9 @@ use std::str::FromStr;
 pub struct LayerSpan {
     /// Number of the layer, from 0.
     pub index: usize,
-    /// Lower face.
+    /// Height of the lower face.
     pub bottom: Mm,
-    /// Upper face, at which the nozzle runs.
+    /// Height of the upper face, at which the nozzle runs.
     pub top: Mm,
 }
 
@@ -33,7 +33,7 @@ impl LayerSpan {
     }
 }
 
-/// Why there is no z plan.
+/// Why layers cannot be planned.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum PlanError {
     /// The part is thinner than half its first layer.
@@ -48,18 +48,18 @@ pub enum PlanError {
         /// First layer's height, mm.
         first: Mm,
     },
-    /// More layers than anybody prints.
+    /// The part has more layers than anybody prints.
     #[error(
         "{count:.0} layers of {layer:.3} mm: more than the limit of \
          {MAX_LAYERS}; raise layer_height or scale the part down"
     )]
     TooMany {
-        /// How many layers it would be.
+        /// Number of layers.
         count: f64,
         /// Layer height, mm.
         layer: Mm,
     },
-    /// A range of layers that lies above the part.
+    /// The range of layers lies above the part.
     #[error(
         "layers from {first} on were asked for, but the part has {count} \
          layers; ask for layers from 1 to {count}"
@@ -67,12 +67,12 @@ pub enum PlanError {
     Beyond {
         /// First layer of the range, counted from 1.
         first: usize,
-        /// Layers of the part.
+        /// Number of the part's layers.
         count: usize,
     },
 }
 
-/// Some of a part's layers, counted from 1 as people do, both ends included.
+/// A range of a part's layers, counted from 1 as people do, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LayerRange {
     first: usize,
@@ -132,11 +132,13 @@ impl FromStr for LayerRange {
     }
 }
 
-/// A metre of the thinnest layers anybody prints (0.02 mm).
+/// Greatest number of layers: 1 m of the thinnest ones that anybody prints
+/// (0.02 mm).
 pub const MAX_LAYERS: usize = 50_000;
 
-/// Layers of a part `height` high standing on the bed: one of `first`, then
-/// uniform ones of `layer`, as many as bring the top nearest to the part's.
+/// Plans the layers of a part `height` high that stands on the bed: one of
+/// height `first`, then as many of height `layer` as bring the top nearest to
+/// the part's.
 ///
 /// # Errors
 /// If the part is too flat for a single layer, or has too many.
@@ -145,8 +147,8 @@ pub fn plan(
     first: Mm,
     layer: Mm,
 ) -> Result<Vec<LayerSpan>, PlanError> {
-    // A rounding error of the bounds must not add a layer to a part whose
-    // height is a whole number of layers and a half.
+    // A rounding error of the bounds must not add a layer to a part that is n +
+    // 0.5 layers high.
     const SLACK: f64 = 1e-6;
     if height < 0.5 * first {
         return Err(PlanError::TooFlat { height, first });

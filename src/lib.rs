@@ -2,52 +2,54 @@
 //!
 //! # What an implicit model is
 //!
-//! A function f(x, y, z) that is negative inside the part, positive outside
-//! and zero on its surface. A ball of 15 mm is √(x² + y² + z²) − 15. It need
-//! not be a distance: x²/400 + y²/144 + z²/64 − 1 describes an ellipsoid just
-//! as well. The larger of two functions is the intersection of their parts,
-//! the smaller one the union.
+//! A function f(x, y, z) that is negative inside the part, positive outside and
+//! zero on its surface. A ball of 15 mm is √(x² + y² + z²) − 15. A function
+//! need not be a distance: x²/400 + y²/144 + z²/64 − 1 describes an ellipsoid.
+//! The larger of two functions describes the intersection of their parts, the
+//! smaller one the union.
 //!
 //! # The tour
 //!
-//! Data flows one way, from the top of this list to its end; no module knows
-//! those after it (`tests/architecture.rs` makes sure).
+//! Data flows one way, from the top of this list to its end. No module knows
+//! the modules after it, which `tests/architecture.rs` makes sure of.
 //!
 //! 1. [`model`] reads a script, fidget's `.vm` text or a formula, bounds the
 //!    part by interval arithmetic and places it on the bed. [`settings`] say
-//!    how it is to be printed.
+//!    how to print it.
 //! 2. [`layers`] cuts the height into layers. A layer is the function at one
 //!    height, its sample plane, in the middle between top and bottom.
-//! 3. [`field`] evaluates it there: interval arithmetic proves most tiles full
-//!    or empty, many layers at a time, and simplifies the expression for the
-//!    rest, which is sampled on a lattice.
-//! 4. [`contour`] makes closed rings of the samples, moves vertices onto
-//!    f = 0, puts back the corners and thins the rings: the layer's outline.
-//!    The lattice only finds out what is connected; how accurate the outline
-//!    is does not depend on it.
+//! 3. The crate [`isocontour`] evaluates the function there: interval
+//!    arithmetic proves most tiles full or empty, many layers at a time, and
+//!    simplifies the expression for the other tiles, which are sampled on a
+//!    lattice.
+//! 4. The crate then makes the layer's outline: it makes closed rings of the
+//!    samples, moves vertices onto f = 0, restores corners and thins the rings.
+//!    The lattice only tells what is connected; the outline's accuracy does not
+//!    depend on it. [`contour`] calls the crate under a run's limits.
 //! 5. [`region`] lays the walls, by distance in the layer's plane, not by the
-//!    value of f, and splits what they leave into skin, where the layers above
-//!    or below do not cover it, and the rest. [`plane`] has the geometry,
-//!    [`bead`] the cross-section that says how far apart lines lie.
-//! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of that,
-//!    and [`fuzzy`] a texture. From here on beads are all there is. [`hang`]
-//!    finds what nothing below holds while it is printed.
-//! 7. [`seam`] says where loops may begin, and [`order`] puts all beads in a
-//!    short order, one island at a time, and begins them there.
-//! 8. [`travel`] connects them, and decides where to retract.
-//! 9. [`pace`] gives every move its speed: by role, slower where the hot end
-//!    or the cooling could not follow, and adds up the time.
-//! 10. [`gcode`] writes it down, [`bgcode`] packs it for Prusa's printers;
-//!     [`preview`] draws it; [`report`] measures how far it is from f = 0.
-//!     [`reader`] reads G-code back, whoever wrote it.
+//!    value of f. It splits the area inside them into skin, where the layers
+//!    above or below do not cover it, and area for infill. [`plane`] has the
+//!    geometry, [`bead`] the cross-section that says how far apart lines lie.
+//! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of walls and
+//!    areas, and [`fuzzy`] gives outer walls a texture. All later stages work
+//!    on beads. [`hang`] finds what nothing below holds while it is printed.
+//! 7. [`seam`] says where loops may begin. [`order`] lets them begin there, and
+//!    puts all beads in an order with short travels, one island at a time.
+//! 8. [`travel`] connects the beads, and decides where to retract.
+//! 9. [`pace`] gives every move its speed: by role, and slower where the hot
+//!    end or the cooling could not follow. It adds up the time.
+//! 10. [`gcode`] writes the G-code, and [`bgcode`] packs it for Prusa's
+//!     printers. [`reader`] reads G-code of any slicer, and [`check`] tells
+//!     whether it is safe to run. [`preview`] draws it. [`report`] measures how
+//!     far outlines and walls are from f = 0.
 //!
 //! Settings that are expressions get their values from [`vary`].
 //!
 //! [`pipeline`] runs these stages over a window of layers that moves up the
-//! part, on as many threads as there are; the result is the same on any
-//! number. [`timings`] measures them, [`limits`] stops them when they take too
-//! much time or memory, [`files`] reads what they are given, [`encoding`]
-//! takes text out of bytes, [`units`] names what is measured.
+//! part, on any number of threads, which does not change the result.
+//! [`timings`] measures the stages, [`limits`] stops them when they take too
+//! much time or memory, [`files`] reads files, [`encoding`] reads text from
+//! bytes, and [`units`] names units.
 //!
 //! # A ball
 //!
@@ -82,48 +84,49 @@
 //!
 //! # Glossary
 //!
-//! One word per thing, here, in the settings and in the G-code's summary;
-//! where a dialect of G-code has another word ("perimeter"), only
-//! [`gcode`] knows it.
+//! Each thing has one word, here, in the settings and in the G-code's summary.
+//! Where a dialect of G-code has another word ("perimeter"), only [`gcode`]
+//! knows it.
 //!
 //! | word | meaning |
 //! |---|---|
-//! | accuracy | greatest distance between what is made and what is meant, mm |
+//! | accuracy | greatest distance of a result from what it stands for, mm: of an outline from f = 0, of a polygon from its curve |
 //! | bead | one extruded line: centre line, width, height, role |
 //! | bridge | skin whose lines hang between supports |
-//! | comb | lead a travel round what is in its way |
+//! | comb | lead a travel round obstacles |
 //! | field | the function's values in a layer's plane |
 //! | first layer | the layer on the bed |
 //! | flow | material extruded, as a share of the beads' volume |
 //! | gap fill | bead as wide as the thin place that it fills |
-//! | hanging | not held by what is below, while it is printed |
+//! | hanging | not held by the layer below while it is printed |
 //! | hole | closed ring inside an island, outside of the part |
 //! | infill | sparse lines where skin is not needed |
 //! | island | connected piece of a layer, with its holes |
-//! | layer | what is printed at one height |
+//! | layer | all that is printed at one height |
 //! | layer height | thickness of a layer, and height of its beads |
-//! | line width | width of a bead, squeezed as it lies there |
+//! | line width | width of a squeezed bead |
 //! | outline | border of the part in a layer: where f = 0 |
 //! | overhang | wall that the layer below does not hold |
 //! | prime | push forward what retraction has pulled back |
-//! | reach | how far what hangs is from what holds it |
-//! | retraction | pulling filament back, lest it ooze on a travel |
+//! | reach | distance of a hanging place from what holds it |
+//! | retraction | pulling filament back, so that it does not ooze on a travel |
 //! | ring | closed line, counter-clockwise round a part, clockwise round a hole |
-//! | role | what a bead is for: outer wall, skin, … |
+//! | role | purpose of a bead: outer wall, skin, … |
 //! | sample plane | height at which a layer's function is evaluated |
 //! | seam | where a closed bead begins and ends |
 //! | skin | solid area that faces up (top) or down (bottom), some layers deep |
 //! | skirt | loop round the part that starts the flow |
 //! | slab | layers whose field is evaluated together |
-//! | spacing | distance of the centre lines of neighbouring beads |
+//! | spacing | distance between the centre lines of neighbouring beads |
+//! | tolerance | slack of one step of an algorithm, such as thinning a ring: a share of the accuracy, so that all steps together keep it |
+//!
 //! | travel | move without extruding |
 //! | wall | bead along the outline; the outer wall is the one that shows |
-//! | wipe | go on along a bead while retracting |
+//! | wipe | going on along a bead while retracting |
 //! | z-hop | lifting the nozzle on a travel |
 
-// What goes wrong is an error. The tests may panic, that is how they fail; and
-// indices are allowed, since the geometry is full of them: the fuzzer and the
-// hostile models look after those.
+// Failures are errors, not panics; only tests may panic. Indices are allowed,
+// since geometry is full of them; the fuzzer and the hostile models test those.
 #![cfg_attr(
     not(test),
     deny(

@@ -1,10 +1,10 @@
 //! The command `isoslice`: parse, run, report.
 //!
-//! Exit codes: 0 done, 1 something about the input is wrong, 2 the command
-//! line is wrong, 130 interrupted, 141 whoever read our output has closed it
-//! early: it has not got all, but need not be told.
+//! Exit codes: 0 done; 1 something is wrong with the input; 2 the command line
+//! is wrong; 130 interrupted; 141 the reader of standard output has closed it
+//! before the end, which needs no message.
 
-// As in the library.
+// The program's code keeps to the library's rule.
 #![cfg_attr(
     not(test),
     deny(
@@ -23,7 +23,7 @@ mod cli;
 use std::io::ErrorKind::BrokenPipe;
 use std::process::ExitCode;
 
-/// As shells write it for the signal of a pipe that nobody reads.
+/// Exit code that shells have for the signal of a pipe that nobody reads.
 const BROKEN_PIPE: u8 = 141;
 
 fn main() -> ExitCode {

@@ -1,9 +1,8 @@
-//! Where a run's time goes, by stage.
+//! Measures where a run's time goes, by stage.
 //!
-//! Counts the processor time threads spend in each stage, added up over all
-//! threads: with two threads at work, two seconds per second. Other work of
-//! the machine does not show, nor does waiting. What a stage hands on to
-//! other threads it has to time there.
+//! The times are processor times, added up over all threads: two threads at
+//! work count 2 seconds per second. Other work of the machine does not show,
+//! nor does waiting. Work that a stage hands to other threads is timed there.
 
 use crate::limits;
 use crate::units::Seconds;
@@ -11,12 +10,14 @@ use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// Processor time of the thread that started it, which has to read it.
+/// Processor time of one thread. The thread that starts the watch has to read
+/// it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch(Option<ThreadTime>);
 
 impl Stopwatch {
-    /// Starts; on a system that cannot tell, no time ever passes.
+    /// Starts a watch. It stays at 0 on a system that does not tell processor
+    /// time.
     pub fn start() -> Stopwatch {
         Stopwatch(ThreadTime::try_now().ok())
     }
@@ -52,11 +53,11 @@ pub enum Stage {
     Travel,
     /// Speeds and print time.
     Pace,
-    /// Text.
+    /// The text.
     Gcode,
-    /// How far the layers are off, for the summary or the report.
+    /// Accuracy of the layers, for the summary or the report.
     Report,
-    /// Whether the text is safe to run.
+    /// The check of the text.
     Check,
 }
 
@@ -155,7 +156,7 @@ mod tests {
     fn a_lap_adds_to_its_stage() {
         let t = Timings::default();
         let answer = t.time(Stage::Field, || {
-            // Works, as a sleep would take no processor time.
+            // The test works, since a sleep would take no processor time.
             let watch = Stopwatch::start();
             while watch.elapsed() < Duration::from_millis(2) {
                 std::hint::spin_loop();

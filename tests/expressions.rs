@@ -13,7 +13,7 @@ fn print(assignments: &[&str]) -> Vec<Layer> {
     let mut all = vec![
         "cooling.min_layer_time=0",
         "speed.first_layer=2000",
-        "speed.small_perimeter_length=0",
+        "speed.small_wall_length=0",
     ];
     all.extend(assignments);
     let settings = settings(&all);

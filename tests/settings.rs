@@ -418,6 +418,30 @@ fn unwise_settings_are_warned_of() {
 }
 
 #[test]
+fn old_names_are_understood_with_a_hint() {
+    let mut builder = Builder::new();
+    builder
+        .toml("my.toml", "[speed]\nsmall_perimeter = 12")
+        .unwrap();
+    builder.set("speed.small_perimeter_length=7").unwrap();
+    let (settings, warnings) = builder.finish().unwrap();
+    assert_eq!(settings.speed.small_wall, 12.0);
+    assert_eq!(settings.speed.small_wall_length, 7.0);
+    assert_eq!(
+        warnings,
+        [
+            "my.toml:2: speed.small_perimeter is now called speed.small_wall",
+            "--set: speed.small_perimeter_length is now called \
+             speed.small_wall_length",
+        ]
+    );
+    assert_eq!(
+        refused_set(&["speed.small_perimeter=0"]),
+        "--set: speed.small_wall = 0 is out of range; use 0.1 to 2000 mm/s"
+    );
+}
+
+#[test]
 fn what_nobody_asked_for_is_not_warned_of() {
     // The default speeds are too much for this filament, which slows them.
     let (slow, warnings) =

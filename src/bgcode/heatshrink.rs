@@ -1,20 +1,20 @@
-//! Heatshrink: bytes, and places in the last few kilobytes where they stood
-//! before.
+//! Heatshrink, a compression that replaces bytes by references to the same
+//! bytes a few kilobytes before.
 //!
-//! In: bytes. Out: a stream of bits, the highest of a byte first: 1 and a
-//! byte, or 0, how far back (less one) and how many bytes (less one) are to
-//! be said again. The last byte is filled up with 0. The format is that of
-//! github.com/atomicobject/heatshrink; the bits of the window and of the
+//! In: bytes. Out: a stream of bits, the highest of a byte first: a 1 and a
+//! byte, or a 0, how far back (less 1) the bytes to repeat begin, and how many
+//! they are (less 1). The last byte is filled up with zeros. The format is that
+//! of github.com/atomicobject/heatshrink; the bits of the window and of the
 //! lengths are agreed on beforehand.
 
-/// Shortest piece worth saying as a place, which takes 17 bits.
+/// Length of the shortest piece that is worth a reference, which takes 17 bits.
 const SHORTEST: usize = 3;
-/// Places that are tried for each piece: more make the text shorter by less
-/// than a per cent.
+/// Number of earlier places that are tried for each piece. Trying more makes
+/// the text shorter by less than 1 %.
 const TRIES: usize = 64;
 /// Entries of the table of places.
 const TABLE: usize = 1 << 13;
-/// Stands for no place.
+/// Stands for "no place" in the table.
 const NOWHERE: u32 = u32::MAX;
 
 /// Compresses `text`, which must be shorter than 4 GB.
@@ -42,13 +42,13 @@ pub(super) fn compressed(text: &[u8], window: u8, length: u8) -> Vec<u8> {
     bits.finish()
 }
 
-/// Where what came before began with which bytes.
+/// The places in the text so far, by the 3 bytes that begin there.
 struct Places {
-    /// How far back is far enough.
+    /// Greatest distance of a reference.
     reach: usize,
-    /// The last place of every three bytes, and of those that share a slot.
+    /// The last place in each slot; several groups of 3 bytes share a slot.
     last: Vec<u32>,
-    /// For each place the one before it in the same slot.
+    /// For each place the previous place in the same slot.
     before: Vec<u32>,
 }
 
@@ -77,8 +77,8 @@ impl Places {
         }
     }
 
-    /// How far back the longest piece begins that goes on as the text does at
-    /// `at`, and how long it is, up to `longest`.
+    /// The longest earlier piece that equals the text at `at`: how far back it
+    /// begins, and its length, up to `longest`.
     fn longest(
         &self,
         text: &[u8],
@@ -108,8 +108,8 @@ impl Places {
     }
 }
 
-/// Decompresses what has `count` bytes; nothing if it has fewer, or looks
-/// back before its beginning.
+/// Decompresses `count` bytes; nothing if there are fewer, or a reference leads
+/// before the beginning.
 pub(super) fn decompressed(
     bytes: &[u8],
     window: u8,
@@ -120,7 +120,7 @@ pub(super) fn decompressed(
         bytes: bytes.to_vec(),
         ..Bits::default()
     };
-    // A byte says at most sixteen again, with the bits before it.
+    // Each byte of input repeats at most 1 << `length` bytes.
     let likely = count.min(bytes.len().saturating_mul(1 << length));
     let mut text: Vec<u8> = Vec::with_capacity(likely);
     while text.len() < count {
@@ -142,10 +142,11 @@ pub(super) fn decompressed(
 #[derive(Default)]
 struct Bits {
     bytes: Vec<u8>,
-    /// Bits not yet in `bytes`, or not yet taken, and how many they are.
+    /// Bits that are not yet in `bytes`, or not yet taken from it, and their
+    /// number.
     part: u32,
     count: u8,
-    /// Bytes that were taken.
+    /// Number of bytes that were taken.
     taken: usize,
 }
 

@@ -6,27 +6,27 @@
 //! github.com/scottmudge/OctoPrint-MeatPack, in which other slicers pack the
 //! text of binary G-code.
 
-/// What the halves of a byte stand for; the twelfth is E where blanks are
-/// left out.
+/// The characters that the halves of a byte stand for. The twelfth is E where
+/// blanks are left out.
 const CHARACTERS: [u8; 15] = *b"0123456789. \nGX";
 /// A half that stands for a whole character that follows.
 const WHOLE: u8 = 15;
-/// Comes twice before a command.
+/// Stands twice before a command.
 const SIGNAL: u8 = 0xff;
 
-/// What has been said so far.
+/// What the bytes so far have said.
 #[derive(Default)]
 struct Unpacker {
     text: Vec<u8>,
     packed: bool,
     without_blanks: bool,
-    /// Whole characters that follow, and the one that stands after the first
-    /// of them.
+    /// Number of whole characters that follow, and the character that stands
+    /// after the first of them.
     whole: u8,
     after: Option<u8>,
 }
 
-/// The text; it is at most twice as long.
+/// The unpacked text, which is at most twice as long.
 pub(super) fn unpacked(bytes: &[u8]) -> Vec<u8> {
     let mut unpacker = Unpacker::default();
     let (mut signals, mut commanded) = (0, false);
@@ -74,7 +74,7 @@ impl Unpacker {
         match [byte & 15, byte >> 4].map(|half| self.character(half)) {
             [Some(first), second] => {
                 self.text.push(first);
-                // What comes after a line's end fills the byte up.
+                // The half after a line's end only fills the byte up.
                 if first == b'\n' {
                     return;
                 }

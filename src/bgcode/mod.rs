@@ -1,17 +1,17 @@
-//! Binary G-code, the format of Prusa's printers: packed from text, and text
-//! again.
+//! Binary G-code, the format of Prusa's printers: packs text into it, and
+//! unpacks it.
 //!
 //! In: G-code as text, what is known of the print, and pictures. Out: a file
-//! in which the text stands compressed in blocks, behind tables of keys and
-//! the pictures; and the way back, from any such file.
+//! with tables of keys, the pictures, and the text in compressed blocks. Any
+//! such file can be turned back into text.
 //!
 //! The format is that of Prusa's specification (github.com/prusa3d/libbgcode,
 //! doc/specifications.md): a head of ten bytes, then blocks, each with its
 //! kind, how it is compressed, its length and a checksum. All numbers are
 //! little-endian.
 //!
-//! Guarantees: the same text gives the same bytes; unpacked, it is the text
-//! again, byte by byte; memory grows neither with the length of the text nor
+//! Guarantees: the same text gives the same bytes; unpacking them gives back
+//! every byte of the text; memory grows neither with the length of the text nor
 //! with what a damaged file says about itself.
 //!
 //! | file | what it does |
@@ -35,10 +35,11 @@ use crate::settings::ImageFormat;
 pub const MAGIC: [u8; 4] = *b"GCDE";
 /// The version of the format.
 const VERSION: u32 = 1;
-/// Bytes of text in a block: printers decompress it piece by piece, and begin
-/// again at a block where the power failed.
+/// Length of a block's text, bytes. Printers decompress it piece by piece, and
+/// after a power failure begin again at a block.
 const BLOCK: usize = 1 << 16;
-/// Bits of the window, and of the lengths, that text is compressed with.
+/// Bits of the distances in compressed text; [`LENGTH`] has those of the
+/// lengths.
 const WINDOW: u8 = 12;
 const LENGTH: u8 = 4;
 
@@ -88,7 +89,7 @@ enum Compression {
     Deflate = 1,
     /// With a window of 11 bits.
     Heatshrink11 = 2,
-    /// With one of 12 bits.
+    /// With a window of 12 bits.
     Heatshrink12 = 3,
 }
 

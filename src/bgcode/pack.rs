@@ -10,15 +10,15 @@ use std::io::{self, BufWriter, Seek, Write};
 
 /// The only way that keys are written.
 const INI: u16 = 0;
-/// Text that is compressed only, and not shortened before.
+/// The text is not shortened before it is compressed.
 const PLAIN: u16 = 0;
 /// The checksum in use: CRC32.
 const CRC: u16 = 1;
 
-/// What is known, and what about it.
+/// A key and its value.
 pub type Key = (String, String);
 
-/// What stands before the text.
+/// What a file has before the text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct About {
     /// Who made the file.
@@ -29,12 +29,12 @@ pub struct About {
     pub print: Vec<Key>,
     /// How it was sliced.
     pub slicer: Vec<Key>,
-    /// Pictures of the part: what they are, and the files.
+    /// Pictures of the part: size and format, and the file.
     pub pictures: Vec<(PictureSize, Vec<u8>)>,
 }
 
-/// Packs text that is written to it. Since what stands before the text is
-/// known only after it, the blocks wait in a temporary file.
+/// Packs the text that is written to it. The tables before the text are known
+/// only after it, so the blocks wait in a temporary file.
 #[derive(Debug)]
 pub struct Packer<W> {
     out: W,
@@ -44,7 +44,7 @@ pub struct Packer<W> {
 }
 
 impl<W: Write> Packer<W> {
-    /// A file without text.
+    /// Begins a file.
     ///
     /// # Errors
     /// If there can be no temporary file.
@@ -89,7 +89,7 @@ impl<W: Write> Write for Packer<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.text.extend_from_slice(bytes);
         while self.text.len() > BLOCK {
-            // Whole lines, if there is one that ends.
+            // A block has whole lines, unless one line is longer than a block.
             let end = memchr::memrchr(b'\n', &self.text[..BLOCK]);
             let rest = self.text.split_off(end.map_or(BLOCK, |at| at + 1));
             write_text(&mut self.blocks, &self.text)?;
@@ -98,7 +98,7 @@ impl<W: Write> Write for Packer<W> {
         Ok(bytes.len())
     }
 
-    /// Writes nothing yet.
+    /// Does nothing: [`Packer::finish`] writes.
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
@@ -119,7 +119,7 @@ fn write_keys(
     write_block(out, kind, &[INI], text.as_bytes(), None)
 }
 
-/// A block of `data`, or of what it was compressed to.
+/// Writes a block with `data`, which may be compressed.
 fn write_block(
     out: &mut impl Write,
     kind: Kind,

@@ -1,26 +1,27 @@
 //! From a file of blocks to text.
 //!
-//! In: any bytes. Out: as they are, unless they begin as binary G-code does;
-//! then its text, behind comments with what the file says about itself, in
-//! the words of PrusaSlicer. Everything is checked before it is used, and no
-//! block may be larger than [`LARGEST`].
+//! In: any bytes. Out: the text of binary G-code, behind comments with what the
+//! file says about itself in the words of PrusaSlicer; any other bytes come out
+//! unchanged. Everything is checked before it is used, and no block may be
+//! larger than [`LARGEST`].
 
 use super::{BLOCK, Compression, Kind, MAGIC, VERSION, heatshrink, meatpack};
 use flate2::read::ZlibDecoder;
 use std::io::{self, Read};
 
-/// Greatest length of a block, compressed or not, bytes. Slicers write some
-/// ten kilobytes.
+/// Greatest length of a block, compressed or not, bytes. Slicers write blocks
+/// of some 10 kB.
 const LARGEST: u32 = 1 << 24;
 
-/// Times that a block may become longer, and all of them together: a few
-/// megabytes must not become gigabytes that take minutes to read.
+/// Greatest ratio of the unpacked length to the packed one, of a block and of
+/// the file: a few megabytes must not become gigabytes that take minutes to
+/// read.
 const LIKELY: u64 = 64;
 
 /// Why binary G-code cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Damaged {
-    /// Bytes are missing at its end.
+    /// Bytes are missing at the end of the file.
     #[error("it is cut off in block {0}; copy it again, or slice again")]
     CutOff(u64),
     /// Bytes have changed.
@@ -29,7 +30,7 @@ pub enum Damaged {
          again, or slice again"
     )]
     Checksum(u64),
-    /// The file is not as the format has it.
+    /// The file breaks a rule of the format.
     #[error("block {block} is not as the format has it: {what}")]
     Format {
         /// Number of the block, from 1; 0 is the head.
@@ -53,14 +54,15 @@ impl From<Damaged> for io::Error {
 pub struct Unpacked<R> {
     input: R,
     form: Form,
-    /// Text that was not yet handed out, from `at` on.
+    /// Unpacked text; what stands from `at` on has not been handed out.
     ready: Vec<u8>,
     at: usize,
-    /// Blocks begun so far, the bytes in them, and those of their contents.
+    /// Number of blocks begun so far, their packed bytes, and their unpacked
+    /// ones.
     blocks: u64,
     packed: u64,
     unpacked: u64,
-    /// Lines that stand before the text.
+    /// Number of lines before the text.
     preface: u64,
 }
 
@@ -86,12 +88,12 @@ impl<R: Read> Unpacked<R> {
         }
     }
 
-    /// How many lines were put before those of the text.
+    /// Number of lines that were put before the text.
     pub fn preface(&self) -> u64 {
         self.preface
     }
 
-    /// Text or binary, by the first bytes.
+    /// Finds out by the first bytes whether the input is text or binary.
     fn begin(&mut self) -> io::Result<()> {
         let first = self.up_to(MAGIC.len())?;
         if first != MAGIC {
@@ -125,9 +127,10 @@ impl<R: Read> Unpacked<R> {
         let format = |what| Damaged::Format { block, what };
         let mut bytes = self.up_to(8)?;
         if bytes.is_empty() {
-            return match has_text {
-                true => Ok(false),
-                false => Err(Damaged::Empty.into()),
+            return if has_text {
+                Ok(false)
+            } else {
+                Err(Damaged::Empty.into())
             };
         }
         if bytes.len() < 8 {
@@ -152,7 +155,7 @@ impl<R: Read> Unpacked<R> {
         }
         self.packed += u64::from(length);
         self.unpacked += u64::from(whole);
-        // Small blocks may be short by much, and so may a small file.
+        // Small blocks and small files may be packed better than `LIKELY`.
         let likely = |length: u64, small: u64| LIKELY * length + small;
         if u64::from(whole) > likely(length.into(), BLOCK as u64)
             || self.unpacked > likely(self.packed, LARGEST.into())
@@ -168,7 +171,7 @@ impl<R: Read> Unpacked<R> {
             &[low, high, ..] => u16::from_le_bytes([low, high]),
             _ => u16::MAX,
         };
-        // Pictures are for screens; keys behind the text, for nobody.
+        // Pictures are for screens, and nobody reads keys behind the text.
         if kind == Kind::Thumbnail || (kind != Kind::Gcode && has_text) {
             return Ok(true);
         }
@@ -181,7 +184,7 @@ impl<R: Read> Unpacked<R> {
             (Kind::Gcode, _) => {
                 return Err(format("its text has an unknown encoding").into());
             }
-            // Newer PrusaSlicers tell their settings a second time.
+            // Newer versions of PrusaSlicer write their settings twice.
             (_, 0) => comments(&text),
             _ => Vec::new(),
         };
@@ -201,9 +204,10 @@ impl<R: Read> Unpacked<R> {
         Ok(true)
     }
 
-    /// So many bytes, or what is left.
+    /// The next `count` bytes, or as many as are left.
     fn up_to(&mut self, count: usize) -> io::Result<Vec<u8>> {
-        // Grows with what there is, whatever the file says.
+        // The buffer grows with the bytes that are there, whatever length the
+        // file names.
         let mut bytes = Vec::new();
         let mut input = self.input.by_ref().take(count as u64);
         input.read_to_end(&mut bytes)?;
@@ -212,9 +216,10 @@ impl<R: Read> Unpacked<R> {
 
     fn exactly(&mut self, count: usize) -> io::Result<Vec<u8>> {
         let bytes = self.up_to(count)?;
-        match bytes.len() == count {
-            true => Ok(bytes),
-            false => Err(Damaged::CutOff(self.blocks).into()),
+        if bytes.len() == count {
+            Ok(bytes)
+        } else {
+            Err(Damaged::CutOff(self.blocks).into())
         }
     }
 }
@@ -245,7 +250,7 @@ impl<R: Read> Read for Unpacked<R> {
     }
 }
 
-/// A block's contents, `count` bytes of them.
+/// The `count` bytes that a block unpacks to.
 fn decompressed(
     data: &[u8],
     compression: Compression,
@@ -255,7 +260,8 @@ fn decompressed(
         Compression::None => data.to_vec(),
         Compression::Deflate => {
             let mut text = Vec::new();
-            // One more than there may be: then it is too much.
+            // It reads one byte more than there may be, to notice that there
+            // are too many.
             ZlibDecoder::new(data)
                 .take(count as u64 + 1)
                 .read_to_end(&mut text)
@@ -272,12 +278,14 @@ fn decompressed(
     (text.len() == count).then_some(text)
 }
 
-/// Text that may stand in a comment: a carriage return would end that for some.
+/// Text for a comment, without carriage returns: some readers would end the
+/// comment there.
 fn plain(text: &[u8]) -> impl Iterator<Item = &u8> {
     text.iter().filter(|b| !b.is_ascii_control())
 }
 
-/// Lines of `key=value` as comments; the maker's name as in a text's head.
+/// Lines of `key=value` as comments, with the maker's name as the head of a
+/// text file has it.
 fn comments(keys: &[u8]) -> Vec<u8> {
     let mut text = Vec::with_capacity(keys.len() + 64);
     for line in keys.split(|b| *b == b'\n') {

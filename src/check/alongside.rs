@@ -1,8 +1,8 @@
 //! Checks G-code while it is written.
 //!
-//! A thread reads a copy of the text as any other file is read. So what is
-//! proven is proven of what is written, the verdict does not depend on timing,
-//! and memory stays bounded: where the checker is slower, the writer waits.
+//! A thread reads a copy of the text as it would read a file. So the verdict is
+//! about the text that is written and does not depend on timing. Memory stays
+//! bounded: if the checker is slower, the writer waits.
 
 use super::{Rules, Verdict, check};
 use crate::reader::ReadError;
@@ -18,7 +18,7 @@ const CHUNK: usize = 1 << 16;
 /// Chunks that may wait for the checker.
 const WAITING: usize = 8;
 
-/// Has text checked as it comes.
+/// Checks text on a thread of its own while it is written.
 pub struct Alongside {
     chunk: Vec<u8>,
     chunks: SyncSender<Vec<u8>>,
@@ -26,7 +26,7 @@ pub struct Alongside {
 }
 
 impl Alongside {
-    /// Checks by `rules`.
+    /// Starts a check by `rules`.
     ///
     /// # Errors
     /// If no thread can be started.
@@ -52,14 +52,14 @@ impl Alongside {
         }
     }
 
-    /// What is to be said of all of it, and the processor time it took to
-    /// know.
+    /// Ends the check: the verdict on the whole text, and the processor time
+    /// that the check took.
     ///
     /// # Errors
-    /// If it is not G-code at all.
+    /// If the text is not G-code.
     pub fn finish(mut self) -> Result<(Verdict, Seconds), ReadError> {
         self.hand_over();
-        // The checker sees the end.
+        // Without a sender the checker sees the end of the text.
         drop(self.chunks);
         match self.checker.join() {
             Ok((verdict, time)) => Ok((verdict?, time)),
@@ -70,12 +70,12 @@ impl Alongside {
     fn hand_over(&mut self) {
         let next = Vec::with_capacity(CHUNK);
         let chunk = std::mem::replace(&mut self.chunk, next);
-        // A checker that is gone has an error to tell at the end.
+        // If the checker has stopped, it tells its error at the end.
         let _ = self.chunks.send(chunk);
     }
 }
 
-/// The other end: what has been written, as a file.
+/// The checker's end of the channel: the written text, as a file.
 struct Written {
     chunks: Receiver<Vec<u8>>,
     chunk: Vec<u8>,
@@ -125,7 +125,7 @@ mod tests {
         text += "G1 X900\nM104 S0\n";
         assert!(text.len() > (WAITING + 1) * CHUNK);
         let mut checker = Alongside::new(rules.clone()).unwrap();
-        // In pieces that fit nothing.
+        // The length of the pieces divides nothing.
         for piece in text.as_bytes().chunks(977) {
             checker.read(piece);
         }

@@ -1,16 +1,16 @@
-//! How a file ends: whole, and with everything off?
+//! Tells whether a file is whole.
 //!
-//! In: what each line does. Out, at the end: whether the file was cut off in
-//! the middle of the print.
+//! In: what each line does. Out: whether the file was cut off in the middle of
+//! the print.
 //!
 //! A print has ended where a heater was turned off, or a macro called, behind
-//! the last bead. A file that has not ended so is cut off if the mark is
-//! missing that its slicer sets behind the last layer, or if it stops with a
-//! bead, or within a line.
+//! the last bead. A file without such an end is cut off if it stops with a bead
+//! or within a line, or if its slicer marks the end of the last layer and the
+//! mark is missing.
 
 use crate::reader::{Info, Move, Role};
 
-/// What the last command was.
+/// The kind of the last command.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Last {
     #[default]
@@ -23,21 +23,21 @@ enum Last {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ending {
     last: Last,
-    /// Something of the part was printed.
+    /// Whether something of the part was printed.
     printed: bool,
-    /// Behind the last bead a nozzle was turned off, or a macro was called.
+    /// Whether a nozzle was turned off or a macro called behind the last bead.
     ended: bool,
-    /// Behind the last bead a macro was called.
+    /// Whether a macro was called behind the last bead.
     pub by_macro: bool,
 }
 
 impl Ending {
-    /// Has something of the part been printed?
+    /// True if something of the part has been printed.
     pub fn has_printed(&self) -> bool {
         self.printed
     }
 
-    /// A move is made.
+    /// Takes in a move.
     pub fn step(&mut self, step: &Move) {
         self.last = Last::Move;
         if step.prints() && step.layer > 0 && step.role != Role::Custom {
@@ -49,25 +49,25 @@ impl Ending {
         }
     }
 
-    /// Anything else is done.
+    /// Takes in a command that is neither a move nor of the following kinds.
     pub fn other(&mut self) {
         self.last = Last::Other;
     }
 
-    /// A nozzle is turned off.
+    /// Takes in that a nozzle is turned off.
     pub fn off(&mut self) {
         self.last = Last::Other;
         self.ended = true;
     }
 
-    /// A macro is called, which may turn everything off.
+    /// Takes in the call of a macro, which may turn everything off.
     pub fn macro_called(&mut self) {
         self.off();
         self.by_macro = true;
     }
 
-    /// What shows that the file was cut off, if it was. `unfinished` tells
-    /// that its last line has no end.
+    /// What shows that the file was cut off; nothing if it was not.
+    /// `unfinished` is true if the last line of the file has no end.
     pub fn cut_off(
         &self,
         info: &Info,

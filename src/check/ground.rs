@@ -1,30 +1,30 @@
 //! What the beads of a layer stand on.
 //!
 //! The plane is divided into cells; a layer's islands are the connected groups
-//! of cells that beads run through, and one of them stands on something if
-//! any of its cells, or a neighbour, has a bead in the layer below.
+//! of cells that beads run through. An island stands on something if the layer
+//! below has a bead in one of its cells or in a neighbouring cell.
 
 use crate::units::Mm;
 use glam::{DVec2, DVec3, IVec2};
 use std::collections::BTreeMap;
 
-/// Size of a cell: a line's width or so, so that neighbouring lines are in
-/// neighbouring cells.
+/// Size of a cell, about a line's width: neighbouring lines are in neighbouring
+/// cells.
 const CELL: Mm = 0.5;
 
-/// No bead is so many cells below zero.
+/// Number of cells below zero that no bead reaches.
 const BELOW: i32 = 1 << 12;
 
 /// Cells along one side of a tile.
 const SIDE: i32 = 32;
 
-/// Cells that something is in.
+/// A set of cells.
 #[derive(Clone, Default)]
 struct Cells {
     /// Where the tiles are in `bits`.
     tiles: BTreeMap<(i32, i32), usize>,
     bits: Vec<[u32; SIDE as usize]>,
-    /// The tile asked for last.
+    /// The tile that was asked for last.
     last: Option<((i32, i32), usize)>,
 }
 
@@ -55,8 +55,8 @@ impl Cells {
         new
     }
 
-    /// The rows of a tile, and the one below and the one above it, from
-    /// another tile each.
+    /// The rows of a tile, with the last row of the tile below and the first
+    /// row of the tile above.
     fn rows(&self, (x, y): (i32, i32)) -> [u32; SIDE as usize + 2] {
         const END: usize = SIDE as usize;
         let mut rows = [0; END + 2];
@@ -85,8 +85,8 @@ impl Cells {
         })
     }
 
-    /// Takes out the cells that are marked in `below`, or have a neighbour
-    /// there, and gives these back.
+    /// Removes the cells that are marked in `below` or have a marked neighbour
+    /// there, and returns them.
     fn take_near(&mut self, below: &Cells) -> Cells {
         let mut taken = Cells::default();
         self.last = None;
@@ -152,7 +152,7 @@ impl Ground {
         self.here.bits.len()
     }
 
-    /// A bead runs from `a` to `b`, both on the bed, in the layer being
+    /// Takes in a bead from `a` to `b`, as seen from above, in the layer being
     /// printed.
     pub fn bead(&mut self, a: DVec2, b: DVec2, z: Mm) {
         self.z = z;
@@ -161,7 +161,8 @@ impl Ground {
         let steps = (length / CELL).ceil().max(1.0) as u32;
         for k in 0..=steps {
             let p = a + way * (f64::from(k) / f64::from(steps));
-            // As floor() would, which is slow: beads are not far below zero.
+            // This rounds down as the slower `floor()` does, since no bead is
+            // that far below zero.
             let cell = (p / CELL + f64::from(BELOW)).as_ivec2();
             self.here.mark(cell - BELOW);
         }
@@ -174,7 +175,7 @@ impl Ground {
         }
         let here = std::mem::take(&mut self.here);
         if let Some(below) = &self.below {
-            // Most cells are right above others; what is left is small.
+            // Most cells are right above others, so few remain to be searched.
             let mut hanging = here.clone();
             let standing = hanging.take_near(below);
             let mut seen = Cells::default();
@@ -217,7 +218,7 @@ mod tests {
     }
 
     proptest! {
-        /// Tile by tile it is the same as cell by cell.
+        /// Tiles give the same neighbours as single cells.
         #[test]
         fn neighbours_are_found_across_tiles(
             here in prop::collection::vec((-40..40, -40..40), 0..300),

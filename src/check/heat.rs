@@ -3,32 +3,32 @@
 //! In: what commands ask of heaters. Out: whether a nozzle can push filament,
 //! and whether a temperature is more than the printer bears.
 //!
-//! A nozzle is as hot as the last command that waited for it says, or colder,
-//! if it has been told to cool down since. A macro of the printer's may have
-//! done anything; then nobody knows.
+//! A nozzle is as hot as the last command that waited for it says, or colder if
+//! it was told to cool down since. After a macro of the printer its temperature
+//! is unknown.
 
 use super::TOOLS;
 use crate::reader::{Heater, Named, number};
 use crate::units::Celsius;
 
-/// Parameters of macros below this are numbers of something else: a tool, a
-/// layer, yes or no.
+/// Parameters of macros below this are no temperatures but numbers of something
+/// else: a tool, a layer, yes or no.
 const WARM: Celsius = 20.0;
 
 /// How hot a heater may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeatLimit {
-    /// Hotter is a warning.
+    /// A higher temperature is a warning.
     pub usual: Celsius,
-    /// Hotter is a fault.
+    /// A higher temperature is a fault.
     pub most: Celsius,
-    /// The setting that says so; it may be unset.
+    /// The setting that gives the limit; it may be unset.
     pub setting: &'static str,
 }
 
 impl HeatLimit {
-    /// What the setting says; if it says nothing, what is usual, and what
-    /// hardly any printer bears.
+    /// The limit from the setting. Without a setting, a usual temperature, and
+    /// one that hardly any printer bears.
     pub(super) fn new(
         setting: &'static str,
         said: Option<Celsius>,
@@ -43,7 +43,7 @@ impl HeatLimit {
     }
 }
 
-/// Can a nozzle push filament?
+/// Whether a nozzle can push filament, or why not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Readiness {
     Hot,
@@ -51,7 +51,7 @@ pub(super) enum Readiness {
     Unknown,
     /// No command has heated it.
     Never,
-    /// It is told to have this temperature.
+    /// It has been told this temperature, which is too low.
     Told(Celsius),
     /// It is being heated, and no command has waited.
     NotAwaited,
@@ -60,15 +60,15 @@ pub(super) enum Readiness {
 /// What is known of a nozzle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Nozzle {
-    /// What it was told last.
+    /// The temperature that it was told last.
     target: Option<Celsius>,
-    /// What it has reached at least.
+    /// The least temperature that it must have reached.
     reached: Celsius,
-    /// A macro may have heated it.
+    /// Whether a macro may have heated it.
     unknown: bool,
 }
 
-/// The place of the nozzle that all tools share, behind those of the tools.
+/// Index of the nozzle that all tools share, behind those of the tools.
 const SHARED: usize = TOOLS as usize;
 
 /// What is known of the heaters.
@@ -76,13 +76,14 @@ const SHARED: usize = TOOLS as usize;
 pub(super) struct Heat {
     /// Least temperature for pushing filament.
     least: Celsius,
-    /// The nozzle of each tool, and the one that they may share: which of them
-    /// there are is not known until a command names a tool.
+    /// The nozzle of each tool, and the nozzle that they may share. Which of
+    /// them exist is not known until a command names a tool.
     nozzles: [Nozzle; SHARED + 1],
-    /// A command has named a tool but the first: each has a nozzle. Else all
-    /// share one, as those do whose filament is changed behind it.
+    /// True if a command has named a tool other than the first: each tool then
+    /// has its own nozzle. Otherwise all share one, as on printers that change
+    /// the filament behind the nozzle.
     apart: bool,
-    /// What a macro was told of the nozzle.
+    /// The temperature of the nozzle that a macro was told.
     macro_told: Option<Celsius>,
     pub bed: Celsius,
     pub chamber: Celsius,
@@ -100,7 +101,7 @@ impl Heat {
         }
     }
 
-    /// A heater is told a temperature; `tool` is the one in use.
+    /// Takes in that a heater is told a temperature. `tool` is the tool in use.
     pub fn set(&mut self, heater: Heater, tool: u32, to: Celsius, wait: bool) {
         let of = match heater {
             Heater::Bed => return self.bed = to,
@@ -126,13 +127,14 @@ impl Heat {
 
     /// The nozzle of a tool.
     fn nozzle(&self, tool: u32) -> &Nozzle {
-        match self.apart {
-            true => &self.nozzles[place(tool)],
-            false => &self.nozzles[SHARED],
+        if self.apart {
+            &self.nozzles[place(tool)]
+        } else {
+            &self.nozzles[SHARED]
         }
     }
 
-    /// Everything is turned off.
+    /// Takes in that all heaters are turned off.
     pub fn off(&mut self) {
         let cold = Nozzle {
             target: Some(0.0),
@@ -145,7 +147,7 @@ impl Heat {
         };
     }
 
-    /// The printer waits for a heater, or for all.
+    /// Takes in that the printer waits for a heater, or for all.
     pub fn wait(&mut self, heater: Option<Heater>, least: Option<Celsius>) {
         let one = match heater {
             None => None,
@@ -164,7 +166,7 @@ impl Heat {
         }
     }
 
-    /// A macro is called: it may heat.
+    /// Takes in the call of a macro, which may heat.
     pub fn macro_called(&mut self, named: &Named) {
         for nozzle in &mut self.nozzles {
             nozzle.unknown = true;
@@ -177,7 +179,7 @@ impl Heat {
         }
     }
 
-    /// Can this tool push filament?
+    /// Whether a tool can push filament.
     pub fn readiness(&self, tool: u32) -> Readiness {
         let nozzle = self.nozzle(tool);
         match nozzle.target {
@@ -192,18 +194,19 @@ impl Heat {
         }
     }
 
-    /// From now on this tool is taken to be hot, until it is told otherwise.
+    /// Takes a tool for hot until it is told otherwise.
     pub fn trust(&mut self, tool: u32) {
         for i in [place(tool), SHARED] {
             self.nozzles[i].reached = f64::INFINITY;
         }
     }
 
-    /// The heaters that are on, with what they were told.
+    /// The heaters that are on, with the temperatures that they were told.
     pub fn on(&self) -> impl Iterator<Item = (&'static str, Celsius)> {
-        let there = match self.apart {
-            true => &self.nozzles[..SHARED],
-            false => &self.nozzles[SHARED..],
+        let there = if self.apart {
+            &self.nozzles[..SHARED]
+        } else {
+            &self.nozzles[SHARED..]
         };
         let targets = there.iter().filter_map(|nozzle| nozzle.target);
         let hottest = targets.fold(0.0, f64::max);
@@ -217,7 +220,7 @@ impl Heat {
     }
 }
 
-/// A tool's place among the nozzles.
+/// A tool's index among the nozzles.
 fn place(tool: u32) -> usize {
     tool.min(TOOLS - 1) as usize
 }
@@ -230,8 +233,8 @@ pub(super) fn told(named: &Named) -> impl Iterator<Item = (Heater, Celsius)> {
         .filter_map(|(key, value)| Some((heater_of(key)?, number(value)?)))
 }
 
-/// The heater whose temperature a parameter of this name is: the name
-/// consists of words about heat and nothing else.
+/// The heater whose temperature a macro's parameter sets, by the parameter's
+/// name, which has nothing but words about heat.
 fn heater_of(key: &[u8]) -> Option<Heater> {
     const WORDS: [&str; 16] = [
         "TEMPERATURE",

@@ -1,4 +1,5 @@
-//! Is G-code safe to run, and does everything in it stand on something?
+//! Checks whether G-code is safe to run, and whether everything in it stands on
+//! something.
 //!
 //! In: a file's bytes, and the [`Rules`] of a printer. Out: a [`Verdict`]:
 //! faults, which can hurt the printer or the print, and warnings, each once
@@ -11,7 +12,7 @@
 //! | no heater is told more than it bears | [`Kind::TooHot`], [`Kind::Hot`] |
 //! | the head knows where it is before it moves | [`Kind::NotHomed`] |
 //! | filament goes back in retractions and wipes only, and not too far | [`Kind::Backwards`], [`Kind::LongRetraction`] |
-//! | and is there again when a bead begins | [`Kind::Unprimed`] |
+//! | pulled-back filament is pushed forward before a bead begins | [`Kind::Unprimed`] |
 //! | no bead is thicker than the nozzle can lay | [`Kind::ThickBead`] |
 //! | no move of filament alone is longer than firmware takes | [`Kind::LongFeed`] |
 //! | nothing is faster than the printer | [`Kind::TooFast`], [`Kind::NoSpeed`] |
@@ -19,21 +20,21 @@
 //! | every island stands on something | [`Kind::InTheAir`] |
 //! | every line makes sense, and ends where any firmware ends it | [`Kind::Senseless`], [`Kind::LongLine`], [`Kind::LineEnd`] |
 //! | no command breaks what the check takes for granted (`words` is the table) | [`Kind::Harmful`], [`Kind::Changed`] |
-//! | the print is whole, and everything is off behind it | [`Kind::CutOff`], [`Kind::LeftOn`] |
+//! | the print is whole, and everything is off at the end | [`Kind::CutOff`], [`Kind::LeftOn`] |
 //! | the file is G-code | [`Kind::NoGcode`] |
-//! | what is not known is said to be so | [`Kind::Unknown`], [`Kind::UnknownWord`] |
+//! | the check tells what it does not know | [`Kind::Unknown`], [`Kind::UnknownWord`] |
 //!
-//! What start and end templates do (role `Custom`, and what is before the
-//! first layer) is the user's own: of the rules above only heat, reach,
-//! speed and sense hold there, and reach with a margin, since printers purge
-//! beside their beds. More plastic than firmware takes by default is a
-//! warning there ([`Kind::Purge`]).
+//! What start and end templates do is the user's own: moves of role `Custom`
+//! and those before the first layer. Only the rules about heat, reach, speed
+//! and sense hold there, and reach has a margin, since printers purge beside
+//! their beds. More plastic than firmware takes by default is a warning there
+//! ([`Kind::Purge`]).
 //!
 //! Filament that goes back while the head moves, or goes back too far, is a
 //! fault only if something is printed after it: end codes unload filament.
 //!
 //! Not guaranteed: that macros of the printer's firmware do what their names
-//! say. Where one could have heated the nozzle, it is taken to have done so,
+//! say. A macro that could have heated the nozzle is taken to have done so,
 //! unless the temperature that it is given says otherwise.
 
 mod alongside;
@@ -60,33 +61,34 @@ use heat::{Heat, Readiness};
 use std::io::Read;
 use words::Effect;
 
-/// How far beside the bed templates may go, mm: to purge and to wipe.
+/// How far beside the bed templates may go to purge and to wipe, mm.
 const BESIDE: Mm = 15.0;
 
-/// What numbers are rounded to in a file, mm.
+/// Precision of the positions in a file, mm.
 const ROUNDING: Mm = 2e-3;
 
-/// Speeds are written in whole mm/min or in some decimals: share by which one
-/// may be exceeded.
+/// Share by which rounding may exceed a speed: files have whole mm/min, or few
+/// decimals.
 const SPEED_ROUNDING: f64 = 1e-3;
 
-/// Pulled-back filament that does not count: numbers are rounded, and some
+/// Pulled-back filament that does not count, since numbers are rounded and some
 /// slicers push forward a little less.
 const SLACK: Mm = 0.1;
 
-/// Findings that wait for whether something is printed after them.
+/// Greatest number of findings that wait to see whether something is printed
+/// after them.
 const HELD: usize = 32;
 
 /// A bit for each axis that has been homed, from x.
 const HOMED: u8 = 0b111;
 
-/// Tools that are told apart; those beyond count as one.
+/// Number of tools that are told apart; all others count as one.
 const TOOLS: u32 = 64;
 
-/// What a printer can do, and what is asked of a file.
+/// What a printer can do, and what a file must keep to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rules {
-    /// Far corner of the bed; the near one is zero.
+    /// Far corner of the bed; the near corner is zero.
     pub bed: DVec2,
     /// Greatest height of the nozzle.
     pub height: Mm,
@@ -102,8 +104,8 @@ pub struct Rules {
     pub retraction: Mm,
     /// Filament that may be missing when a bead begins.
     pub missing: Mm,
-    /// Height of what the print stands on: 0 is the bed; more, if the file
-    /// goes on with a part.
+    /// Height at which the file begins to print: 0 is the bed, and more if the
+    /// file continues a part.
     pub base: Mm,
     /// Greatest speed in the plane.
     pub speed: MmPerSec,
@@ -111,11 +113,11 @@ pub struct Rules {
     pub speed_z: MmPerSec,
     /// Least temperature of a nozzle that filament is pushed through.
     pub least_heat: Celsius,
-    /// How hot the nozzle may be, the bed, and the chamber.
+    /// How hot the nozzle may be.
     pub nozzle_heat: HeatLimit,
-    /// The bed.
+    /// How hot the bed may be.
     pub bed_heat: HeatLimit,
-    /// The chamber.
+    /// How hot the chamber may be.
     pub chamber_heat: HeatLimit,
 }
 
@@ -125,28 +127,31 @@ impl Rules {
         let printer = &settings.printer;
         let nozzle = printer.nozzle_diameter;
         // Klipper's defaults for `max_extrude_cross_section` and
-        // `max_extrude_only_distance` (docs/Config_Reference.md); beyond the
-        // first, other firmware has no limit, but no nozzle can do it, either.
+        // `max_extrude_only_distance` (docs/Config_Reference.md). Other
+        // firmware has no limit of the cross-section, but no nozzle lays more
+        // than twice as much.
         let klipper = settings.gcode.flavour == Flavour::Klipper;
         Rules {
             bed: DVec2::new(printer.bed_x, printer.bed_y),
             height: printer.height,
             nozzle,
             filament_diameter: settings.filament.diameter,
-            cross_section: match klipper {
-                true => 4.0 * nozzle * nozzle,
-                false => 8.0 * nozzle * nozzle,
+            cross_section: if klipper {
+                4.0 * nozzle * nozzle
+            } else {
+                8.0 * nozzle * nozzle
             },
             feed: klipper.then_some(50.0),
             retraction: (2.0 * settings.retract.length).max(20.0),
-            // Less than was pulled back may be wanted.
+            // A negative `retract.extra_prime` pushes forward less than was
+            // pulled back.
             missing: SLACK + (-settings.retract.extra_prime).max(0.0),
             base: 0.0,
             speed: printer.max_speed,
             speed_z: printer.max_speed_z,
             least_heat: settings.min_nozzle_temperature(),
-            // Unless the printer's own are known: what usual hot ends, beds
-            // and chambers bear, and what hardly any does.
+            // These limits hold if the printer's own are not set: what usual
+            // hot ends, beds and chambers bear, and what hardly any does.
             nozzle_heat: HeatLimit::new(
                 "printer.max_nozzle_temperature",
                 printer.max_nozzle_temperature,
@@ -177,7 +182,7 @@ impl Rules {
         }
     }
 
-    /// Whether the head can go there, or `margin` beside it in the plane.
+    /// Whether the head can go to `p`, give or take `margin` in the plane.
     fn reach(&self, p: DVec3, margin: Mm) -> bool {
         let low = DVec3::new(-margin, -margin, -ROUNDING);
         let high = self.bed.extend(self.height);
@@ -189,7 +194,7 @@ impl Rules {
 /// Checks a file.
 ///
 /// # Errors
-/// If it cannot be read, or is no text.
+/// If the file cannot be read or is not text.
 pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
     let mut reader =
         Reader::new(input).filament_diameter(rules.filament_diameter);
@@ -213,7 +218,7 @@ pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
     Ok(verdict)
 }
 
-/// What is known at a line.
+/// What the check knows after each line.
 struct State<'a> {
     rules: &'a Rules,
     verdict: Verdict,
@@ -221,7 +226,7 @@ struct State<'a> {
     heat: Heat,
     homed: u8,
     ending: Ending,
-    /// The printer begins and ends prints by itself: Ultimaker's.
+    /// Whether the printer begins and ends prints by itself, as Ultimaker's do.
     own_start: bool,
     /// Findings that count only if something is printed after them.
     held: Vec<(Kind, u64, DVec3, String)>,
@@ -229,7 +234,7 @@ struct State<'a> {
     tool: u32,
     /// Filament of each tool that is pulled back.
     back: [Mm; TOOLS as usize],
-    /// A bit for each tool that the firmware has pulled it back of.
+    /// A bit for each tool whose filament the firmware has pulled back.
     firmware_back: u64,
     /// Greatest height of a bead of the print so far.
     top: Mm,
@@ -261,7 +266,7 @@ impl<'a> State<'a> {
             Event::Move(step) => return self.step(&step),
             Event::Layer { number, .. } => {
                 self.next_layer();
-                // What was purged before carries nothing.
+                // What was purged before the first layer carries nothing.
                 if number == 1 {
                     self.ground = Ground::default();
                 }
@@ -286,7 +291,7 @@ impl<'a> State<'a> {
                     self.ending.off();
                 }
                 self.limit_heat(line, heater, to);
-                // Beside what is asked for may be a standby temperature.
+                // The command may name a standby temperature, too.
                 if let (true, Some(standby)) =
                     (words.has(b'S'), words.get(b'R'))
                 {
@@ -301,10 +306,13 @@ impl<'a> State<'a> {
                 self.ending.off();
             }
             Event::Tool { tool, .. } => self.tool = tool,
-            Event::FirmwareRetract { back, .. } => match back {
-                true => self.firmware_back |= bit(self.tool),
-                false => self.firmware_back &= !bit(self.tool),
-            },
+            Event::FirmwareRetract { back, .. } => {
+                if back {
+                    self.firmware_back |= bit(self.tool)
+                } else {
+                    self.firmware_back &= !bit(self.tool)
+                }
+            }
             Event::Home { line } => self.home(line, words),
             Event::Fan { line, .. } => self.code(line, 'M', 1060, words),
             Event::Macro { line } => self.named(line, reader),
@@ -327,7 +335,7 @@ impl<'a> State<'a> {
         self.verdict.add(kind, line, at, || problem.to_string());
     }
 
-    /// Is it more than the heater bears?
+    /// Tells if a temperature is more than the heater bears.
     fn limit_heat(&mut self, line: u64, heater: Heater, to: Celsius) {
         let (limit, name) = self.rules.heat(heater);
         if to > limit.most {
@@ -354,11 +362,11 @@ impl<'a> State<'a> {
         }
     }
 
-    /// The axes that are named, or all, are homed.
+    /// Takes in the homing of the axes that are named, or of all.
     fn home(&mut self, line: u64, words: &Words) {
         let named = |l: &u8| words.has(*l);
         let all = !b"XYZ".iter().any(named);
-        // No firmware homes z before it knows where that is done.
+        // No firmware homes z before it knows x and y.
         if named(&b'Z') {
             self.homed = HOMED;
         }
@@ -377,14 +385,14 @@ impl<'a> State<'a> {
         }
     }
 
-    /// A command that the reader does not follow.
+    /// Takes in a command that the reader does not follow.
     fn code(&mut self, line: u64, letter: char, tenths: u32, words: &Words) {
         match (letter, tenths) {
-            // With a time they only say when.
+            // With a time (S) these commands turn the motors off later.
             ('M', 180 | 840) if !words.has(b'S') => self.motors_off(words),
-            // Its macro homes.
+            // RepRapFirmware's macro for G32 homes.
             ('G', 320) => self.homed = HOMED,
-            // A tool's standby temperature alone.
+            // This sets a tool's standby temperature only.
             ('G', 100) | ('M', 5680) => {
                 if let Some(standby) = words.get(b'R') {
                     self.limit_heat(line, Heater::Nozzle(None), standby);
@@ -398,8 +406,8 @@ impl<'a> State<'a> {
         }
     }
 
-    /// The motors that are named, or all, are turned off: where they are is
-    /// not known from then on.
+    /// Takes in that motors are turned off, those named or all. Their positions
+    /// are unknown from then on.
     fn motors_off(&mut self, words: &Words) {
         let all = !b"XYZE".iter().any(|l| words.has(*l));
         for (i, letter) in b"XYZ".iter().enumerate() {
@@ -409,15 +417,15 @@ impl<'a> State<'a> {
         }
     }
 
-    /// A command that is a name.
+    /// Takes in a command that is a name.
     fn named<R: Read>(&mut self, line: u64, reader: &Reader<R>) {
-        /// Longest name that is shown whole.
+        /// Length of the longest name that is shown whole.
         const LONGEST: usize = 40;
         let named = reader.named();
         if named.name().is_empty() {
             self.own_start = true;
         } else if named.is("SET_HEATER_TEMPERATURE") {
-            // The reader knows all but the heater.
+            // The reader has made sense of all but the heater.
             let heater = named.get("HEATER").unwrap_or_default();
             let heater = &heater[..heater.len().min(LONGEST)];
             let heater = String::from_utf8_lossy(heater);
@@ -430,7 +438,7 @@ impl<'a> State<'a> {
             }
             return;
         }
-        // It may heat, home and purge.
+        // A macro may heat, home and purge.
         self.heat.macro_called(named);
         self.ending.macro_called();
         self.homed = HOMED;
@@ -453,7 +461,7 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Says what a command does; nothing is known of it without an effect.
+    /// Tells what a command does. Without an effect nothing is known of it.
     fn word(&mut self, line: u64, word: &str, effect: Option<Effect>) {
         let (kind, why) = match effect {
             Some(Effect::None) => return,
@@ -482,12 +490,9 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Is the place one the head can go to?
+    /// Tells if the head cannot go where a move leads.
     fn reach(&mut self, step: &Move, template: bool) {
-        let margin = match template {
-            true => BESIDE,
-            false => ROUNDING,
-        };
+        let margin = if template { BESIDE } else { ROUNDING };
         let rules = self.rules;
         if !rules.reach(step.to, margin) {
             self.verdict.add(Kind::OutOfReach, step.line, step.to, || {
@@ -534,13 +539,13 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Does the head know where it is?
+    /// Tells if the head moves before it knows where it is.
     fn homed(&mut self, step: &Move) {
         if self.homed == HOMED {
             return;
         }
-        // Lifting the nozzle before homing is usual, and so is going to where
-        // z is homed.
+        // Start codes often lift the nozzle before homing, and go to where z is
+        // homed.
         let moved = (step.to - step.from).abs();
         let axes = [moved.x, moved.y, moved.z];
         let needed = (0..3)
@@ -624,7 +629,7 @@ impl<'a> State<'a> {
         }
         if fed < 0.0 {
             *self.back(step) -= fed;
-            // Up and down is no way along which a wipe would be seen.
+            // A move up or down is no wipe.
             if sideways(step) && !step.wipe && !template {
                 let why = format!(
                     "{:.3} mm of filament go back while the head moves and \
@@ -656,14 +661,14 @@ impl<'a> State<'a> {
         self.held.push((kind, step.line, step.to, why));
     }
 
-    /// Something is printed: what was held counts.
+    /// Makes the findings that were held count, as something is printed.
     fn let_go(&mut self) {
         for (kind, line, at, why) in self.held.drain(..) {
             self.verdict.add(kind, line, at, || why);
         }
     }
 
-    /// Has the nozzle what a bead needs to begin?
+    /// Tells if a bead begins without its filament.
     fn begin(&mut self, step: &Move) {
         if !self.held.is_empty() {
             self.let_go();
@@ -672,20 +677,22 @@ impl<'a> State<'a> {
         let short = missing > self.rules.missing;
         if short || self.firmware_back & bit(step.tool) != 0 {
             let kind = Kind::Unprimed;
-            self.verdict
-                .add(kind, step.line, step.from, || match short {
-                    true => format!(
+            self.verdict.add(kind, step.line, step.from, || {
+                if short {
+                    format!(
                         "a bead begins with {missing:.2} mm of filament still \
                      pulled back"
-                    ),
-                    false => "a bead begins after G10, before G11".into(),
-                });
+                    )
+                } else {
+                    "a bead begins after G10, before G11".into()
+                }
+            });
         }
-        // Whatever was missing is missing from this bead and no other.
+        // The missing filament counts for this bead only.
         *self.back(step) = 0.0;
     }
 
-    /// Filament pulled back of the tool that moves.
+    /// The pulled-back filament of the tool that moves.
     fn back(&mut self, step: &Move) -> &mut Mm {
         &mut self.back[step.tool.min(TOOLS - 1) as usize]
     }
@@ -711,8 +718,8 @@ impl<'a> State<'a> {
             return;
         }
         let z = step.from.z.max(step.to.z);
-        // A layer is no higher than the nozzle is wide; the first may be on a
-        // thick sheet or a raft's gap.
+        // A layer is no higher than the nozzle is wide. The first one may lie
+        // on a thick sheet or over a raft's gap.
         let most = self.top + rules.nozzle + ROUNDING;
         if z > most {
             let top = self.top;
@@ -726,8 +733,8 @@ impl<'a> State<'a> {
             });
         }
         self.top = self.top.max(z);
-        // Skirts stand alone, and ironing lays nothing. What is out of reach
-        // has been said to be, and there is no end to it.
+        // Skirts stand alone, and ironing lays nothing. A bead out of reach has
+        // been told of, and might take any number of cells.
         let within =
             rules.reach(step.from, BESIDE) && rules.reach(step.to, BESIDE);
         if within && !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
@@ -736,7 +743,7 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Does the nozzle stay above what is printed?
+    /// Tells if a travel leads through what is printed.
     fn travel(&mut self, step: &Move) {
         let low = step.from.z.min(step.to.z);
         if sideways(step) && low < self.top - self.rules.nozzle {
@@ -760,9 +767,9 @@ impl<'a> State<'a> {
         });
     }
 
-    /// The file is none.
+    /// Makes the verdict that the file is no G-code.
     fn no_gcode(&mut self, why: &str) {
-        // What else there is to say of it helps nobody.
+        // Other findings about such a file help nobody.
         self.verdict = Verdict::default();
         self.verdict.add(Kind::NoGcode, 0, DVec3::NAN, || {
             format!(
@@ -800,17 +807,18 @@ impl<'a> State<'a> {
     }
 }
 
-/// Does the head move in the plane? What is fed while only z moves primes.
+/// True if the head moves in the plane. Filament that is fed while only z moves
+/// primes the nozzle.
 fn sideways(step: &Move) -> bool {
     step.from.truncate() != step.to.truncate()
 }
 
-/// The bit of a tool.
+/// The bit of a tool in a mask.
 fn bit(tool: u32) -> u64 {
     1 << tool.min(TOOLS - 1)
 }
 
-/// A place for people.
+/// A place, as people read it.
 fn place(p: DVec3) -> String {
     format!("x = {:.2}, y = {:.2}, z = {:.2}", p.x, p.y, p.z)
 }

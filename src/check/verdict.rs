@@ -3,13 +3,14 @@
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Places of a finding that are kept; the others are counted.
+/// Number of places of a finding that are kept; further ones are counted.
 const KEPT: usize = 3;
 
-/// Findings of a kind about different things; what is beyond is told as one.
+/// Number of findings of one kind about different things; further ones are told
+/// as one.
 const APART: usize = 40;
 
-/// What those beyond are called.
+/// What the findings beyond [`APART`] are about.
 const OTHERS: &str = "others";
 
 /// How bad a kind of finding is.
@@ -34,38 +35,38 @@ pub enum Kind {
     LongRetraction,
     /// A bead begins without its filament.
     Unprimed,
-    /// A bead of more plastic than the nozzle can lay.
+    /// A bead has more plastic than the nozzle can lay.
     ThickBead,
-    /// More filament in one move than the firmware takes.
+    /// A move has more filament than the firmware takes.
     LongFeed,
-    /// Faster than the printer: its firmware will take its time.
+    /// A move is faster than the printer, whose firmware will slow it down.
     TooFast,
     /// A start or end template lays or pushes more than the firmware takes
     /// unless it is told otherwise.
     Purge,
-    /// A bead too far above all others.
+    /// A bead is too far above all others.
     Jump,
-    /// A line that makes no sense.
+    /// A line makes no sense.
     Senseless,
-    /// A line that is too long for some firmware.
+    /// A line is too long for some firmware.
     LongLine,
-    /// A move before any speed was set.
+    /// A move comes before any speed was set.
     NoSpeed,
-    /// A travel below the top of the print.
+    /// A travel leads below the top of the print.
     Low,
-    /// An island that stands on nothing.
+    /// An island stands on nothing.
     InTheAir,
-    /// What only the printer knows.
+    /// Something depends on what only the printer knows.
     Unknown,
     /// A heater is told more than it bears.
     TooHot,
-    /// A heater is told more than is usual, and nobody says what it bears.
+    /// A heater is told more than is usual, and its limit is not set.
     Hot,
-    /// A command that has no place in a print.
+    /// A command has no place in a print.
     Harmful,
-    /// A command that changes what the check takes for granted.
+    /// A command changes what the check takes for granted.
     Changed,
-    /// A command that is not known.
+    /// A command is not known.
     UnknownWord,
     /// The head moves before it knows where it is.
     NotHomed,
@@ -75,12 +76,12 @@ pub enum Kind {
     CutOff,
     /// The file is no G-code.
     NoGcode,
-    /// A line ends as not all firmware ends one.
+    /// A line ends in a way that not all firmware knows.
     LineEnd,
 }
 
 impl Kind {
-    /// How bad it is.
+    /// How bad findings of this kind are.
     pub fn severity(self) -> Severity {
         match self {
             Kind::LongLine
@@ -101,7 +102,7 @@ impl Kind {
         }
     }
 
-    /// Name for machines.
+    /// The kind's name in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Kind::OutOfReach => "out-of-reach",
@@ -134,28 +135,28 @@ impl Kind {
     }
 }
 
-/// One finding, and where it is met again.
+/// One finding, with all of its places.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// What is wrong.
     pub kind: Kind,
-    /// The command, heater or axis it is about, where a kind is about several;
+    /// The command, heater or axis that it is about, if the kind has several;
     /// else empty.
     pub about: String,
-    /// Line of the first, from 1; 0 if it is not about one.
+    /// Line of the first place, from 1; 0 if the finding is not about a line.
     pub line: u64,
-    /// Where the first is, mm; not a number if it is nowhere.
+    /// Position of the first place, mm; NaN if it has none.
     pub at: DVec3,
-    /// What is wrong there, as a sentence.
+    /// What is wrong at the first place, as a sentence.
     pub message: String,
-    /// How often it is met.
+    /// Number of places.
     pub count: u64,
-    /// Lines of the first few.
+    /// Lines of the first few places.
     pub lines: Vec<u64>,
 }
 
 impl Finding {
-    /// As a sentence; `name` is the file's.
+    /// The finding as a sentence. `name` is the file's.
     fn sentence(&self, name: &str) -> String {
         let place = match self.line {
             0 => name.to_owned(),
@@ -182,15 +183,15 @@ impl Finding {
 pub struct Verdict {
     /// Everything that was found, once each, in the order of the file.
     pub findings: Vec<Finding>,
-    /// How many there are of each kind.
+    /// Number of findings of each kind.
     pub counts: BTreeMap<Kind, u64>,
-    /// Lines of the file.
+    /// Number of lines in the file.
     pub lines: u64,
-    /// Moves in it.
+    /// Number of moves in the file.
     pub moves: u64,
-    /// Layers in it.
+    /// Number of layers in the file.
     pub layers: u32,
-    /// What the file says made it.
+    /// The program that made the file, as the file says.
     pub generator: Option<String>,
 }
 
@@ -204,12 +205,12 @@ impl Verdict {
             .sum()
     }
 
-    /// True if nothing that is understood can hurt.
+    /// True if nothing that the check understands can hurt.
     pub fn is_safe(&self) -> bool {
         self.count(Severity::Fault) == 0
     }
 
-    /// Commands that are not known, with how often they are met.
+    /// Unknown commands, with the number of their places.
     pub fn unknown_words(&self) -> impl Iterator<Item = (&str, u64)> {
         self.findings
             .iter()
@@ -222,8 +223,8 @@ impl Verdict {
         self.sentences_of(name, |kind| kind.severity() == severity)
     }
 
-    /// The findings of these kinds as sentences; `name` is the file's.
-    /// Commands that are not known make one sentence.
+    /// The findings of these kinds as sentences. `name` is the file's. All
+    /// unknown commands share one sentence.
     pub fn sentences_of(
         &self,
         name: &str,
@@ -269,7 +270,7 @@ impl Verdict {
         self.add_about(kind, "", line, at, message);
     }
 
-    /// The same, of a kind that is about several things.
+    /// Adds a finding of a kind that is about several things.
     pub(super) fn add_about(
         &mut self,
         kind: Kind,
@@ -281,12 +282,13 @@ impl Verdict {
         let known = self.counts.entry(kind).or_insert(0);
         *known += 1;
         let kinds = || self.findings.iter().filter(|f| f.kind == kind);
-        let about = match *known as usize > APART
+        let about = if *known as usize > APART
             && kinds().count() >= APART
             && kinds().all(|f| f.about != about)
         {
-            true => OTHERS,
-            false => about,
+            OTHERS
+        } else {
+            about
         };
         let same = |f: &&mut Finding| f.kind == kind && f.about == about;
         if let Some(found) = self.findings.iter_mut().find(same) {

@@ -1,12 +1,12 @@
 //! What commands mean that the reader does not follow.
 //!
-//! In: a command. Out: an [`Effect`], or nothing where nobody knows. This is a
-//! table: a command that is to be known is a row more. Sources: Marlin's
-//! G-code index, RepRapFirmware's and Klipper's G-code references, Prusa's
-//! and Bambu Lab's start and end codes.
+//! In: a command. Out: an [`Effect`], or nothing if the command is unknown. A
+//! row in the table makes a command known. Sources: Marlin's G-code index,
+//! RepRapFirmware's and Klipper's G-code references, Prusa's and Bambu Lab's
+//! start and end codes.
 //!
-//! A command with several rows has the first that applies; one that none
-//! applies to is harmless.
+//! The first row of a command that applies counts. If none applies, the command
+//! is harmless.
 
 use crate::reader::{Named, Words};
 use std::collections::BTreeMap;
@@ -17,11 +17,10 @@ use std::sync::LazyLock;
 pub(super) enum Effect {
     /// Nothing.
     None,
-    /// It should be looked at: what it does, as the rest of a sentence that
-    /// begins with the command.
+    /// It should be looked at. The text says what it does, and completes a
+    /// sentence that begins with the command.
     Warns(&'static str),
-    /// It has no place in a print, or what comes after it is not what it
-    /// looks like.
+    /// It has no place in a print, or changes what the lines after it mean.
     Harms(&'static str),
 }
 use Effect::{Harms, Warns};
@@ -30,11 +29,11 @@ use Effect::{Harms, Warns};
 #[derive(Clone, Copy, Debug)]
 enum When {
     Always,
-    /// One of the letters is there.
+    /// One of the letters stands in the command.
     Has(&'static [u8]),
-    /// One of them has a number beyond these ends.
+    /// One of the letters has a number outside this range.
     Beyond(&'static [u8], f64, f64),
-    /// The letter is there with this number.
+    /// The letter has this number.
     Is(u8, f64),
 }
 use When::{Always, Beyond, Has, Is};
@@ -52,8 +51,8 @@ impl When {
     }
 }
 
-/// Commands that the reader follows, and those that neither move nor heat nor
-/// feed: they wait, measure, show, report, light, beep, label, or tell the
+/// Commands that the reader follows, and commands that neither move nor heat
+/// nor feed: they wait, measure, show, report, light, beep, label, or tell the
 /// firmware how to print well.
 const HARMLESS: &str = "
     G0 G1 G2 G3 G4 G5 G5.1 G10 G11 G12 G17 G18 G19 G20 G21 G27 G28 G29 G29.2
@@ -387,7 +386,8 @@ const ROWS: &[(&str, When, Effect)] = &[
     ),
 ];
 
-/// Names that do neither move nor heat nor feed, or that the reader follows.
+/// Commands that are names and neither move nor heat nor feed, or that the
+/// reader follows.
 const HARMLESS_NAMES: &str = "
     ACTIVATE_EXTRUDER BED_MESH_CALIBRATE BED_MESH_CLEAR BED_MESH_MAP
     BED_MESH_OFFSET BED_MESH_OUTPUT BED_MESH_PROFILE BED_TILT_CALIBRATE
@@ -406,7 +406,7 @@ const HARMLESS_NAMES: &str = "
     BREAK CONTINUE T? TX TC
 ";
 
-/// What other names do.
+/// What other commands that are names do.
 const NAMES: &[(&str, Effect)] = &[
     ("@PAUSE", Warns(WAITS)),
     ("ABORT", Harms("ends the print")),
@@ -492,7 +492,7 @@ static TABLE: LazyLock<BTreeMap<(u8, u32), Rows>> = LazyLock::new(|| {
     table
 });
 
-/// A command as events have it: `G38.2` is 382 of G.
+/// A command as events have it: `G38.2` is G and 382.
 fn key(name: &str) -> Option<(u8, u32)> {
     let (letter, number) = name.split_at_checked(1)?;
     let tenths = (number.parse::<f64>().ok()? * 10.0).round() as u32;
@@ -514,9 +514,10 @@ pub(super) fn of_code(
 pub(super) fn of_name(named: &Named) -> Option<Effect> {
     if named.is("SET_GCODE_OFFSET") {
         let far = |key| named.number(key).is_some_and(|n| n.abs() > 1.0);
-        return Some(match ["Z", "Z_ADJUST"].into_iter().any(far) {
-            true => Warns("moves every height by more than a millimetre"),
-            false => Effect::None,
+        return Some(if ["Z", "Z_ADJUST"].into_iter().any(far) {
+            Warns("moves every height by more than a millimetre")
+        } else {
+            Effect::None
         });
     }
     if let Some((_, effect)) = NAMES.iter().find(|(name, _)| named.is(name)) {
@@ -543,7 +544,8 @@ mod tests {
     #[test]
     fn every_row_is_a_command_and_can_apply() {
         for name in HARMLESS.split_whitespace() {
-            // Two digits behind the point are rounded: Bambu Lab's alone.
+            // Only Bambu Lab's commands have two digits behind the point; they
+            // are rounded.
             let (letter, tenths) = key(name).unwrap();
             let written = code(char::from(letter), tenths);
             assert!(written == name || name.starts_with("M620.1"), "{name}");

@@ -1,5 +1,6 @@
 //! Arguments that several commands share, and what they mean.
 
+use super::output::is_stream;
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
@@ -157,10 +158,11 @@ pub(super) struct ModelArgs {
     keep_position: bool,
 }
 
-/// Format of a model that has no file name to tell it by.
+/// Format of a model that has no file name.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum Format {
-    // Described where they are asked for: clap would print a list.
+    // The option describes these formats; descriptions here would make clap
+    // print a list.
     Rhai,
     Vm,
     Formula,
@@ -188,8 +190,8 @@ impl ModelArgs {
         Ok(model::place(&loaded, &placement, volume)?)
     }
 
-    /// The files that a command with these settings reads, none of which may
-    /// be an output.
+    /// The files that a command with these settings reads. None of them may be
+    /// an output.
     pub(super) fn inputs<'a>(
         &'a self,
         settings: &'a Gathered,
@@ -227,14 +229,9 @@ impl ModelArgs {
     }
 }
 
-/// True if `path` stands for standard input or output.
-pub(super) fn is_stream(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
-
 fn standard_input() -> anyhow::Result<String> {
-    /// As much as of the largest kind of file; what is too large for its kind
-    /// is refused when it is loaded.
+    /// As many bytes as the largest kind of file may have. Loading refuses a
+    /// file that is too large for its kind.
     const MAX_BYTES: u64 = 64 << 20;
     let bytes = files::read_standard_input(MAX_BYTES);
     bytes
@@ -272,18 +269,18 @@ pub(super) struct SettingsSource {
     set: Vec<String>,
 }
 
-/// Settings and what there is to say about them.
+/// Settings with their warnings and origins.
 pub(super) struct Gathered {
     pub(super) settings: Settings,
     pub(super) warnings: Vec<String>,
-    /// Files that they were read from.
+    /// The files that the settings were read from.
     pub(super) files: Vec<PathBuf>,
     /// Knows where each setting is from.
     pub(super) builder: Builder,
 }
 
 impl SettingsSource {
-    /// The settings and where they are from; warnings are shown to the user.
+    /// Reads the settings, and shows their warnings to the user.
     pub(super) fn gather(&self) -> anyhow::Result<Gathered> {
         let profiles = self.profiles.find()?;
         let mut builder = Builder::new();
@@ -347,9 +344,9 @@ impl ProfilesSource {
         self.folder.clone().or_else(of_environment).or_else(of_user)
     }
 
-    /// All profiles there are.
+    /// All profiles of the program and of the folder.
     pub(super) fn find(&self) -> anyhow::Result<Profiles> {
-        // The usual place may well be empty, but not one that was named.
+        // The usual folder may be missing, but not one that was named.
         if let Some(folder) = &self.folder
             && !folder.is_dir()
         {
@@ -385,7 +382,7 @@ fn positive(given: &str) -> Result<f64, String> {
     }
 }
 
-/// `1,2,3` as that many numbers.
+/// Reads `N` numbers such as `1,2,3`.
 fn numbers<const N: usize>(
     given: &str,
     form: &str,

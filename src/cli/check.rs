@@ -1,4 +1,4 @@
-//! `isoslice check`: is G-code safe to run on a printer?
+//! `isoslice check`: checks whether G-code is safe to run on a printer.
 
 use super::args::SettingsSource;
 use super::limits::{LimitArgs, watched};
@@ -46,23 +46,19 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<()> {
 fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
     let settings = args.settings.gather()?.settings;
     let rules = Rules::new(&settings);
-    let (name, verdict) = match args.file == Path::new("-") {
-        true => {
-            let name = "standard input".to_owned();
-            let verdict = judge(io::stdin().lock(), &name, &rules)?;
-            (name, verdict)
+    let (name, verdict) = if args.file == Path::new("-") {
+        let name = "standard input".to_owned();
+        let verdict = judge(io::stdin().lock(), &name, &rules)?;
+        (name, verdict)
+    } else {
+        let name = args.file.display().to_string();
+        if args.file.is_dir() {
+            bail!("{name} is a folder; name a file in it");
         }
-        false => {
-            let name = args.file.display().to_string();
-            if args.file.is_dir() {
-                bail!("{name} is a folder; name a file in it");
-            }
-            let file = File::open(&args.file).with_context(|| {
-                format!("cannot read {name}: check its name")
-            })?;
-            let verdict = judge(file, &name, &rules)?;
-            (name, verdict)
-        }
+        let file = File::open(&args.file)
+            .with_context(|| format!("cannot read {name}: check its name"))?;
+        let verdict = judge(file, &name, &rules)?;
+        (name, verdict)
     };
     let mut out = io::stdout().lock();
     if args.json {
@@ -93,7 +89,7 @@ fn look_through(args: &CheckArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// `1 fault`, `2 faults`.
+/// Writes `1 fault` or `2 faults`.
 fn counted(count: u64, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
@@ -101,7 +97,7 @@ fn counted(count: u64, what: &str) -> String {
     }
 }
 
-/// What the counts say nothing of.
+/// The unknown commands, which the counts leave out.
 fn unknown(verdict: &Verdict) -> String {
     match verdict.unknown_words().count() as u64 {
         0 => String::new(),

@@ -1,10 +1,10 @@
-//! Whether we were started without a standard output (`>&-`).
+//! Finds out whether the program was started without a standard output (`>&-`).
 //!
 //! Before `main` begins, Rust's runtime opens `/dev/null` in the place of a
-//! standard stream that is closed: what is written there vanishes without an
-//! error, and later nobody can tell it from a `/dev/null` that was asked for.
-//! So the question is asked before that, where programs for Linux let functions
-//! be called as they are loaded. Elsewhere it has no answer, and none is closed.
+//! closed standard stream. What is written there vanishes without an error, and
+//! `main` cannot tell it from a `/dev/null` that the user asked for. On Linux a
+//! function that is called while the program is loaded can still tell.
+//! Elsewhere no stream counts as closed.
 
 use anyhow::bail;
 use std::fs;
@@ -24,15 +24,15 @@ static AT_LOADING: extern "C" fn() = look;
 #[cfg(target_os = "linux")]
 extern "C" fn look() {
     let there = |path: &str| fs::symlink_metadata(path).is_ok();
-    // Where there is no /proc, nothing is known.
+    // Without /proc nothing is known.
     let closed = there("/proc/self/fd") && !there("/proc/self/fd/1");
     OUTPUT.store(closed, Ordering::Relaxed);
 }
 
-/// Makes sure that what is written to standard output gets somewhere.
+/// Makes sure that standard output leads somewhere.
 ///
 /// # Errors
-/// If it is closed.
+/// If standard output is closed.
 pub(super) fn need_output() -> anyhow::Result<()> {
     if OUTPUT.load(Ordering::Relaxed) {
         bail!("there is no standard output to write to: it is closed (>&-)");
@@ -40,7 +40,7 @@ pub(super) fn need_output() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// True if a path is a name of standard output.
+/// True if a path names standard output.
 pub(super) fn is_output(path: &Path) -> bool {
     ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
         .iter()

@@ -1,12 +1,12 @@
-//! What a file is written as, by its name.
+//! The format of a file by its name.
 
-use super::args::is_stream;
+use super::output::is_stream;
 use anyhow::bail;
 use isoslice::gcode::Format;
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// Names' ends of files that are not G-code, and what to do instead.
+/// Extensions of files that are not G-code, and what to do instead.
 const OTHERS: &[(&[&str], &str)] = &[
     (
         &[
@@ -49,7 +49,7 @@ const OTHERS: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// What to write into a file of this name.
+/// The format of a file of this name.
 ///
 /// # Errors
 /// If the name promises something that is not G-code.

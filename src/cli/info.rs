@@ -1,4 +1,4 @@
-//! `isoslice info`: what a model is, without slicing it.
+//! `isoslice info`: shows what a model is, without slicing it.
 
 use super::args::{ModelArgs, SettingsSource};
 use super::limits::{LimitArgs, watched};
@@ -60,8 +60,8 @@ struct Json<'a> {
     size_mm: [f64; 3],
     bounds_mm: [[f64; 3]; 2],
     on_the_bed_mm: [[f64; 3]; 2],
-    /// As planned: a last one in which nothing is as thick as a line is not
-    /// printed.
+    /// Number of planned layers. A last layer in which nothing is as thick as a
+    /// line is not printed.
     layer_count: usize,
     layer_height_mm: f64,
     first_layer_height_mm: f64,
@@ -101,7 +101,8 @@ impl<'a> Json<'a> {
 }
 
 fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
-    // Numbers and booleans look the same in Rhai and JSON; the rest is text.
+    // Numbers and booleans are written alike in Rhai and JSON; all else is
+    // text.
     let json = |text: &str| {
         serde_json::from_str(text)
             .unwrap_or_else(|_| serde_json::Value::from(text))
@@ -172,13 +173,13 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     Ok(text)
 }
 
-/// `60.00 × 40.00 × 12.50 mm`
+/// Writes `60.00 × 40.00 × 12.50 mm`.
 pub(super) fn dimensions(size: DVec3) -> String {
     format!("{:.2} × {:.2} × {:.2} mm", size.x, size.y, size.z)
 }
 
 fn corner(p: DVec3) -> String {
-    // Adding zero makes −0 a plain one, rounding first so that −0.001 is too.
+    // Adding zero makes −0 a plain 0. Rounding first does so for −0.001, too.
     let tidy = |v: f64| (v * 100.0).round() / 100.0 + 0.0;
     format!("({:.2}, {:.2}, {:.2})", tidy(p.x), tidy(p.y), tidy(p.z))
 }

@@ -1,7 +1,7 @@
-//! How long a command may take, and how much memory.
+//! Limits on a command's time and memory.
 //!
 //! Guaranteed: a command ends within seconds of its limits, with an error that
-//! says what it was at, and no half-written file is left.
+//! says what it was doing, and leaves no half-written file.
 
 use super::patience::Patience;
 use super::{output, terminal};
@@ -10,7 +10,7 @@ use isoslice::limits::{Limits, Watch, enough_space};
 use std::process::exit;
 use std::time::Duration;
 
-/// Seconds that a stage has to notice that it was stopped, after which the
+/// Time in which a stage has to notice that it was stopped. After that the
 /// process ends without it.
 const GRACE: Duration = Duration::from_secs(2);
 
@@ -44,7 +44,7 @@ pub(super) struct LimitArgs {
 struct Limit<T>(Option<T>);
 
 impl LimitArgs {
-    /// A watch with these limits, whose time begins now.
+    /// A watch with these limits. Its time begins now.
     pub(super) fn watch(&self) -> Watch {
         Watch::new(Limits {
             time: self.time_limit.0,
@@ -53,7 +53,7 @@ impl LimitArgs {
     }
 }
 
-/// Does a command's work under a watch.
+/// Runs a command's work under a watch.
 pub(super) fn watched<T>(
     watch: &Watch,
     work: impl FnOnce() -> anyhow::Result<T>,
@@ -63,7 +63,7 @@ pub(super) fn watched<T>(
     watch.last_resort(
         GRACE,
         &|stopped| {
-            // From here on nothing more is written.
+            // From here on nothing is written.
             let _pending = output::discard_all();
             terminal::report_error(&stopped.clone().into());
             exit(1);
@@ -72,7 +72,7 @@ pub(super) fn watched<T>(
     )?
 }
 
-/// A number and its unit; `none` is no limit.
+/// Reads a number and its unit; `none` is no limit.
 fn number(
     given: &str,
     units: &[(&str, f64)],

@@ -1,5 +1,5 @@
-//! `isoslice completions` and `isoslice man`: what the command line's own
-//! description is turned into.
+//! `isoslice completions` and `isoslice man`: makes scripts for shells and
+//! manual pages of the command line's description.
 
 use super::Cli;
 use super::output::{Output, print};
@@ -86,8 +86,8 @@ fn page(command: &Command) -> anyhow::Result<(String, Vec<u8>)> {
     Ok((page.get_filename(), text))
 }
 
-/// What stands below a command's options, each paragraph with a heading as a
-/// section, its lines kept.
+/// The text below a command's options. Each paragraph with a heading becomes a
+/// section and keeps its lines.
 fn sections(text: &str) -> Roff {
     let mut page = Roff::new();
     for paragraph in text.split("\n\n") {

@@ -1,8 +1,8 @@
-//! The command line: what may be written on it, and the commands.
+//! The command line: its arguments and commands.
 //!
-//! In: arguments. Out: calls of the library, and text for people on the two
-//! standard streams: results on one, progress, warnings and errors on the
-//! other. No geometry, and no default of a setting, is decided here.
+//! In: arguments. Out: calls of the library, and text for people: results on
+//! standard output; progress, warnings and errors on the error stream. This
+//! module decides on no geometry and on no setting's default.
 
 mod args;
 mod check;
@@ -61,7 +61,7 @@ Environment:
     version,
     after_help = EXAMPLES,
     max_term_width = 100,
-    // Without a command there is nothing to do but explain.
+    // Without a command the help is shown.
     arg_required_else_help = true
 )]
 pub(crate) struct Cli {

@@ -1,7 +1,7 @@
 //! `isoslice new`: a model and settings to start from.
 //!
-//! Guaranteed: nothing that exists is overwritten, and either both files are
-//! written, completely, or none.
+//! Guaranteed: no existing file is overwritten, and either both files are
+//! written completely, or neither.
 
 use super::output::Output;
 use super::{plain, terminal};
@@ -20,7 +20,7 @@ Examples:
 /// The script; `NAME` becomes the part's name.
 const SCRIPT: &str = include_str!("starter.rhai");
 
-/// The settings that one is likeliest to want to change.
+/// The settings that people are likeliest to change.
 const USEFUL: &[&str] = &[
     "layer_height",
     "walls",
@@ -58,7 +58,7 @@ pub(super) struct NewArgs {
 
 pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
     let given = args.name.display();
-    // Who names the script means the same as who names the part.
+    // The name of the script means the part of that name.
     let base = match args.name.extension() {
         Some(extension) if extension == "rhai" => args.name.with_extension(""),
         _ => args.name.clone(),
@@ -66,11 +66,11 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
     let Some(stem) = base.file_name().and_then(|name| name.to_str()) else {
         bail!("{given} is no name for a file; write part, for example");
     };
-    // It is a line of both files.
+    // The name stands in a line of both files.
     if stem.contains(plain::is_obeyed) {
         bail!("{given} has characters that no editor shows; write part");
     }
-    // A name may have a point in it: with_extension would cut there.
+    // A name may have a point in it, at which `with_extension` would cut it.
     let beside =
         |extension: &str| base.with_file_name(format!("{stem}.{extension}"));
     let (script, settings) = (beside("rhai"), beside("toml"));
@@ -88,11 +88,11 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
             .with_context(|| cannot(path))?;
         outputs.push(output);
     }
-    // Both are complete before either is put in its place.
+    // Both files are complete before either is put in its place.
     for (k, output) in outputs.into_iter().enumerate() {
         if let Err(error) = output.finish() {
             for (ours, _) in &texts[..k] {
-                // It is of a moment ago.
+                // This run has written that file a moment ago.
                 let _ = fs::remove_file(ours);
             }
             return Err(error).with_context(|| cannot(texts[k].0));

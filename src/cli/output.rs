@@ -1,14 +1,12 @@
-//! The file a command writes: complete, or not there at all.
+//! The file that a command writes: complete, or not there at all.
 //!
-//! Guaranteed: the destination changes only once everything is written, in
-//! one step; until then, and after an error, it is as it was. Not guaranteed
-//! for what is not a file, such as standard output, which is written as it
-//! comes, and not against the process being killed, which may leave a hidden
-//! file beside the destination, `.isoslice-….tmp`. Asked to end (Ctrl-C), the
-//! process removes that first: see [`discard_all`]. (A file without a name would
-//! not even survive that, but could not take the place of another in one step.)
+//! Guaranteed: the destination changes in one step, once everything is written.
+//! Until then, and after an error, it is as it was. Not guaranteed: a
+//! destination that is not a file, such as standard output, is written piece by
+//! piece, and a process that is killed may leave a hidden file beside the
+//! destination, `.isoslice-….tmp`. A process that is asked to end (Ctrl-C)
+//! removes that file first: see [`discard_all`].
 
-use super::args::is_stream;
 use super::closed;
 use anyhow::{Context, bail};
 use std::fs::{self, File};
@@ -17,23 +15,28 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
 
-/// Bytes that are written at a time: files of tens of megabytes are common,
-/// and each call to the system costs microseconds.
+/// True if `path` stands for standard input or output.
+pub(super) fn is_stream(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Bytes that are written at a time. Files of tens of megabytes are common, and
+/// each call to the system costs microseconds.
 const BUFFER: usize = 1 << 18;
 
-/// Half-written files: names that are to go if the process ends.
+/// Names of half-written files, which are removed if the process ends.
 static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn pending() -> MutexGuard<'static, Vec<PathBuf>> {
     PENDING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes what is half-written, because the process is about to end. While
-/// the result is held, nothing is put in its place and nothing begun.
+/// Removes half-written files, because the process is about to end. While the
+/// result is held, no file is begun or put in its place.
 pub(super) fn discard_all() -> MutexGuard<'static, Vec<PathBuf>> {
     let mut pending = pending();
     for path in pending.drain(..) {
-        // There is nobody left to tell.
+        // Nobody can be told of a failure any more.
         let _ = fs::remove_file(path);
     }
     pending
@@ -41,14 +44,14 @@ pub(super) fn discard_all() -> MutexGuard<'static, Vec<PathBuf>> {
 
 /// Output that is being written.
 pub(super) enum Output {
-    /// Beside the destination, to be renamed.
+    /// A file beside the destination, which is renamed at the end.
     Pending {
         writer: BufWriter<NamedTempFile>,
         destination: PathBuf,
-        /// Whether it takes the place of what is there then.
+        /// Whether it replaces a file at the destination.
         replaces: bool,
     },
-    /// Straight into something that cannot be replaced.
+    /// A stream that is written to directly.
     Stream(BufWriter<Box<dyn Write>>),
 }
 
@@ -83,7 +86,7 @@ impl Output {
                 path.display()
             );
         }
-        // A link stays one: what it points to is replaced.
+        // If the destination is a link, the file that it points to is replaced.
         let destination =
             fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         for input in inputs {
@@ -134,8 +137,8 @@ impl Output {
         })
     }
 
-    /// Starts writing to `path`, where there must be nothing, neither now nor
-    /// at the end.
+    /// Starts writing to `path`. No file may be there, neither now nor at the
+    /// end.
     pub(super) fn create_new(path: &Path) -> anyhow::Result<Self> {
         if fs::symlink_metadata(path).is_ok() {
             bail!(
@@ -153,8 +156,8 @@ impl Output {
         })
     }
 
-    /// True if it goes to something other than a file, so that our own words
-    /// on standard output might get into it.
+    /// True if the output is not a file, so that messages on standard output
+    /// might get into it.
     pub(super) fn is_stream(&self) -> bool {
         matches!(self, Output::Stream(_))
     }
@@ -169,14 +172,15 @@ impl Output {
                 replaces,
             } => {
                 let file = writer.into_inner().map_err(|e| e.into_error())?;
-                // Some systems tell only now that the disk is full. And the
-                // name must not be on the disk before what it names.
+                // Some systems tell only now that the disk is full. Also, the
+                // contents must be on the disk before the name.
                 file.as_file().sync_all()?;
                 let mut pending = pending();
                 let path = file.path().to_owned();
-                let done = match replaces {
-                    true => file.persist(destination),
-                    false => file.persist_noclobber(destination),
+                let done = if replaces {
+                    file.persist(destination)
+                } else {
+                    file.persist_noclobber(destination)
                 };
                 pending.retain(|p| *p != path);
                 done.map(drop).map_err(|e| e.error)
@@ -204,7 +208,7 @@ impl Write for Output {
 /// Writes a command's result to standard output.
 ///
 /// # Errors
-/// If that is closed, or not all of it is taken.
+/// If standard output is closed, or does not take all of the result.
 pub(super) fn print(result: &[u8]) -> anyhow::Result<()> {
     closed::need_output()?;
     let mut out = stdout().lock();
@@ -212,8 +216,8 @@ pub(super) fn print(result: &[u8]) -> anyhow::Result<()> {
     Ok(out.flush()?)
 }
 
-/// Whether two names, of files that may not be there yet, are one file's: also
-/// through links, hard ones included, and where case does not matter.
+/// True if two names are names of one file, which may not exist yet. Links,
+/// hard links and systems that ignore case are seen through.
 pub(super) fn same_file(a: &Path, b: &Path) -> bool {
     let is_file = |path: &Path| fs::metadata(path).is_ok_and(|d| d.is_file());
     if is_file(a) && is_file(b) {
@@ -244,8 +248,8 @@ fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     builder.prefix(".isoslice-").suffix(".tmp");
     #[cfg(unix)]
     {
-        // Temporary files are private by default, but this one will be the
-        // user's: as any other new file, what the umask leaves of this.
+        // Temporary files are private by default. This one becomes the user's,
+        // so it gets the permissions of any new file, which the umask limits.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }

@@ -1,7 +1,7 @@
-//! The arguments, and what is said about those that are none.
+//! Reads the arguments, and explains unknown ones.
 //!
-//! Settings are no options. Who writes one as an option, or uses another
-//! slicer's word for one, is told what to write.
+//! Settings are no options. If someone writes one as an option, or uses another
+//! slicer's word, the message says what to write.
 
 use super::{Cli, plain};
 use clap::Parser;
@@ -9,7 +9,8 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use isoslice::settings;
 use std::process::exit;
 
-/// Words of other slicers, and of ours in other places, as options.
+/// Options of other slicers, and words of this program in the wrong place, with
+/// what to write instead.
 const WORDS: &[(&str, &str)] = &[
     ("supports", NO_SUPPORTS),
     ("support", NO_SUPPORTS),
@@ -58,7 +59,7 @@ const TEMPERATURE: &str = "--set filament.nozzle_temperature=210";
 const NO_SUPPORTS: &str = "isoslice makes no supports or rafts yet: turn the \
                            part, or model them";
 
-/// The command line, or the end of the program.
+/// Reads the command line, or ends the program.
 pub(crate) fn parse() -> Cli {
     let mut error = match Cli::try_parse() {
         Ok(cli) => return cli,
@@ -66,22 +67,21 @@ pub(crate) fn parse() -> Cli {
     };
     suggest_setting(&mut error);
     let code = error.exit_code();
-    // What was written is repeated, letter for letter.
+    // The message repeats what was written, letter for letter.
     let obeyed = |arg: std::ffi::OsString| {
         arg.to_string_lossy().contains(plain::is_obeyed)
     };
-    match error.use_stderr() && std::env::args_os().any(obeyed) {
-        true => {
-            eprint!("{}", plain::lines(&error.render().to_string()));
-        }
-        // Nobody is there to be told that it cannot be shown.
-        false => drop(error.print()),
+    if error.use_stderr() && std::env::args_os().any(obeyed) {
+        eprint!("{}", plain::lines(&error.render().to_string()));
+    } else {
+        // Where even the message cannot be shown, nobody can be told so.
+        drop(error.print());
     }
     exit(code)
 }
 
-/// An option that is the name of a setting is not a misspelt option, and a
-/// model is no command.
+/// Adds what to write for an option that names a setting, and for a model in a
+/// command's place.
 fn suggest_setting(error: &mut clap::Error) {
     let kind = match error.kind() {
         ErrorKind::UnknownArgument => ContextKind::InvalidArg,
@@ -105,7 +105,7 @@ fn suggest_setting(error: &mut clap::Error) {
     let Some(tip) = tip else {
         return;
     };
-    // Others would only be like it by chance.
+    // clap's suggestions would be alike by chance only.
     for kind in [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand] {
         error.remove(kind);
     }
@@ -117,7 +117,8 @@ fn is_model(given: &str) -> bool {
     given.ends_with(".rhai") || given.ends_with(".vm")
 }
 
-/// What to write instead of something that is no option, after `before`.
+/// What to write instead of an argument that is no option and stands after
+/// `before`.
 fn stray(given: &str, before: &str) -> Option<String> {
     let is_name = settings::keys().iter().any(|key| key.name == before);
     if is_name {
@@ -133,9 +134,10 @@ fn tip(given: &str) -> Option<String> {
     let name = given.trim_start_matches('-').split('=').next()?;
     let name = name.to_lowercase().replace('_', "-");
     if let Some((_, instead)) = WORDS.iter().find(|(word, _)| *word == name) {
-        return Some(match instead.starts_with('-') {
-            true => format!("write {instead}"),
-            false => (*instead).to_owned(),
+        return Some(if instead.starts_with('-') {
+            format!("write {instead}")
+        } else {
+            (*instead).to_owned()
         });
     }
     let setting = name.replace('-', "_");
@@ -150,9 +152,10 @@ fn tip(given: &str) -> Option<String> {
         .take(3)
         .map(|key| {
             let default = key.default();
-            match default.contains(['\n', '"']) {
-                true => format!("--set {}=VALUE", key.name),
-                false => format!("--set {}={default}", key.name),
+            if default.contains(['\n', '"']) {
+                format!("--set {}=VALUE", key.name)
+            } else {
+                format!("--set {}={default}", key.name)
             }
         })
         .collect();

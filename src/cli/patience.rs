@@ -1,9 +1,9 @@
-//! A word to those who wait: what a long run is at, how long it will be, and
-//! how to have it shorter.
+//! Tells those who wait what a long run is doing, how long it will take, and
+//! how to make it shorter.
 //!
-//! Said on the error stream after ten seconds, and then at ever longer
-//! intervals, unless a bar shows it. The time left is that which the layers
-//! so far took, for those that are left.
+//! The message comes on the error stream after 10 seconds, and then at ever
+//! longer intervals, unless a bar shows the progress. The time left is
+//! estimated from the layers so far.
 
 use super::terminal;
 use isoslice::limits::{Activity, Watch};
@@ -11,21 +11,21 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// When the first word comes.
+/// Time of the first message.
 const FIRST: Duration = Duration::from_secs(10);
-/// The time of the next one, as a multiple of the last one's.
+/// Time of each further message, as a multiple of the last one's.
 const NEXT: u32 = 3;
 /// Time between looks.
 const EVERY: Duration = Duration::from_millis(250);
 
-/// Says a word now and then until it is dropped.
+/// Writes such messages until it is dropped.
 pub(super) struct Patience {
-    /// Nothing is sent; the thread ends when this is gone.
+    /// Nothing is ever sent. The thread ends when the sender is dropped.
     _alive: Option<Sender<()>>,
 }
 
 impl Patience {
-    /// For the work under a watch, which begins now.
+    /// Messages about the work under a watch, which begins now.
     pub(super) fn new(watch: &Watch) -> Self {
         if terminal::is_quiet() {
             return Patience { _alive: None };
@@ -50,7 +50,7 @@ impl Patience {
             }
         };
         let name = thread::Builder::new().name("patience".into());
-        // Without a thread there is no word, which is no reason to fail.
+        // Without a thread there are no messages, which is no reason to fail.
         let spawned = name.spawn(wait);
         Patience {
             _alive: spawned.is_ok().then_some(alive),
@@ -58,8 +58,8 @@ impl Patience {
     }
 }
 
-/// How long the layers that are left will take, if those since `before` were
-/// done in that time.
+/// How long the remaining layers will take, if those since `before` took
+/// `time`.
 fn left(
     activity: &Activity,
     took: Duration,
@@ -71,7 +71,7 @@ fn left(
     Duration::try_from_secs_f64(share * took.as_secs_f64()).ok()
 }
 
-/// What is said after that time.
+/// The message after some time.
 fn word(
     after: Duration,
     activity: &Activity,
@@ -95,7 +95,7 @@ fn word(
     text
 }
 
-/// `40 s`, `3 min`, `2.5 h`.
+/// Writes a time as `40 s`, `3 min` or `2.5 h`.
 fn spoken(time: Duration) -> String {
     match time.as_secs_f64() {
         s if s < 100.0 => format!("{s:.0} s"),
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(estimate, Some(Duration::from_secs(150)));
         let text = word(ten, &activity, estimate);
         assert!(text.contains("30 of 330 layers done, about 2 min to go"));
-        // Nothing was done since.
+        // No layer was done since.
         assert_eq!(left(&activity, ten, 30), None);
     }
 }

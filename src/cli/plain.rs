@@ -1,32 +1,33 @@
-//! Text on its way to a terminal: what it shows is what is there.
+//! Makes text safe to show on a terminal.
 //!
 //! In: text with parts that strangers may have written (names of files,
 //! messages of scripts, descriptions in profiles, lines of G-code). Out: the
-//! same without anything that a terminal would obey instead of showing it:
-//! control characters of both sets, marks that turn the direction of writing,
-//! other ends of lines, and letters without a width, each as `\u{1b}`. What
-//! nobody would read to its end is shortened in its middle.
+//! text without anything that a terminal obeys instead of showing it. Control
+//! characters of both sets, marks that turn the direction of writing, other
+//! ends of lines, and letters without a width are each written as `\u{1b}`.
+//! Long text is shortened in its middle.
 
 use super::output;
 use std::borrow::Cow;
 use std::io::{IsTerminal, stdout};
 
-/// Longest message or value, characters.
+/// Greatest length of a message or value, characters.
 const LONGEST: usize = 1600;
-/// As many of them are from its beginning; its end often has the remedy.
+/// Characters kept from the beginning of a long message. The others are kept
+/// from its end, which often has the remedy.
 const HEAD: usize = 1000;
 
-/// One line: the ends of lines in it are escaped as well.
+/// Text as one line, in which ends of lines are escaped, too.
 pub(super) fn line(text: &str) -> Cow<'_, str> {
     escaped(shortened(text), |_| false)
 }
 
-/// A value within a line.
+/// A value, as part of a line.
 pub(super) fn value(value: impl ToString) -> String {
     line(&value.to_string()).into_owned()
 }
 
-/// Text whose lines are our own.
+/// Text whose ends of lines are meant.
 pub(super) fn lines(text: &str) -> Cow<'_, str> {
     escaped(Cow::Borrowed(text), |c| c == '\n')
 }
@@ -35,13 +36,12 @@ pub(super) fn lines(text: &str) -> Cow<'_, str> {
 pub(super) fn json(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for c in text.chars() {
-        match is_obeyed(c) && c != '\n' {
-            true => {
-                for unit in c.encode_utf16(&mut [0; 2]) {
-                    plain.push_str(&format!("\\u{unit:04x}"));
-                }
+        if is_obeyed(c) && c != '\n' {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                plain.push_str(&format!("\\u{unit:04x}"));
             }
-            false => plain.push(c),
+        } else {
+            plain.push(c)
         }
     }
     plain
@@ -52,16 +52,17 @@ pub(super) fn print(text: &str) -> anyhow::Result<()> {
     output::print(lines(text).as_bytes())
 }
 
-/// Writes the text of a file to standard output: as it is, unless somebody
-/// looks at it there.
+/// Writes the text of a file to standard output: unchanged, unless that is a
+/// terminal.
 pub(super) fn print_file(text: &str) -> anyhow::Result<()> {
-    match stdout().is_terminal() {
-        true => print(text),
-        false => output::print(text.as_bytes()),
+    if stdout().is_terminal() {
+        print(text)
+    } else {
+        output::print(text.as_bytes())
     }
 }
 
-/// True for what a terminal obeys, or hides.
+/// True for a character that a terminal obeys or hides.
 pub(super) fn is_obeyed(c: char) -> bool {
     c.is_control()
         || matches!(c,
@@ -81,19 +82,22 @@ fn escaped(text: Cow<'_, str>, keep: impl Fn(char) -> bool) -> Cow<'_, str> {
     }
     let mut plain = String::with_capacity(text.len() + 16);
     for c in text.chars() {
-        match obeyed(c) {
-            true => plain.extend(c.escape_default()),
-            false => plain.push(c),
+        if obeyed(c) {
+            plain.extend(c.escape_default())
+        } else {
+            plain.push(c)
         }
     }
     Cow::Owned(plain)
 }
 
 fn shortened(text: &str) -> Cow<'_, str> {
-    // Bytes first: most messages are short.
-    let count = match text.len() <= LONGEST {
-        true => return Cow::Borrowed(text),
-        false => text.chars().count(),
+    // Most messages are short, which their bytes tell faster than their
+    // characters.
+    let count = if text.len() <= LONGEST {
+        return Cow::Borrowed(text);
+    } else {
+        text.chars().count()
     };
     if count <= LONGEST {
         return Cow::Borrowed(text);

@@ -1,4 +1,4 @@
-//! `isoslice preview`: from G-code, or a model, to a page that shows it.
+//! `isoslice preview`: makes a page that shows G-code or a model.
 
 use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
 use super::limits::{LimitArgs, watched};
@@ -59,7 +59,7 @@ pub(super) struct PreviewArgs {
     limits: LimitArgs,
 }
 
-/// What is shown; all but the file's name is for models.
+/// What is shown. All arguments but the file's name are for models.
 #[derive(Args, Clone, Debug, PartialEq)]
 struct Sliced {
     #[command(flatten)]
@@ -88,7 +88,7 @@ struct Sliced {
     threads: Option<u16>,
 }
 
-/// What the file named is.
+/// The kind of the file that is named.
 enum Kind {
     Model(Box<Gathered>),
     Gcode(PathBuf),
@@ -109,7 +109,8 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
         Kind::Gcode(path) => vec![path],
         Kind::Model(gathered) => args.source.model.inputs(gathered),
     };
-    // Before the work, so that a mistaken name costs none.
+    // The output is opened before the work, so that a mistaken name costs no
+    // time.
     let mut output = Output::create(&path, &inputs)?;
     if args.open && output.is_stream() {
         bail!("--open shows a file, and {} is none", path.display());
@@ -162,7 +163,7 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
 }
 
 impl PreviewArgs {
-    /// Where the page goes, and what it is called.
+    /// The page's file, and its title.
     fn names(&self) -> (PathBuf, String) {
         let input = match &self.source.model.model {
             Some(file) if file.as_os_str() == "-" => Path::new("preview"),
@@ -177,7 +178,7 @@ impl PreviewArgs {
         (output.unwrap_or_else(|| input.with_extension("html")), name)
     }
 
-    /// Slices the model into a file that nobody sees.
+    /// Slices the model into a temporary file.
     fn slice(
         &self,
         settings: &Settings,
@@ -191,7 +192,7 @@ impl PreviewArgs {
             layers: sliced.layers.unwrap_or(LayerRange::ALL),
             svg_dir: None,
             report: false,
-            // What is looked at need not be fit to print.
+            // A model that is only shown need not be fit to print.
             check: false,
             timestamp: None,
             format: Format::Text,
@@ -218,7 +219,7 @@ impl PreviewArgs {
 }
 
 impl Sliced {
-    /// What the file is, by its name. Options that would do nothing are
+    /// The kind of the file, by its name. Options that would have no effect are
     /// errors.
     fn kind(&self) -> anyhow::Result<Kind> {
         let Some(file) = &self.model.model else {
@@ -238,7 +239,7 @@ impl Sliced {
                 file.display()
             );
         }
-        // As if nothing but the file had been given.
+        // These are the arguments if only the file is given.
         let words = [OsStr::new("preview"), "--".as_ref(), file.as_os_str()];
         let plain = Sliced::from_arg_matches(
             &Sliced::augment_args(clap::Command::new("preview"))
@@ -251,9 +252,10 @@ impl Sliced {
                 file.display()
             );
         }
-        Ok(match file.as_os_str() == "-" {
-            true => Kind::Stdin,
-            false => Kind::Gcode(file.clone()),
+        Ok(if file.as_os_str() == "-" {
+            Kind::Stdin
+        } else {
+            Kind::Gcode(file.clone())
         })
     }
 
@@ -291,12 +293,12 @@ fn read_as<R: Read>(reader: Reader<R>, name: &str) -> anyhow::Result<Toolpath> {
     Ok(toolpath)
 }
 
-/// Diameter of the filament, which some slicers say at the end of the file
-/// only, when the beads have been read.
+/// Diameter of the filament. Some slicers write it only at the end of the file,
+/// behind the beads.
 fn said_diameter(file: &mut File) -> io::Result<Option<f64>> {
     const TAIL: u64 = 1 << 17;
     let metadata = file.metadata()?;
-    // What cannot be rewound (a pipe with a name) is read as it comes.
+    // A named pipe cannot be rewound, so it is read once.
     if !metadata.is_file() {
         return Ok(None);
     }

@@ -1,4 +1,4 @@
-//! `isoslice profiles`: which printers, filaments and presets there are.
+//! `isoslice profiles`: lists printers, filaments and presets.
 
 use super::args::ProfilesSource;
 use super::{plain, print_json, terminal};
@@ -65,14 +65,14 @@ pub(super) fn run(args: &ProfilesArgs) -> anyhow::Result<()> {
     }
 }
 
-/// A profile, as `--json` tells of it.
+/// A profile, as `--json` lists it.
 #[derive(Serialize)]
 struct Listed {
     kind: &'static str,
     name: String,
     description: String,
     inherits: Option<String>,
-    /// Null if it is part of the program.
+    /// The profile's file; null if it is part of the program.
     file: Option<String>,
 }
 
@@ -108,7 +108,7 @@ fn list(args: &ListArgs) -> anyhow::Result<()> {
     plain::print(&text)
 }
 
-/// The profiles of a kind; a warning says which cannot be read.
+/// The profiles of a kind. A warning tells which cannot be read.
 fn readable(profiles: &Profiles, kind: ProfileKind) -> Vec<Profile> {
     let (found, wrong) = profiles.list(kind);
     let chains = wrong.into_iter().map(|error| {

@@ -1,8 +1,8 @@
-//! `isoslice render`: a picture of a model, straight from its function.
+//! `isoslice render`: draws a model straight from its function.
 
-use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource, is_stream};
+use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
 use super::limits::{LimitArgs, watched};
-use super::output::Output;
+use super::output::{Output, is_stream};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -104,7 +104,7 @@ pub(super) struct RenderArgs {
     limits: LimitArgs,
 }
 
-/// What is behind the part.
+/// The colour behind the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Background {
     None,
@@ -118,7 +118,8 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<()> {
 fn render(args: &RenderArgs) -> anyhow::Result<()> {
     let gathered = args.settings.gather()?;
     let path = args.output_path();
-    // Before the work, so that a mistaken name costs none.
+    // The name is checked before the work, so that a mistaken one costs no
+    // time.
     if !path_is_png(&path) {
         bail!(
             "cannot write {}: render draws PNG pictures; name it \

@@ -1,4 +1,4 @@
-//! `isoslice settings`: all settings, as TOML that can be fed back.
+//! `isoslice settings`: prints all settings as TOML that can be read again.
 
 use super::args::{Gathered, SettingsSource};
 use super::{plain, print_json};
@@ -36,9 +36,10 @@ pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
         return print_json(&All(&gathered));
     }
     let settings = &gathered.settings;
-    let text = match args.effective {
-        true => settings.to_toml_with_origins(|key| origin(&gathered, key)),
-        false => settings.to_toml(),
+    let text = if args.effective {
+        settings.to_toml_with_origins(|key| origin(&gathered, key))
+    } else {
+        settings.to_toml()
     };
     plain::print_file(&text)
 }
@@ -75,9 +76,9 @@ impl Serialize for All<'_> {
     }
 }
 
-/// A value as JSON has it, from TOML.
+/// A value of TOML, to be written as JSON.
 fn value(text: &str) -> toml::Value {
     let parsed = text.parse::<toml::Value>();
-    // What a setting is written as is always TOML.
+    // A setting's value is always written as TOML.
     parsed.unwrap_or_else(|_| toml::Value::String(text.to_owned()))
 }

@@ -1,11 +1,11 @@
-//! Signals: what asks the process to end removes what is half-written first.
+//! Signals: a request to end removes half-written files first.
 //!
-//! Guaranteed on Linux: a signal that whoever started us ignores, as `nohup`
-//! and shells' background jobs do with some, stays ignored, and the others
-//! clean up all the same. A file that may not grow any further (`ulimit -f`)
-//! is an error of writing. Elsewhere what is ignored cannot be seen: there, of
-//! all these, only Ctrl-C and a request to end clean up. Not guaranteed: that
-//! what cannot be caught leaves no hidden file.
+//! Guaranteed on Linux: a signal that the parent process ignores, as `nohup`
+//! and the background jobs of shells do, stays ignored, and all other signals
+//! that end the process clean up. A file that may not grow (`ulimit -f`) is an
+//! error of writing. Elsewhere a program cannot see which signals are ignored,
+//! so only Ctrl-C and a request to end clean up. Not guaranteed: a signal that
+//! cannot be caught may leave a hidden file.
 
 use super::output;
 use anyhow::Context;
@@ -20,27 +20,27 @@ use std::process::exit;
 use std::sync::Arc;
 use std::thread;
 
-/// Exit code of a command that was interrupted: as shells write it for the
+/// Exit code of a command that was interrupted, as shells have it for the
 /// signal of Ctrl-C.
 const INTERRUPTED: i32 = 130;
 
-/// Signals that end a process which does not care for them.
+/// Signals that end a process that does not handle them.
 const ENDING: [i32; 10] = [
     SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2,
     SIGVTALRM, SIGPROF,
 ];
 
-/// From now on a request to end removes what is half-written first.
+/// Makes a request to end remove half-written files first.
 ///
 /// # Errors
-/// If the system does not let us.
+/// If the system refuses it.
 pub(super) fn end_cleanly_when_asked() -> anyhow::Result<()> {
     let heeded = |signal: &i32| match ignored() {
         Some(ignored) => ignored >> (signal - 1) & 1 == 0,
         None => matches!(*signal, SIGINT | SIGTERM),
     };
     if heeded(&SIGXFSZ) {
-        // Whoever catches it is told by what was written.
+        // With this signal caught, the write fails with an error.
         flag::register(SIGXFSZ, Arc::default())?;
     }
     let ending: Vec<i32> = ENDING.into_iter().filter(heeded).collect();

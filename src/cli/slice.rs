@@ -1,9 +1,9 @@
-//! `isoslice slice`: from a model to a G-code file, and a summary.
+//! `isoslice slice`: makes a G-code file of a model, and prints a summary.
 
-use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource, is_stream};
+use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
 use super::formats::format_of;
 use super::limits::{LimitArgs, watched};
-use super::output::{Output, same_file};
+use super::output::{Output, is_stream, same_file};
 use super::summary::{Sums, describe};
 use super::{plain, terminal};
 use anyhow::{Context, bail};
@@ -109,10 +109,11 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let gathered = args.settings.gather()?;
     let settings = &gathered.settings;
     let path = args.output_path();
-    // Before the work, so that a mistaken name costs none.
+    // Outputs are opened before the work, so that a mistaken name costs no
+    // time.
     let inputs = args.model.inputs(&gathered);
     if args.output.is_none() && inputs.contains(&path.as_path()) {
-        // G-code in a model's place: loading it says so.
+        // If the model is G-code, the error from loading it says so.
         args.model.load(settings)?;
     }
     let mut output = Output::create(&path, &inputs)?;
@@ -144,7 +145,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let summary =
         sliced.with_context(|| format!("cannot slice {}", model.name))?;
     let mut streamed = output.is_stream();
-    // Both are complete before either is put in its place.
+    // Both files are complete before either is put in its place.
     let report = match (report, &summary.report) {
         (Some((mut file, path)), Some(report)) => {
             let no_report = || format!("cannot write {}", path.display());
@@ -195,7 +196,8 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     if streamed {
         stderr().write_all(plain::lines(&text).as_bytes())?;
     } else {
-        // What matters is in the file: nobody has to listen.
+        // The result is in the file, so it is no error if nobody reads the
+        // summary.
         stdout().write_all(plain::lines(&text).as_bytes())?;
     }
     Ok(())
@@ -213,7 +215,7 @@ impl SliceArgs {
         }
     }
 
-    /// The report's file, which must be neither an input nor the G-code.
+    /// Opens the report's file, which must be neither an input nor the G-code.
     fn report_output(
         &self,
         gcode: &Path,
@@ -234,7 +236,7 @@ impl SliceArgs {
     }
 }
 
-/// The time, or what is to be taken for it.
+/// The time now, or SOURCE_DATE_EPOCH.
 fn now() -> anyhow::Result<SystemTime> {
     /// The end of the year 9999, seconds since 1970.
     const LAST: u64 = 253_402_300_799;

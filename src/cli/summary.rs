@@ -1,7 +1,7 @@
-//! What `isoslice slice` says when it is done: for people, and as JSON.
+//! The summary of `isoslice slice`, for people and as JSON.
 
-use super::args::is_stream;
 use super::info::dimensions;
+use super::output::is_stream;
 use super::plain;
 use glam::DVec3;
 use isoslice::check::{Finding, Kind, Verdict};
@@ -17,7 +17,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
 
-/// What came of a run, and what it was a run of.
+/// The results of a run, and what was sliced.
 pub(super) struct Sums<'a> {
     pub(super) model: &'a str,
     pub(super) output: &'a Path,
@@ -29,7 +29,7 @@ pub(super) struct Sums<'a> {
 }
 
 impl Sums<'_> {
-    /// Price of the filament, if it is known what a kilogram costs.
+    /// Price of the filament, if the price of a kilogram is set.
     fn cost(&self) -> Option<f64> {
         let per_kg = self.settings.filament.cost;
         (per_kg > 0.0).then(|| self.summary.filament_mass_g * per_kg / 1000.0)
@@ -100,7 +100,7 @@ struct Json<'a> {
     timings_s: Option<BTreeMap<&'static str, f64>>,
 }
 
-/// What nothing holds while it is printed, by kind.
+/// What hangs while it is printed, by kind.
 #[derive(Serialize)]
 struct HangingJson {
     begins_on_nothing: KindJson,
@@ -191,7 +191,8 @@ fn describe_hanging(
     Ok(())
 }
 
-/// How many islands stand on nothing, and where the first of them begins.
+/// The number of islands that begin in the air, and where the first of them
+/// begins.
 fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
     let count = *verdict.counts.get(&Kind::InTheAir)?;
     let is_one = |f: &&Finding| f.kind == Kind::InTheAir;
@@ -203,22 +204,22 @@ fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
 pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
     let mut text = String::new();
-    match is_stream(sums.output) {
-        true => {
-            writeln!(text, "{} (on standard output)", plain::line(sums.model))?
-        }
-        false => writeln!(text, "{}", plain::value(sums.output.display()))?,
+    if is_stream(sums.output) {
+        writeln!(text, "{} (on standard output)", plain::line(sums.model))?
+    } else {
+        writeln!(text, "{}", plain::value(sums.output.display()))?
     }
     writeln!(text, "  size        {}", dimensions(summary.size))?;
     let (layers, count) = (&summary.layers, summary.layer_count);
-    match *layers == (0..count) {
-        true => writeln!(text, "  layers      {count}")?,
-        false => writeln!(
+    if *layers == (0..count) {
+        writeln!(text, "  layers      {count}")?
+    } else {
+        writeln!(
             text,
             "  layers      {} to {} of {count}",
             layers.start + 1,
             layers.end
-        )?,
+        )?
     }
     writeln!(text, "  print time  {}", human_time(summary.time))?;
     write!(
@@ -252,7 +253,7 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
             summary.dropped_rings
         )?;
     }
-    // Less is what rounding leaves at sharp corners.
+    // Rounding leaves smaller areas at sharp corners.
     if summary.unfilled_area >= 1.0 {
         writeln!(
             text,
@@ -265,7 +266,8 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     if let Some(verdict) = &summary.verdict {
         let moves = verdict.moves;
         writeln!(text, "  checked     {moves} moves, safe for this printer")?;
-        // More than the part's islands explain: tips, and bits of infill.
+        // The line is for islands beyond those of the part, which the lines
+        // above tell of: tips, and bits of infill.
         if let Some((count, first)) = in_the_air(verdict)
             && count > summary.hanging.begins.count as u64
         {

@@ -1,15 +1,15 @@
 //! What people see on the error stream: errors, warnings, notes, progress.
 //!
-//! How much of it is one choice for the whole run, made before anything is
-//! said: `-q` leaves out progress and summaries, `-qq` warnings as well; `-v`
-//! adds notes, `-vv` where the time went. Errors are always shown.
+//! The level is set once, before the first message: `-q` leaves out progress
+//! and summaries, `-qq` warnings as well; `-v` adds notes, `-vv` where the time
+//! went. Errors are always shown.
 //!
-//! Whatever is said goes through [`plain`] first, since parts of it may be a
-//! stranger's words.
+//! Every message goes through [`plain`], since parts of it may be a stranger's
+//! words.
 //!
-//! Colours only on a terminal whose user has not set `NO_COLOR`
-//! (<https://no-color.org>); a stream that cannot be written to is given up
-//! silently, since there is nobody to tell.
+//! Colours are used only on a terminal whose user has not set `NO_COLOR`
+//! (<https://no-color.org>). A stream that cannot be written to is given up
+//! silently.
 
 use super::plain;
 use clap::builder::styling::{AnsiColor, Effects, Style};
@@ -30,13 +30,13 @@ const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
 
 const NOTE: Style = AnsiColor::Cyan.on_default().effects(Effects::BOLD);
 
-/// How much to say: 0 is as usual, less is quieter.
+/// How much to show: 0 is as usual, less is quieter.
 static LEVEL: AtomicI8 = AtomicI8::new(0);
 
 /// Whether a bar shows how far the run has come.
 static BAR: AtomicBool = AtomicBool::new(false);
 
-/// How much is said.
+/// How much is shown.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Messages")]
 pub(super) struct Verbosity {
@@ -57,7 +57,7 @@ pub(super) struct Verbosity {
 }
 
 impl Verbosity {
-    /// Makes it the run's.
+    /// Sets the level for the whole run.
     pub(super) fn apply(&self) {
         let of = |count: u8| i8::try_from(count).unwrap_or(i8::MAX);
         let level = of(self.verbose).saturating_sub(of(self.quiet));
@@ -65,17 +65,17 @@ impl Verbosity {
     }
 }
 
-/// How much to say: -1 and less without summary, 1 and more with notes.
+/// How much to show: without summary from -1 down, with notes from 1 up.
 fn level() -> i8 {
     LEVEL.load(Ordering::Relaxed)
 }
 
-/// True if summaries and progress are not wanted.
+/// True if summaries and progress are not to be shown.
 pub(super) fn is_quiet() -> bool {
     level() < 0
 }
 
-/// True if it was asked where the time went.
+/// True if the user asked where the time went.
 pub(super) fn wants_timings() -> bool {
     level() > 1
 }
@@ -91,7 +91,7 @@ pub(crate) fn report_error(error: &anyhow::Error) {
     }
 }
 
-/// An error as it is shown: in one line, but for those that list faults.
+/// An error as it is shown: in one line, unless it lists faults.
 fn shown(error: &(dyn Error + 'static)) -> String {
     let text = error.to_string();
     match error.downcast_ref::<SliceError>() {
@@ -122,7 +122,7 @@ pub(super) fn progress(word: &str) {
     }
 }
 
-/// Shows what only the curious want to know.
+/// Shows notes, if they are asked for.
 pub(super) fn note(notes: &[String]) {
     if level() > 0 {
         for note in notes {
@@ -146,10 +146,10 @@ fn colours() -> bool {
     stderr().is_terminal() && !refused
 }
 
-/// A bar that counts layers and says what is being done, drawn only on a
+/// A bar that counts layers and names the stage. It is drawn only on a
 /// terminal.
 pub(super) fn layer_progress(quiet: bool, watch: &Watch) -> ProgressBar {
-    /// Time between looks: often enough to see it move.
+    /// Time between updates, short enough to see the bar move.
     const EVERY: Duration = Duration::from_millis(200);
     if quiet || !stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -166,7 +166,7 @@ pub(super) fn layer_progress(quiet: bool, watch: &Watch) -> ProgressBar {
         };
         bar.set_style(style.with_key("doing", doing));
     }
-    // Also when the work is stopped half-way.
+    // The bar goes away also when the work is stopped half-way.
     let bar = bar.with_finish(ProgressFinish::AndClear);
     bar.enable_steady_tick(EVERY);
     BAR.store(true, Ordering::Relaxed);

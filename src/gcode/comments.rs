@@ -5,30 +5,31 @@
 //! | dialect | layers | roles | sizes |
 //! |---|---|---|---|
 //! | `prusa`, the default | `;LAYER_CHANGE`, `;Z:` | `;TYPE:External perimeter` | `;WIDTH:`, `;HEIGHT:` |
-//! | `orca` | the same | `;TYPE:Outer wall` | the same |
+//! | `orca` | as `prusa` | `;TYPE:Outer wall` | as `prusa` |
 //! | `cura` | `;LAYER:` from 0 | `;TYPE:WALL-OUTER` | |
 //! | `none` | | | |
 //!
-//! Never two kinds of layer marks in one file: PrusaSlicer's viewer would
-//! count both. Some viewers colour by words they find anywhere in a comment,
-//! so comments of our own avoid the roles' words. No dialect claims to be
-//! another slicer's file: a viewer that believes it looks for that slicer's
+//! A file never has two kinds of layer marks: PrusaSlicer's viewer would count
+//! both. Some viewers colour by words they find anywhere in a comment, so
+//! comments of our own avoid the roles' words. No dialect claims to be another
+//! slicer's file: a viewer that believes it looks for that slicer's
 //! configuration, and refuses the file.
 
 use crate::bead::Role;
 use crate::settings::{Comments, Flavour};
 
-/// Stands after the last layer: from the first layer's mark to here a file
-/// can be joined with those of the part's other layers.
+/// The comment after the last layer. What stands between the first layer's mark
+/// and this comment can be joined with the other layers of the part from other
+/// files.
 pub(super) const END_OF_LAYERS: &str = "; end of layers";
 
-/// Stands before a wipe.
+/// The comment before a wipe.
 pub(super) const WIPE_START: &str = ";WIPE_START";
 
-/// Stands after a wipe.
+/// The comment after a wipe.
 pub(super) const WIPE_END: &str = ";WIPE_END";
 
-/// The role's name in a dialect, if that names roles.
+/// The role's name in a dialect; nothing if the dialect does not name roles.
 pub fn role_name(dialect: Comments, role: Role) -> Option<&'static str> {
     match dialect {
         Comments::Prusa => Some(prusa(role)),
@@ -38,8 +39,7 @@ pub fn role_name(dialect: Comments, role: Role) -> Option<&'static str> {
     }
 }
 
-/// What a start or end template prints is not the part; Cura has no word for
-/// that.
+/// The role of what a start or end template prints. Cura has no word for it.
 pub(super) fn custom(dialect: Comments) -> Option<&'static str> {
     match dialect {
         Comments::Prusa | Comments::Orca => Some("Custom"),
@@ -52,7 +52,8 @@ pub(super) fn has_sizes(dialect: Comments) -> bool {
     matches!(dialect, Comments::Prusa | Comments::Orca)
 }
 
-/// Cura's name of a firmware: its reader takes any other for Marlin's.
+/// Cura's name of a firmware. Cura reads a file with any other name as one for
+/// Marlin.
 pub(super) fn cura_flavour(flavour: Flavour) -> &'static str {
     match flavour {
         Flavour::Rrf => "RepRap",

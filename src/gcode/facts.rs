@@ -1,10 +1,10 @@
 //! What hosts, screens and web pages show of a print, as keys and values.
 //!
 //! In: the settings, and what the print takes. Out: keys in the words of
-//! PrusaSlicer, which the others have taken over: Moonraker (`metadata.py`),
-//! PrusaLink (`gcode_metadata`), RepRapFirmware (`FileInfoParser.cpp`), the
-//! firmware of Prusa's printers (`gcode_info.cpp`). Text has them in its
-//! foot, binary G-code in tables.
+//! PrusaSlicer, which other programs have taken over: Moonraker
+//! (`metadata.py`), PrusaLink (`gcode_metadata`), RepRapFirmware
+//! (`FileInfoParser.cpp`), the firmware of Prusa's printers (`gcode_info.cpp`).
+//! A text file has the keys in its foot, a binary file in tables.
 
 use super::number::text;
 use super::{COARSE, Totals, WIDTH, XYZ};
@@ -52,7 +52,7 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     add(of, false, "total filament used [g]", grams);
     add(of, true, "filament cost", text(cost, 2));
     add(of, true, "estimated printing time (normal mode)", time);
-    // RepRapFirmware knows the second one.
+    // RepRapFirmware knows this key.
     add(of, false, "total layers count", t.layers.to_string());
     add(of, false, "num_layers", t.layers.to_string());
     add(of, false, "total toolchanges", "0".to_owned());
@@ -76,7 +76,7 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     if !s.printer.model.trim().is_empty() {
         add(of, true, "printer_model", plain(&s.printer.model));
     }
-    // Whole degrees and millimetres: there are readers that take no others.
+    // Some readers take only whole degrees and millimetres.
     let f = &s.filament;
     if let Some(above) = f.nozzle_temperature.constant() {
         add(of, true, "temperature", text(above.round(), COARSE));
@@ -101,7 +101,7 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     all
 }
 
-/// A name that stays in its line.
+/// A name without the signs that would end its line.
 fn plain(name: &str) -> String {
     name.trim().chars().filter(|c| !c.is_control()).collect()
 }

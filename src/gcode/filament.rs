@@ -9,22 +9,23 @@ const E_UNITS: f64 = 1e5;
 /// The filament's position.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Filament {
-    /// True if each word is a step, and no place.
+    /// True if each E word is a step, not a position.
     pub(super) relative: bool,
-    /// Fed into the print, exactly, mm.
+    /// Filament fed into the print, not rounded, mm.
     pub(super) exact: Mm,
-    /// Pulled back at present, units of the last decimal.
+    /// Filament that is pulled back now, in units of the last decimal.
     pub(super) back: i64,
-    /// Where the machine has been told to go since the start, units.
+    /// The position that the machine was told last, counted from the start, in
+    /// units of the last decimal.
     pub(super) told: i64,
-    /// Where its last reset was, units; nothing if the next layer has to
-    /// begin with one.
+    /// The position of the last reset, in units of the last decimal; nothing if
+    /// the next layer has to begin with a reset.
     pub(super) zero: Option<i64>,
 }
 
 impl Filament {
-    /// Brings the machine to where the filament should be: the number for an
-    /// E word, or nothing if it is there.
+    /// The number of the E word that brings the machine to where the filament
+    /// should be; nothing if the filament is there.
     pub(super) fn word(&mut self) -> Option<i64> {
         let goal = (self.exact * E_UNITS).round() as i64 - self.back;
         let step = goal - self.told;

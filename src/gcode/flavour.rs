@@ -7,7 +7,7 @@
 //! | | Marlin 2 | Prusa | RepRapFirmware 3 | Klipper |
 //! |---|---|---|---|---|
 //! | acceleration | M204 P T | M204 P T | M204 P T | SET_VELOCITY_LIMIT, M204 S |
-//! | the same, of a bead | M204 P | M204 P | M204 P | M204 S |
+//! | acceleration of a bead | M204 P | M204 P | M204 P | M204 S |
 //! | corners | M205 X Y J | M205 X Y | M566 X Y | SET_VELOCITY_LIMIT |
 //! | pressure advance | M900 K | M900 K, M572 S | M572 D0 S | SET_PRESSURE_ADVANCE |
 //! | fan off | M107 | M107 | M106 S0 | M107 |
@@ -20,20 +20,19 @@
 //! full.
 
 use super::number::text;
-use super::progress::Progress;
 use crate::pace::motion::Planner;
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, Percent, feed_rate};
 
-/// Home, then wait off the bed for the heaters.
+/// Homes, then waits off the bed for the heaters.
 const START: &str = "\
 G28
 G1 Z5 F{{ feed_rate_z }}
 ";
 
-/// Heaters off first, so that they are off even if a move is refused; then
-/// off the part before aside, so that the nozzle is not dragged over it. The
-/// writer turns the fan off.
+/// Turns the heaters off first, so that they are off even if a move is refused.
+/// Then lifts the nozzle before it moves aside, so that the nozzle is not
+/// dragged over the part. The writer turns the fan off.
 const END: &str = "\
 M104 S0
 {% if bed_temperature > 0 or first_layer_bed_temperature > 0 %}
@@ -80,7 +79,8 @@ pub(super) fn print_acceleration(flavour: Flavour) -> &'static [u8] {
     }
 }
 
-/// True if beads have to set an acceleration, and not the file's start alone.
+/// True if the beads set accelerations; false if the file's start sets the only
+/// one.
 pub(super) fn sets_acceleration(settings: &Settings) -> bool {
     let gcode = &settings.gcode;
     gcode.set_limits
@@ -93,8 +93,8 @@ pub(super) fn print_stats(flavour: Flavour) -> bool {
     flavour == Flavour::Klipper
 }
 
-/// A line that makes the extruder the one that temperatures are for, where
-/// none is until then.
+/// The line that selects the extruder, for firmware that starts with none
+/// selected: temperatures are for the selected one.
 pub(super) fn select_tool(flavour: Flavour) -> Option<&'static str> {
     (flavour == Flavour::Rrf).then_some("T0")
 }
@@ -102,13 +102,14 @@ pub(super) fn select_tool(flavour: Flavour) -> Option<&'static str> {
 /// Which of Prusa's two firmwares a printer has, by what it calls itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Board {
-    /// Nobody says: only what both know.
+    /// The settings do not say: the file has only commands that both know.
     Unknown,
-    /// The 8-bit one, to the MK3S+.
+    /// The 8-bit firmware, of printers up to the MK3S+.
     Old,
-    /// The one of the MINI: linear advance, M900.
+    /// The firmware of the MINI, which has linear advance, M900.
     Mini,
-    /// The one of MK3.5, MK4, XL, CORE One: pressure advance, M572.
+    /// The firmware of MK3.5, MK4, XL and CORE One, which has pressure advance,
+    /// M572.
     Buddy,
 }
 
@@ -129,14 +130,14 @@ impl Board {
     }
 }
 
-/// Asks the firmware whether the file is for this printer.
+/// Lines that ask the firmware whether the file is for this printer.
 pub(super) fn checks(settings: &Settings) -> Vec<String> {
     let printer = &settings.printer;
     if settings.gcode.flavour != Flavour::Prusa {
         return Vec::new();
     }
     let mut lines = Vec::new();
-    // A quote or a line's end would end the name.
+    // The name must not hold a quote or the end of a line.
     let model: String = printer
         .model
         .trim()
@@ -150,11 +151,12 @@ pub(super) fn checks(settings: &Settings) -> Vec<String> {
     lines
 }
 
-/// Accelerations and the speed through corners.
+/// Lines that set the accelerations and the speed through corners.
 ///
-/// The square corner velocity v is the jerk of firmware that limits the
-/// sudden change of each axis: at a right angle one axis loses v and the other
-/// gains it. A junction deviation of v²·(√2 − 1)/a has the same speed there.
+/// The square corner velocity v is the jerk of firmware that limits the sudden
+/// change of each axis: at a right angle one axis loses v and the other gains
+/// v. A junction deviation of v²·(√2 − 1)/a gives the same speed at a right
+/// angle.
 pub(super) fn limits(settings: &Settings) -> Vec<String> {
     let printer = &settings.printer;
     let print = printer.acceleration;
@@ -186,7 +188,7 @@ pub(super) fn limits(settings: &Settings) -> Vec<String> {
     }
 }
 
-/// Sets the pressure advance, if it is to be set.
+/// The line that sets the pressure advance; nothing if the settings have none.
 pub(super) fn pressure_advance(settings: &Settings) -> Option<String> {
     let k = text(settings.filament.pressure_advance?, 4);
     Some(match settings.gcode.flavour {
@@ -200,7 +202,8 @@ pub(super) fn pressure_advance(settings: &Settings) -> Option<String> {
     })
 }
 
-/// Tells the firmware how to retract, if it is to do so.
+/// Lines that tell the firmware how to retract; none if the firmware does not
+/// retract.
 pub(super) fn retraction(settings: &Settings) -> Vec<String> {
     let retract = &settings.retract;
     if !retract.firmware || retract.length <= 0.0 {
@@ -228,7 +231,7 @@ pub(super) fn retraction(settings: &Settings) -> Vec<String> {
     }
 }
 
-/// Sets the fan to `pwm` of 255.
+/// The line that sets the fan to `pwm` of 255.
 pub(super) fn fan(flavour: Flavour, pwm: i64) -> String {
     match (flavour, pwm) {
         (Flavour::Rrf, _) => format!("M106 S{}", text(pwm as f64 / 255.0, 3)),
@@ -239,15 +242,24 @@ pub(super) fn fan(flavour: Flavour, pwm: i64) -> String {
 
 /// A fan's speed as the firmware counts it.
 pub(super) fn pwm(speed: Percent) -> i64 {
-    // A number that is none stops the fan.
+    // NaN becomes 0, which stops the fan.
     (speed.clamp(0.0, 100.0) * 2.55).round() as i64
+}
+
+/// How far the print has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Progress {
+    /// Whole percents done.
+    pub percent: u8,
+    /// Whole minutes left.
+    pub minutes: u64,
 }
 
 /// How far the print has come.
 pub(super) fn progress(flavour: Flavour, now: Progress) -> String {
     let Progress { percent, minutes } = now;
     match flavour {
-        // It counts the minutes itself.
+        // Klipper counts the minutes itself.
         Flavour::Klipper => format!("M73 P{percent}"),
         Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => {
             format!("M73 P{percent} R{minutes}")

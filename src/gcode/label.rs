@@ -1,4 +1,5 @@
-//! Labels of the part, by which hosts show it, and leave it out if asked.
+//! Labels of the part. Hosts show them, and leave the labelled part out if
+//! asked.
 //!
 //! In: the part's name and its outline seen from above. Out: the lines that
 //! define it in the file's head, and those around it in every layer. What is
@@ -10,22 +11,22 @@ use super::number::text;
 use crate::settings::{Emit, Flavour, Settings};
 use glam::DVec2;
 
-/// Decimals of the outline: it is clicked at, not printed.
+/// Decimals of the outline, which is clicked on, not printed.
 const DECIMALS: u32 = 2;
 
 /// The lines of a part's label.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Label {
-    /// In the file's head.
+    /// Lines for the file's head.
     pub define: Vec<String>,
-    /// Before the part in a layer.
+    /// The line before the part in a layer.
     pub start: String,
-    /// After it.
+    /// The line after the part in a layer.
     pub end: String,
 }
 
 impl Label {
-    /// The label of the file's part, if it is to have one.
+    /// The label of the file's part; nothing if the settings ask for none.
     pub(super) fn new(settings: &Settings, header: &Header) -> Option<Label> {
         let flavour = settings.gcode.flavour;
         let wanted = wanted(settings);
@@ -61,7 +62,7 @@ impl Label {
     }
 }
 
-/// True if the part's label needs its outline: Klipper's alone does.
+/// True if the part's label needs the part's outline, as Klipper's does.
 pub fn needs_outline(settings: &Settings) -> bool {
     settings.gcode.flavour == Flavour::Klipper && wanted(settings)
 }
@@ -75,8 +76,8 @@ fn wanted(settings: &Settings) -> bool {
 }
 
 /// True if any firmware of the flavour understands labels. Marlin does only if
-/// it was built to, which it is not by default, and Prusa's if it is the newer
-/// one.
+/// it was built with that option, which is off by default. Of Prusa's firmwares
+/// only the newer one does.
 fn known(flavour: Flavour, settings: &Settings) -> bool {
     match flavour {
         Flavour::Klipper | Flavour::Rrf => true,
@@ -87,16 +88,14 @@ fn known(flavour: Flavour, settings: &Settings) -> bool {
     }
 }
 
-/// A name that no parser stumbles over.
+/// A name of ASCII letters, digits and underscores, which every parser reads.
 fn name(model: &str) -> String {
-    let plain = |c: char| match c.is_ascii_alphanumeric() {
-        true => c,
-        false => '_',
-    };
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = model.chars().map(plain).collect();
-    match name.is_empty() {
-        true => "part".to_owned(),
-        false => name,
+    if name.is_empty() {
+        "part".to_owned()
+    } else {
+        name
     }
 }
 

@@ -10,7 +10,8 @@ use std::io::Write;
 use std::ops::Range;
 
 impl<W: Write> Writer<'_, W> {
-    /// The text of a layer; `pass_on` empties the buffer whenever it is full.
+    /// Appends the text of a layer to the buffer. `pass_on` empties the buffer
+    /// whenever it is full.
     pub(super) fn compose(
         &mut self,
         layer: &PacedLayer,
@@ -18,10 +19,11 @@ impl<W: Write> Writer<'_, W> {
     ) -> Result<(), WriteError> {
         self.layer = layer.span.index;
         self.layer_comments(layer)?;
-        // Readers that take a layer on its own want both in it.
+        // Some readers look at a layer alone, so each layer names its first
+        // role and width.
         self.role = None;
         self.width = None;
-        // Before the user's own lines, which may well set another.
+        // The user's own lines may set another temperature, so they come later.
         if self.layer == 1 {
             self.second_layer_temperature();
         }
@@ -37,9 +39,10 @@ impl<W: Write> Writer<'_, W> {
         }
         self.set_fan(layer.fan);
         let labelled = labelled(&layer.moves);
-        let label = match labelled.is_empty() {
-            true => None,
-            false => self.label.clone(),
+        let label = if labelled.is_empty() {
+            None
+        } else {
+            self.label.clone()
         };
         let mut clock = Clock::new(layer);
         self.mark_if_due(clock.time());
@@ -65,7 +68,7 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
-    /// Tells the machine what the layers below have told it, if these are in
+    /// Tells the machine what the layers below tell it, if those layers are in
     /// another file.
     pub(super) fn catch_up(&mut self) {
         let flavour = self.settings.gcode.flavour;
@@ -77,7 +80,7 @@ impl<W: Write> Writer<'_, W> {
         }
     }
 
-    /// Tells readers that a layer begins.
+    /// Writes the comments that mark the beginning of a layer.
     pub(super) fn layer_comments(
         &mut self,
         layer: &PacedLayer,
@@ -97,8 +100,8 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
-    /// The user's own lines for a layer. The machine may be anywhere, and in
-    /// any mode, after them.
+    /// Writes the user's own lines for a layer. The machine may be anywhere,
+    /// and in any mode, after them.
     pub(super) fn layer_template(
         &mut self,
         layer: &PacedLayer,
@@ -132,8 +135,8 @@ impl<W: Write> Writer<'_, W> {
     }
 }
 
-/// Which of a layer's moves print the part, and not a skirt before it, with
-/// the way there; none if nothing of the part is printed.
+/// The moves of a layer that print the part, with the travel to it, without the
+/// skirt before it. The range is empty if no part of it is printed.
 fn labelled(moves: &[PacedMove]) -> Range<usize> {
     let is = |m: &PacedMove, skirt: bool| {
         matches!(m, PacedMove::Print { bead, .. }

@@ -6,7 +6,7 @@
 //! 4·nozzle² (0.64 mm² for 0.4 mm), or that pushes more than 50 mm of filament
 //! without moving: purge lines made for other firmware often do.
 //!
-//! Not seen: what macros do, and moves from where nobody knows.
+//! Not seen: what macros do, and moves from an unknown position.
 
 use super::number::text;
 use crate::settings::{Flavour, Settings, Varying};
@@ -19,7 +19,7 @@ const ALONE: f64 = 50.0;
 /// Klipper's `max_extrude_cross_section` in squares of the nozzle.
 const SECTION: f64 = 4.0;
 
-/// Where the head and the filament are.
+/// The position of the head and of the filament.
 #[derive(Clone, Copy, Debug)]
 struct State {
     at: DVec2,
@@ -145,7 +145,8 @@ fn extrusion(
     let most = SECTION * nozzle * nozzle;
     let section =
         fed * filament_area(settings.filament.diameter) / from.distance(to);
-    // False where the way is not known.
+    // Where the length of the move is not known, `section` is NaN and the
+    // comparison is false.
     (fed > 0.0 && section > most).then(|| {
         format!(
             "a line of {} mm², but Klipper by default refuses more than {} \
@@ -202,7 +203,7 @@ mod tests {
         assert_eq!(found("M83\nG1 X0 Y0\nG91\nG1 X10 E5").len(), 1);
         assert_eq!(found("G92 E0\nG1 E60 F300").len(), 1);
         assert_eq!(found("M83\nG1 E40 F300\nG1 E40").len(), 0);
-        // From nowhere, and other firmware.
+        // A move from an unknown position, and other firmware.
         assert_eq!(found("G1 X10 Y10 E50").len(), 0);
         let marlin = Settings::default();
         assert!(warnings("x", "G1 E60", &marlin).is_empty());

@@ -6,14 +6,11 @@ use crate::units::{Celsius, Percent};
 use std::io::Write;
 
 impl<W: Write> Writer<'_, W> {
-    /// Units and modes this writer relies on.
+    /// Sets the units and modes that this writer relies on.
     pub(super) fn modes(&mut self) {
         self.line("G21");
         self.line("G90");
-        self.line(match self.filament.relative {
-            true => "M83",
-            false => "M82",
-        });
+        self.line(if self.filament.relative { "M83" } else { "M82" });
     }
 
     pub(super) fn temperature(&mut self, command: &str, to: Celsius) {
@@ -35,7 +32,7 @@ impl<W: Write> Writer<'_, W> {
         }
     }
 
-    /// What a template prints is not the part.
+    /// Marks what follows as printed by a template, which is not the part.
     pub(super) fn custom_comment(&mut self) {
         self.type_comment(comments::custom(self.settings.gcode.comments));
     }
@@ -66,7 +63,8 @@ impl<W: Write> Writer<'_, W> {
         self.buffer.push(b'\n');
     }
 
-    /// A number as a count of last decimals, or the error that it is none.
+    /// A number as a count of its last decimal; an error if the number is not
+    /// finite.
     pub(super) fn count(
         &self,
         what: &'static str,

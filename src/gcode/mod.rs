@@ -1,4 +1,5 @@
-//! The G-code: text only, every decision about geometry and speed is made.
+//! Writes the G-code. Every decision about geometry and speed has been made
+//! before.
 //!
 //! In: [`PacedLayer`]s in print order, the settings, and a [`Header`]. Out:
 //! lines of G-code, written as they come, and the print's [`Totals`].
@@ -15,12 +16,11 @@
 //! - a move whose end rounds to where the head stands is left out;
 //! - the nozzle and the bed are waited for before the first layer;
 //! - every command is one that the firmware knows;
-//! - what is not a finite number is an error, never text;
+//! - a number that is not finite is an error, never text;
 //! - after [`Writer::restart`] the text does not depend on anything written
-//!   before: layers written by several runs can be joined. Nothing in a layer
-//!   tells how far the print has come, in time or filament, but the lines of
-//!   `progress`, which only a file of the whole part has; the file's end has
-//!   the totals.
+//!   before: layers written by several runs can be joined. Only the lines of
+//!   `progress` tell how far the print has come, and only a file of the whole
+//!   part has them; the file's end has the totals.
 //!
 //! Not guaranteed: that the templates make sense to the firmware.
 //!
@@ -83,13 +83,13 @@ use template::Templates;
 const XYZ: u32 = 3;
 /// Decimals of filament.
 const E: u32 = 5;
-/// Decimals of widths and heights in comments: at 0.1 mm a reader that
-/// computes the flow from them is right to 0.05 %.
+/// Decimals of widths and heights in comments. A reader that computes the flow
+/// of a bead of 0.1 mm from them is right to 0.05 %.
 const WIDTH: u32 = 4;
 /// Decimals of temperatures and accelerations.
 const COARSE: u32 = 1;
-/// Text after which the buffer is emptied, bytes: a large layer's is many
-/// times that.
+/// Length of text at which the buffer is emptied, bytes. The text of a large
+/// layer is many times as long.
 const FULL: usize = 1 << 16;
 
 /// What a file is written as.
@@ -98,7 +98,7 @@ pub enum Format {
     /// Text, which every printer reads.
     #[default]
     Text,
-    /// Binary G-code: the same text, packed, for Prusa's printers.
+    /// Binary G-code for Prusa's printers: the text, packed.
     Binary,
 }
 
@@ -107,22 +107,23 @@ pub enum Format {
 pub struct Header {
     /// Name of the model, without folder and extension.
     pub model_name: String,
-    /// How many layers the part has.
+    /// Number of the part's layers.
     pub layer_count: usize,
-    /// Indices of those in this file.
+    /// Indices of the layers in this file.
     pub layers: Range<usize>,
-    /// When it is written, if it is to say so.
+    /// When the file is written; nothing if the file does not say so.
     pub timestamp: Option<SystemTime>,
-    /// Temperature of the nozzle on the first of them.
+    /// Temperature of the nozzle on the first layer of the file.
     pub nozzle_temperature: Celsius,
     /// Lower corner of the part, on the bed.
     pub part_min: DVec3,
     /// Upper corner of the part.
     pub part_max: DVec3,
-    /// The part seen from above, on the bed: a convex ring around it. Where
-    /// it is empty its box is taken. Needed if [`needs_outline`] says so.
+    /// The part seen from above, on the bed: a convex ring around it. If the
+    /// ring is empty, the part's box is used. [`needs_outline`] says whether it
+    /// is needed.
     pub outline: Vec<DVec2>,
-    /// Pictures of it.
+    /// Pictures of the part.
     pub thumbnails: Vec<Thumbnail>,
     /// What the file is written as.
     pub format: Format,
@@ -133,16 +134,16 @@ pub struct Header {
 pub struct Totals {
     /// Length of filament fed.
     pub filament_length: Mm,
-    /// Volume of it.
+    /// Volume of filament fed.
     pub filament_volume: Mm3,
-    /// Mass of it, grams.
+    /// Mass of filament fed, grams.
     pub filament_mass_g: f64,
-    /// Time of all moves, those of the templates as well, without heating,
+    /// Time of all moves, also those of the templates, but without heating,
     /// homing and macros.
     pub time: Seconds,
     /// Number of layers written.
     pub layers: usize,
-    /// Upper face of the highest of them.
+    /// Top of the highest layer written.
     pub height: Mm,
 }
 
@@ -155,13 +156,13 @@ pub enum WriteError {
     /// A start or end template is wrong.
     #[error(transparent)]
     Template(#[from] TemplateError),
-    /// A coordinate, speed or length that is no number, or beyond measure.
+    /// A coordinate, speed or length is not finite or too large.
     #[error(
         "{what} of {value} on layer {layer}: this is a bug in isoslice, \
          please report it with the model"
     )]
     BadNumber {
-        /// What it is.
+        /// Whether it is a coordinate, a speed or a length.
         what: &'static str,
         /// The number.
         value: f64,
@@ -173,18 +174,18 @@ pub enum WriteError {
 /// Writes a print, layer by layer.
 pub struct Writer<'a, W: Write> {
     out: Sink<W>,
-    /// What the head says of the file, for the binary form, which has it in
-    /// tables.
+    /// What the head says of the file. The binary form has it in tables.
     said: Option<ends::Said>,
-    /// Told of the text as soon as it is composed.
+    /// Gets the text as soon as it is composed.
     copy: &'a mut dyn FnMut(&[u8]),
     settings: &'a Settings,
     templates: Templates<'a>,
     label: Option<Label>,
-    /// Where the text is until the whole time is known, if it has to be.
+    /// Holds the text until the whole time is known, if a line in it tells the
+    /// time left.
     waiting: Option<Waiting>,
     warnings: Vec<String>,
-    /// Text not yet handed on; reused.
+    /// Text that has not been handed on.
     buffer: Vec<u8>,
     totals: Totals,
     /// Filament that the firmware has fed by itself, mm.
@@ -195,7 +196,7 @@ pub struct Writer<'a, W: Write> {
     /// True if beads differ in their acceleration from what was told before.
     sets_acceleration: bool,
 
-    // What the machine has been told so far, in units of last decimals;
+    // What the machine has been told so far, in units of the last decimal;
     // nothing where a template may have changed it.
     xy: Option<(i64, i64)>,
     z: Option<i64>,
@@ -211,10 +212,10 @@ pub struct Writer<'a, W: Write> {
 }
 
 impl<'a, W: Write> Writer<'a, W> {
-    /// Begins a file: header, start template, heating. All text is handed to
-    /// `copy` as soon as it is composed, which may be long before it can be
-    /// written: lines that tell how far the print has come have other numbers
-    /// in the end, and nothing else has.
+    /// Begins a file: writes the head, the start template and the heating. All
+    /// text is handed to `copy` as soon as it is composed, which may be long
+    /// before it can be written. Only the lines that tell how far the print has
+    /// come are written with other numbers in the end.
     ///
     /// # Errors
     /// If a template is wrong or the output cannot be written.
@@ -227,9 +228,10 @@ impl<'a, W: Write> Writer<'a, W> {
         let templates = Templates::new(settings, header)?;
         let start = templates.start()?;
         let whole = header.layers == (0..header.layer_count);
-        let waiting = match whole && tells_progress(settings) {
-            true => Some(Waiting::new(settings.gcode.flavour)?),
-            false => None,
+        let waiting = if whole && tells_progress(settings) {
+            Some(Waiting::new(settings.gcode.flavour)?)
+        } else {
+            None
         };
         let mut writer = Self {
             out: Sink::new(out, header.format)?,
@@ -276,7 +278,7 @@ impl<'a, W: Write> Writer<'a, W> {
     /// Writes a layer.
     ///
     /// # Errors
-    /// If the output cannot be written, or a number is none.
+    /// If the output cannot be written, or a number is not finite.
     pub fn layer(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
         let before = self.filament.exact + self.extra;
         if self.totals.layers == 0 {
@@ -292,11 +294,11 @@ impl<'a, W: Write> Writer<'a, W> {
         self.flush()
     }
 
-    /// Does as if a layer were written, but writes and counts nothing: for
-    /// the layers below the first one of the file.
+    /// Goes through a layer without writing or counting anything: for the
+    /// layers below the first one of the file.
     ///
     /// # Errors
-    /// If a number is none.
+    /// If a number is not finite.
     pub fn rehearse(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
         let forget = |writer: &mut Self| {
             writer.buffer.clear();
@@ -307,14 +309,14 @@ impl<'a, W: Write> Writer<'a, W> {
     }
 
     /// Forgets what the machine has been told, as if the next layer were
-    /// written by a run of its own. The filament must be primed. Costs the
-    /// filament half a unit of its last decimal.
+    /// written by a run of its own. The filament must be primed. The filament's
+    /// position loses up to half a unit of its last decimal.
     pub fn restart(&mut self) {
         self.xy = None;
         self.z = None;
         self.feed = None;
         self.fan = None;
-        // Where it never changes it need not be told again.
+        // A constant temperature need not be told again.
         self.nozzle = self.settings.filament.nozzle_temperature.constant();
         self.acceleration = None;
         self.retracted = false;
@@ -324,8 +326,8 @@ impl<'a, W: Write> Writer<'a, W> {
         };
     }
 
-    /// Ends the file: last retraction, fan off, end template, what the print
-    /// takes.
+    /// Ends the file: retracts, turns the fan off, writes the end template and
+    /// what the print takes.
     ///
     /// # Errors
     /// If the output cannot be written.
@@ -336,8 +338,9 @@ impl<'a, W: Write> Writer<'a, W> {
         }
         let retract = &self.settings.retract;
         if self.totals.layers > 0 && !self.retracted && retract.length > 0.0 {
-            // By the file even where the firmware retracts: it would take
-            // the next print's first retraction for done.
+            // The file retracts here even if the firmware retracts elsewhere:
+            // that firmware would take the next print's first retraction for
+            // done.
             self.filament.back = self.count("retraction", retract.length, E)?;
             self.filament_move(retract.speed)?;
         }
@@ -350,7 +353,8 @@ impl<'a, W: Write> Writer<'a, W> {
         // Density is in g/cm³.
         totals.filament_mass_g =
             totals.filament_volume * 1e-3 * filament.density;
-        // The end may name the whole time, its own included.
+        // The end template may name the whole time, which includes the end's
+        // own. So it is filled in twice.
         let end = self.templates.end(self.totals)?;
         self.time_foot(&before, &end);
         let end = self.templates.end(self.totals)?;

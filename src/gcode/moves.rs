@@ -80,7 +80,7 @@ impl<W: Write> Writer<'_, W> {
         let area =
             bead.area() * flow / filament_area(self.settings.filament.diameter);
         let mut path = bead.path();
-        // The head is there already, or the line is left out.
+        // The head is at the first point, or this line is left out.
         if let Some(start) = path.next() {
             self.go(start, speed, None)?;
         }
@@ -172,7 +172,7 @@ impl<W: Write> Writer<'_, W> {
             self.filament.back = before + share as i64;
             self.go(p, speed, Some(0.0))?;
         }
-        // What rounding has left, if the last points are one place.
+        // If the last points are in one place, rounding leaves some filament.
         self.filament.back = before + back;
         self.retracted = true;
         self.filament_move(self.settings.retract.speed)?;
@@ -184,7 +184,7 @@ impl<W: Write> Writer<'_, W> {
 
     fn prime(&mut self, extra: Mm, speed: MmPerSec) -> Result<(), WriteError> {
         if self.settings.retract.firmware {
-            // What is always fed in addition, the firmware knows.
+            // The firmware knows of filament that is fed in addition each time.
             let mut own = 0.0;
             if std::mem::take(&mut self.retracted) {
                 self.line("G11");
@@ -200,14 +200,14 @@ impl<W: Write> Writer<'_, W> {
         self.filament_move(speed)
     }
 
-    /// Adds to what is fed into the print.
+    /// Adds a length to the filament fed into the print.
     fn feed_filament(&mut self, length: Mm) -> Result<(), WriteError> {
         self.filament.exact += length;
         self.count("filament length", self.filament.exact, E)
             .map(|_| ())
     }
 
-    /// A move of the filament alone.
+    /// Writes a move of the filament alone.
     pub(super) fn filament_move(
         &mut self,
         speed: MmPerSec,
@@ -220,10 +220,11 @@ impl<W: Write> Writer<'_, W> {
         self.end_move(speed)
     }
 
-    /// The feed rate if it changes, and the line's end.
+    /// Writes the feed rate if it changes, and the end of the line.
     fn end_move(&mut self, speed: MmPerSec) -> Result<(), WriteError> {
         let feed = self.count("speed", feed_rate(speed), 0)?;
-        // Zero would stop the print for good; the slowest is 1 mm/min.
+        // A feed rate of 0 would stop the print for good. The slowest is 1
+        // mm/min.
         let feed = feed.max(1);
         if self.feed != Some(feed) {
             self.feed = Some(feed);
@@ -233,8 +234,8 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
-    /// Absolute positions of the filament start again from zero now and then:
-    /// firmware keeps them in single precision.
+    /// Makes absolute positions of the filament start again from 0 when they
+    /// are large: firmware keeps them in single precision.
     pub(super) fn reset_filament(&mut self) {
         let filament = &mut self.filament;
         let zero = Some(filament.told);
@@ -264,7 +265,8 @@ impl<W: Write> Writer<'_, W> {
         self.buffer.push(b'\n');
     }
 
-    /// Sets the acceleration of travels, where it is that of beads as well.
+    /// Sets the acceleration of travels, for firmware that keeps one
+    /// acceleration for travels and beads.
     fn accelerate_travel(&mut self) {
         if flavour::one_acceleration(self.settings.gcode.flavour) {
             self.accelerate_printing(self.settings.travel_acceleration());

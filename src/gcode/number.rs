@@ -1,23 +1,24 @@
-//! Numbers as firmware reads them: fixed-point, no exponent, no negative
-//! zero, no trailing zeros.
+//! Numbers as firmware reads them: fixed-point, without exponents, negative
+//! zeros and trailing zeros.
 //!
 //! In: numbers scaled to an integer count of their last decimal. Out: text at
-//! the end of a buffer. Nearly all of a file is numbers, so they are written
-//! by hand; `format!` takes several times as long.
+//! the end of a buffer. Nearly all of a file is numbers, so this file writes
+//! their digits itself; `format!` takes several times as long.
 
-/// Greatest count of last decimals: far above any length on a machine, and
-/// small enough that an f64 holds the count exactly.
+/// Greatest count of last decimals. It is far above any length on a machine,
+/// and an f64 holds it exactly.
 const MAX_COUNT: f64 = 1e15;
 
-/// `value` as a count of its last of `decimals` decimals, rounded to nearest;
-/// nothing if it is not finite or beyond all measure.
+/// `value` as a count of units of its last decimal, rounded to nearest; nothing
+/// if `value` is not finite or the count above [`MAX_COUNT`].
 pub fn scaled(value: f64, decimals: u32) -> Option<i64> {
     let count = (value * 10f64.powi(decimals as i32)).round();
-    // Also false for NaN.
+    // The comparison is false for NaN.
     (count.abs() <= MAX_COUNT).then_some(count as i64)
 }
 
-/// Appends `count` units of the last of `decimals` decimals (at most 17).
+/// Appends a number of `decimals` decimals (at most 17) that is `count` units
+/// of the last one.
 pub fn push_scaled(buffer: &mut Vec<u8>, count: i64, decimals: u32) {
     if count == 0 {
         buffer.push(b'0');
@@ -59,7 +60,7 @@ pub fn push_integer(buffer: &mut Vec<u8>, mut n: u64) {
 }
 
 /// `value` with up to `decimals` decimals, as a string, for headers and
-/// templates; what is not finite reads `0`, which is never dangerous.
+/// templates. A value that is not finite becomes `0`, which is never dangerous.
 pub fn text(value: f64, decimals: u32) -> String {
     let mut buffer = Vec::new();
     push_scaled(&mut buffer, scaled(value, decimals).unwrap_or(0), decimals);
@@ -76,7 +77,7 @@ mod tests {
         String::from_utf8(b).expect("ASCII")
     }
 
-    /// The slow way.
+    /// The text by `format!`, to compare with.
     fn oracle(count: i64, decimals: u32) -> String {
         let unit = 10i64.pow(decimals);
         let sign = if count < 0 { "-" } else { "" };

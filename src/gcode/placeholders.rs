@@ -1,7 +1,7 @@
 //! What templates may name.
 //!
 //! In: the settings and what is known of the print. Out: values for the
-//! template engine. Besides [`PLACEHOLDERS`] every setting has its own name:
+//! template engine. Besides [`PLACEHOLDERS`] a template may name every setting:
 //! `layer_height`, `filament.diameter`.
 
 use super::{Header, Totals};
@@ -15,9 +15,9 @@ use std::collections::BTreeMap;
 pub struct Placeholder {
     /// The name.
     pub name: &'static str,
-    /// What it stands for, with its unit.
+    /// What the name stands for, with its unit.
     pub description: &'static str,
-    /// Where it is known.
+    /// The templates that know it.
     pub scope: Scope,
     value: fn(&Known<'_>) -> Value,
 }
@@ -25,22 +25,22 @@ pub struct Placeholder {
 /// Which templates know a placeholder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {
-    /// All of them.
+    /// Every template.
     All,
-    /// `gcode.layer`.
+    /// Only `gcode.layer`.
     Layer,
-    /// `gcode.end`.
+    /// Only `gcode.end`.
     End,
 }
 
 /// A layer that begins.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moment {
-    /// Its number, from 1.
+    /// The layer's number, from 1.
     pub number: usize,
-    /// Height of its top above the bed.
+    /// Height of the layer's top above the bed.
     pub z: Mm,
-    /// Its thickness.
+    /// The layer's thickness.
     pub height: Mm,
 }
 
@@ -55,7 +55,7 @@ impl Moment {
     }
 }
 
-/// What values are made of.
+/// What the values of placeholders are made of.
 pub(super) struct Known<'a> {
     pub settings: &'a Settings,
     pub header: &'a Header,
@@ -82,7 +82,8 @@ const PARK_LIFT: f64 = 10.0;
 pub const PLACEHOLDERS: &[Placeholder] = placeholders![
     All "nozzle_temperature", "nozzle temperature, °C",
         |k| {
-            // An expression begins above the first layer.
+            // An expression of the temperature holds above the first layer
+            // only.
             let filament = &k.settings.filament;
             let above = filament.nozzle_temperature.constant();
             number(above.unwrap_or(filament.first_layer_nozzle_temperature))
@@ -148,7 +149,8 @@ pub const PLACEHOLDERS: &[Placeholder] = placeholders![
         |k| length(k.totals.filament_mass_g);
 ];
 
-/// Names a template of that scope may use, settings by their whole names.
+/// The names that a template of a scope may use, with settings by their whole
+/// names.
 pub(super) fn names(scope: Scope) -> impl Iterator<Item = &'static str> {
     PLACEHOLDERS
         .iter()
@@ -157,14 +159,14 @@ pub(super) fn names(scope: Scope) -> impl Iterator<Item = &'static str> {
         .chain(setting_names())
 }
 
-/// Names of settings; templates are none of their own.
+/// Names of the settings, without the templates.
 fn setting_names() -> impl Iterator<Item = &'static str> {
     const TEMPLATES: [&str; 3] = ["gcode.start", "gcode.end", "gcode.layer"];
     let all = keys().iter().map(|k| k.name);
     all.filter(|name| !TEMPLATES.contains(name))
 }
 
-/// The settings, by their names.
+/// The values of all settings, by their names.
 pub(super) fn of_settings(settings: &Settings) -> BTreeMap<String, Value> {
     let mut values = BTreeMap::new();
     let mut groups: BTreeMap<&str, BTreeMap<&str, Value>> = BTreeMap::new();
@@ -209,13 +211,15 @@ fn from_toml(text: &str) -> Value {
     }
 }
 
-/// A whole number stays one in what is computed from it.
+/// A value that is an integer if the number is whole: what templates compute
+/// from it stays whole.
 fn number(x: f64) -> Value {
-    // Up to here an f64 holds every whole number.
+    // An f64 holds every whole number up to this one.
     const WHOLE: f64 = 9e15;
-    match x.fract() == 0.0 && x.abs() < WHOLE {
-        true => Value::from(x as i64),
-        false => Value::from(x),
+    if x.fract() == 0.0 && x.abs() < WHOLE {
+        Value::from(x as i64)
+    } else {
+        Value::from(x)
     }
 }
 
@@ -224,7 +228,7 @@ fn length(x: Mm) -> Value {
     number((x * 1e3).round() / 1e3)
 }
 
-/// `name` without what would end its line or hide in it.
+/// `name` without the signs that would end its line or hide in it.
 fn one_line(name: &str) -> String {
     name.chars()
         .map(|c| if c.is_control() { ' ' } else { c })

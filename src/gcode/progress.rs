@@ -5,7 +5,8 @@
 //! Until then the text waits in a temporary file, so that memory does not
 //! grow with the part.
 
-use super::{Writer, flavour};
+use super::Writer;
+use super::flavour::{self, Progress};
 use crate::pace::{PacedLayer, PacedMove};
 use crate::settings::{Emit, Flavour, Settings};
 use crate::units::Seconds;
@@ -15,32 +16,23 @@ use std::io::{self, BufRead, BufReader, BufWriter, Seek, Write};
 /// Bytes that are written or read at a time.
 const BUFFER: usize = 1 << 18;
 
-/// A file's text that waits for its total time.
+/// The text of a file until its total time is known.
 #[derive(Debug)]
 pub(super) struct Waiting {
     flavour: Flavour,
     text: BufWriter<File>,
     length: u64,
     marks: Vec<Mark>,
-    /// Marks within the text up to `length`.
+    /// Number of marks within the text up to `length`.
     passed: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Mark {
-    /// Bytes before it.
+    /// Length of the text before the mark, bytes.
     at: u64,
-    /// Time that has passed.
+    /// Time that has passed at the mark.
     time: Seconds,
-}
-
-/// How far the print has come.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Progress {
-    /// Whole percents done.
-    pub percent: u8,
-    /// Whole minutes left.
-    pub minutes: u64,
 }
 
 impl Progress {
@@ -77,8 +69,8 @@ impl Waiting {
         line
     }
 
-    /// Adds to the text. `copy` gets it with a line at each mark that says
-    /// nothing yet.
+    /// Appends text. `copy` gets it with a line at each mark whose numbers are
+    /// 0.
     pub(super) fn write(
         &mut self,
         bytes: &[u8],
@@ -105,14 +97,13 @@ impl Waiting {
         self.marks.push(Mark { at, time });
     }
 
-    /// Whether that is worth it: hosts show minutes, and percents of short
-    /// prints.
+    /// Whether a mark is due. Hosts show minutes, and percents of short prints.
     pub(super) fn is_due(&self, time: Seconds) -> bool {
         let last = self.marks.last().map_or(0.0, |m| m.time);
         time - last >= (0.05 * time).clamp(10.0, 60.0)
     }
 
-    /// Hands the text on, with a line at each mark.
+    /// Writes the text to `out`, with a line at each mark.
     pub(super) fn release(
         self,
         out: &mut impl Write,
@@ -136,7 +127,7 @@ impl Waiting {
     }
 }
 
-/// Hands on so many bytes, or as many as there are; `io::copy` would do it in
+/// Copies a number of bytes, or as many as there are. `io::copy` would do it in
 /// small pieces.
 fn copy(
     from: &mut impl BufRead,
@@ -161,8 +152,8 @@ fn copy(
 }
 
 impl<W: io::Write> Writer<'_, W> {
-    /// Marks a place that tells how far the print has come; `time` is that
-    /// since the layer's beginning.
+    /// Marks a place whose line will tell how far the print has come. `time`
+    /// has passed since the layer's beginning.
     pub(super) fn mark(&mut self, time: Seconds) {
         let time = self.totals.time + time;
         if let Some(waiting) = &mut self.waiting {
@@ -170,7 +161,7 @@ impl<W: io::Write> Writer<'_, W> {
         }
     }
 
-    /// The same, if the last one was long ago.
+    /// Marks a place as [`Writer::mark`] does, if the last mark was long ago.
     pub(super) fn mark_if_due(&mut self, time: Seconds) {
         let now = self.totals.time + time;
         if self.waiting.as_ref().is_some_and(|w| w.is_due(now)) {
@@ -184,7 +175,8 @@ pub(super) fn tells_progress(settings: &Settings) -> bool {
     match settings.gcode.progress {
         Emit::On => true,
         Emit::Off => false,
-        // A Marlin that does not know M73 says so and goes on.
+        // A Marlin built without M73 says that it does not know it, and goes
+        // on.
         Emit::Auto => {
             matches!(settings.gcode.flavour, Flavour::Marlin | Flavour::Prusa)
         }
@@ -213,9 +205,10 @@ impl Clock {
     }
 
     pub(super) fn time(&self) -> Seconds {
-        match self.printing > 0.0 {
-            true => self.time * self.passed / self.printing,
-            false => 0.0,
+        if self.printing > 0.0 {
+            self.time * self.passed / self.printing
+        } else {
+            0.0
         }
     }
 }
@@ -252,7 +245,7 @@ mod tests {
         let lines = ["M73 P0 R10", "M73 P25 R8", "M73 P50 R5", "M73 P100 R0"];
         let [a, b, c, d] = lines;
         assert_eq!(text, format!("{a}\na\nb\n{b}\nc\n{c}\n{d}\n"));
-        // What was told ahead differs in the numbers only.
+        // The copy and the file differ only in these numbers.
         let nothing = "M73 P0 R0";
         let blank = lines.iter().fold(text, |t, l| t.replace(l, nothing));
         assert_eq!(copied, blank);

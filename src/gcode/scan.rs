@@ -1,6 +1,6 @@
-//! What a start template does by itself, so that the writer does the rest.
+//! What a start template does about heating. The writer does the rest.
 
-/// What a start template does about a heater itself.
+/// What a start template does about a heater.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Heating {
     /// Nothing.
@@ -29,8 +29,8 @@ pub(super) fn heating(
             return Heating::Waits;
         }
     }
-    // Which placeholder a number comes from only the source tells, and whether
-    // a condition leaves it out only what came of it.
+    // Only the source tells which placeholder a number comes from, and only the
+    // filled-in text tells whether a condition left it out.
     let written = |name: &str| {
         let mut commands = rendered.lines().filter_map(command);
         commands.any(|c| c.eq_ignore_ascii_case(name))
@@ -52,10 +52,10 @@ pub(super) fn heating(
     found
 }
 
-/// What a named command does with a temperature that it is given: Klipper's
-/// own are known, and any other is a macro of the printer's.
+/// What a named command does with a temperature that it is given. Klipper's own
+/// commands are known; any other is a macro of the printer.
 fn of_macro(name: &str) -> Heating {
-    /// Show or remember it.
+    /// Commands that only show or remember a temperature.
     const TELL: [&str; 6] = [
         "RESPOND",
         "SET_DISPLAY_TEXT",
@@ -74,9 +74,8 @@ fn of_macro(name: &str) -> Heating {
     }
 }
 
-/// True if what is written may leave the machine with other units or modes
-/// than it found: it sets them for its own use, or calls a macro, which can
-/// do anything.
+/// True if a filled-in template may leave the machine with other units or
+/// modes: it sets them itself, or calls a macro, which can do anything.
 pub(super) fn may_change_modes(rendered: &str) -> bool {
     const MODES: [&str; 6] = ["G20", "G21", "G90", "G91", "M82", "M83"];
     rendered
@@ -85,13 +84,13 @@ pub(super) fn may_change_modes(rendered: &str) -> bool {
         .any(|c| is_macro(c) || MODES.iter().any(|m| c.eq_ignore_ascii_case(m)))
 }
 
-/// A line's first word that is not in a comment.
+/// The first word of a line, if it is not in a comment.
 fn command(line: &str) -> Option<&str> {
     line.split(';').next()?.split_whitespace().next()
 }
 
-/// True for a command that is a name, not a letter and a number: what an
-/// `M117` shows does not heat.
+/// True for a command that is a name, not a letter and a number. The text that
+/// `M117` shows is not a macro.
 fn is_macro(command: &str) -> bool {
     let starts = command.starts_with(|c: char| c.is_alphabetic() || c == '_');
     let numbered = command
@@ -149,7 +148,7 @@ mod tests {
         assert_eq!(nozzle(waits), Heating::Waits);
         let tells = "RESPOND MSG=\"to {{ nozzle_temperature }}\"";
         assert_eq!(nozzle(tells), Heating::Not);
-        // What a condition leaves out heats nothing.
+        // A command that a condition leaves out does not heat.
         let source = "{% if klipper %}\nSTART T={{ nozzle_temperature }}\n\
                       {% else %}\nG28\n{% endif %}";
         let names = &["nozzle_temperature"];

@@ -1,4 +1,4 @@
-//! Where the text goes: as it is, or packed.
+//! Where the text goes: into a text file, or packed into a binary one.
 
 use super::Format;
 use crate::bgcode::{About, Packer};
@@ -18,7 +18,7 @@ impl<W: Write> Sink<W> {
         })
     }
 
-    /// Ends the file; `about` is for packed ones.
+    /// Ends the file. Packed files begin with `about`.
     pub(super) fn finish(
         self,
         about: impl FnOnce() -> About,

@@ -1,8 +1,8 @@
 //! Pictures in a file's head, in the form hosts and printers read.
 //!
-//! In: files of pictures. Out: for each a block of comments: an empty one, a
-//! line with its kind, the size and the number of base64 characters (readers
-//! refuse a block that has others), those characters in short lines, and an
+//! In: files of pictures. Out: a block of comments for each picture: an empty
+//! comment; a line with the format, the size and the number of base64
+//! characters, which readers check; those characters in short lines; and an
 //! end.
 
 use crate::settings::{ImageFormat, PictureSize};
@@ -18,10 +18,10 @@ pub struct Thumbnail {
     pub file: Vec<u8>,
 }
 
-/// Characters of base64 in a line: what readers take.
+/// Base64 characters in a line: as many as readers take.
 const LINE: usize = 78;
 
-/// The picture's block.
+/// The block of comments of a picture.
 pub(super) fn block(picture: &Thumbnail) -> String {
     let code = STANDARD.encode(&picture.file);
     let PictureSize { pixels, format } = picture.size;

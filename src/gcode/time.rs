@@ -1,7 +1,8 @@
-//! How long what is no layer takes: the file's head, the way to the first
-//! bead, and the file's foot.
+//! How long the file's head, the way to the first bead and the file's foot
+//! take.
 //!
-//! In: their text. Out: time in the totals. Layers know theirs.
+//! In: the text of head and foot. Out: time in the totals. Layers know their
+//! own time.
 
 use super::number::text;
 use super::{E, Writer, XYZ, flavour};
@@ -12,16 +13,16 @@ use crate::units::MICRON;
 use std::io::Write;
 
 impl<W: Write> Writer<'_, W> {
-    /// Counts the head, which is in the buffer.
+    /// Adds the time of the head, which is in the buffer, to the totals.
     pub(super) fn time_head(&mut self) {
         let (time, at) = time_of(&self.buffer, self.settings);
         self.totals.time += time;
         self.start = at;
     }
 
-    /// Counts the way from there to the first layer of the file. It is no part
-    /// of that layer's time, on which its speeds depend: they are the same in
-    /// a file that begins with it and in one that does not.
+    /// Adds the time of the way from the head's end to the first layer. It is
+    /// no part of that layer's time: a layer's speeds depend on its time, and
+    /// must not depend on the layer at which a file begins.
     pub(super) fn time_approach(&mut self, layer: &PacedLayer) {
         let settings = self.settings;
         let acceleration = settings.travel_acceleration();
@@ -48,7 +49,7 @@ impl<W: Write> Writer<'_, W> {
         self.totals.time += motion.time(|s| s.speed);
     }
 
-    /// Lines that put a reader where the machine is.
+    /// Lines that bring a reader to the state that the machine is in.
     pub(super) fn place(&self) -> String {
         let mut lines = flavour::limits(self.settings);
         lines.push(if self.filament.relative { "M83" } else { "M82" }.into());
@@ -67,8 +68,9 @@ impl<W: Write> Writer<'_, W> {
         lines.join("\n") + "\n"
     }
 
-    /// Counts the foot: what is in the buffer, and the end template. `before`
-    /// is the [`Writer::place`] at which it begins.
+    /// Adds the time of the foot to the totals: the text in the buffer, and the
+    /// end template. `before` is what [`Writer::place`] gave at the foot's
+    /// beginning.
     pub(super) fn time_foot(&mut self, before: &str, end: &str) {
         let mut lines = before.as_bytes().to_vec();
         lines.extend_from_slice(&self.buffer);

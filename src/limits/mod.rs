@@ -1,28 +1,27 @@
 //! Bounds on a run's time and memory, and a way to stop it from outside.
 //!
-//! In: how long a piece of work may take, how much memory the process may
-//! hold. Out: the work's result, or [`Stopped`], which says what the time went
-//! into. [`Watch::run`] does the work under such a watch: a second thread
-//! looks at the clock and at the memory and raises a flag; [`check`], called
-//! in the loops of every stage, sees the flag of the watch that its thread
-//! works under, and unwinds to [`Watch::run`]. No stage has to hand a token or
-//! an error through, and without a watch `check` does nothing.
+//! In: how long work may take, and how much memory the process may hold. Out:
+//! the work's result, or [`Stopped`], which says what the time went into.
+//! [`Watch::run`] does the work under a watch: a second thread looks at the
+//! clock and at the memory and raises a flag; [`check`], called in the loops of
+//! every stage, sees the flag of the watch that its thread works under, and
+//! unwinds to [`Watch::run`]. No stage has to hand a token or an error through,
+//! and without a watch `check` does nothing.
 //!
-//! Unwinding is not a panic: no hook is called and nothing is printed, and
-//! what was being made is dropped. (Build systems and language servers cancel
-//! their queries the same way.) A program that is built with
-//! `panic = "abort"` would end instead.
+//! Unwinding is not a panic: no hook is called, nothing is printed, and
+//! unfinished results are dropped. (Build systems and language servers cancel
+//! their queries this way.) A program that is built with `panic = "abort"`
+//! would end instead.
 //!
-//! Guarantees: results do not depend on the watch, only whether there are any.
-//! Between two looks there may be `EVERY` and what one step of a stage
-//! takes, so a limit is overrun by a fraction of a second. For the rest,
-//! [`Watch::last_resort`] names what is done if the work has not ended some
-//! seconds after it was stopped.
+//! Guarantees: a watch can prevent a result, but never change it. A limit is
+//! overrun by a fraction of a second: `EVERY`, and the time of one step of a
+//! stage. If work does not end some seconds after it was stopped,
+//! [`Watch::last_resort`] does what its caller wants.
 //!
-//! Not guaranteed: memory is the whole process's, whatever else it does, and
-//! is not bounded where the system does not tell it. A single allocation that
-//! the system refuses ends the process; where the system bounds the address
-//! space, the work is stopped shortly before (`space`).
+//! Not guaranteed: the memory is that of the whole process, and it is not
+//! bounded where the system does not tell it. A single allocation that the
+//! system refuses ends the process; where the system bounds the address space,
+//! the work is stopped shortly before (`space`).
 
 mod space;
 mod stopped;
@@ -39,15 +38,15 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time between looks at the clock and the memory.
+/// Time between two looks at the clock and the memory.
 const EVERY: Duration = Duration::from_millis(20);
 
 /// How much a run may use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Wall time; none for as long as it takes.
+    /// Wall time; nothing for no limit.
     pub time: Option<Duration>,
-    /// Memory of the whole process, bytes; none for what the machine has.
+    /// Memory of the whole process, bytes; nothing for no limit.
     pub memory_bytes: Option<u64>,
 }
 
@@ -59,10 +58,10 @@ pub struct Watch(Arc<Shared>);
 struct Shared {
     limits: Limits,
     started: Instant,
-    /// Why to stop; 0 while there is no reason to.
+    /// The number of the reason to stop; 0 while there is none.
     stop: AtomicU8,
     state: Mutex<State>,
-    /// Told when the work is done.
+    /// Signalled when the work is done.
     done: Condvar,
 }
 
@@ -77,9 +76,9 @@ struct State {
 #[derive(Debug)]
 struct Seen {
     name: &'static str,
-    /// Threads that are in it.
+    /// Number of threads in the stage.
     threads: usize,
-    /// How many were found there, over all looks.
+    /// Number of threads found in the stage, summed over all looks.
     seen: usize,
 }
 
@@ -94,12 +93,11 @@ thread_local! {
 /// What unwinds from [`check`] to [`Watch::run`].
 struct Unwinding;
 
-/// What to do when work that was stopped goes on: the program's own end, most
-/// likely.
+/// What to do when stopped work does not end; most likely the program ends.
 pub type LastResort<'a> = &'a (dyn Fn(&Stopped) + Sync);
 
 impl Watch {
-    /// The clock starts now.
+    /// A watch whose clock starts now.
     pub fn new(limits: Limits) -> Watch {
         Watch(Arc::new(Shared {
             limits,
@@ -115,12 +113,12 @@ impl Watch {
         self.0.stop_for(Reason::Cancelled);
     }
 
-    /// What the work is at.
+    /// What the work is doing.
     pub fn activity(&self) -> Activity {
         self.0.activity()
     }
 
-    /// Works under this watch, unless the time is up before the end.
+    /// Does work under this watch.
     ///
     /// # Errors
     /// If the work was stopped.
@@ -128,8 +126,8 @@ impl Watch {
         self.last_resort(Duration::MAX, &|_| {}, work)
     }
 
-    /// As [`Watch::run`]; and if the work has not ended `grace` after it was
-    /// stopped, does what is the last resort.
+    /// As [`Watch::run`]; but calls `resort` if the work has not ended `grace`
+    /// after it was stopped.
     ///
     /// # Errors
     /// If the work was stopped.
@@ -150,7 +148,7 @@ impl Watch {
             CURRENT.set(outer);
             shared.lock().finished = true;
             shared.done.notify_all();
-            // Without a second thread the work goes unwatched.
+            // Without a second thread the work is not watched.
             drop(looking);
             match result {
                 Ok(value) => Ok(value),
@@ -168,7 +166,7 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The first reason counts.
+    /// Stops the work. Only the first reason counts.
     fn stop_for(&self, reason: Reason) {
         let _ = self.stop.compare_exchange(
             0,
@@ -253,7 +251,7 @@ impl Shared {
         }
     }
 
-    /// A thread goes from one stage to another.
+    /// Takes in that a thread goes from one stage to another.
     fn moves(&self, from: Option<&str>, to: Option<&'static str>) {
         let mut state = self.lock();
         if let Some(from) = from
@@ -289,7 +287,7 @@ fn is_stopped() -> bool {
 /// nanoseconds.
 #[inline]
 pub fn check() {
-    // What is dropped on the way out may look as well.
+    // Values that are dropped while unwinding may call this, too.
     if is_stopped() && !std::thread::panicking() {
         resume_unwind(Box::new(Unwinding));
     }
@@ -313,13 +311,13 @@ impl<T, E> Watched for Result<T, E> {
     }
 }
 
-/// The watch of this thread, for handing it to others.
+/// The watch of this thread, to hand it to other threads.
 pub fn current() -> Option<Watch> {
     CURRENT.with(|current| current.borrow().clone().map(Watch))
 }
 
-/// Puts this thread under a watch for good. What unwinds from it has to reach
-/// [`Watch::run`] through whoever waits for the thread.
+/// Puts this thread under a watch for good. Unwinding has to reach
+/// [`Watch::run`] through the thread that waits for this one.
 pub fn work_under(watch: Option<&Watch>) {
     CURRENT.set(watch.map(|watch| watch.0.clone()));
 }
@@ -330,7 +328,7 @@ pub struct Doing(Option<(Arc<Shared>, &'static str, Option<&'static str>)>);
 
 impl Drop for Doing {
     fn drop(&mut self) {
-        // Also while unwinding.
+        // This also happens while unwinding.
         if let Some((shared, stage, outer)) = &self.0 {
             shared.moves(Some(stage), *outer);
             STAGE.set(*outer);
@@ -351,7 +349,7 @@ pub fn begin(stage: &'static str) -> Doing {
     doing
 }
 
-/// Does `work` and lets the watch know what it is called.
+/// Does `work`, and tells the watch the name of its stage.
 pub fn doing<T>(stage: &'static str, work: impl FnOnce() -> T) -> T {
     let _doing = begin(stage);
     work()

@@ -1,16 +1,18 @@
-//! How much address space the system lets the process have (`ulimit -v`).
+//! The address space that the system allows the process (`ulimit -v`).
 //!
-//! Where an allocation fails for lack of it, the process is aborted in the
-//! middle of what it does; so it is looked at beforehand.
+//! If an allocation fails for lack of address space, the process is aborted at
+//! once. So the space is checked beforehand.
 
 use std::fs;
 use std::sync::OnceLock;
 
-/// What a command needs, bytes: program, stacks of a few threads, and each
-/// thread's heap, of which the C library reserves far more than is used.
+/// Address space that a command needs, bytes: the program, the stacks of a few
+/// threads, and each thread's heap, for which the C library reserves far more
+/// than is used.
 const NEEDED: u64 = 400 << 20;
 
-/// What must be left, bytes: as much as is asked for between two looks.
+/// Address space that must be left, bytes: as much as a run takes between two
+/// looks.
 const ROOM: u64 = 24 << 20;
 
 /// There is too little address space to begin.
@@ -22,11 +24,11 @@ const ROOM: u64 = 24 << 20;
     .allowed >> 20, NEEDED >> 20
 )]
 pub struct TooLittleSpace {
-    /// Bytes.
+    /// The address space that the system allows, bytes.
     pub allowed: u64,
 }
 
-/// Whether there is address space enough to begin.
+/// Checks that there is enough address space to begin.
 ///
 /// # Errors
 /// If there is not.
@@ -45,13 +47,14 @@ pub(super) fn is_used_up() -> bool {
     })
 }
 
-/// Bytes that the process may have, if there is a limit and the system tells.
+/// Address space that the process may have, bytes, if there is a limit and the
+/// system tells it.
 pub(super) fn allowed() -> Option<u64> {
     static ALLOWED: OnceLock<Option<u64>> = OnceLock::new();
     *ALLOWED.get_or_init(|| soft_limit(&fs::read_to_string(LIMITS).ok()?))
 }
 
-/// Where Linux tells.
+/// The file in which Linux tells the limit.
 const LIMITS: &str = "/proc/self/limits";
 
 fn soft_limit(limits: &str) -> Option<u64> {

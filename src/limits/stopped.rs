@@ -24,7 +24,8 @@ impl Reason {
         Reason::Space,
     ];
 
-    /// As the flag holds it; 0 is for work that may go on.
+    /// The number of the reason, as the flag holds it. 0 is for work that may
+    /// go on.
     pub(super) fn number(self) -> u8 {
         match self {
             Reason::Time => 1,
@@ -35,20 +36,20 @@ impl Reason {
     }
 }
 
-/// What a run did until now, for people.
+/// What a run has done until now, for people.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Activity {
-    /// What is being done, by name, with its share of the time up to now;
-    /// the largest first.
+    /// The stages by name, with their shares of the time so far, the largest
+    /// first.
     pub shares: Vec<(&'static str, f64)>,
-    /// What most threads are doing now.
+    /// The stage that most threads are in.
     pub now: Option<&'static str>,
-    /// Layers written, and how many there are, once that is known.
+    /// Number of layers written, and of all layers, once that is known.
     pub layers: Option<(usize, usize)>,
 }
 
 impl Activity {
-    /// What makes that cheaper which most of the time went into.
+    /// What makes the stage cheaper that took most of the time.
     pub fn remedy(&self) -> &'static str {
         remedy(self.shares.first().map(|(name, _)| *name))
     }
@@ -57,11 +58,11 @@ impl Activity {
 /// Work that was stopped before it was done.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct Stopped {
-    /// Why.
+    /// Why the work was stopped.
     pub reason: Reason,
-    /// The limits it had.
+    /// The limits of the work.
     pub limits: Limits,
-    /// How far it had come.
+    /// How far the work had come.
     pub activity: Activity,
 }
 

@@ -5,10 +5,11 @@ use crate::plane::grid::nearest_on;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Closer to a point of a bead than this, a place on it is that point, mm.
+/// A place on a bead is taken for one of the bead's points if it is nearer to
+/// it than this, mm.
 const SAME: Mm = 0.01;
 
-/// A place on a bead: the number of a segment, and a point of it.
+/// A place on a bead: the index of a segment, and a point on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot {
     segment: usize,
@@ -20,8 +21,8 @@ pub(super) fn nearest_spot(bead: &Bead, p: DVec2) -> Option<Spot> {
     best(bead, |a, b| [nearest_on(p, a, b); 1], |q| q.distance(p))
 }
 
-/// The place of a bead with the shortest way from `a` over it to `b`, as far
-/// as points and what is nearest to either end tells.
+/// The place of a bead with the shortest way from `a` over it to `b`. Only the
+/// bead's points and the places nearest to `a` and to `b` are tried.
 pub(super) fn spot_between(bead: &Bead, a: DVec2, b: DVec2) -> Option<Spot> {
     best(
         bead,
@@ -30,7 +31,7 @@ pub(super) fn spot_between(bead: &Bead, a: DVec2, b: DVec2) -> Option<Spot> {
     )
 }
 
-/// Of some points of each segment the one with the least cost.
+/// The point with the least cost, of some points of each segment.
 fn best<const N: usize>(
     bead: &Bead,
     points: impl Fn(DVec2, DVec2) -> [DVec2; N],
@@ -45,8 +46,8 @@ fn best<const N: usize>(
         .map(|(_, spot)| spot)
 }
 
-/// Lets a closed bead begin at its point nearest to `p`, which is added to it
-/// unless a point is there already.
+/// Lets a closed bead begin at its place nearest to `p`, which becomes a point
+/// of it.
 pub(super) fn begin_near(bead: &mut Bead, p: DVec2) {
     if let Some(spot) = nearest_spot(bead, p) {
         begin_at(bead, spot);

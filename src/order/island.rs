@@ -20,7 +20,8 @@ pub(super) fn print_island(
     out: &mut Vec<Bead>,
 ) {
     let inner_first = settings.wall_order == WallOrder::InnerFirst;
-    // Walls that pass no seam, in stages: before all loops, or after.
+    // Walls that pass no seam have a stage of their own, before all loops or
+    // after them.
     let mut jobs: Vec<(u32, Job)> = Vec::new();
     let away_stage = if inner_first { 0 } else { 2 };
     for group in island.loops {
@@ -28,11 +29,12 @@ pub(super) fn print_island(
         jobs.extend(job.map(|job| (1, job)));
         jobs.extend(away.into_iter().map(|b| (away_stage, Job::of(b))));
     }
-    // Gaps lie between such walls, where there are any; else they can be
+    // If there are such walls, gaps lie between them. Otherwise gaps can be
     // filled on the way through the infill.
-    let gap_stage = match jobs.iter().any(|j| j.0 == away_stage) {
-        true => away_stage,
-        false => 3,
+    let gap_stage = if jobs.iter().any(|j| j.0 == away_stage) {
+        away_stage
+    } else {
+        3
     };
     let gaps = island.gaps.into_iter();
     jobs.extend(gaps.map(|b| (gap_stage, Job::of(b))));
@@ -45,7 +47,8 @@ pub(super) fn print_island(
     print_skin(island.skin, at, to, out);
 }
 
-/// A loop's walls that pass its seam, in their order, and those that do not.
+/// A loop's walls that pass its seam, in their order, and the loop's other
+/// walls.
 fn loop_job(
     group: Loop,
     inner_first: bool,
@@ -114,7 +117,8 @@ fn print_skin(
         let Some(patch) = patches[visit.stop].take() else {
             continue;
         };
-        // Around it first; what is in the middle of thin places can wait.
+        // The rings around a patch come first. Beads in the middle of thin
+        // places can wait.
         for ring in patch.rings {
             let later = u32::from(!ring.closed);
             jobs.push((stage + later, Job::of(ring)));
@@ -135,8 +139,8 @@ fn print_skin(
     print(jobs, at, to, out);
 }
 
-/// True if a fill's beads may be printed together with what is beside them:
-/// nothing is seen of them, and nothing hangs.
+/// True if a fill's beads may be printed together with the beads beside them:
+/// they are neither seen nor do they hang.
 fn hidden(fill: &Fill) -> bool {
     let hidden = |b: &Bead| {
         matches!(

@@ -1,4 +1,4 @@
-//! What belongs to which island.
+//! Sorts beads to islands.
 //!
 //! In: a layer's beads by kind, and its outline. Out: islands, each with its
 //! loops: an outer wall and the walls that run along it.
@@ -12,10 +12,10 @@ use crate::seam::Site;
 use crate::skin::Patch;
 use crate::units::Mm;
 
-/// An outer wall and those that run along it.
+/// An outer wall and the walls that run along it.
 #[derive(Default)]
 pub(super) struct Loop {
-    /// The outer wall comes first, unless there is none.
+    /// The walls, first the outer one if there is one.
     pub walls: Vec<Bead>,
     /// Where the seam may be.
     pub site: Site,
@@ -31,13 +31,13 @@ pub(super) struct Island {
     pub skin: Vec<Patch>,
 }
 
-/// Sorts the beads to the islands they lie in; the skirt's in none.
+/// Sorts the beads to the islands that they lie in. The skirt lies in none.
 pub(super) fn islands(outline: &Area, beads: LayerBeads) -> Vec<Island> {
     let solids = outline.islands();
     // The first ring of an island is its outer one.
     let nest = Nest::new(solids.iter().filter_map(|s| s.rings.first()));
-    // A bead's beginning may lie in none, for fuzz or rounding; what does so
-    // altogether goes with the bead before it.
+    // Because of fuzz or rounding, a bead's beginning may lie in no island. A
+    // bead without any point in an island goes with the bead before it.
     let mut last = 0;
     let mut find = |bead: Option<&Bead>| -> usize {
         if solids.len() > 1
@@ -130,7 +130,7 @@ mod tests {
         let outline = Area {
             rings: vec![square(0.0, 5.0), square(20.0, 5.0)],
         };
-        // Fuzz has moved the first point of the right one's wall out.
+        // Fuzz has moved the first point of the right island's wall out.
         let mut right = square(20.0, 4.8);
         right[0] = DVec2::new(14.9, -5.1);
         let walls = [square(0.0, 4.8), right].map(|points| {

@@ -1,4 +1,4 @@
-//! Jobs, and the order in which they are done.
+//! Jobs, and the order in which they are printed.
 //!
 //! A job is what is printed without choice once it has begun: a bead that may
 //! be turned round, a ring that may begin anywhere, a few beads one after the
@@ -11,29 +11,30 @@ use glam::DVec2;
 
 /// Something to print.
 pub(super) enum Job {
-    /// An open bead, from either end.
+    /// An open bead, printed from either end.
     Line(Bead),
-    /// Beads in this order. Those that are closed begin near one place of the
-    /// `leader`th, any one.
+    /// Beads in this order. The closed ones begin near one place of the
+    /// `leader`th bead, wherever it is.
     Rings {
         beads: Vec<Bead>,
         leader: usize,
         spot: Option<Spot>,
     },
-    /// Beads in this order, as they are.
+    /// Beads in this order, unchanged.
     Fixed(Vec<Bead>),
 }
 
 impl Job {
     /// A bead that may begin at either end, or anywhere if it is closed.
     pub fn of(bead: Bead) -> Job {
-        match bead.closed {
-            true => Job::rings(vec![bead], 0),
-            false => Job::Line(bead),
+        if bead.closed {
+            Job::rings(vec![bead], 0)
+        } else {
+            Job::Line(bead)
         }
     }
 
-    /// Beads that may begin anywhere, but in one place.
+    /// Beads that may begin anywhere, but all near one place.
     pub fn rings(beads: Vec<Bead>, leader: usize) -> Job {
         Job::Rings {
             beads,
@@ -42,7 +43,7 @@ impl Job {
         }
     }
 
-    /// Where it begins and ends, as far as is known.
+    /// Where the job begins and ends; nothing if that is not known yet.
     pub fn ends(&self) -> Option<(DVec2, DVec2)> {
         match self {
             Job::Line(bead) => Some((*bead.points.first()?, end(bead)?)),
@@ -62,7 +63,7 @@ impl Job {
         }
     }
 
-    /// Lets rings begin between two places, or near the one that is known.
+    /// Lets rings begin between two places, or near one if only one is known.
     fn settle(&mut self, before: Option<DVec2>, after: Option<DVec2>) {
         let Job::Rings {
             beads,
@@ -84,7 +85,7 @@ impl Job {
         };
     }
 
-    /// Its beads as they are to be printed.
+    /// The job's beads in print order.
     fn beads(self, turned: bool) -> Vec<Bead> {
         match self {
             Job::Line(mut bead) => {
@@ -100,10 +101,10 @@ impl Job {
             } => {
                 let Some(spot) = spot else { return beads };
                 for (i, bead) in beads.iter_mut().enumerate() {
-                    match bead.closed {
-                        true if i == leader => begin_at(bead, spot),
-                        true => begin_near(bead, spot.at),
-                        false => {}
+                    if bead.closed && i == leader {
+                        begin_at(bead, spot);
+                    } else if bead.closed {
+                        begin_near(bead, spot.at);
                     }
                 }
                 beads
@@ -115,9 +116,10 @@ impl Job {
 
 /// Where a bead ends.
 pub(super) fn end(bead: &Bead) -> Option<DVec2> {
-    match bead.closed {
-        true => bead.points.first().copied(),
-        false => bead.points.last().copied(),
+    if bead.closed {
+        bead.points.first().copied()
+    } else {
+        bead.points.last().copied()
     }
 }
 
@@ -133,8 +135,8 @@ pub(super) fn print(
         jobs.into_iter().filter(|j| j.1.ends().is_some()).collect();
     let anywhere = |j: &(u32, Job)| matches!(j.1, Job::Rings { .. });
     if jobs.iter().any(anywhere) {
-        // At first as if each ring came right after the head, then where it
-        // suits those before and after it.
+        // At first each ring begins as if it came right after the head. Then it
+        // begins where it suits the jobs before and after it.
         for (_, job) in &mut jobs {
             job.settle(*at, None);
         }
@@ -161,7 +163,7 @@ pub(super) fn finish(bead: Bead, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
     }
 }
 
-/// The jobs' numbers in order, and which ones are turned round.
+/// The jobs' indices in print order, and whether each is turned round.
 fn tour_of(
     jobs: &[(u32, Job)],
     at: Option<DVec2>,
@@ -193,10 +195,10 @@ fn settle_rings(
     to: Option<DVec2>,
 ) {
     let ends = |jobs: &[(u32, Job)], (i, turned): (usize, bool)| {
-        jobs[i].1.ends().map(|(a, b)| match turned {
-            true => (b, a),
-            false => (a, b),
-        })
+        jobs[i]
+            .1
+            .ends()
+            .map(|(a, b)| if turned { (b, a) } else { (a, b) })
     };
     let mut before = at;
     for (k, &visit) in order.iter().enumerate() {

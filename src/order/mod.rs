@@ -2,17 +2,17 @@
 //!
 //! In: a layer's beads by kind, and where its seams may be. Out: the beads in
 //! print order, closed ones rotated to their seam, open ones turned so that
-//! travels are short. Islands are finished one at a time; within an island
-//! come its walls, then what fills gaps between them and sparse infill, then
-//! skin, each on a short tour (`tour`) that begins where the one before ends.
+//! travels are short. Islands are finished one at a time; within an island the
+//! walls come first, then gap fill and sparse infill, then skin, each on a
+//! short tour (`tour`) that begins where the tour before ends.
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `islands` | what belongs to which island, and to which outer wall |
+//! | `islands` | which island and which outer wall a bead belongs to |
 //! | `island` | the way through one island |
-//! | `jobs` | what may begin where, in order |
+//! | `jobs` | what is printed in one go, and where it may begin |
 //! | `sweep` | lines that wait for one another |
-//! | `tour` | the order itself |
+//! | `tour` | the order of any stops |
 //! | `begin` | where a closed bead begins |
 //! | `nearest`, `near_ends` | which points are near |
 
@@ -37,14 +37,14 @@ use island::print_island;
 use islands::{Island, grid_of, islands};
 use tour::{Stop, tour};
 
-/// What there is to print in a layer.
+/// The beads of a layer.
 #[derive(Clone, Debug, Default)]
 pub struct LayerBeads {
     /// Loops around the part, in order.
     pub skirt: Vec<Bead>,
     /// Closed beads of the walls.
     pub walls: Vec<Bead>,
-    /// Where the seam of each of them may be.
+    /// Where the seam of each wall may be.
     pub sites: Vec<Site>,
     /// Sparse infill.
     pub infill: Vec<Bead>,
@@ -66,14 +66,14 @@ impl LayerBeads {
 /// What one layer hands to the next.
 #[derive(Clone, Debug, Default)]
 pub struct Head {
-    /// Where the nozzle stands, if it has printed yet.
+    /// Where the nozzle stands; nothing if it has not printed yet.
     pub at: Option<DVec2>,
     /// Seams of the layer below.
     pub seams: Vec<DVec2>,
 }
 
-/// How far a seam may move from one layer to the next before it counts as a
-/// new one, and how far from it the walls behind may begin, mm.
+/// How far a seam may move from one layer to the next before it counts as a new
+/// one, and how far from it inner walls may begin, mm.
 const SEAM_REACH: Mm = 2.0;
 
 /// Puts a layer's beads in order. `outline` is the layer's solid.
@@ -253,7 +253,7 @@ mod tests {
             .map(|b| b.points[0])
             .collect();
         assert!(starts.contains(&DVec2::new(1.0, -4.0)), "{starts:?}");
-        // The other one starts anew, where it would by itself.
+        // The other seam starts anew, where it would be by itself.
         assert!(starts.contains(&DVec2::new(24.0, 4.0)), "{starts:?}");
         assert_eq!(head.seams.len(), 2);
         // The walls behind begin beside the seam.

@@ -1,31 +1,32 @@
-//! A grid of points, for asking which ones are near.
+//! A grid of points, which finds those near a place.
 //!
-//! A tree answers the same at several times the cost; here the points are
-//! many, fixed, and asked for a few near ones each.
+//! The points are many and fixed, and each search asks for a few near ones. A
+//! tree would cost several times as much.
 
 use crate::plane::Rect;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Points by the cells they are in.
+/// Points by the cells that they are in.
 pub(super) struct NearEnds {
     points: Vec<DVec2>,
     origin: DVec2,
     cell: Mm,
     columns: usize,
     rows: usize,
-    /// Where each cell's points begin in `members`; one more than cells.
+    /// Where each cell's points begin in `members`, and where the last one's
+    /// end.
     starts: Vec<u32>,
     members: Vec<u32>,
 }
 
-/// Points to a cell if they are spread evenly.
+/// Average number of points in a cell.
 const TO_A_CELL: f64 = 2.0;
-/// Cells looked at to each side, at most.
+/// Greatest number of cells searched to each side.
 const FAR: usize = 8;
 
 impl NearEnds {
-    /// A grid of the points, numbered as they come.
+    /// A grid of the points, which are numbered in their order.
     pub fn new(points: impl Iterator<Item = DVec2>) -> NearEnds {
         let points: Vec<DVec2> = points.collect();
         let bounds = Rect::around(&points);
@@ -74,9 +75,9 @@ impl NearEnds {
         (inside(q.x, self.columns), inside(q.y, self.rows))
     }
 
-    /// Up to `count` points nearer to `p` than `reach`, nearest first, with
-    /// the squares of their distances: the nearest ones, unless these are
-    /// many cells away.
+    /// The `count` points nearest to `p`, nearest first, with the squares of
+    /// their distances. Points farther than `reach` or [`FAR`] cells are left
+    /// out.
     pub fn near(
         &self,
         p: DVec2,
@@ -91,7 +92,7 @@ impl NearEnds {
         let limit = reach * reach;
         let (column, row) = self.place(p);
         for ring in 0..=FAR {
-            // Nothing in this ring of cells is nearer than so much.
+            // No point in this ring of cells is nearer than this.
             let least = (ring as f64 - 1.0).max(0.0) * self.cell;
             let enough = found.len() == count
                 && found.last().is_some_and(|f| f.0 <= least * least);
@@ -132,9 +133,10 @@ impl NearEnds {
         let (from, to) = (self.starts[cell], self.starts[cell + 1]);
         for &m in &self.members[from as usize..to as usize] {
             let d = self.points[m as usize].distance_squared(p);
-            let worst = match found.len() == count {
-                true => found.last().map_or(limit, |f| f.0),
-                false => limit,
+            let worst = if found.len() == count {
+                found.last().map_or(limit, |f| f.0)
+            } else {
+                limit
             };
             if d < worst {
                 found.truncate(count - 1);
@@ -154,7 +156,7 @@ mod tests {
         let points: Vec<DVec2> = (0..500)
             .map(|i| {
                 let t = f64::from(i);
-                // Dense on one side.
+                // The points are dense on one side.
                 let p = DVec2::new(t * 0.618_034, t * 0.754_878).fract();
                 DVec2::new(40.0 * p.x * p.x, 30.0 * p.y)
             })

@@ -1,4 +1,4 @@
-//! What is left to be visited, nearest first.
+//! Points to be visited, nearest first.
 
 use glam::DVec2;
 use rstar::RTree;
@@ -20,13 +20,14 @@ impl Nearest {
         }
     }
 
-    /// One more point.
+    /// Adds a point.
     pub fn push(&mut self, at: DVec2, number: usize) {
         self.tree.insert(GeomWithData::new(at.to_array(), number));
     }
 
-    /// Takes the point nearest to `from`; without one, that nearest to the
-    /// origin, so that the order does not depend on the tree's shape.
+    /// Takes the point nearest to `from`. Without `from` it takes the point
+    /// nearest to the origin, so that the order does not depend on the tree's
+    /// shape.
     pub fn pop(&mut self, from: Option<DVec2>) -> Option<usize> {
         let at = from.unwrap_or(DVec2::ZERO).to_array();
         self.tree.pop_nearest_neighbor(&at).map(|g| g.data)

@@ -1,5 +1,5 @@
-//! Lines in an order in which each comes after those it waits for, else
-//! nearest end first.
+//! Orders lines that wait for others: each comes after those it waits for,
+//! otherwise the nearest end comes first.
 
 use super::jobs::finish;
 use super::nearest::Nearest;

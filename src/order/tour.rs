@@ -1,7 +1,7 @@
-//! A short tour: which stop comes next, and which way round it is taken.
+//! Finds a short tour: which stop comes next, and which way round it is taken.
 //!
-//! In: stops with one or two ends, in stages, and where the tour begins and
-//! leads to. Out: every stop once, stage by stage.
+//! In: stops with one or two ends, in stages, and the tour's start and end.
+//! Out: every stop once, stage by stage.
 //!
 //! ```text
 //!    ──●   ●──      nearest first leaves long ways to what it has passed by;
@@ -10,10 +10,10 @@
 //!                   as that helps and the work allowed lasts
 //! ```
 //!
-//! Guaranteed: never longer than nearest first, the same result everywhere,
-//! and work in proportion to the stops: partners for an exchange are looked
-//! for among near ends only, and what is moved has a greatest length. Not
-//! guaranteed: the shortest tour.
+//! Guaranteed: the tour is never longer than nearest first, the result is the
+//! same on every machine, and the work is in proportion to the stops. Partners
+//! for an exchange are looked for among near ends only, and the part that is
+//! moved has a greatest length. Not guaranteed: the shortest tour.
 
 use super::near_ends::NearEnds;
 use super::nearest::Nearest;
@@ -23,11 +23,11 @@ use glam::DVec2;
 /// Something to visit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
-    /// Where it is entered.
+    /// Where the stop is entered.
     pub from: DVec2,
-    /// Where it is left.
+    /// Where the stop is left.
     pub to: DVec2,
-    /// Whether it may be taken the other way round.
+    /// Whether the stop may be taken the other way round.
     pub turns: bool,
     /// Stops of a lower stage come first.
     pub stage: u32,
@@ -36,9 +36,9 @@ pub(super) struct Stop {
 /// A stop of a tour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Visit {
-    /// Its number.
+    /// The stop's number.
     pub stop: usize,
-    /// Whether it is taken the other way round.
+    /// Whether the stop is taken the other way round.
     pub turned: bool,
 }
 
@@ -46,21 +46,20 @@ pub(super) struct Visit {
 const SHORT: Mm = 0.8;
 /// An exchange has to save more than this, mm.
 const GAIN: Mm = 0.01;
-/// Ends looked at around each end of a long way.
+/// Number of ends that are tried around each end of a long way.
 const PARTNERS: usize = 6;
-/// What a way to the tour's end counts: where the next one begins is often a
-/// guess.
+/// Weight of the way to the tour's end, which is often a guess.
 const END_WEIGHT: f64 = 0.7;
-/// Stops moved at a time.
+/// Greatest number of stops moved at a time.
 const MOVED: usize = 3;
-/// Longest part of a tour that is turned round or passed over.
+/// Greatest number of stops that are turned round or passed over.
 const SPAN: usize = 1000;
-/// So few stops are looked through without a tree.
+/// Number of stops up to which they are searched without a tree.
 const FEW: usize = 40;
-/// Exchanges tried for each stop, on average, before it has to do.
+/// Number of exchanges that may be tried, per stop.
 const TRIALS: usize = 200;
 
-/// A tour of the stops from `start` to `end`, each of which may be anywhere.
+/// A tour of the stops from `start` to `end`, either of which may be free.
 pub(super) fn tour(
     stops: &[Stop],
     start: Option<DVec2>,
@@ -73,15 +72,15 @@ pub(super) fn tour(
     let mut search = Search::new(stops, first.clone(), start, end);
     search.run();
     let better = search.tour;
-    match length(stops, &better, start, end) < length(stops, &first, start, end)
-    {
-        true => better,
-        false => first,
+    if length(stops, &better, start, end) < length(stops, &first, start, end) {
+        better
+    } else {
+        first
     }
 }
 
-/// Length of the ways between the stops, and to both ends, the last one in
-/// part.
+/// Length of the ways between the stops and to both ends, the last one by its
+/// weight.
 pub(super) fn length(
     stops: &[Stop],
     tour: &[Visit],
@@ -92,9 +91,10 @@ pub(super) fn length(
     let mut sum = 0.0;
     for visit in tour {
         let stop = &stops[visit.stop];
-        let (from, to) = match visit.turned && stop.turns {
-            true => (stop.to, stop.from),
-            false => (stop.from, stop.to),
+        let (from, to) = if visit.turned && stop.turns {
+            (stop.to, stop.from)
+        } else {
+            (stop.from, stop.to)
         };
         sum += at.map_or(0.0, |at| at.distance(from));
         at = Some(to);
@@ -102,7 +102,7 @@ pub(super) fn length(
     sum + END_WEIGHT * between(at, end)
 }
 
-/// Each time the nearest stop of those left in the stage.
+/// The tour that always goes to the nearest of the stops left in the stage.
 fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
     let mut stages: Vec<u32> = stops.iter().map(|s| s.stage).collect();
     stages.sort_unstable();
@@ -116,9 +116,10 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
             let mut left: Vec<usize> = of_stage.map(|s| s.0).collect();
             while let Some((k, visit)) = nearest_of(stops, &left, at) {
                 crate::limits::check();
-                at = Some(match visit.turned {
-                    true => stops[visit.stop].from,
-                    false => stops[visit.stop].to,
+                at = Some(if visit.turned {
+                    stops[visit.stop].from
+                } else {
+                    stops[visit.stop].to
                 });
                 left.remove(k);
                 tour.push(visit);
@@ -135,9 +136,10 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
             if std::mem::replace(&mut done[stop], true) {
                 continue;
             }
-            at = Some(match turned {
-                true => stops[stop].from,
-                false => stops[stop].to,
+            at = Some(if turned {
+                stops[stop].from
+            } else {
+                stops[stop].to
             });
             tour.push(Visit { stop, turned });
         }
@@ -145,8 +147,7 @@ fn nearest_first(stops: &[Stop], start: Option<DVec2>) -> Vec<Visit> {
     tour
 }
 
-/// Of the stops `left` the one nearest to `at`, or to the origin, and its
-/// place among them.
+/// The stop nearest to `at`, or to the origin, and its index in `left`.
 fn nearest_of(
     stops: &[Stop],
     left: &[usize],
@@ -193,7 +194,8 @@ impl<'a> Search<'a> {
         for (k, v) in tour.iter().enumerate() {
             places[v.stop] = k;
         }
-        // Looked at from the tour's beginning.
+        // The last stop in the queue is looked at first, so it begins with the
+        // tour's first one.
         let queue: Vec<usize> = tour.iter().rev().map(|v| v.stop).collect();
         Search {
             stops,
@@ -210,39 +212,39 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The other end of a stop. What cannot be turned has one place only as
-    /// far as exchanges are concerned: the error is the way through it.
+    /// The end of a stop at which it is not entered. For an exchange, a stop
+    /// that cannot be turned has one place only; the error is the way through
+    /// it.
     fn other(stop: &Stop) -> DVec2 {
-        match stop.turns {
-            true => stop.to,
-            false => stop.from,
-        }
+        if stop.turns { stop.to } else { stop.from }
     }
 
-    /// Where the `k`th stop of the tour is entered; behind the last one, the
-    /// tour's end.
+    /// Where the `k`th stop of the tour is entered; the tour's end, if `k` is
+    /// behind the last stop.
     fn entry(&self, k: usize) -> Option<DVec2> {
         let Some(visit) = self.tour.get(k) else {
             return self.end;
         };
         let stop = &self.stops[visit.stop];
-        Some(match visit.turned {
-            true => Self::other(stop),
-            false => stop.from,
+        Some(if visit.turned {
+            Self::other(stop)
+        } else {
+            stop.from
         })
     }
 
-    /// Where the stop before the `k`th one is left; before the first one, the
-    /// tour's start.
+    /// Where the stop before the `k`th one is left; the tour's start, if there
+    /// is none.
     fn exit_before(&self, k: usize) -> Option<DVec2> {
         let Some(k) = k.checked_sub(1) else {
             return self.start;
         };
         let visit = self.tour.get(k)?;
         let stop = &self.stops[visit.stop];
-        Some(match visit.turned {
-            true => stop.from,
-            false => Self::other(stop),
+        Some(if visit.turned {
+            stop.from
+        } else {
+            Self::other(stop)
         })
     }
 
@@ -251,7 +253,7 @@ impl<'a> Search<'a> {
         self.way_to(k, self.exit_before(k))
     }
 
-    /// Length of the way to the `k`th stop, if it led there from `from`.
+    /// Length of the way to the `k`th stop if it began at `from`.
     fn way_to(&self, k: usize, from: Option<DVec2>) -> Mm {
         let weight = if k < self.tour.len() { 1.0 } else { END_WEIGHT };
         weight * between(from, self.entry(k))
@@ -266,7 +268,7 @@ impl<'a> Search<'a> {
         while let Some(stop) = self.queue.pop() {
             crate::limits::check();
             self.queued[stop] = false;
-            // The way to it and the way from it, as long as one of them can
+            // The ways to and from a stop are tried as long as one of them can
             // be shortened.
             while self.trials > 0
                 && (0..2)
@@ -276,17 +278,19 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries to save something by giving up the way to the `k`th stop.
+    /// Tries to shorten the tour by giving up the way to the `k`th stop.
     fn shorten(&mut self, k: usize, near: &mut Vec<(f64, u32)>) -> bool {
         let now = self.way(k);
         if now < SHORT {
             return false;
         }
         for forward in [true, false] {
-            // What could follow the stop before, or precede the `k`th one.
-            let here = match forward {
-                true => self.exit_before(k),
-                false => self.entry(k),
+            // The stops that could follow the stop before, or precede the `k`th
+            // one.
+            let here = if forward {
+                self.exit_before(k)
+            } else {
+                self.entry(k)
             };
             let Some(here) = here else { continue };
             self.ends.near(here, now - GAIN, PARTNERS, near);
@@ -299,9 +303,10 @@ impl<'a> Search<'a> {
                 // True if the stop is left at this end.
                 let visit = self.tour[place];
                 let left = (end % 2 == 1) != visit.turned;
-                let done = match forward == left {
-                    true => self.turn(k, place + usize::from(forward)),
-                    false => false,
+                let done = if forward == left {
+                    self.turn(k, place + usize::from(forward))
+                } else {
+                    false
                 };
                 if done
                     || self.fetch(k, place, left, forward)
@@ -332,8 +337,8 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Or-opt: fetches up to three stops, at one end of which `place` is, to
-    /// the way to the `k`th stop.
+    /// Or-opt: moves up to 3 stops, the first or last of which is at `place`,
+    /// into the way to the `k`th stop.
     fn fetch(
         &mut self,
         k: usize,
@@ -341,7 +346,8 @@ impl<'a> Search<'a> {
         left: bool,
         forward: bool,
     ) -> bool {
-        // At the end that is to be joined the part ends or begins.
+        // The part that is moved begins or ends at the stop that is to be
+        // joined.
         (1..=MOVED).any(|count| {
             let part = match left {
                 true if place + 1 >= count => place + 1 - count..place + 1,
@@ -350,14 +356,13 @@ impl<'a> Search<'a> {
                 }
                 _ => return false,
             };
-            // Its end comes first after the stop before, last before the
-            // `k`th one.
+            // Turning the part brings the end to be joined to the right side.
             self.shift(part.start, part.end, k, left == forward)
         })
     }
 
-    /// Or-opt: brings up to three stops at the way to the `k`th one to the
-    /// stop at `place`.
+    /// Or-opt: moves up to 3 stops beside the way to the `k`th one to the stop
+    /// at `place`.
     fn bring(
         &mut self,
         k: usize,
@@ -367,12 +372,13 @@ impl<'a> Search<'a> {
     ) -> bool {
         (1..=MOVED).any(|count| {
             let part = match forward {
-                // Those before the way, whose last end joins.
+                // The stops before the way, the last of which is joined.
                 true if k >= count => k - count..k,
                 false if k + count <= self.tour.len() => k..k + count,
                 _ => return false,
             };
-            // Behind a stop that is left there, before one that is entered.
+            // They come behind a stop that is left at this end, or before one
+            // that is entered.
             let to = place + usize::from(left);
             self.shift(part.start, part.end, to, left == forward)
         })
@@ -389,9 +395,10 @@ impl<'a> Search<'a> {
             return false;
         }
         let old = self.way(from) + self.way(to) + self.way(k);
-        let (head, tail) = match turn {
-            true => (self.exit_before(to), self.entry(from)),
-            false => (self.entry(from), self.exit_before(to)),
+        let (head, tail) = if turn {
+            (self.exit_before(to), self.entry(from))
+        } else {
+            (self.entry(from), self.exit_before(to))
         };
         let new = self.way_to(to, self.exit_before(from))
             + between(self.exit_before(k), head)
@@ -403,9 +410,10 @@ impl<'a> Search<'a> {
             self.turn_round(from, to);
         }
         let count = to - from;
-        match k < from {
-            true => self.tour[low..high].rotate_right(count),
-            false => self.tour[low..high].rotate_left(count),
+        if k < from {
+            self.tour[low..high].rotate_right(count)
+        } else {
+            self.tour[low..high].rotate_left(count)
         }
         self.update(low, high);
         true
@@ -418,7 +426,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Notes what has changed between two places.
+    /// Queues the stops between two places, whose ways have changed.
     fn update(&mut self, from: usize, to: usize) {
         for k in from..to {
             self.places[self.tour[k].stop] = k;
@@ -440,7 +448,7 @@ fn gains(old: Mm, new: Mm) -> bool {
     old - new > GAIN
 }
 
-/// Length of a way; nothing if it leads from or to anywhere.
+/// Length of a way; 0 if one of its ends is free.
 fn between(a: Option<DVec2>, b: Option<DVec2>) -> Mm {
     a.zip(b).map_or(0.0, |(a, b)| a.distance(b))
 }

@@ -1,5 +1,4 @@
-//! What bounds a bead's speed, whatever its role asks for, and how fast the
-//! head may get there.
+//! Limits of a bead's speed and acceleration.
 
 use super::rates::Rates;
 use crate::bead::{Bead, Role};
@@ -7,8 +6,8 @@ use crate::layers::LayerSpan;
 use crate::settings::Settings;
 use crate::units::{MmPerSec, MmPerSec2};
 
-/// Greatest speed of a bead, whatever its role's: the first layer's, and that
-/// of small walls.
+/// Greatest speed of a bead whatever its role: that of the first layer, and
+/// that of small walls.
 pub(super) fn speed_limit(
     bead: &Bead,
     span: &LayerSpan,
@@ -19,14 +18,15 @@ pub(super) fn speed_limit(
         0 => speed.first_layer,
         _ => f64::INFINITY,
     };
-    match bead.small {
-        true => first.min(speed.small_perimeter),
-        false => first,
+    if bead.small {
+        first.min(speed.small_wall)
+    } else {
+        first
     }
 }
 
-/// Speed of a bead before cooling: what its rates ask for, what the filament's
-/// flow allows, and what the printer can, whichever is least.
+/// Speed of a bead before cooling: the least of what its rates ask for, what
+/// the filament's flow allows, and what the printer can do.
 pub(super) fn print_speed(
     settings: &Settings,
     bead: &Bead,
@@ -34,9 +34,10 @@ pub(super) fn print_speed(
 ) -> MmPerSec {
     let area = bead.area() * rates.flow;
     let speed = rates.speed.min(settings.printer.max_speed);
-    match area > 0.0 && settings.filament.max_flow > 0.0 {
-        true => speed.min(settings.filament.max_flow / area),
-        false => speed,
+    if area > 0.0 && settings.filament.max_flow > 0.0 {
+        speed.min(settings.filament.max_flow / area)
+    } else {
+        speed
     }
 }
 
@@ -58,12 +59,14 @@ pub(super) fn acceleration(
         Role::SparseInfill => by_role.sparse_infill,
         Role::Skirt | Role::Brim => 0.0,
     };
-    let own = match asked > 0.0 {
-        true => asked,
-        false => settings.printer.acceleration,
+    let own = if asked > 0.0 {
+        asked
+    } else {
+        settings.printer.acceleration
     };
-    match span.index == 0 && by_role.first_layer > 0.0 {
-        true => own.min(by_role.first_layer),
-        false => own,
+    if span.index == 0 && by_role.first_layer > 0.0 {
+        own.min(by_role.first_layer)
+    } else {
+        own
     }
 }

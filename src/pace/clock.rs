@@ -1,8 +1,8 @@
-//! How long the moves of a text take.
+//! Times the moves of a text.
 //!
-//! In: moves, as read. Out: times for each, in the same order, by the
-//! [motion model](super::motion) with the accelerations that the text sets;
-//! what it does not set is as in the settings.
+//! In: moves, as the reader gives them. Out: the time of each, in their order,
+//! by the [motion model](super::motion), with the accelerations that the text
+//! sets, or those of the settings.
 
 use super::motion::{Limits, Motion, Planner};
 use crate::reader::{Event, Move, Reader, State};
@@ -12,11 +12,11 @@ use glam::DVec3;
 
 /// Speed of moves before the file sets one.
 const FIRST_SPEED: MmPerSec = 25.0;
-/// Moves after which the model is brought to rest, lest a file without
-/// layers need memory without end; the stop costs a fraction of a second.
+/// Number of moves after which the model comes to rest, so that a file without
+/// layers does not need endless memory. The stop costs a fraction of a second.
 const LONGEST_CHAIN: usize = 1 << 17;
 
-/// Moves that wait for their time. `T` says what a move is.
+/// Moves that wait for their times. `T` says what a move is.
 #[derive(Debug)]
 pub struct Clock<T> {
     motion: Motion,
@@ -38,7 +38,7 @@ impl<T> Clock<T> {
         }
     }
 
-    /// Adds a move, made in this state of the machine.
+    /// Adds a move that is made in this state of the machine.
     pub fn push(&mut self, step: &Move, state: &State, what: T) {
         let before = self.motion.segments().len();
         let speed = match step.speed {
@@ -47,9 +47,10 @@ impl<T> Clock<T> {
         };
         if step.travels() {
             let prints = step.prints();
-            let set = match prints {
-                true => state.acceleration,
-                false => state.travel_acceleration,
+            let set = if prints {
+                state.acceleration
+            } else {
+                state.travel_acceleration
             };
             let acceleration = set.unwrap_or(self.acceleration);
             let way = step.to - step.from;
@@ -63,19 +64,19 @@ impl<T> Clock<T> {
         }
     }
 
-    /// True if the moves had better be told their times.
+    /// True if it is time for [`Clock::rest`].
     pub fn is_full(&self) -> bool {
         self.waiting.len() >= LONGEST_CHAIN
     }
 
-    /// Comes to rest: tells every move since the last rest its time.
+    /// Comes to rest, and tells the time of every move since the last rest.
     pub fn rest(&mut self, state: &State, mut tell: impl FnMut(T, Seconds)) {
         let times = self.motion.times(|s| s.speed);
         for (what, time) in self.waiting.drain(..).zip(times) {
             tell(what, time);
         }
         self.motion.clear();
-        // Only Klipper has a word for it.
+        // Only Klipper has a command for this speed.
         let Some(corner) = state.square_corner_velocity else {
             return;
         };
@@ -90,9 +91,9 @@ impl<T> Clock<T> {
     }
 }
 
-/// How long a text takes on the printer in the settings, from rest to rest:
-/// its moves and its pauses, without heating and homing. And where the head
-/// is in the end.
+/// How long a text takes on the printer in the settings, from rest to rest, and
+/// where the head is in the end. Moves and pauses count, heating and homing do
+/// not.
 pub fn time_of(text: &[u8], settings: &Settings) -> (Seconds, DVec3) {
     let mut clock = Clock::new(settings);
     let mut reader = Reader::new(text);

@@ -1,11 +1,11 @@
-//! The part's fan over the height of the print and by the time a layer takes.
+//! The speed of the part's fan by the height of a layer and by its time.
 
 use crate::settings::Settings;
 use crate::units::{Percent, Seconds};
 
-/// Speed of the fan where `asked` is set: more on layers of little time, which
-/// have less of it to cool, and less on the first layers above those without
-/// a fan, for the bed's sake. `index` counts layers from 0.
+/// Speed of the fan for the setting `asked`. It is higher on layers that take
+/// little time, which have less of it to cool, and lower on the first layers
+/// with a fan, so that they stick to the bed. `index` counts layers from 0.
 pub(super) fn fan_speed(
     asked: Percent,
     index: usize,
@@ -20,15 +20,17 @@ pub(super) fn fan_speed(
         return 0.0;
     }
     let (short, long) = (cooling.min_layer_time, cooling.long_layer_time);
-    let shortness = match long > short {
-        true => ((long - time) / (long - short)).clamp(0.0, 1.0),
-        false => f64::from(u8::from(time < long)),
+    let shortness = if long > short {
+        ((long - time) / (long - short)).clamp(0.0, 1.0)
+    } else {
+        f64::from(u8::from(time < long))
     };
     let most = cooling.short_layer_fan_speed.unwrap_or(asked).max(asked);
     let wanted = asked + shortness * (most - asked);
-    match number < full {
-        true => wanted * (number - off) / (full - off),
-        false => wanted,
+    if number < full {
+        wanted * (number - off) / (full - off)
+    } else {
+        wanted
     }
 }
 

@@ -1,33 +1,33 @@
 //! Speeds, cooling and time: how fast each move of a layer is run.
 //!
 //! In: [`LayerPath`]s in print order, and the settings. Out: a [`PacedLayer`]
-//! for each, the moves with their speeds and, between them, every step the
-//! machine needs: retractions and primings, and moves of z.
+//! for each: the moves with their speeds and, between them, every step that the
+//! machine needs: retractions, primings and moves of z.
 //!
 //! Guarantees:
-//! - a bead runs at its role's speed and acceleration, no faster than
-//!   `speed.first_layer` on the first layer, short closed walls no faster than
-//!   `speed.small_perimeter`, none faster than the filament can be melted
-//!   (`filament.max_flow`), slower if the layer would take less than
-//!   `cooling.min_layer_time`, but not below `cooling.min_speed` for that;
-//! - the fan runs faster on layers of little time, and comes up in steps
+//! - a bead runs at its role's speed and acceleration. It is no faster than
+//!   `speed.first_layer` on the first layer, than `speed.small_wall` if it is a
+//!   short closed wall, and than the hot end melts (`filament.max_flow`). If
+//!   the layer would take less than `cooling.min_layer_time` it is slower, down
+//!   to `cooling.min_speed`;
+//! - the fan runs faster on layers that take little time, and comes up in steps
 //!   above the layers without it;
-//! - a retraction is primed before the next bead, at the latest at the
-//!   layer's end, and never repeated;
+//! - a retraction is primed before the next bead, at the latest at the layer's
+//!   end, and is never repeated;
 //! - z rises before the head travels, and is the layer's top while it prints;
 //! - the head stands at a bead's first point when the bead begins;
 //! - after [`Pacer::restart`] nothing depends on the layers before;
 //! - the same layers give the same numbers.
 //!
 //! Not guaranteed: that a layer takes `cooling.min_layer_time`; with all beads
-//! at `cooling.min_speed` it may still be shorter. Heating, homing and what the
-//! start and end templates do are in no time given here.
+//! at `cooling.min_speed` it may still be shorter. The times are without
+//! heating, homing and the start and end templates.
 //!
 //! Times come from the [motion model](motion), for the points as they are
 //! written, in micrometres: firmware sees the corners of those. A layer starts
-//! and ends at rest. The change of z between layers is a corner taken at
-//! walking pace anyway, so this costs some milliseconds a layer and makes
-//! a layer's time its own. What is no layer's, the `clock` reads from the text.
+//! and ends at rest, so its time does not depend on its neighbours. This costs
+//! some milliseconds a layer, since the change of z between layers is slow
+//! anyway. The `clock` reads the time of everything else from the text.
 
 mod bounds;
 pub mod clock;
@@ -54,34 +54,34 @@ use motion::{Limits, Motion};
 use rates::{Rater, Rates};
 use slowing::slow_down;
 
-/// Height above the first layer at which the head comes from wherever the
-/// start template left it, mm: clears what start templates leave on the bed.
+/// Height above the first layer at which the head comes from where the start
+/// template left it, mm. It clears what start templates leave on the bed.
 const APPROACH: Mm = 2.0;
 
-/// Distance below which two points are the same place: a tenth of what the
-/// G-code resolves.
+/// Distance below which two points are the same place: 0.1 of what the G-code
+/// resolves.
 const SAME_PLACE: Mm = 0.1 * MICRON;
 
-/// Speed of a wipe, as a share of that of travels: it touches what has just
-/// been printed.
+/// Speed of a wipe as a share of that of travels. It is slower because it
+/// touches what has just been printed.
 const WIPE_SPEED: f64 = 0.8;
 
-/// Gives speeds to one layer after another; knows between two of them where
+/// Gives speeds to one layer after another. Between two layers it knows where
 /// the head stands.
 pub struct Pacer<'a> {
     settings: &'a Settings,
     rater: Rater<'a>,
     motion: Motion,
-    /// Where the head is, unknown before the first move.
+    /// Where the head is; nothing before the first move.
     xy: Option<DVec2>,
     z: Option<Mm>,
     retracted: bool,
-    /// Filament that has oozed out since the last bead, mm, and is to be
-    /// replaced before the next one.
+    /// Filament that has oozed out since the last bead and is replaced before
+    /// the next one, mm.
     oozed: Mm,
-    /// True while a hop (or the approach to the first layer) lasts.
+    /// True during a hop and during the approach to the first layer.
     lifted: bool,
-    /// Speed of the fan so far in the layer.
+    /// The fan's speed as last set in the layer.
     fan: Percent,
 }
 
@@ -104,8 +104,8 @@ impl<'a> Pacer<'a> {
         }
     }
 
-    /// Forgets where the head is: the next layer starts from anywhere in the
-    /// plane, one at `z`. The way to its first point is in no layer's time.
+    /// Forgets where the head is in the plane. It is at height `z`. The way to
+    /// the next layer's first point is in no layer's time.
     pub fn restart(&mut self, z: Mm) {
         self.xy = None;
         self.z = Some(z);
@@ -114,8 +114,8 @@ impl<'a> Pacer<'a> {
     }
 
     /// Gives the next layer its speeds. Layers must come in print order.
-    /// `solid` is the layer's outline in the model's coordinates, if settings
-    /// are to know how deep inside they are.
+    /// `solid` is the layer's outline in the model's coordinates, for settings
+    /// that depend on the depth.
     ///
     /// # Errors
     /// If a setting that is an expression has no value somewhere.
@@ -146,7 +146,8 @@ impl<'a> Pacer<'a> {
             }
         }
         if fan.is_nan() {
-            // What the first bead wants holds from the layer's beginning.
+            // The fan's speed for the first bead holds from the layer's
+            // beginning.
             let first = |m: &PacedMove| matches!(m, PacedMove::Fan(_));
             fan = match out.iter().position(first).map(|i| out.remove(i)) {
                 Some(PacedMove::Fan(speed)) => speed,
@@ -208,7 +209,7 @@ impl<'a> Pacer<'a> {
             self.lifted = true;
             hop = hop.max(APPROACH);
         } else if let (true, Some(z)) = (self.lifted, self.z) {
-            // Further travels of a hop stay as high as it is.
+            // Further travels of a hop stay at its height.
             hop = hop.max(z - span.top);
         }
         // A hop may not leave the machine.
@@ -242,8 +243,8 @@ impl<'a> Pacer<'a> {
             return;
         }
         if self.xy.is_none_or(|at| at.distance(start) > SAME_PLACE) {
-            // The travel stage owes a travel here; a straight one is better
-            // than a bead drawn from somewhere else.
+            // The travel stage should have left a travel here. A straight one
+            // is better than a bead drawn from somewhere else.
             self.travel(span, Travel::straight(start, false), out);
         }
         self.lifted = false;
@@ -269,7 +270,8 @@ impl<'a> Pacer<'a> {
         });
     }
 
-    /// Pulls the filament back, some of it before the wipe and the rest on it.
+    /// Pulls the filament back, a part of it before the wipe and the rest
+    /// during the wipe.
     fn retract(&mut self, wipe: Vec<DVec2>, out: &mut Vec<PacedMove>) {
         let retract = &self.settings.retract;
         if retract.length <= 0.0 {
@@ -280,10 +282,11 @@ impl<'a> Pacer<'a> {
         let way = wiping.map_or(0.0, |from| {
             from.distance(wipe[0]) + path_length(&wipe, false)
         });
-        // Firmware that retracts by itself does it at a stand.
-        let first = match way > SAME_PLACE && !retract.firmware {
-            true => retract.length * retract.before_wipe / 100.0,
-            false => retract.length,
+        // Firmware that retracts by itself does so while the head stands.
+        let first = if way > SAME_PLACE && !retract.firmware {
+            retract.length * retract.before_wipe / 100.0
+        } else {
+            retract.length
         };
         if first > 0.0 {
             self.motion.push_filament(-first, retract.speed);
@@ -296,7 +299,7 @@ impl<'a> Pacer<'a> {
             return;
         }
         let rest = retract.length - first;
-        // No faster than the filament may go back on it.
+        // The wipe is no faster than the filament may go back.
         let speed = (WIPE_SPEED * self.settings.travel_speed())
             .min(retract.speed * way / rest);
         let acceleration = self.settings.travel_acceleration();
@@ -312,9 +315,10 @@ impl<'a> Pacer<'a> {
 
     fn prime(&mut self, out: &mut Vec<PacedMove>) {
         let retract = &self.settings.retract;
-        let (length, extra) = match self.retracted {
-            true => (retract.length, retract.extra_prime),
-            false => (0.0, 0.0),
+        let (length, extra) = if self.retracted {
+            (retract.length, retract.extra_prime)
+        } else {
+            (0.0, 0.0)
         };
         let extra = extra + std::mem::take(&mut self.oozed);
         if !std::mem::take(&mut self.retracted) && extra <= 0.0 {
@@ -372,7 +376,7 @@ impl<'a> Pacer<'a> {
     }
 }
 
-/// A coordinate in whole units of its last decimal, as it is written.
+/// A coordinate as the G-code has it, in units of its last decimal.
 fn count(at: Mm) -> f64 {
     (at / MICRON).round()
 }

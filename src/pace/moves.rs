@@ -1,4 +1,4 @@
-//! What pacing makes: the steps of the machine, layer by layer.
+//! The steps of the machine that pacing makes, layer by layer.
 
 use crate::bead::Bead;
 use crate::layers::LayerSpan;
@@ -15,7 +15,7 @@ pub enum PacedMove {
         /// Speed of the filament.
         speed: MmPerSec,
     },
-    /// Go on along what has been printed while filament is pulled back.
+    /// Go on along a printed bead while filament is pulled back.
     Wipe {
         /// Way points.
         points: Vec<DVec2>,
@@ -26,8 +26,8 @@ pub enum PacedMove {
     },
     /// Push filament forward again.
     Prime {
-        /// Length of filament pulled back before, in the retraction and the
-        /// wipe together; none after a travel that only oozed.
+        /// Length of filament that the retraction and the wipe pulled back; 0
+        /// after a travel without retraction.
         length: Mm,
         /// Length pushed in addition, to make up for what oozed out.
         extra: Mm,
@@ -36,7 +36,7 @@ pub enum PacedMove {
     },
     /// Move straight up or down.
     Lift {
-        /// Where to.
+        /// The height to move to.
         z: Mm,
         /// Speed.
         speed: MmPerSec,
@@ -68,9 +68,9 @@ pub enum PacedMove {
 pub struct PacedLayer {
     /// The layer.
     pub span: LayerSpan,
-    /// Its moves in order.
+    /// The layer's moves in order.
     pub moves: Vec<PacedMove>,
-    /// Speed of the part's fan at its beginning.
+    /// Speed of the part's fan at the layer's beginning.
     pub fan: Percent,
     /// Temperature of the nozzle.
     pub nozzle_temperature: Celsius,

@@ -1,9 +1,10 @@
-//! What beads are printed with, where settings may differ along them: speed,
-//! flow, width, fan.
+//! The rates that beads are printed at: speed, flow, width and fan, which may
+//! change along a bead.
 //!
-//! In: a bead. Out: the bead, or pieces of it that follow each other without
-//! a break, each with its rates. Where a setting is an expression a bead is
-//! asked about every `STEP` and cut where the answer changes noticeably.
+//! In: a bead. Out: the bead, or pieces of it that follow each other without a
+//! break, each with its rates. A setting that is an expression is evaluated
+//! along the bead every `STEP`, and the bead is cut where the value changes
+//! noticeably.
 
 use crate::bead::{Bead, Role, Stroke};
 use crate::layers::LayerSpan;
@@ -17,16 +18,16 @@ use glam::DVec2;
 /// Distance between the points of a bead at which expressions are evaluated.
 const STEP: Mm = 1.0;
 
-/// A bead is cut where a rate has changed by this share of itself.
+/// Share of itself by which a rate has to change for the bead to be cut.
 const CHANGE: f64 = 0.01;
 
 /// How a bead is printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
-    /// Speed its role asks for.
+    /// Speed that the bead's role asks for.
     pub speed: MmPerSec,
-    /// Material extruded, as a factor on the bead's volume; the filament's
-    /// own included.
+    /// Material extruded, as a factor on the bead's volume. It includes
+    /// `filament.flow`.
     pub flow: f64,
     /// Speed of the part's fan.
     pub fan: Percent,
@@ -35,10 +36,10 @@ pub struct Rates {
 /// The rates of a run's beads.
 pub struct Rater<'a> {
     settings: &'a Settings,
-    /// What expressions know of their surroundings; nothing in a run whose
-    /// settings are all constant.
+    /// What expressions know of the model; nothing if all settings are
+    /// constant.
     around: Option<(&'a Surroundings<'a>, DVec2)>,
-    /// By role, in the order of [`Role::ALL`].
+    /// The speeds of the roles, in the order of [`Role::ALL`].
     speeds: Vec<Quantity>,
     flow: Quantity,
     width: Quantity,
@@ -69,7 +70,8 @@ fn speed_of(role: Role, speed: &Speed) -> (&'static str, Varying) {
 }
 
 impl<'a> Rater<'a> {
-    /// For a model, whose print coordinates are its own plus its offset.
+    /// A rater for a model, whose print coordinates are the model's plus an
+    /// offset.
     ///
     /// # Errors
     /// If a setting is no expression.
@@ -81,7 +83,8 @@ impl<'a> Rater<'a> {
         Self::with(settings, Some((around, model.offset.truncate())))
     }
 
-    /// For settings that are all constant; expressions have no value.
+    /// A rater for settings that are all constant. An expression has no value
+    /// in it.
     ///
     /// # Errors
     /// If a setting is no expression.
@@ -124,12 +127,12 @@ impl<'a> Rater<'a> {
         })
     }
 
-    /// Temperature of the nozzle on a layer, in whole degrees where it is an
-    /// expression.
+    /// Temperature of the nozzle on a layer. The value of an expression is
+    /// rounded to whole degrees.
     ///
     /// # Errors
-    /// If it has no value there, or one that melts no plastic or that the
-    /// printer does not bear.
+    /// If an expression has no value there, or one at which plastic does not
+    /// melt or that the printer does not bear.
     pub fn temperature(&self, span: &LayerSpan) -> Result<Celsius, VaryError> {
         if span.index == 0 {
             return Ok(self.settings.filament.first_layer_nozzle_temperature);
@@ -137,8 +140,8 @@ impl<'a> Rater<'a> {
         if let Some(value) = self.temperature.constant() {
             return Ok(value);
         }
-        // Colder than plastic melts, or hotter than the printer bears, is a
-        // mistake in the expression and nothing to be cut off.
+        // A value at which plastic does not melt, or that the printer does not
+        // bear, is a mistake in the expression. It is not clamped.
         let range = Range {
             min: self.settings.min_nozzle_temperature(),
             max: self
@@ -150,11 +153,13 @@ impl<'a> Rater<'a> {
         Ok(self.temperature.at_height(span.top, range)?.round())
     }
 
-    /// Speed of the fan at a layer's beginning, unless its first bead says it.
+    /// Speed of the fan at a layer's beginning; nothing if the first bead sets
+    /// it.
     pub fn fan(&self, span: &LayerSpan) -> Option<Percent> {
-        match span.index < self.settings.cooling.fan_off_layers as usize {
-            true => Some(0.0),
-            false => self.fan.constant(),
+        if span.index < self.settings.cooling.fan_off_layers as usize {
+            Some(0.0)
+        } else {
+            self.fan.constant()
         }
     }
 
@@ -164,7 +169,7 @@ impl<'a> Rater<'a> {
     }
 
     /// The bead in pieces of constant width and rates, in print coordinates.
-    /// `solid` is the layer's outline, in the model's.
+    /// `solid` is the layer's outline in the model's coordinates.
     ///
     /// # Errors
     /// If a setting has no value somewhere along the bead.
@@ -204,11 +209,11 @@ impl<'a> Rater<'a> {
         Ok(out)
     }
 
-    /// Share of a bead's volume that its role is printed with.
+    /// Share of its volume at which a bead of its role is printed.
     fn share(&self, bead: &Bead) -> f64 {
         match bead.role {
             Role::Bridge => 0.01 * self.settings.bridge_flow,
-            // What the nozzle passes over is full but for a share.
+            // The layer that is ironed is full except for this share.
             Role::Ironing => {
                 let full = bead.width * bead.height;
                 0.01 * self.settings.ironing_flow * full / bead.area()
@@ -272,7 +277,7 @@ impl<'a> Rater<'a> {
 struct Step {
     from: DVec2,
     to: DVec2,
-    /// True if it ends at one of the bead's own points.
+    /// True if the stretch ends at one of the bead's own points.
     corner: bool,
 }
 
@@ -285,9 +290,10 @@ fn steps(bead: &Bead) -> Vec<Step> {
             let last = i + 1 == count as usize;
             steps.push(Step {
                 from: a.lerp(b, i as f64 / count),
-                to: match last {
-                    true => b,
-                    false => a.lerp(b, (i + 1) as f64 / count),
+                to: if last {
+                    b
+                } else {
+                    a.lerp(b, (i + 1) as f64 / count)
                 },
                 corner: last,
             });
@@ -319,7 +325,7 @@ fn runs(
     runs
 }
 
-/// The part of a bead that some of its stretches make up.
+/// The part of a bead that these stretches make up.
 fn part(bead: &Bead, steps: &[Step]) -> Bead {
     let mut points: Vec<DVec2> =
         steps.first().map(|s| s.from).into_iter().collect();
@@ -362,7 +368,7 @@ mod tests {
         assert!(steps.windows(2).all(|w| w[0].to == w[1].from));
         let longest = steps.iter().map(|s| s.from.distance(s.to));
         assert!(longest.fold(0.0, f64::max) <= STEP);
-        // Put together again: no point but the corners.
+        // Put together again, the bead has no points but the corners.
         let whole = part(&square, &steps);
         assert_eq!(whole.points.len(), 5);
         assert_eq!(whole.length(), square.length());

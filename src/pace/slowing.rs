@@ -1,17 +1,18 @@
-//! Slowing a layer down until it takes long enough to cool.
+//! Slows a layer down until it takes long enough to cool.
 //!
-//! In: a layer's moves, and how long it is to take. Out: how much slower its
-//! beads are to be, and the time that it then takes.
+//! In: a layer's moves, and how long the layer is to take. Out: how much slower
+//! its beads become, and the time that the layer then takes.
 
 use super::motion::Motion;
 use crate::settings::Cooling;
 use crate::units::{MmPerSec, Seconds};
 
-/// How near the layer's time must come to the minimum, as a share of it.
+/// How near a slowed layer's time comes to `cooling.min_layer_time`, as a share
+/// of it.
 pub(super) const LAYER_TIME_TOLERANCE: f64 = 1e-3;
 
-/// Trials of the slowing down; four are usual, and each of them takes the time
-/// of a pass over the layer.
+/// Greatest number of trials. Four are usual, and each is a pass over the
+/// layer.
 const MAX_TRIALS: usize = 12;
 
 /// How beads are slowed.
@@ -22,25 +23,28 @@ pub(super) struct Slowing {
 }
 
 impl Slowing {
-    /// The slowed speed; a speed already below the floor stays.
+    /// The slowed speed. A speed below the floor stays as it is.
     pub(super) fn apply(&self, speed: MmPerSec) -> MmPerSec {
         (speed * self.factor).max(speed.min(self.floor))
     }
 
     fn time(&self, motion: &mut Motion) -> Seconds {
-        motion.time(|s| match s.prints {
-            true => self.apply(s.speed),
-            false => s.speed,
+        motion.time(|s| {
+            if s.prints {
+                self.apply(s.speed)
+            } else {
+                s.speed
+            }
         })
     }
 }
 
-/// How much to slow the layer's beads for it to take
-/// `cooling.min_layer_time`, and the time it then takes.
+/// How much to slow the layer's beads for the layer to take
+/// `cooling.min_layer_time`, and the time that it then takes.
 ///
-/// The time grows with the slowness 1/factor: at first linearly, the
-/// cruising time, later less, where beads are at the floor. So a false
-/// position search for the slowness is at its goal in a few trials.
+/// The time grows with the slowness 1/factor: at first linearly, then less, as
+/// beads reach the floor. So a search by false position finds the slowness in a
+/// few trials.
 pub(super) fn slow_down(
     motion: &mut Motion,
     cooling: &Cooling,
@@ -51,8 +55,7 @@ pub(super) fn slow_down(
         floor: cooling.min_speed,
     };
     let full = at(1.0).time(motion);
-    // Slowness at which the fastest bead is at the floor, and with it every
-    // other.
+    // Slowness at which the fastest bead, and so every bead, is at the floor.
     let slowest = motion
         .segments()
         .iter()
@@ -67,7 +70,7 @@ pub(super) fn slow_down(
     if too_short(limit) {
         return (at(slowest), limit);
     }
-    // Invariant: too short at `low`, not at `high`.
+    // Invariant: the layer is too short at `low`, and long enough at `high`.
     let (mut low, mut high) = ((1.0, full), (slowest, limit));
     let cruising: f64 = motion
         .segments()
@@ -89,8 +92,8 @@ pub(super) fn slow_down(
         } else {
             high = (guess, time);
         }
-        // Aimed a little above the target, so that the side that is kept as
-        // the answer is the one that moves.
+        // The search aims a little above the target, so that `high`, which is
+        // the answer, moves.
         let aim = target * (1.0 + 0.5 * LAYER_TIME_TOLERANCE);
         guess = low.0 + (aim - low.1) / (high.1 - low.1) * (high.0 - low.0);
     }

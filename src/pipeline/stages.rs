@@ -304,11 +304,8 @@ impl<'a> Stages<'a> {
             );
             (areas, skin)
         });
-        let mut walls = walls::beads(
-            walls,
-            height,
-            self.settings.speed.small_perimeter_length,
-        );
+        let mut walls =
+            walls::beads(walls, height, self.settings.speed.small_wall_length);
         let sites = self.timings.time(Stage::Walls, || {
             self.seams.sites(&walls, number, span.sample_z(), solid)
         })?;

@@ -1,10 +1,10 @@
 //! A folder with a picture of each layer.
 //!
-//! Guaranteed: once [`Pictures::new`] is done, no picture of an earlier run
-//! is left that could be taken for one of this run; each picture is there
-//! completely or not at all; other files are not touched. A run of a range of
-//! layers leaves those of the part's other layers, so that several runs may
-//! fill one folder.
+//! Guaranteed: once [`Pictures::new`] is done, no picture of an earlier run is
+//! left that could be taken for one of this run. Each picture is there
+//! completely or not at all. Other files are not touched. A run of a range of
+//! layers leaves the pictures of the part's other layers, so that several runs
+//! may fill one folder.
 
 use super::layer_svg;
 use crate::plane::Rect;
@@ -22,12 +22,12 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Makes the folder if need be, and removes pictures of earlier runs:
+    /// Makes the folder if it is missing, and removes pictures of earlier runs:
     /// those of `layers` (indices), which this run will draw, and those above
     /// the part's `count` layers. `frame` is the part's box on the bed.
     ///
     /// # Errors
-    /// If the folder cannot be made or read, or a picture not removed.
+    /// If the folder cannot be made or read, or a picture cannot be removed.
     pub fn new(
         folder: &Path,
         frame: Rect,
@@ -52,7 +52,7 @@ impl Pictures {
         })
     }
 
-    /// The folder.
+    /// The folder's path.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -62,13 +62,15 @@ impl Pictures {
     /// # Errors
     /// If the picture cannot be written.
     pub fn draw(&self, path: &LayerPath) -> io::Result<()> {
-        // First, so that the half-written file is there for a moment only.
+        // The picture is drawn first, so that the half-written file is there
+        // for a moment only.
         let picture = layer_svg(path, self.frame);
         let mut builder = tempfile::Builder::new();
         builder.prefix(".isoslice-").suffix(".tmp");
         #[cfg(unix)]
         {
-            // As any other new file, what the umask leaves of this.
+            // These are the permissions of any new file, which the umask
+            // limits.
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
@@ -79,15 +81,15 @@ impl Pictures {
     }
 }
 
-/// The picture's name; people count layers from 1.
+/// The picture's name, in which layers count from 1.
 fn name_of(layer: usize) -> String {
     format!("layer-{:05}.svg", layer + 1)
 }
 
-/// Index of the layer that a file with this name is the picture of.
+/// Index of the layer whose picture has this name.
 fn layer_of(name: &str) -> Option<usize> {
     let digits = name.strip_prefix("layer-")?.strip_suffix(".svg")?;
-    // Zero: from the time before pictures were counted from 1.
+    // Pictures of older versions were counted from 0.
     let layer = digits.parse::<usize>().ok()?.saturating_sub(1);
     let ours = digits.len() == 5 && digits.bytes().all(|b| b.is_ascii_digit());
     ours.then_some(layer)

@@ -1,11 +1,11 @@
 //! The preview page: one HTML file that needs nothing else.
 //!
-//! In: a [`Toolpath`] and the file's name. Out: a page with styles, scripts,
-//! and the moves inside it; it loads nothing, from anywhere. The same input
-//! gives the same bytes. Whatever comes from the file is escaped, so that no
-//! comment or name in it can become markup or script.
+//! In: a [`Toolpath`] and the file's name. Out: a page with its styles, scripts
+//! and moves inside; it loads nothing. Equal input gives equal bytes.
+//! Everything that comes from the file is escaped, so that no comment or name
+//! in it can become markup or script.
 //!
-//! The page's parts are in `assets/preview`; two libraries in `vendor` there.
+//! The page's parts are in `assets/preview`, with two libraries in `vendor`.
 
 use super::pack::pack;
 use super::toolpath::{
@@ -17,10 +17,10 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// The page, with `{{name}}` where something is put in.
+/// The page, with `{{name}}` where a part is put in.
 const PAGE: &str = include_str!("../../assets/preview/page.html");
 
-/// What is put in, but for what comes from the file.
+/// The parts that do not come from the file.
 const PARTS: &[(&str, &str)] = &[
     ("version", env!("CARGO_PKG_VERSION")),
     ("style", include_str!("../../assets/preview/style.css")),
@@ -44,7 +44,7 @@ const PARTS: &[(&str, &str)] = &[
     ("main.js", include_str!("../../assets/preview/main.js")),
 ];
 
-/// What the scripts are told.
+/// The data for the scripts.
 #[derive(Serialize)]
 struct Told<'a> {
     name: &'a str,
@@ -62,7 +62,7 @@ struct Told<'a> {
     statistics: &'a Statistics,
 }
 
-/// Writes the page; `name` is what the print is called.
+/// Writes the page. `name` is the print's name.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -84,7 +84,7 @@ pub fn write_html(
         speed_unit: SPEED_UNIT,
         role_names: Role::ALL.iter().map(|r| r.name()).collect(),
         first: layers.iter().map(|l| l.first).collect(),
-        // Thousandths are enough, and keep the numbers short.
+        // 3 decimals are enough, and keep the numbers short.
         z: layers.iter().map(|l| thousandths(l.z)).collect(),
         time: layers.iter().map(|l| thousandths(l.time)).collect(),
         statistics: &path.statistics,
@@ -131,8 +131,8 @@ fn escape_html(text: &str) -> String {
     escaped
 }
 
-/// JSON for a script element: none of its strings can end the element. The
-/// signs escaped occur in JSON's strings only.
+/// JSON for a script element, with strings that cannot end the element. The
+/// escaped signs occur only in JSON's strings.
 fn escape_json(json: &str) -> String {
     json.replace('<', "\\u003c")
         .replace('>', "\\u003e")
@@ -161,7 +161,7 @@ mod tests {
             let slot = format!("{{{{{name}}}}}");
             assert_eq!(PAGE.matches(&slot).count(), 1, "{slot}");
         }
-        // What every page carries beside its moves.
+        // This is the size of a page without its moves.
         assert!(page.len() < 300_000, "{}", page.len());
     }
 

@@ -3,10 +3,11 @@
 use super::raster::PictureError;
 use crate::settings::ImageFormat;
 
-/// What is behind a part where a format has no transparency, sRGB: hosts that
-/// show such pictures are dark.
+/// Colour behind the part in a format without transparency, sRGB. It is dark,
+/// as are the hosts that show such pictures.
 const BEHIND: [u8; 3] = [32, 34, 38];
-/// Quality of JPG files, of 100: the edges of a small part stay clean.
+/// Quality of JPG files, of 100. With this one the edges of a small part stay
+/// clean.
 const QUALITY: u8 = 92;
 
 /// A picture: colours in linear light, multiplied by their opacity.
@@ -39,8 +40,8 @@ impl Picture {
         self
     }
 
-    /// All of the picture, smaller and in the middle of other proportions:
-    /// each new pixel is the mean of those it covers.
+    /// The picture, smaller, in the middle of a frame that may have other
+    /// proportions. Each new pixel is the mean of those that it covers.
     pub fn shrunk(&self, width: usize, height: usize) -> Picture {
         let scale = (self.width as f64 / width as f64)
             .max(self.height as f64 / height as f64);
@@ -77,7 +78,7 @@ impl Picture {
     /// The picture as a file.
     ///
     /// # Errors
-    /// If a side is zero or beyond what the format holds.
+    /// If a side is 0 or too large for the format.
     pub fn file(self, format: ImageFormat) -> Result<Vec<u8>, PictureError> {
         match format {
             ImageFormat::Png => self.png(),
@@ -114,7 +115,7 @@ impl Picture {
     /// The picture as a PNG file.
     ///
     /// # Errors
-    /// If a side is zero or beyond what PNG holds.
+    /// If a side is 0 or too large for PNG.
     pub fn png(&self) -> Result<Vec<u8>, PictureError> {
         let bytes = self.bytes();
         let mut file = Vec::new();
@@ -130,8 +131,8 @@ impl Picture {
     }
 }
 
-/// Which of `count` pixels a length covers that begins at `from`, and which
-/// share of it each is.
+/// The pixels, of `count`, that a length from `from` on covers, and each one's
+/// share of the length.
 fn shares(from: f64, length: f64, count: usize) -> Vec<(usize, f32)> {
     let to = from + length;
     let first = from.floor().max(0.0) as usize;
@@ -144,7 +145,7 @@ fn shares(from: f64, length: f64, count: usize) -> Vec<(usize, f32)> {
         .collect()
 }
 
-/// Opacity as it is, colours not multiplied by it, in sRGB.
+/// A pixel in sRGB, with colours that are not multiplied by the opacity.
 fn srgb([r, g, b, a]: [f32; 4]) -> [u8; 4] {
     let byte = |x: f32| (255.0 * x.clamp(0.0, 1.0)).round() as u8;
     if byte(a) == 0 {
@@ -152,9 +153,10 @@ fn srgb([r, g, b, a]: [f32; 4]) -> [u8; 4] {
     }
     let encoded = |x: f32| {
         let x = (x / a).clamp(0.0, 1.0);
-        byte(match x <= 0.003_130_8 {
-            true => 12.92 * x,
-            false => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+        byte(if x <= 0.003_130_8 {
+            12.92 * x
+        } else {
+            1.055 * x.powf(1.0 / 2.4) - 0.055
         })
     };
     [encoded(r), encoded(g), encoded(b), byte(a)]
@@ -163,9 +165,10 @@ fn srgb([r, g, b, a]: [f32; 4]) -> [u8; 4] {
 /// A byte of sRGB in linear light.
 fn linear(byte: u8) -> f32 {
     let x = f32::from(byte) / 255.0;
-    match x <= 0.040_45 {
-        true => x / 12.92,
-        false => ((x + 0.055) / 1.055).powf(2.4),
+    if x <= 0.040_45 {
+        x / 12.92
+    } else {
+        ((x + 0.055) / 1.055).powf(2.4)
     }
 }
 
@@ -198,7 +201,7 @@ mod tests {
         let mean = |k: usize| -> f32 {
             small.pixels.iter().map(|p| p[k]).sum::<f32>() / 49.0
         };
-        // 30/7 pixels become one; above and below there is nothing.
+        // 30/7 pixels become one. There is nothing above and below.
         assert!((mean(0) - 14.5 * 20.0 / 30.0).abs() < 1e-3);
         assert!((mean(3) - 20.0 / 30.0).abs() < 1e-4);
         assert_eq!(all.shrunk(30, 20), all);

@@ -1,11 +1,10 @@
 //! Pictures of what will be printed.
 //!
-//! `picture` draws the part itself: `raster` finds what of its field is seen,
-//! `shade` lights it, `image` is what comes of it.
-//! `svg` draws a layer, `folder` keeps the pictures of a run together. `html`
-//! makes a page to turn and look into from any G-code that [`crate::reader`]
-//! reads: `toolpath` gathers its moves and their times, `pack` makes them
-//! small.
+//! `picture` draws the part itself: `raster` finds the visible surface, `shade`
+//! lights it, and `image` holds the pixels. `svg` draws a layer, and `folder`
+//! keeps the pictures of a run together. `html` makes an interactive page from
+//! any G-code that [`crate::reader`] reads: `toolpath` gathers its moves and
+//! their times, and `pack` makes them small.
 
 mod folder;
 mod html;

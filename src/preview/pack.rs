@@ -1,14 +1,14 @@
-//! A toolpath as few bytes.
+//! Packs a toolpath into few bytes.
 //!
 //! In: a [`Toolpath`]. Out: zlib-compressed bytes, and what is needed to read
-//! them. Neighbours differ little, so it is the differences that are kept:
-//! folded, so that small ones of either sign are small numbers (0, −1, 1, −2
-//! as 0, 1, 2, 3), and with all low bytes first and all high bytes, most of
-//! them zero, after them.
+//! them. Neighbours differ little, so their differences are kept. They are
+//! folded, so that small ones of either sign are small numbers (0, −1, 1, −2 as
+//! 0, 1, 2, 3). All low bytes come first, then all high bytes, most of which
+//! are 0.
 //!
-//! The order: x, y and z of all points in two bytes each; width, height,
-//! cross-section and speed of all moves in two bytes each; the roles, a byte
-//! each, as they are; the lines, four bytes each.
+//! The order: x, y and z of all points, in 2 bytes each; width, height,
+//! cross-section and speed of all moves, in 2 bytes each; the roles, in 1 byte
+//! each, not as differences; the lines, in 4 bytes each.
 
 use super::toolpath::Toolpath;
 use flate2::Compression;
@@ -19,18 +19,18 @@ use std::io::{self, Write};
 #[derive(Debug)]
 pub(super) struct Packed {
     pub bytes: Vec<u8>,
-    /// Size of `bytes` before they were compressed.
+    /// Number of bytes before compression.
     pub size: usize,
-    /// What point (0, 0, 0) is, mm.
+    /// Position of the point (0, 0, 0), mm.
     pub origin: [f64; 3],
-    /// How long a unit is, mm.
+    /// Length of a unit, mm.
     pub unit: f64,
 }
 
 /// Packs a toolpath.
 ///
 /// # Errors
-/// Never, since it writes to memory; the encoder's interface has them.
+/// Never, since it writes to memory. The encoder's interface requires it.
 pub(super) fn pack(path: &Toolpath) -> io::Result<Packed> {
     let mut min = [f32::INFINITY; 3];
     let mut max = [f32::NEG_INFINITY; 3];
@@ -42,7 +42,7 @@ pub(super) fn pack(path: &Toolpath) -> io::Result<Packed> {
     }
     let extent = (0..3).map(|i| f64::from(max[i]) - f64::from(min[i]));
     let extent = extent.fold(0.0, f64::max);
-    // A micrometre, if all of it fits into 65 mm.
+    // The unit is 1 µm if everything fits into 65 mm.
     let unit = (extent / f64::from(u16::MAX)).max(1e-3);
     let origin = min.map(|m| if m.is_finite() { f64::from(m) } else { 0.0 });
 
@@ -133,7 +133,7 @@ mod tests {
     use crate::reader::Reader;
     use std::io::Read;
 
-    /// What the page does.
+    /// Unpacks as the page does.
     fn unpack(planes: &[u8]) -> Vec<u16> {
         let (low, high) = planes.split_at(planes.len() / 2);
         let mut last = 0_u16;
@@ -163,7 +163,7 @@ mod tests {
             let found = unpack(&bytes[2 * axis * points..][..2 * points]);
             for (n, p) in found.iter().zip(&path.points) {
                 let at = packed.origin[axis] + packed.unit * f64::from(*n);
-                // Half a unit, and what single precision leaves.
+                // The error is half a unit, and that of single precision.
                 let error = (at - f64::from(p[axis])).abs();
                 assert!(error < 0.501 * packed.unit + 1e-5, "{error}");
             }

@@ -1,10 +1,9 @@
-//! Pictures of a part, shaded, straight from its field.
+//! Draws shaded pictures of a part straight from its field.
 //!
 //! In: a placed model. Out: pictures, for people and for the head of a file.
-//! The part is drawn as it will be printed: scaled, turned, cut. The same
-//! model and size give the same picture on any machine and number of threads
-//! (on those of one architecture; elsewhere sines may differ in the last
-//! bit).
+//! The part is drawn as it will be printed: scaled, turned, cut. A model and a
+//! size give one picture on any number of threads and any machine of one
+//! architecture; on others sines may differ in the last bit.
 
 use super::image::Picture;
 use super::raster::{PictureError, Subject, View};
@@ -13,26 +12,28 @@ use crate::contour::FieldError;
 use crate::model::Model;
 use crate::settings::PictureSize;
 
-/// Pixels that are looked at for one of the picture, along each side, up to
-/// [`SMOOTHED`]: smooth edges cost the square of it.
+/// Samples along each side of a pixel, for pictures up to [`SMOOTHED`]. Smooth
+/// edges cost the square of this number.
 const SMOOTH: usize = 2;
-/// Longer side up to which edges are smooth.
+/// Longer side of a picture up to which edges are smooth, pixels.
 const SMOOTHED: usize = 2000;
-/// The same for pictures in a file's head, which every run pays for.
+/// Samples along each side of a pixel, for pictures in a file's head, which
+/// every run pays for.
 const THUMBNAIL: f64 = 1.5;
-/// Pixels that are looked at along the side of one of the light's view:
-/// shadows are softer than what casts them.
+/// Samples of the picture along the side of a pixel of the light's view.
+/// Shadows are softer than what casts them.
 const MAP: f64 = 1.5;
-/// Longer side that they are drawn with at least.
+/// Least longer side with which they are drawn, pixels.
 const LEAST: f64 = 128.0;
 
-/// Operations that a picture in a file's head may take. What oscillates, or is
-/// a sum of a thousand waves, cannot be proved to be empty anywhere, so nearly
-/// every sample is evaluated, and a picture could take longer than the print's
-/// outlines; none of the examples takes so many.
+/// Number of operations that a picture in a file's head may take. For a
+/// function that oscillates, or is a sum of 1,000 waves, nothing can be proved
+/// to be empty. Nearly every sample is evaluated, and a picture could take
+/// longer than the print's outlines. No example takes so many operations.
 const AFFORDABLE: u64 = 6_000_000_000;
-/// Pixels along the side, for one, that are tried in turn until one picture is
-/// affordable. Half as many are an eighth of the samples.
+/// Factors on the number of pixels along a side, which are tried in turn until
+/// one picture is affordable. Half as many pixels mean an eighth of the
+/// samples.
 const COARSER: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// Draws a model, on a transparent background.
@@ -50,7 +51,7 @@ pub fn draw(
     drawn(&Subject::new(model, view)?, [width, height], block)
 }
 
-/// The picture, of blocks of that many pixels.
+/// The picture, of blocks of `block` × `block` samples.
 fn drawn(
     subject: &Subject,
     [width, height]: [usize; 2],
@@ -61,9 +62,9 @@ fn drawn(
     Ok(shade(&seen, &lit, block))
 }
 
-/// Pictures of a model in several sizes, as files: the largest is drawn and
-/// the others are made of it. Nothing if even a coarse one would take too
-/// long, which depends on the model and the sizes alone.
+/// Pictures of a model in several sizes, as files. The largest is drawn, and
+/// the others are made of it. There are none if even a coarse one would take
+/// too long, which depends on the model and the sizes only.
 ///
 /// # Errors
 /// If fidget refuses the model's expression.

@@ -1,7 +1,7 @@
-//! What of a part is seen from somewhere: depths and normals, from the field.
+//! Finds the visible surface of a part: depths and normals, from the field.
 //!
-//! In: a placed model, a view, a size. Out: for each pixel how far towards the
-//! viewer the part reaches there, and which way its surface faces.
+//! In: a placed model, a view, a size. Out: for each pixel how far the part
+//! reaches towards the viewer, and where its surface faces.
 //!
 //! ```text
 //!            u                 the viewer looks along −w, from infinitely
@@ -12,8 +12,8 @@
 //!           ╱│                 above, counter-clockwise from the x axis
 //! ```
 //!
-//! What is thinner than a sample is far from the next may be missed. The
-//! result does not depend on the number of threads.
+//! Details thinner than the distance between samples may be missed. The result
+//! does not depend on the number of threads.
 
 use crate::limits::{self, Watched};
 use crate::model::{Bounds, Model};
@@ -24,24 +24,25 @@ use glam::{DMat3, DVec2, DVec3, Vec3};
 use isocontour::{FieldError, Grid, Sight};
 use std::sync::Arc;
 
-/// From where a part is looked at.
+/// The direction from which a part is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Where the viewer stands, seen from above: counter-clockwise from the x
     /// axis.
     pub azimuth: Degrees,
-    /// How far above the horizon.
+    /// Angle of the viewer above the horizon.
     pub elevation: Degrees,
 }
 
 impl View {
-    /// From the front, the right and above: equally far along each axis.
+    /// The view from the front, the right and above, at equal angles to all
+    /// axes.
     pub const ISO: View = View {
         azimuth: -45.0,
         // The angle between a cube's diagonal and its faces.
         elevation: 35.264_389_682_754_654,
     };
-    /// As most hosts show parts: more of the front, less of the top.
+    /// The view that most hosts have: more of the front, less of the top.
     pub const THUMBNAIL: View = View {
         azimuth: -60.0,
         elevation: 30.0,
@@ -62,7 +63,7 @@ impl View {
         View { azimuth, elevation }
     }
 
-    /// Right, up and towards the viewer, as columns.
+    /// The directions right, up and towards the viewer, as columns.
     pub(super) fn axes(self) -> DMat3 {
         let (sa, ca) = sin_cos(self.azimuth);
         let (se, ce) = sin_cos(self.elevation);
@@ -72,7 +73,7 @@ impl View {
     }
 }
 
-/// Exact at multiples of 90°, so that faces stay faces.
+/// Sine and cosine, exact at multiples of 90°, so that faces stay flat.
 fn sin_cos(degrees: Degrees) -> (f64, f64) {
     match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),
@@ -100,35 +101,35 @@ pub enum PictureError {
     Jpg(#[from] jpeg_encoder::EncodingError),
 }
 
-/// Depths and normals of what is seen.
+/// Depths and normals of the visible surface.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Seen {
     pub width: usize,
     pub height: usize,
-    /// Towards the viewer, in pixels; nothing where nothing is.
+    /// Depths towards the viewer, in pixels; nothing beside the part.
     pub depths: Vec<Option<f32>>,
-    /// Outwards, of length 1, along right, up and towards the viewer.
+    /// Normals, of length 1, along right, up and towards the viewer.
     pub normals: Vec<Vec3>,
-    /// Where the first pixel of the first row is at depth 0, mm.
+    /// Position of the first pixel of the first row at depth 0, mm.
     origin: DVec3,
     /// Side of a pixel.
     pub pixel: Mm,
-    /// Right, up and towards the viewer.
+    /// The directions right, up and towards the viewer.
     pub axes: DMat3,
 }
 
 impl Seen {
-    /// Where column, row and depth are, mm.
+    /// Position of a column, row and depth, mm.
     #[cfg(test)]
     pub(super) fn place(&self, at: DVec3) -> DVec3 {
         let at = at * DVec3::new(1.0, -1.0, 1.0);
         self.origin + self.axes * at * self.pixel
     }
 
-    /// What turns column, row and depth of a place into those in another
-    /// view: a matrix and what is added.
+    /// The map from a place's column, row and depth to those in another view: a
+    /// matrix and an offset.
     pub(super) fn to(&self, other: &Seen) -> (DMat3, DVec3) {
-        // Rows run down.
+        // Rows count downwards.
         let down = DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0));
         let into = down * other.axes.transpose() * (1.0 / other.pixel);
         let turn = into * self.axes * down * self.pixel;
@@ -136,30 +137,30 @@ impl Seen {
     }
 }
 
-/// Pixels of the first look along its longer side.
+/// Pixels of the first, coarse view along its longer side.
 const COARSE: usize = 128;
 /// Free border, as a share of the picture.
 const MARGIN: f64 = 0.04;
-/// Samples along the view, at most, as a multiple of the longer side.
+/// Greatest number of samples along the view, as a multiple of the longer side.
 const DEEPEST: f64 = 4.0;
-/// Pixels of a view from a light, at most, along its longer side.
+/// Greatest number of pixels of a light's view along its longer side.
 const LONGEST_MAP: f64 = 4096.0;
 
-/// A part that is looked at.
+/// A part that is viewed.
 pub(super) struct Subject {
     sight: Arc<Sight>,
     axes: DMat3,
     /// The part's box.
     bounds: Bounds,
-    /// Half of it along the view's axes.
+    /// Half of the box along the view's axes.
     half: DVec3,
 }
 
-/// What is looked at, and how closely.
+/// The space that is sampled, and how finely.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     centre: DVec3,
-    /// Samples: right, down, towards the viewer.
+    /// Number of samples to the right, down, and towards the viewer.
     size: [usize; 3],
     /// Side of a pixel.
     pixel: Mm,
@@ -168,12 +169,13 @@ struct Frame {
 }
 
 impl Subject {
-    /// `model` as it will be printed, seen from `view`.
+    /// `model`, as it will be printed, seen from `view`.
     pub(super) fn new(model: &Model, view: View) -> Result<Self, PictureError> {
         Subject::at_most(u64::MAX, model, view)
     }
 
-    /// The same; all looks at it together fail beyond so many operations.
+    /// As [`Subject::new`], but sampling fails once it has taken `most`
+    /// operations.
     pub(super) fn at_most(
         operations: u64,
         model: &Model,
@@ -194,7 +196,7 @@ impl Subject {
         Ok(Subject::of(sight, view.axes(), bounds))
     }
 
-    /// What is within a box, seen along some axes.
+    /// The part within a box, seen along some axes.
     fn of(sight: Arc<Sight>, axes: DMat3, bounds: Bounds) -> Subject {
         let corner = |i: i32| {
             let side = |k| if i >> k & 1 == 0 { -0.5 } else { 0.5 };
@@ -209,8 +211,8 @@ impl Subject {
         }
     }
 
-    /// All of the part as it is seen from where light comes from: right, up
-    /// and towards the viewer in this view. Pixels have about that side.
+    /// The whole part as seen from a light, whose direction is given as right,
+    /// up and towards the viewer. Pixels have about the side `pixel`.
     pub(super) fn seen_by(
         &self,
         light: DVec3,
@@ -237,7 +239,7 @@ impl Subject {
         self.look(frame)
     }
 
-    /// The part's whole box.
+    /// A frame around the part's whole box.
     fn whole(&self, longest: usize) -> Frame {
         let pixel =
             2.0 * self.half.x.max(self.half.y).max(MIN_EXTENT) / longest as f64;
@@ -245,14 +247,14 @@ impl Subject {
         let depth = (count(self.half.z) + 2).min(depth_limit(longest));
         Frame {
             centre: self.bounds.centre(),
-            // A pixel more on every side, so that a border shows.
+            // One more pixel on every side makes a border.
             size: [count(self.half.x) + 2, count(self.half.y) + 2, depth],
             pixel,
             step: (2.0 * self.half.z + 2.0 * pixel) / depth as f64,
         }
     }
 
-    /// A frame of that size around what has been seen in a coarser one.
+    /// A frame of a size around what a coarser view has seen.
     fn around(&self, coarse: &Frame, seen: &Seen, size: [usize; 2]) -> Frame {
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
         for (i, depth) in seen.depths.iter().enumerate() {
@@ -267,7 +269,7 @@ impl Subject {
         if low[0] > high[0] {
             (low, high) = ([0; 2], [seen.width - 1, seen.height - 1]);
         }
-        // Something thin may reach into the pixels beside.
+        // Thin details may reach into the pixels beside.
         let side = |k: usize| (high[k] - low[k] + 3) as f64 * coarse.pixel;
         let middle =
             |k: usize| 0.5 * (low[k] + high[k] + 1) as f64 * coarse.pixel;
@@ -295,7 +297,7 @@ impl Subject {
             -self.axes.y_axis * frame.pixel,
             self.axes.z_axis * frame.step,
         ];
-        // A pixel is seen through its middle.
+        // A pixel is sampled at its middle.
         let origin = frame.centre
             + steps[0] * (0.5 - 0.5 * width as f64)
             + steps[1] * (0.5 - 0.5 * height as f64)
@@ -310,7 +312,7 @@ impl Subject {
         let from_model = self.axes.transpose().as_mat3();
         let normal = |gradient: Vec3| {
             let n = from_model * gradient;
-            // As if it faced the viewer, where nobody knows.
+            // Where the normal is not known, the surface faces the viewer.
             n.try_normalize().unwrap_or(Vec3::Z)
         };
         Ok(Seen {
@@ -331,20 +333,21 @@ impl Subject {
     }
 }
 
-/// Parts thinner than this are drawn as if they were not, mm.
+/// Least thickness of a part that is drawn, mm.
 const MIN_EXTENT: Mm = 1e-6;
 
 fn depth_limit(longest: usize) -> usize {
     (DEEPEST * longest as f64) as usize
 }
 
-/// A convex ring around the part seen from above, in the bed's coordinates,
-/// counter-clockwise; no farther from it than a hundredth of its size.
+/// A convex ring around the part as seen from above, in the bed's coordinates,
+/// counter-clockwise. It is no farther from the part than 0.01 of the part's
+/// size.
 ///
 /// # Errors
 /// If fidget refuses the expression.
 pub fn outline_from_above(model: &Model) -> Result<Vec<DVec2>, PictureError> {
-    // Half a pixel on either side.
+    // The ring is half a pixel outside.
     const PIXELS: usize = 100;
     let view = View::of(-90.0, 90.0);
     let subject = Subject::new(model, view)?;
@@ -372,7 +375,7 @@ pub fn outline_from_above(model: &Model) -> Result<Vec<DVec2>, PictureError> {
     let hull = corners.convex_hull();
     let ring = hull.exterior().0.iter().map(|c| DVec2::new(c.x, c.y));
     let mut ring: Vec<DVec2> = ring.collect();
-    // The first point again.
+    // The last point repeats the first.
     ring.pop();
     Ok(ring)
 }
@@ -409,7 +412,7 @@ mod tests {
         seen.depths.iter().flatten().count()
     }
 
-    /// Left, right, top and bottom of what is seen, in pixels.
+    /// Left, right, top and bottom ends of the visible part, in pixels.
     fn extent(seen: &Seen) -> [usize; 4] {
         let at = |k: usize| (k % seen.width, k / seen.width);
         let all = seen.depths.iter().enumerate();

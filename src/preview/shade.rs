@@ -1,15 +1,15 @@
-//! Light on what is seen.
+//! Lights the visible surface.
 //!
-//! In: depths and normals, and depths as they are seen from the key light.
-//! Out: colours: a warm material under a bright sky, a key light from the
-//! upper left with its shadows, and less light in corners (ambient occlusion,
-//! from the depths alone: what is hidden from the viewer makes no corner).
+//! In: depths and normals, and depths as seen from the key light. Out: colours
+//! of a warm material under a bright sky, with a key light from the upper left,
+//! its shadows, and less light in corners. The corners (ambient occlusion)
+//! follow from the depths only, so surfaces hidden from the viewer make none.
 //!
-//! What the light does not see is in shadow (Williams 1978, Casting curved
-//! shadows on curved surfaces). Its view is as coarse as its pixels: each
-//! place compares those around it with the plane through itself, which keeps
-//! slanted surfaces out of their own shadow, and the share that is not hidden
-//! makes the edge soft.
+//! A place that the light does not see is in shadow (Williams 1978, Casting
+//! curved shadows on curved surfaces). The light's view has coarse pixels. Each
+//! place compares those around it with the plane of its own surface, which
+//! keeps slanted surfaces out of their own shadow. The share of these pixels
+//! that is not hidden makes the shadow's edge soft.
 
 use super::image::Picture;
 use super::raster::Seen;
@@ -22,38 +22,39 @@ const MATERIAL: Vec3 = Vec3::new(0.80, 0.25, 0.045);
 /// Light from above and from below, linear.
 const SKY: Vec3 = Vec3::new(0.46, 0.51, 0.60);
 const GROUND: Vec3 = Vec3::new(0.20, 0.17, 0.16);
-/// The key light, and a weaker one against it.
+/// The key light, and a weaker light from the other side.
 const KEY: Vec3 = Vec3::new(1.28, 1.21, 1.10);
 const FILL: Vec3 = Vec3::new(0.12, 0.14, 0.18);
-/// Where they come from: right, up, towards the viewer.
+/// Directions of the two lights: right, up, towards the viewer.
 pub(super) const KEY_FROM: Vec3 = Vec3::new(-0.42, 0.62, 0.66);
 const FILL_FROM: Vec3 = Vec3::new(0.75, -0.1, 0.65);
 /// Brightness and narrowness of highlights.
 const GLOSS: f32 = 0.16;
 const NARROW: i32 = 28;
 
-/// Directions in which corners are looked for, and looks in each.
+/// Number of directions in which corners are looked for, and of looks in each.
 const DIRECTIONS: usize = 8;
 const LOOKS: usize = 5;
-/// How far they go, as a share of the picture's longer side.
+/// Greatest distance of a look, as a share of the picture's longer side.
 const REACH: f32 = 0.09;
 /// Share of the light that a corner takes away.
 const DARKEST: f32 = 0.85;
 /// Light that shadows leave.
 const SHADOW: f32 = 0.35;
-/// Pixels of the light's view that a place looks at, along each side.
+/// Number of the light's pixels that a place compares, along each side.
 const AROUND: usize = 6;
-/// Pixels of the light's view by which something must be nearer to it to cast
-/// a shadow: surfaces bend, and their depths are rounded.
+/// Distance, in pixels of the light's view, by which a surface must be nearer
+/// to the light to cast a shadow. Surfaces bend, and their depths are rounded.
 const NEARER: f32 = 2.0;
-/// Least share of the light's direction in a surface's: beyond that next to
-/// nothing of its light arrives, and the surface is too slanted to compare.
+/// Least cosine between a surface's normal and the light. Below it next to no
+/// light arrives, and the surface is too slanted to compare.
 const GRAZING: f32 = 0.05;
-/// Pixels that something must stand out to hide anything: surfaces bend.
+/// Height in pixels that a surface must stand out to hide another one, since
+/// surfaces bend.
 const FLAT: f32 = 1.5;
 
-/// The picture, each `block` × `block` pixels of what is seen becoming one.
-/// `lit` is what the key light sees.
+/// The picture. Each `block` × `block` pixels of `seen` become one. `lit` is
+/// what the key light sees.
 pub(super) fn shade(seen: &Seen, lit: &Seen, block: usize) -> Picture {
     let (width, height) = (seen.width / block, seen.height / block);
     let light = Light::new(seen, Shadows::new(seen, lit));
@@ -75,33 +76,33 @@ pub(super) fn shade(seen: &Seen, lit: &Seen, block: usize) -> Picture {
     }
 }
 
-/// A place to look at from every pixel.
+/// A step from every pixel to another one.
 struct Look {
-    /// Columns and rows away.
+    /// The step in columns and rows.
     at: [isize; 2],
-    /// Right, up and towards the viewer.
+    /// The step to the right, up, and towards the viewer.
     way: Vec3,
 }
 
 impl Look {
     fn new(way: Vec3) -> Look {
         Look {
-            // Up is against the rows.
+            // Rows count downwards.
             at: [way.x, -way.y].map(|d| (d + 0.5).floor() as isize),
             way,
         }
     }
 }
 
-/// A row of pixels, each quantity on its own, for vector instructions.
+/// A row of pixels, with an array for each quantity, for vector instructions.
 struct Row {
-    /// Depths; minus infinity where nothing is.
+    /// Depths; minus infinity beside the part.
     z: Vec<f32>,
     /// Normals: right, up, towards the viewer.
     n: [Vec<f32>; 3],
-    /// Most of the sky that is hidden in one direction.
+    /// Greatest share of the sky that is hidden in one direction.
     most: Vec<f32>,
-    /// The same for all directions together.
+    /// Share of the sky that is hidden in all directions.
     hidden: Vec<f32>,
 }
 
@@ -119,7 +120,7 @@ impl Row {
 
 struct Light<'a> {
     seen: &'a Seen,
-    /// Minus infinity where nothing is.
+    /// Depths; minus infinity beside the part.
     depths: Vec<f32>,
     /// The model's z axis in the view.
     up: Vec3,
@@ -127,7 +128,7 @@ struct Light<'a> {
     fill: Vec3,
     half_way: Vec3,
     reach: f32,
-    /// By direction, where corners are looked for.
+    /// The looks for corners, by direction.
     around: Vec<[Look; LOOKS]>,
     shadows: Shadows,
 }
@@ -136,9 +137,9 @@ struct Light<'a> {
 struct Shadows {
     width: usize,
     height: usize,
-    /// Minus infinity where nothing is.
+    /// Depths; minus infinity beside the part.
     depths: Vec<f32>,
-    /// Turns column, row and depth into those of the light's view.
+    /// The matrix from column, row and depth to those of the light's view.
     turn: Mat3,
     shift: Vec3,
 }
@@ -155,9 +156,9 @@ impl Shadows {
         }
     }
 
-    /// Which share of the light arrives at a place, in columns, rows and
-    /// depth, of a surface that faces right, up and towards the viewer by
-    /// `normal`.
+    /// Share of the light that arrives at a place, given by column, row and
+    /// depth, of a surface with this normal, given by right, up and towards the
+    /// viewer.
     fn lit(&self, place: Vec3, normal: Vec3) -> f32 {
         let p = self.turn * place + self.shift;
         let n = self.turn * (normal * Vec3::new(1.0, -1.0, 1.0));
@@ -169,7 +170,8 @@ impl Shadows {
         let (right, down) = (-n.x / n.z, -n.y / n.z);
         let first = (p.truncate() - 0.5 * (AROUND - 2) as f32).floor();
         let beyond = p.truncate() - 0.5 * (AROUND - 2) as f32 - first;
-        // All count alike but the outermost ones, which come and go.
+        // All pixels count alike except the outermost ones, which fade in and
+        // out.
         let share = |k: usize, beyond: f32| match k {
             0 => 1.0 - beyond,
             k if k + 1 == AROUND => beyond,
@@ -201,7 +203,7 @@ impl Shadows {
     }
 }
 
-/// Depths; minus infinity where nothing is.
+/// Depths; minus infinity beside the part.
 fn bare(seen: &Seen) -> Vec<f32> {
     let depth = |d: &Option<f32>| d.unwrap_or(f32::NEG_INFINITY);
     seen.depths.iter().map(depth).collect()
@@ -213,11 +215,11 @@ impl<'a> Light<'a> {
         let key = KEY_FROM.normalize();
         let reach = (REACH * longest).max(2.0);
         let around = |d: usize| {
-            // Off the axes, along which edges often run.
+            // Directions keep off the axes, along which edges often run.
             let share = (d as f32 + 0.25) / DIRECTIONS as f32;
             let direction = Vec2::from_angle(std::f32::consts::TAU * share);
             std::array::from_fn(|look| {
-                // Nearer ones are denser.
+                // Looks are denser near the pixel.
                 let share = (look + 1) as f32 / LOOKS as f32;
                 let step = direction * (reach * share * share).max(1.0);
                 Look::new(Vec3::new(step.x, -step.y, 0.0))
@@ -236,8 +238,8 @@ impl<'a> Light<'a> {
         }
     }
 
-    /// Adds row `y` of what is seen to a row of the picture: colours, linear,
-    /// and opacity, of `block` pixels to one.
+    /// Adds row `y` of the visible surface to a row of the picture: linear
+    /// colours and opacity, with `block` pixels for one.
     fn add(&self, y: usize, block: usize, row: &mut Row, out: &mut [[f32; 4]]) {
         let width = self.seen.width;
         let line = y * width..(y + 1) * width;
@@ -283,8 +285,8 @@ impl<'a> Light<'a> {
         MATERIAL * (sky + KEY * key + FILL * fill) + KEY * GLOSS * gloss
     }
 
-    /// The depths seen at a look's distance from some pixels of row `y`, and
-    /// which of the pixels have any.
+    /// The depths at a look's distance from some pixels of row `y`, and which
+    /// of these pixels have one.
     fn seen_from(
         &self,
         y: usize,
@@ -303,8 +305,8 @@ impl<'a> Light<'a> {
         Some((row.get(other)?, own))
     }
 
-    /// How much of the sky the surroundings hide from pixels of row `y`: none
-    /// of it on a plane.
+    /// Finds how much of the sky the surroundings hide from pixels of row `y`.
+    /// On a plane they hide none.
     fn look_around(&self, y: usize, pixels: Range<usize>, row: &mut Row) {
         let far = (1.5 * self.reach).powi(2);
         row.hidden[pixels.clone()].fill(0.0);
@@ -326,7 +328,7 @@ impl<'a> Light<'a> {
                     let rise = nx[k] * x + ny[k] * y + nz[k] * dz - FLAT;
                     let near = 1.0 - square / far;
                     let near = if near > 0.0 { near } else { 0.0 };
-                    // Not a number where nothing is, and then not more.
+                    // Beside the part this is NaN, which is never more.
                     let hides = rise / square.sqrt() * near;
                     most[k] = if hides > most[k] { hides } else { most[k] };
                 }
@@ -357,8 +359,8 @@ mod tests {
         post || plate
     }
 
-    /// Shadows end where they should, whatever the field is like besides its
-    /// sign: flat, steep, or both.
+    /// Shadows end where they should, whether the field is flat, steep, or
+    /// both.
     #[test]
     fn shadows_are_those_of_the_part() {
         let bed = BuildVolume {
@@ -405,7 +407,8 @@ mod tests {
                 wrong += usize::from((share < 0.5) != hidden);
             }
             assert!(all > 10_000 && dark > 300, "{scale}: {all} {dark}");
-            // Only at the edge, which is as coarse as the light's pixels.
+            // Errors are at the edge only, which is as coarse as the light's
+            // pixels.
             assert!(wrong < dark / 6, "{scale}: {wrong} of {dark}");
         }
     }

@@ -1,5 +1,5 @@
-//! One layer as an SVG picture: beads in their width and role's colour,
-//! travels as thin lines (dashed where retracted), y up.
+//! Draws a layer as an SVG picture: beads with their widths, in the colours of
+//! their roles; travels as thin lines, dashed if retracted; y up.
 
 use crate::bead::Role;
 use crate::plane::Rect;
@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Margin around the part, mm, with room for the skirt.
 const MARGIN: f64 = 2.0;
 
-/// Colour of a role, as PrusaSlicer's viewers have taught people to expect.
+/// Colour of a role, as in PrusaSlicer's viewer.
 fn colour(role: Role) -> &'static str {
     match role {
         Role::OuterWall => "#ff7d38",
@@ -27,8 +27,8 @@ fn colour(role: Role) -> &'static str {
     }
 }
 
-/// The layer as a picture of its own, in print coordinates; `frame` is the
-/// part's box, the same for all layers so that pictures can be compared.
+/// The layer as a picture, in print coordinates. `frame` is the part's box,
+/// which all layers share, so that pictures can be compared.
 pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
     let frame = path
         .moves
@@ -83,9 +83,10 @@ pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
                 at = bead.path().last();
             }
             Move::Travel(travel) => {
-                let dash = match travel.retract {
-                    true => " stroke-dasharray=\"0.4 0.3\"",
-                    false => "",
+                let dash = if travel.retract {
+                    " stroke-dasharray=\"0.4 0.3\""
+                } else {
+                    ""
                 };
                 let _ = write!(
                     travels,

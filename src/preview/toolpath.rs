@@ -1,4 +1,4 @@
-//! The moves of a file, ready to be drawn, and what they amount to.
+//! Gathers the moves of a file, ready to be drawn, and their statistics.
 //!
 //! In: a [`Reader`]. Out: a [`Toolpath`]: flat arrays, one entry for each
 //! move of the head, in the units in which the page keeps them, and the
@@ -13,13 +13,13 @@ use glam::DVec3;
 use serde::Serialize;
 use std::io::Read;
 
-/// What a move is, if it does not print.
+/// Stands for a role in a move that does not print.
 pub(super) const TRAVEL: u8 = Role::ALL.len() as u8;
-/// A place reached otherwise: by homing. Never drawn.
+/// Stands for a role in a jump, which is never drawn: homing.
 pub(super) const JUMP: u8 = TRAVEL + 1;
 
-/// Units of the arrays: lengths 1 µm, cross-sections 1e-4 mm², speeds
-/// 0.02 mm/s. Beyond 16 bits (65 mm, 6.5 mm², 1300 mm/s) they stay there.
+/// Units of the arrays: lengths 1 µm, cross-sections 1e-4 mm², speeds 0.02
+/// mm/s. Values beyond 16 bits (65 mm, 6.5 mm², 1300 mm/s) are cut to them.
 pub(super) const LENGTH_UNIT: f64 = 1e-3;
 pub(super) const AREA_UNIT: f64 = 1e-4;
 pub(super) const SPEED_UNIT: f64 = 0.02;
@@ -33,7 +33,7 @@ pub struct Toolpath {
     pub(super) heights: Vec<u16>,
     pub(super) areas: Vec<u16>,
     pub(super) speeds: Vec<u16>,
-    /// [`Role`]s by their place in [`Role::ALL`], [`TRAVEL`] or [`JUMP`].
+    /// [`Role`]s by their index in [`Role::ALL`], [`TRAVEL`] or [`JUMP`].
     pub(super) roles: Vec<u8>,
     pub(super) lines: Vec<u32>,
     pub(super) layers: Vec<Layer>,
@@ -44,23 +44,23 @@ pub struct Toolpath {
 /// A layer.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Layer {
-    /// Its first move.
+    /// Index of the layer's first move.
     pub first: u32,
-    /// Height at which it is first printed.
+    /// Height at which the layer is first printed.
     pub z: Mm,
     pub time: Seconds,
 }
 
-/// What is printed for one purpose.
+/// The share of a role, or of travels, in a print.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Share {
-    /// Length of the way.
+    /// Length of the moves.
     pub length: Mm,
-    /// Estimated time.
+    /// Estimated time of the moves.
     pub time: Seconds,
     /// Volume of the beads.
     pub volume: Mm3,
-    /// Moves.
+    /// Number of moves.
     pub moves: u64,
 }
 
@@ -69,30 +69,30 @@ pub struct Share {
 pub struct Statistics {
     /// The program that made the file.
     pub generator: Option<String>,
-    /// The print's time as the file says it.
+    /// The print's time, as the file says.
     pub said_time: Option<Seconds>,
     /// The print's time as estimated from the moves, without heating.
     pub time: Seconds,
-    /// Filament.
+    /// Length of filament.
     pub filament: Mm,
-    /// Mass of it, grams, if the file says that or the density.
+    /// Mass of filament, grams, if the file tells it or the density.
     pub mass: Option<f64>,
-    /// Temperature of the nozzle, as set last.
+    /// Temperature of the nozzle that was set last.
     pub nozzle: Option<Celsius>,
-    /// Temperature of the bed, as set last.
+    /// Temperature of the bed that was set last.
     pub bed: Option<Celsius>,
-    /// How often filament is pulled back.
+    /// Number of retractions.
     pub retractions: u64,
-    /// Shares, by the roles' places in [`Role::ALL`].
+    /// Shares of the roles, by their index in [`Role::ALL`].
     pub roles: [Share; Role::ALL.len()],
-    /// The ways between.
+    /// Share of travels.
     pub travel: Share,
-    /// Lower and upper corner of the part, its beads' width included; without
+    /// Lower and upper corner of the part, with the width of its beads, without
     /// supports, skirts and what templates print.
     pub part: Option<[[Mm; 3]; 2]>,
-    /// The same of everything that is printed in layers.
+    /// Lower and upper corner of everything that is printed in layers.
     pub printed: Option<[[Mm; 3]; 2]>,
-    /// Lines of the file.
+    /// Number of lines of the file.
     pub lines: u64,
 }
 
@@ -114,12 +114,12 @@ impl Toolpath {
         self.statistics.printed.is_none()
     }
 
-    /// Moves of the head.
+    /// Number of moves of the head.
     pub fn len(&self) -> usize {
         self.roles.len()
     }
 
-    /// How many layers there are.
+    /// Number of layers.
     pub fn layer_count(&self) -> usize {
         self.layers.len()
     }
@@ -129,7 +129,7 @@ impl Toolpath {
         &self.statistics
     }
 
-    /// What in the file could not be made sense of.
+    /// The problems of the file.
     pub fn problems(&self) -> &Problems {
         &self.problems
     }
@@ -143,11 +143,11 @@ struct Collector {
     /// Boxes of the part and of all that is printed.
     part: Box3,
     printed: Box3,
-    /// Filament for each role.
+    /// Length of filament for each role.
     volume: [Mm; Role::ALL.len()],
-    /// Filament is pulled back.
+    /// True while filament is pulled back.
     back: bool,
-    /// The layer has been printed on.
+    /// True once the layer has a bead.
     begun: bool,
 }
 
@@ -240,9 +240,10 @@ impl Collector {
     fn step<R: Read>(&mut self, step: &Move, reader: &Reader<R>) {
         self.path.statistics.filament += step.filament;
         self.pull(step.filament);
-        let what = match step.prints() {
-            true => step.role as u8,
-            false => TRAVEL,
+        let what = if step.prints() {
+            step.role as u8
+        } else {
+            TRAVEL
         };
         self.clock.push(step, reader.state(), what);
         if self.clock.is_full() {
@@ -254,7 +255,7 @@ impl Collector {
         let path = &mut self.path;
         let start = step.from.as_vec3().to_array();
         match path.points.last() {
-            // Where the head is at first is not known.
+            // The first position of the head is not known.
             None if what == TRAVEL => {
                 path.points.push(step.to.as_vec3().to_array());
                 return;
@@ -267,7 +268,7 @@ impl Collector {
             Some(_) => {}
         }
         path.points.push(step.to.as_vec3().to_array());
-        // The filament's real diameter may be said at the file's end only.
+        // Some files tell the filament's diameter at their end only.
         let area = step.filament.max(0.0) / step.length();
         path.push(
             what,
@@ -298,8 +299,8 @@ impl Collector {
         }
     }
 
-    /// The first layer begins: what was printed without a label was not the
-    /// part, but lines that start the flow.
+    /// Forgets the boxes when the first layer begins. Beads before it that have
+    /// no label are not the part: they start the flow.
     fn nothing_yet(&mut self) {
         let [from, to] = [Role::Unknown, Role::Custom].map(|r| r as usize);
         for role in &mut self.path.roles {
@@ -315,7 +316,7 @@ impl Collector {
         self.volume[to] += std::mem::take(&mut self.volume[from]);
     }
 
-    /// Filament goes forward or back.
+    /// Takes in filament that goes forward or back.
     fn pull(&mut self, by: Mm) {
         if by < 0.0 && !self.back {
             self.path.statistics.retractions += 1;
@@ -369,7 +370,7 @@ impl Collector {
         statistics.lines = reader.lines();
         statistics.printed = self.printed.corners();
         statistics.part = self.part.corners().or(statistics.printed);
-        // What comes before the first layer is shown with it.
+        // Moves before the first layer are shown with it.
         if let Some(layer) = path.layers.first_mut() {
             layer.first = 0;
         }
@@ -388,7 +389,7 @@ impl Toolpath {
         speed: f64,
         line: u64,
     ) {
-        // `as` stays at the ends of its range.
+        // The cast stays within its range.
         self.widths.push((width / LENGTH_UNIT).round() as u16);
         self.heights.push((height / LENGTH_UNIT).round() as u16);
         self.areas.push((area / AREA_UNIT).round() as u16);
@@ -398,7 +399,7 @@ impl Toolpath {
     }
 }
 
-/// Whether it is the part that is printed.
+/// True if beads of a role belong to the part.
 fn is_part(role: Role) -> bool {
     !matches!(
         role,

@@ -2,27 +2,28 @@
 //!
 //! In: an arc in the plane of the bed, with its centre (I, J) or its radius
 //! (R). Out: points on it, the last one exactly its end; z rises evenly. No
-//! chord is farther than [`TOLERANCE`] from the arc, unless that would take
-//! more than [`MOST`] chords.
+//! chord is farther than [`ACCURACY`] from the arc, unless that would take more
+//! than [`MOST`] chords.
 
 use crate::units::Mm;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// Greatest distance between the arc and its chords.
-const TOLERANCE: Mm = 0.01;
-/// Greatest radius: what is larger is a mistake, or as good as straight.
+const ACCURACY: Mm = 0.01;
+/// Greatest radius. An arc with a larger one is a mistake, or as good as
+/// straight.
 const LARGEST: Mm = 1e5;
 /// Most chords of one arc.
 const MOST: u32 = 3600;
 
-/// An arc that is being walked along.
+/// An arc, walked along chord by chord.
 #[derive(Clone, Debug)]
 pub(super) struct Arc {
     centre: DVec2,
     from: DVec3,
     to: DVec3,
-    /// Radius and angle at the start, and what they change by.
+    /// Radius at the start, and its change over the whole arc.
     radius: [f64; 2],
     angle: [f64; 2],
     count: u32,
@@ -30,8 +31,8 @@ pub(super) struct Arc {
 }
 
 impl Arc {
-    /// From `from` to `to`, round the centre at `from + offset`. Nothing if
-    /// there is no such arc.
+    /// The arc from `from` to `to` round the centre at `from + offset`; nothing
+    /// if there is none.
     pub fn around(
         from: DVec3,
         to: DVec3,
@@ -41,13 +42,13 @@ impl Arc {
         let centre = from.truncate() + offset;
         let (a, b) = (from.truncate() - centre, to.truncate() - centre);
         let (r0, r1) = (a.length(), b.length());
-        // Also refuses what is not a number.
+        // The comparison also refuses NaN.
         if !(r0.min(r1) > 1e-6 && r0.max(r1) < LARGEST) {
             return None;
         }
         let start = a.to_angle();
         let mut turn = b.to_angle() - start;
-        // Back to the start is a full circle.
+        // An arc back to its start is a full circle.
         if clockwise {
             while turn > -1e-9 {
                 turn -= TAU;
@@ -58,7 +59,7 @@ impl Arc {
             }
         }
         let radius = r0.max(r1);
-        let step = 2.0 * (1.0 - (TOLERANCE / radius).min(0.5)).acos();
+        let step = 2.0 * (1.0 - (ACCURACY / radius).min(0.5)).acos();
         let count = (turn.abs() / step).ceil();
         Some(Arc {
             centre,
@@ -71,8 +72,8 @@ impl Arc {
         })
     }
 
-    /// From `from` to `to` with a radius; if it is negative, the long way
-    /// round.
+    /// The arc from `from` to `to` with a radius; if the radius is negative,
+    /// the long way round.
     pub fn with_radius(
         from: DVec3,
         to: DVec3,
@@ -84,7 +85,8 @@ impl Arc {
         if half < 1e-6 || radius.abs() < half - 0.01 {
             return None;
         }
-        // How far the centre is from the chord; rounding may leave it short.
+        // Distance of the centre from the chord; rounding may make its square
+        // negative.
         let reach = (radius * radius - half * half).max(0.0).sqrt();
         let left = chord.perp().normalize();
         let side = if clockwise == (radius > 0.0) {
@@ -95,7 +97,7 @@ impl Arc {
         Arc::around(from, to, 0.5 * chord + left * reach * side, clockwise)
     }
 
-    /// Share of the whole that each of its moves makes up.
+    /// Share of each chord in the whole arc.
     pub fn share(&self) -> f64 {
         1.0 / f64::from(self.count)
     }
@@ -158,7 +160,7 @@ mod tests {
         let mut at = FROM;
         for p in arc {
             let middle = 0.5 * (p + at).truncate();
-            assert!(middle.length() > 10.0 - TOLERANCE - 1e-9);
+            assert!(middle.length() > 10.0 - ACCURACY - 1e-9);
             at = p;
         }
     }

@@ -1,8 +1,7 @@
 //! What slicers say in comments.
 //!
 //! In: a comment's bytes, behind the semicolon. Out: a [`Tag`], if it is one
-//! of those that PrusaSlicer, OrcaSlicer, BambuStudio or Cura write for
-//! viewers. Anything else is just a comment.
+//! that PrusaSlicer, OrcaSlicer, BambuStudio or Cura write for viewers.
 
 use super::event::Heater;
 use super::role::Role;
@@ -11,31 +10,32 @@ use crate::units::{Celsius, Mm};
 /// A comment that means something.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Tag {
-    /// What follows is printed for this.
+    /// The role of the beads that follow.
     Role(Role),
     /// A layer begins.
     Layer,
-    /// Beads are this wide, from here on.
+    /// The width of the beads that follow.
     Width(Mm),
-    /// Beads are this high, from here on.
+    /// The height of the beads that follow.
     Height(Mm),
-    /// What moves from here on wipes the nozzle, or no longer does.
+    /// True if the moves that follow wipe the nozzle.
     Wipe(bool),
-    /// E is a volume: Cura says so of these flavours, in a comment alone.
+    /// E is a volume. For some flavours only a comment of Cura's says so.
     Volumetric,
-    /// The printer homes, heats and cools by itself: Ultimaker's.
+    /// The printer homes, heats and cools by itself, as Ultimaker's do.
     OwnStart {
-        /// E is a volume, too.
+        /// Whether E is a volume.
         volumetric: bool,
     },
-    /// The printer heats to this before the first line (Griffin's header).
+    /// The printer heats to this temperature before the first line (Griffin's
+    /// header).
     Preheat(Heater, Celsius),
 }
 
 /// The tag that `comment` is.
 pub(super) fn tag(comment: &[u8]) -> Option<Tag> {
     let comment = comment.trim_ascii();
-    // All tags begin with one of these; most comments do not.
+    // All tags begin with one of these characters, and most comments do not.
     match comment.first()? {
         b'T' => after(comment, "TYPE:").map(role),
         b'F' => match comment {

@@ -7,8 +7,8 @@ use crate::units::{
 };
 use glam::DVec3;
 
-/// Shorter moves of the head are none, mm: a thousandth of what a line can
-/// tell apart.
+/// Length below which a move of the head does not count, mm: 0.001 of the last
+/// decimal that files have.
 const STILL: Mm = 1e-6;
 
 /// What a line, or a part of one, does.
@@ -16,8 +16,8 @@ const STILL: Mm = 1e-6;
 pub enum Event {
     /// The head or the filament moves.
     Move(Move),
-    /// A layer begins. Where a file marks its layers, the number starts again
-    /// from 1 at the first mark: what was printed before was no layer.
+    /// A layer begins. In a file that marks its layers, the number starts again
+    /// from 1 at the first mark: what was printed before is no layer.
     Layer {
         /// Line, from 1.
         line: u64,
@@ -37,7 +37,7 @@ pub enum Event {
         line: u64,
         /// What is heated.
         heater: Heater,
-        /// To what; 0 is off.
+        /// The temperature; 0 turns the heater off.
         to: Celsius,
         /// Whether the printer waits until it is reached.
         wait: bool,
@@ -55,9 +55,9 @@ pub enum Event {
     WaitForHeat {
         /// Line, from 1.
         line: u64,
-        /// What for; nothing for all temperatures that have been set.
+        /// The heater waited for; nothing for all that have been set.
         heater: Option<Heater>,
-        /// The least temperature waited for, if it is said here.
+        /// The least temperature waited for, if the command names one.
         least: Option<Celsius>,
     },
     /// All heaters are turned off.
@@ -69,7 +69,7 @@ pub enum Event {
     Dwell {
         /// Line, from 1.
         line: u64,
-        /// How long.
+        /// Duration of the wait.
         time: Seconds,
     },
     /// The printer finds its zero.
@@ -81,7 +81,7 @@ pub enum Event {
     Tool {
         /// Line, from 1.
         line: u64,
-        /// Its number.
+        /// The tool's number.
         tool: u32,
     },
     /// A command that has no event of its own;
@@ -95,28 +95,27 @@ pub enum Event {
         /// The command's number in tenths: 382 for G38.2.
         tenths: u32,
     },
-    /// Something that is no letter with a number: a command of Klipper's or
-    /// a macro of the printer's, which
-    /// [`Reader::named`](super::Reader::named) has. Without a name it is a
-    /// header that tells the printer to begin and to end by itself, as
+    /// A command that is a name: one of Klipper's or a macro of the printer.
+    /// Its words are in [`Reader::named`](super::Reader::named). If the name is
+    /// empty, a header tells the printer to begin and end by itself, as
     /// Ultimaker's do.
     Macro {
         /// Line, from 1.
         line: u64,
     },
-    /// Something was passed over.
+    /// The reader has passed over something.
     Problem {
         /// Line, from 1.
         line: u64,
-        /// Why.
+        /// Why it was passed over.
         problem: Problem,
     },
 }
 
-/// What has a temperature.
+/// A part of the printer that is heated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heater {
-    /// The nozzle of a tool; the one in use, if none is named.
+    /// The nozzle of a tool; of the tool in use, if none is named.
     Nozzle(Option<u32>),
     /// The bed.
     Bed,
@@ -124,23 +123,23 @@ pub enum Heater {
     Chamber,
 }
 
-/// A straight move, or one of filament alone.
+/// A straight move of the head, or a move of filament alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
     /// Line, from 1; the chords of an arc share one.
     pub line: u64,
-    /// Where the head was, mm, as the machine counts.
+    /// Where the head was, in the machine's coordinates, mm.
     pub from: DVec3,
-    /// Where it goes.
+    /// Where the head goes, in the machine's coordinates, mm.
     pub to: DVec3,
-    /// Filament fed; negative is pulled back.
+    /// Length of filament fed; negative if it is pulled back.
     pub filament: Mm,
-    /// Speed of the head, or of the filament where nothing else moves. Zero
-    /// until the file says one.
+    /// Speed of the head, or of the filament if nothing else moves; 0 until the
+    /// file sets one.
     pub speed: MmPerSec,
-    /// What it is for, if it prints.
+    /// What the move prints, if it prints.
     pub role: Role,
-    /// Number of the layer, from 1; 0 before the first.
+    /// Number of the layer, from 1; 0 before the first layer.
     pub layer: u32,
     /// Width of the bead, if it prints.
     pub width: Mm,
@@ -148,7 +147,7 @@ pub struct Move {
     pub height: Mm,
     /// The tool in use.
     pub tool: u32,
-    /// Comments say that it wipes the nozzle.
+    /// True if comments say that the move wipes the nozzle.
     pub wipe: bool,
 }
 
@@ -163,18 +162,17 @@ impl Move {
         self.length() > STILL
     }
 
-    /// True if it leaves a bead: the head moves and filament is fed.
+    /// True if the move leaves a bead: the head moves and filament is fed.
     pub fn prints(&self) -> bool {
         self.filament > 0.0 && self.travels()
     }
 
     /// Cross-section of the bead, from filament of this diameter.
     pub fn area(&self, filament_diameter: Mm) -> Mm2 {
-        match self.prints() {
-            true => {
-                self.filament * filament_area(filament_diameter) / self.length()
-            }
-            false => 0.0,
+        if self.prints() {
+            self.filament * filament_area(filament_diameter) / self.length()
+        } else {
+            0.0
         }
     }
 }

@@ -8,10 +8,10 @@ use crate::units::{Mm, Seconds};
 /// Longest name that is kept, bytes.
 const LONGEST_NAME: usize = 120;
 
-/// What a file's comments say about it; nothing where they do not.
+/// What a file's comments say about it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Info {
-    /// The program that made it, and its version.
+    /// The program that made the file, and its version.
     pub generator: Option<String>,
     /// How long the print takes.
     pub time: Option<Seconds>,
@@ -23,23 +23,24 @@ pub struct Info {
     pub filament_diameter: Option<Mm>,
     /// Density of the filament, g/cm³.
     pub filament_density: Option<f64>,
-    /// Whether the mark has been met that the program sets behind the last
-    /// layer; nothing if it is not known to set any.
+    /// Whether the program's mark behind the last layer has come; nothing if
+    /// the program is not known to set one.
     pub ended: Option<bool>,
 }
 
 impl Info {
-    /// Takes in what a comment (behind its semicolon) says.
+    /// Takes in a comment, without its semicolon.
     pub(super) fn comment(&mut self, comment: &[u8]) {
         let comment = comment.trim_ascii();
-        // Comments come by the hundred thousand; these are words and a value.
+        // There may be 100,000 comments; those that matter begin with a word.
         if comment.len() < 6 || !comment[0].is_ascii_alphabetic() {
             return;
         }
         if self.generator.is_none()
             && let Some(name) = generator(comment)
         {
-            // Ours has a mark only where layers have: see `layer_mark`.
+            // isoslice's files have an end mark only if layers have marks: see
+            // `layer_mark`.
             let marks = ["PrusaSlicer", "SuperSlicer", "OrcaSlicer", "Cura"];
             if marks.iter().any(|m| name.starts_with(m)) {
                 self.ended.get_or_insert(false);
@@ -64,7 +65,8 @@ impl Info {
             b"estimated printing time (normal mode)" => {
                 self.time = time(value).or(self.time);
             }
-            // Cura; it is rewritten once the whole print is known.
+            // Cura writes it; the last value counts, which is that of the whole
+            // print.
             b"TIME" => self.time = positive(value).or(self.time),
             b"filament used [mm]" | b"total filament length [mm]" => {
                 self.filament_length = sum(value).or(self.filament_length);
@@ -93,7 +95,7 @@ impl Info {
 }
 
 impl Info {
-    /// A layer is marked.
+    /// Takes in the mark of a layer.
     pub(super) fn layer_mark(&mut self) {
         if self.ended.is_none() && self.is_ours() {
             self.ended = Some(false);
@@ -105,8 +107,8 @@ impl Info {
         self.generator.as_ref().is_some_and(ours)
     }
 
-    /// Is it one of the marks behind the last layer? PrusaSlicer ends with
-    /// its figures and its settings, Orca and Bambu Studio with their block.
+    /// Takes in whether a comment is a mark behind the last layer. PrusaSlicer
+    /// writes figures and settings there, Orca and Bambu Studio a block.
     fn ending(&mut self, comment: &[u8]) {
         let ends = match comment {
             b"end of layers" => self.is_ours(),
@@ -138,14 +140,14 @@ fn generator(comment: &[u8]) -> Option<String> {
         .or_else(|| after(&comment[10..], "with "))?;
     let end = memchr::memmem::find(name, b" on ").unwrap_or(name.len());
     let name = &name[..end.min(LONGEST_NAME)];
-    // It will be shown in terminals, where control signs are commands.
+    // Terminals show the name and obey control characters.
     let name = String::from_utf8_lossy(name)
         .replace(|c: char| c == '_' || c.is_control(), " ");
     let name = name.trim().to_owned();
     (!name.is_empty()).then_some(name)
 }
 
-/// `1d 2h 3m 4s`, any of them left out.
+/// The time `1d 2h 3m 4s`, in which any part may be missing.
 fn time(text: &[u8]) -> Option<Seconds> {
     let mut total = None;
     for word in text.trim_ascii().split(|b| *b == b' ') {
@@ -167,12 +169,12 @@ fn positive(text: &[u8]) -> Option<f64> {
     positive_or_zero(text).filter(|n| *n > 0.0)
 }
 
-/// The first number of a list, one for each filament.
+/// The first number of a list that has one for each filament.
 fn first(text: &[u8]) -> Option<f64> {
     text.split(|b| matches!(b, b',' | b';')).find_map(positive)
 }
 
-/// The sum of such a list.
+/// The sum of a list that has a number for each filament.
 fn sum(text: &[u8]) -> Option<f64> {
     text.split(|b| matches!(b, b',' | b';'))
         .filter_map(positive)

@@ -1,34 +1,34 @@
 //! Where layers begin, and how wide and high a bead is.
 //!
 //! In: what comments say, and moves that print. Out: a layer's number, and a
-//! bead's width and height. A file that marks its layers is taken at its word
-//! from the first mark on; in one that does not, a layer begins where
-//! something is printed at another height.
+//! bead's width and height. In a file that marks its layers the marks count,
+//! from the first one on. In any other file a layer begins where something is
+//! printed at another height.
 
 use super::comments::Tag;
 use crate::units::{Mm, Mm2};
 use glam::DVec3;
 
-/// Heights that differ by less are one layer's.
+/// Heights that differ by less belong to one layer.
 const SAME: Mm = 1e-3;
-/// In a spiral, which has no layers, this much makes one.
+/// Height that counts as a layer in a spiral, which has none.
 const SPIRAL: Mm = 0.2;
 /// Heights a layer can have.
 const HEIGHTS: std::ops::RangeInclusive<Mm> = 0.01..=2.0;
-/// Height taken where nothing says any.
+/// Height of a bead if nothing tells one.
 const USUAL: Mm = 0.2;
-/// Widest bead taken for one: what seems wider is a purge on the spot.
+/// Greatest width of a bead. A wider one is a purge on the spot.
 const WIDEST: Mm = 3.0;
 
 /// The layer that is being printed.
 #[derive(Clone, Debug)]
 pub(super) struct Layering {
-    /// From 1; 0 before the first.
+    /// Number of the layer, from 1; 0 before the first.
     pub number: u32,
     marked: bool,
     /// Height at which the layer was first printed; nothing before that.
     z: Option<Mm>,
-    /// That of the layer before it.
+    /// Height of the layer before it.
     below: Mm,
     height: Mm,
     /// Height at which printing ended last.
@@ -51,13 +51,13 @@ impl Layering {
         }
     }
 
-    /// Takes in a comment; true if a layer begins.
+    /// Takes in a comment. True if a layer begins.
     pub fn tag(&mut self, tag: Tag) -> bool {
         match tag {
             Tag::Width(width) => self.said_width = Some(width),
             Tag::Height(height) => self.said_height = Some(height),
             Tag::Layer if !self.marked => {
-                // What was printed so far were no layers.
+                // What was printed before the first mark is no layer.
                 self.marked = true;
                 self.number = 1;
                 self.z = None;
@@ -74,7 +74,7 @@ impl Layering {
         false
     }
 
-    /// Takes in a move that prints; true if a layer begins with it.
+    /// Takes in a move that prints. True if a layer begins with it.
     pub fn print(&mut self, from: DVec3, to: DVec3) -> bool {
         // In a spiral the height changes while it prints.
         let lifted = (from.z - self.last).abs() > SAME;

@@ -1,21 +1,20 @@
 //! Lines of a file, one at a time, in memory that does not grow.
 //!
-//! In: bytes. Out: lines without their ends, and their numbers. A line feed
-//! ends a line, a carriage return does as well, and both together are one
-//! end: Marlin and RepRapFirmware read files so. A line that is longer than
-//! the buffer is cut off there and marked; one without end is refused. Else
-//! nothing is assumed about the text, which may be any bytes at all.
+//! In: bytes. Out: lines without their ends, and their numbers. A line ends at
+//! a line feed, at a carriage return, or at both together, as Marlin and
+//! RepRapFirmware have it. A line longer than the buffer is cut off and marked.
+//! A line without end is refused. The text may be any bytes.
 
 use super::NoGcode;
 use crate::bgcode::Unpacked;
 use std::io::{self, Read};
 
-/// Longest line that is read whole, bytes. Slicers write their templates into
-/// single comment lines of some kilobytes.
+/// Length of the longest line that is read whole, bytes. Slicers write their
+/// templates into single comment lines of some kilobytes.
 const LONGEST: usize = 1 << 18;
 
-/// Longest line that is passed over, bytes. No slicer writes one; devices and
-/// files without any line's end are read no further.
+/// Length of a line at which reading stops, bytes. No slicer writes one;
+/// devices and other kinds of files may have no end of a line.
 const ENDLESS: u64 = 1 << 26;
 
 /// Reads lines.
@@ -23,17 +22,18 @@ const ENDLESS: u64 = 1 << 26;
 pub(super) struct Lines<R> {
     input: Unpacked<R>,
     buffer: Vec<u8>,
-    /// Where the bytes not yet handed out begin and end.
+    /// Where the bytes that were not handed out begin and end.
     start: usize,
     end: usize,
     number: u64,
     /// Bytes read so far.
     read: u64,
-    /// The rest of a line that was cut off is still to be skipped.
+    /// True while the rest of a line that was cut off is skipped.
     skipping: bool,
-    /// Bytes of it that were.
+    /// Bytes that were skipped of that line.
     skipped: u64,
-    /// A carriage return was met; if a line feed follows, it belongs to it.
+    /// True behind a carriage return, to which a line feed belongs if it
+    /// follows.
     returned: bool,
     ended: bool,
 }
@@ -41,11 +41,11 @@ pub(super) struct Lines<R> {
 /// A line.
 #[derive(Debug, PartialEq)]
 pub(super) struct Line<'a> {
-    /// Its bytes, without the line's end and what blanks there are before it.
+    /// The bytes without the line's end and the blanks before it.
     pub text: &'a [u8],
-    /// False if there was more of it than can be read.
+    /// False if the line was cut off.
     pub whole: bool,
-    /// What ends it.
+    /// What ends the line.
     pub end: LineEnd,
 }
 
@@ -57,7 +57,7 @@ pub(super) enum LineEnd {
     Feed,
     /// A carriage return alone.
     Return,
-    /// The file.
+    /// The end of the file.
     File,
 }
 
@@ -77,8 +77,8 @@ impl<R: Read> Lines<R> {
         }
     }
 
-    /// Number of the line handed out last; the first is 1. What binary G-code
-    /// says of itself before its text does not count.
+    /// Number of the line handed out last, from 1. Lines that binary G-code has
+    /// before its text do not count.
     pub fn number(&self) -> u64 {
         self.number.saturating_sub(self.input.preface())
     }
@@ -93,7 +93,7 @@ impl<R: Read> Lines<R> {
     /// # Errors
     /// If the input fails, or a line has no end.
     pub fn next(&mut self) -> io::Result<Option<Line<'_>>> {
-        // Bytes from `start` that are known to hold no line's end.
+        // Number of bytes from `start` that hold no line's end.
         let mut searched = 0;
         loop {
             let fresh = &self.buffer[self.start + searched..self.end];
@@ -105,7 +105,7 @@ impl<R: Read> Lines<R> {
                 }
             }
             if let Some(i) = memchr::memchr2(b'\n', b'\r', fresh) {
-                // Whether a line feed follows has to be known.
+                // The byte behind a carriage return tells what ends the line.
                 let alone = fresh[i] == b'\r'
                     && match fresh.get(i + 1) {
                         Some(&next) => next != b'\n',
@@ -125,9 +125,10 @@ impl<R: Read> Lines<R> {
                     searched = 0;
                     continue;
                 }
-                let end = match alone || unsure {
-                    true => LineEnd::Return,
-                    false => LineEnd::Feed,
+                let end = if alone || unsure {
+                    LineEnd::Return
+                } else {
+                    LineEnd::Feed
                 };
                 return Ok(Some(self.line(from, to, true, end)));
             }
@@ -160,9 +161,9 @@ impl<R: Read> Lines<R> {
         }
     }
 
-    /// Reads on; what is left over moves to the buffer's start.
+    /// Reads on. Bytes that are left over move to the buffer's start.
     fn fill(&mut self) -> io::Result<()> {
-        // A line may be without end.
+        // A line may have no end.
         crate::limits::check();
         self.buffer.copy_within(self.start..self.end, 0);
         self.end -= self.start;

@@ -1,9 +1,9 @@
-//! What a printer would know after each line: modes, places, temperatures.
+//! What a printer would know after each line: modes, positions, temperatures.
 //!
-//! In: the words of commands. Out: where the head and the filament go. G91
-//! makes the filament relative, too, and G90 does not undo M83, as Klipper has
-//! it. Other firmware differs, and slicers write files that do not depend on
-//! it.
+//! In: the words of commands. Out: where the head and the filament go. As in
+//! Klipper, G91 makes the filament relative, too, and G90 does not undo M83.
+//! Other firmware differs; slicers write files for which the difference does
+//! not matter.
 
 use super::named::Named;
 use super::words::Words;
@@ -12,21 +12,22 @@ use crate::units::{
 };
 use glam::DVec3;
 
-/// No machine reaches farther, mm.
+/// Greatest coordinate of any machine, mm.
 const REACH: Mm = 1e5;
 /// Millimetres in an inch (G20).
 const INCH: Mm = 25.4;
 
-/// What the commands so far have set; nothing where there were none.
+/// What the commands so far have set; nothing for what no command has set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Where the head is, mm, as the machine counts: G92 does not change it.
+    /// Where the head is, in the machine's coordinates, which G92 does not
+    /// change, mm.
     pub position: DVec3,
-    /// Speed of moves (F). Zero until the file says one.
+    /// Speed of moves (F); 0 until the file sets one.
     pub speed: MmPerSec,
-    /// Temperature the nozzle is to have.
+    /// Temperature that the nozzle is to have.
     pub nozzle: Option<Celsius>,
-    /// Temperature the bed is to have.
+    /// Temperature that the bed is to have.
     pub bed: Option<Celsius>,
     /// Speed of the part's fan.
     pub fan: Percent,
@@ -38,9 +39,9 @@ pub struct State {
     pub travel_acceleration: Option<MmPerSec2>,
     /// Speed through a right-angled corner (Klipper).
     pub square_corner_velocity: Option<MmPerSec>,
-    /// Positions are distances from where the head is (G91).
+    /// True if positions count from where the head is (G91).
     pub relative: bool,
-    /// Filament is a distance from where it is (M83, or G91).
+    /// True if the filament's positions count from where it is (M83 or G91).
     pub relative_e: bool,
     /// Filament that firmware has pulled back (G10).
     pub firmware_retracted: bool,
@@ -56,22 +57,23 @@ pub(super) struct Machine {
     offset: DVec3,
     /// The filament's position, as the file counts.
     e: Mm,
-    /// M83.
+    /// True after M83.
     e_mode_relative: bool,
-    /// E is mm³, of filament with this cross-section (M200).
+    /// The filament's cross-section if E is a volume, mm³ (M200).
     volumetric: Option<Mm2>,
-    /// Share of F that moves are made at (M220), and the one saved (M220 B).
+    /// Share of F that moves are made at (M220), and the saved share (M220 B).
     speed_factor: [f64; 2],
     /// Share of E that each tool feeds (M221).
     flow_factors: [f64; FLOWS],
-    /// What Klipper's SET_GCODE_OFFSET adds to every place.
+    /// What Klipper's SET_GCODE_OFFSET adds to every position.
     gcode_offset: DVec3,
 }
 
-/// Tools with a share of E of their own; those beyond count as the last.
+/// Number of tools with a share of E of their own; all others share the last
+/// one's.
 const FLOWS: usize = 8;
 
-/// A tool's place in a table.
+/// A tool's index among the shares of E.
 fn flow_of(tool: u32) -> usize {
     (tool as usize).min(FLOWS - 1)
 }
@@ -131,7 +133,8 @@ impl Machine {
         words.get(letter).map(|n| n * self.unit)
     }
 
-    /// M200: E is volume, of filament of this diameter; of none, if it is not.
+    /// M200: E is a volume of filament of this diameter, or a length if the
+    /// diameter is 0.
     pub fn set_volumetric(&mut self, diameter: Mm) {
         let area = filament_area(diameter);
         self.volumetric = (area > 1e-3).then_some(area);
@@ -145,14 +148,15 @@ impl Machine {
         }
     }
 
-    /// Takes in a move's feed rate, and says where it leads. Nothing, if that
-    /// is out of any reach; then nothing has changed but the speed.
+    /// Takes in a move's feed rate, and tells where the move leads; nothing if
+    /// no machine reaches it. Then only the speed has changed.
     pub fn aim(&mut self, words: &Words) -> Option<Target> {
         let (relative, offset) = (self.state.relative, self.offset);
         self.aim_from(words, relative, offset)
     }
 
-    /// The same of a line that counts from the machine's own zero (G53).
+    /// As [`Machine::aim`], for a line that counts from the machine's own zero
+    /// (G53).
     pub fn aim_from_zero(&mut self, words: &Words) -> Option<Target> {
         self.aim_from(words, false, DVec3::ZERO)
     }
@@ -196,8 +200,8 @@ impl Machine {
         self.state.speed * self.speed_factor[0]
     }
 
-    /// M220: percent of every speed. Marlin and Prusa save it with B and set
-    /// it back with R.
+    /// M220: percentage of every speed. Marlin and Prusa save it with B and
+    /// restore it with R.
     pub fn set_speed_factor(&mut self, words: &Words) {
         if words.has(b'B') {
             self.speed_factor[1] = self.speed_factor[0];
@@ -210,8 +214,8 @@ impl Machine {
         }
     }
 
-    /// M221: percent of all filament of a tool: Marlin's T, RepRapFirmware's
-    /// D, or the one in use.
+    /// M221: percentage of all filament of a tool: that of Marlin's T, of
+    /// RepRapFirmware's D, or the tool in use.
     pub fn set_flow_factor(&mut self, words: &Words) {
         let tool = words.get(b'T').or_else(|| words.get(b'D'));
         let tool = tool.map_or(self.state.tool, |tool| tool as u32);
@@ -220,8 +224,8 @@ impl Machine {
         }
     }
 
-    /// Klipper's SET_GCODE_OFFSET: what it adds to places from now on. The
-    /// head moves by it at once if MOVE=1 says so: then this is where to.
+    /// Klipper's SET_GCODE_OFFSET: an offset added to positions from now on.
+    /// With MOVE=1 the head moves by it at once; then the target is returned.
     pub fn set_gcode_offset(&mut self, named: &Named) -> Option<DVec3> {
         let mut by = DVec3::ZERO;
         for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
@@ -239,7 +243,8 @@ impl Machine {
         (moves && to.abs().max_element() <= REACH).then_some(to)
     }
 
-    /// G92: the head is here from now on; at zero, if nothing is said.
+    /// G92: the head's position gets these coordinates; without any, it is
+    /// zero.
     pub fn set_position(&mut self, words: &Words) {
         if !b"XYZE".iter().any(|l| words.has(*l)) {
             self.e = 0.0;
@@ -260,7 +265,7 @@ impl Machine {
         }
     }
 
-    /// G28: the axes named, or all, go to zero.
+    /// G28: the named axes, or all, go to zero.
     pub fn home(&mut self, words: &Words) {
         let all = ![b'X', b'Y', b'Z'].iter().any(|l| words.has(*l));
         for (i, letter) in b"XYZ".iter().enumerate() {
@@ -292,7 +297,7 @@ impl Machine {
         }
     }
 
-    /// M106: 0 to 255, or, in RepRapFirmware, a share of one.
+    /// M106: 0 to 255, or 0 to 1 in RepRapFirmware.
     pub fn fan_speed(words: &Words) -> Percent {
         let speed = words.get(b'S').unwrap_or(255.0);
         let share = match speed {

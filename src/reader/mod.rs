@@ -1,8 +1,8 @@
-//! Reads G-code: our own and other slicers'.
+//! Reads G-code of any slicer.
 //!
 //! In: bytes. Out: [`Event`]s in the order of the lines, each with its line's
-//! number: moves with places, filament, speed, role, layer, width and height;
-//! temperatures, fans, tools; and what cannot be made sense of.
+//! number: moves with positions, filament, speed, role, layer, width and
+//! height; temperatures, fans and tools; and problems.
 //!
 //! Understood: G0 to G3 (arcs in the plane become straight moves), G4, G10,
 //! G11, G17 to G21, G28, G53, G90 to G92, M82, M83, M104, M106, M107, M109,
@@ -16,17 +16,17 @@
 //! one of the text.
 //!
 //! Guarantees:
-//! - any bytes can be read: a line that makes no sense is passed over, said
-//!   so ([`Event::Problem`]) and counted ([`Reader::problems`]);
-//! - every number handed out is finite, and positions are within 300 m;
+//! - any bytes can be read: a line that makes no sense is passed over, told of
+//!   ([`Event::Problem`]) and counted ([`Reader::problems`]);
+//! - every number is finite, and positions are within 300 m;
 //! - memory does not grow with the file, whatever is in it;
-//! - what is no G-code is an error after some megabytes
-//!   ([`ReadError::NoGcode`]), also where it has no end;
+//! - input that is no G-code is an error after some megabytes
+//!   ([`ReadError::NoGcode`]), even if it has no end;
 //! - what is read depends on the bytes alone.
 //!
-//! Not guaranteed: that a firmware would do the same. Homing leads to zero,
-//! macros of the printer's do nothing, and a role or width is what comments
-//! say it is.
+//! Not guaranteed: that firmware does what the reader says. To the reader,
+//! homing leads to zero, macros of the printer do nothing, and roles and widths
+//! are what comments say.
 //!
 //! ```
 //! use isoslice::reader::{Event, Reader, Role};
@@ -56,7 +56,7 @@
 //! | `comments`, `role`, `info` | what slicers say in comments |
 //! | `layering` | layers, widths and heights |
 //! | `problem` | what makes no sense |
-//! | `nothing` | files that are no G-code, without end or not |
+//! | `nothing` | files that are no G-code |
 //! | `parser` | from lines to events |
 
 mod arc;
@@ -77,7 +77,7 @@ pub use event::{Event, Heater, Move};
 pub use info::Info;
 pub use machine::State;
 pub use named::{Named, number};
-pub use nothing::NoGcode;
+pub use nothing::{NoGcode, Tally};
 pub use problem::{Problem, Problems};
 pub use role::Role;
 pub use words::Words;
@@ -86,10 +86,9 @@ use crate::bgcode::Damaged;
 use crate::units::Mm;
 use lines::Lines;
 use parser::Parser;
-pub use parser::Tally;
 use std::io::{self, Read};
 
-/// Diameter of the filament, unless the file or the caller says another.
+/// Diameter of the filament if neither the file nor the caller names one.
 pub const USUAL_FILAMENT: Mm = 1.75;
 
 /// Why a file cannot be read.
@@ -100,19 +99,19 @@ pub enum ReadError {
     Io {
         /// The last line read.
         line: u64,
-        /// Why.
+        /// What the system says.
         source: io::Error,
     },
-    /// It is binary G-code, but not whole.
+    /// The file is damaged binary G-code.
     #[error("the binary G-code cannot be read: {0}")]
     Binary(Damaged),
-    /// It is something else.
+    /// The file is no G-code.
     #[error("this is no G-code: {0}")]
     NoGcode(NoGcode),
 }
 
 impl ReadError {
-    /// What failed behind that line.
+    /// The error for input that fails behind a line.
     fn new(line: u64, source: io::Error) -> Self {
         let source = match source.downcast() {
             Ok(damaged) => return ReadError::Binary(damaged),
@@ -140,7 +139,7 @@ pub struct Reader<R> {
 }
 
 impl<R: Read> Reader<R> {
-    /// Reads from `input`, which needs no buffer of its own.
+    /// A reader of `input`, which needs no buffer of its own.
     pub fn new(input: R) -> Self {
         Self {
             lines: Lines::new(input),
@@ -149,16 +148,15 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Takes filament of this diameter, whatever the file says; it matters
-    /// only where the file does not say how wide its beads are.
+    /// Sets the filament's diameter, whatever the file says. It matters only if
+    /// the file does not tell the width of its beads.
     #[must_use]
     pub fn filament_diameter(mut self, diameter: Mm) -> Self {
         self.parser.filament_diameter = Some(diameter);
         self
     }
 
-    /// What the printer knows after the line that the event handed out last
-    /// stands in.
+    /// What the printer knows after the line of the last event.
     pub fn state(&self) -> &State {
         &self.parser.machine.state
     }
@@ -179,7 +177,7 @@ impl<R: Read> Reader<R> {
         &self.parser.info
     }
 
-    /// What has been passed over so far.
+    /// The problems so far.
     pub fn problems(&self) -> &Problems {
         &self.parser.problems
     }
@@ -194,7 +192,7 @@ impl<R: Read> Reader<R> {
         self.parser.unfinished
     }
 
-    /// Lines read so far.
+    /// Number of lines read so far.
     pub fn lines(&self) -> u64 {
         self.lines.number()
     }

@@ -1,4 +1,4 @@
-//! Commands that are names: Klipper's own, and macros of a printer's.
+//! Commands that are names: Klipper's own, and macros of a printer.
 //!
 //! In: a line's bytes. Out: the name and its `KEY=VALUE` pairs, as Klipper
 //! reads them (`klippy/gcode.py`): letters may be small, a value may be in
@@ -8,7 +8,7 @@
 /// Longest command that is kept, bytes.
 const LONGEST: usize = 4096;
 
-/// RepRapFirmware's words, behind which anything may stand.
+/// RepRapFirmware's words that any text may follow.
 const META: [&[u8]; 12] = [
     b"if",
     b"elif",
@@ -24,27 +24,27 @@ const META: [&[u8]; 12] = [
     b"skip",
 ];
 
-/// A command that is a name. An empty one is a printer's own start: see
-/// [`Event::Macro`](super::Event::Macro).
+/// A command that is a name. An empty name stands for a printer's own start:
+/// see [`Event::Macro`](super::Event::Macro).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Named {
     /// The command without its comment and the blanks round it.
     text: Vec<u8>,
     /// Length of the name.
     name: usize,
-    /// Its end was left out.
+    /// True if the command's end was left out.
     cut: bool,
 }
 
 impl Named {
-    /// Takes a line; false if it is no command at all.
+    /// Takes a line. False if it is no command.
     pub(super) fn take(&mut self, line: &[u8]) -> bool {
         self.clear();
         let end = memchr::memchr(b';', line).unwrap_or(line.len());
         let mut text = &line[..end.min(LONGEST)];
         self.cut = end > LONGEST;
         if self.cut {
-            // Whole words.
+            // A long command is cut at the end of a word.
             let blank = text.iter().rposition(u8::is_ascii_whitespace);
             text = &text[..blank.unwrap_or(text.len())];
         }
@@ -59,14 +59,14 @@ impl Named {
         self.makes_sense()
     }
 
-    /// There is no command.
+    /// Forgets the command.
     pub(super) fn clear(&mut self) {
         self.text.clear();
         self.name = 0;
         self.cut = false;
     }
 
-    /// True if the command is longer than what is kept of it.
+    /// True if the command was too long to keep its end.
     pub(super) fn is_cut(&self) -> bool {
         self.cut
     }
@@ -95,12 +95,12 @@ impl Named {
         &self.text[..self.name]
     }
 
-    /// True if it is that command; letters may be small.
+    /// True if the command has this name, in capital or small letters.
     pub fn is(&self, name: &str) -> bool {
         self.name().eq_ignore_ascii_case(name.as_bytes())
     }
 
-    /// What stands behind the name, at blanks outside of quotes.
+    /// The words behind the name, split at blanks outside of quotes.
     fn words(&self) -> impl Iterator<Item = &[u8]> {
         let mut rest = &self.text[self.name..];
         std::iter::from_fn(move || {
@@ -112,7 +112,7 @@ impl Named {
         })
     }
 
-    /// The pairs behind the name, values without quotes.
+    /// The pairs of keys and values behind the name, without quotes.
     pub fn pairs(&self) -> impl Iterator<Item = (&[u8], &[u8])> {
         self.words().filter_map(|word| {
             let at = memchr::memchr(b'=', word)?;
@@ -138,7 +138,7 @@ impl Named {
     }
 }
 
-/// Where one of some characters is first, outside of quotes.
+/// The index of the first character outside of quotes that `is` accepts.
 fn unquoted(text: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
     let mut quote = None;
     text.iter().position(|&b| match (quote, b) {
@@ -155,7 +155,7 @@ fn unquoted(text: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
     })
 }
 
-/// A value that is a number, within what can be computed with.
+/// The value as a number; nothing if it is none, or too large to compute with.
 pub fn number(value: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(value.trim_ascii()).ok()?;
     text.parse::<f64>().ok().filter(|n| n.abs() < 1e9)
@@ -190,7 +190,7 @@ mod tests {
             (Some(&b"#1"[..]), Some(60.0))
         );
         assert_eq!(found.get("B"), None);
-        // What is not kept is not passed over silently.
+        // A cut command must be a problem, not silence.
         let (found, sense) = named(&format!("AB {}", "B=1 ".repeat(2000)));
         assert!(sense && found.is_cut());
         assert!(!named(&format!("A1 B=1 ;{}", " x".repeat(9000))).0.is_cut());

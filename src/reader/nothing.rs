@@ -1,52 +1,62 @@
-//! Notices early that a file is no G-code, however long it goes on.
+//! Notices early that a file is no G-code, even if it has no end.
 //!
-//! In: how many lines were commands so far. Out: why it is none.
+//! In: how many lines were commands so far. Out: why the file is no G-code.
 //!
-//! A true file has thousands of commands before it has ten thousand lines that
-//! are none: text that nobody made a comment is at its start or end, and a
-//! macro's name for each object and layer comes with moves. What is refused
-//! here is refused at the end as well; a stream may have no end.
+//! A file of G-code has thousands of commands before it has 10,000 lines that
+//! are none. Text that is no comment stands at its start or end, and moves come
+//! with each macro's name for an object or layer. A file that is refused here
+//! would also be refused at its end, which a stream may not have.
 
-use super::Tally;
 use std::io;
 
-/// Lines that are no commands, or names of macros, that a file may have beyond
-/// as many as it has codes.
+/// By how many a file's lines without a code may exceed those with one.
 const LINES: u64 = 10_000;
 
-/// Bytes that may pass without a single code: pictures and settings in
-/// comments at the head are a hundredth of it.
+/// Bytes that a file may have before its first code. Pictures and settings in
+/// comments at the head take 0.01 of it.
 const BYTES: u64 = 1 << 26;
+
+/// How many lines are commands, and how many are none. Lines that are blank
+/// or a comment are neither.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// A letter with a number, as in G1.
+    pub codes: u64,
+    /// A name, which may be a macro's.
+    pub names: u64,
+    /// Neither.
+    pub senseless: u64,
+}
 
 /// Why a file is no G-code.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoGcode {
-    /// A line goes on and on.
+    /// A line is too long.
     #[error("line {line} is longer than {megabytes} MB")]
     LongLine {
-        /// Its number.
+        /// The line's number.
         line: u64,
-        /// What it is longer than.
+        /// The length that it exceeds.
         megabytes: u64,
     },
-    /// Nothing but comments, blank lines or names.
+    /// The file begins with too many comments, blank lines and names.
     #[error("there is no command in its first {megabytes} MB")]
     NoCommand {
-        /// How many there were.
+        /// Their length.
         megabytes: u64,
     },
     /// Most lines make no sense.
     #[error("{none} of its first {lines} lines are no commands")]
     OtherLines {
-        /// Lines that are no commands, or may only be macros' names.
+        /// Number of lines that are no commands, or perhaps names of macros.
         none: u64,
-        /// Lines that are no comments.
+        /// Number of lines that are no comments.
         lines: u64,
     },
-    /// It has to be unpacked first.
+    /// The file has to be unpacked first.
     #[error("it is {what}")]
     Packed {
-        /// What it is, and what to do.
+        /// What the file is, and what to do.
         what: &'static str,
     },
 }
@@ -57,7 +67,7 @@ impl From<NoGcode> for io::Error {
     }
 }
 
-/// Errs if a file that begins with such a line is known to be something else.
+/// Errs if a file's first line shows that it is something else.
 pub(super) fn first_line(text: &[u8]) -> Result<(), NoGcode> {
     // The first bytes of each format's files.
     let what = match text {
@@ -72,7 +82,7 @@ pub(super) fn first_line(text: &[u8]) -> Result<(), NoGcode> {
     Err(NoGcode::Packed { what })
 }
 
-/// Errs if, after so many bytes, too little of it was commands.
+/// Errs if too few of the lines in the first `bytes` bytes were commands.
 pub(super) fn so_far(tally: &Tally, bytes: u64) -> Result<(), NoGcode> {
     let none = tally.senseless + tally.names;
     if none > tally.codes.saturating_add(LINES) {

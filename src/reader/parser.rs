@@ -1,4 +1,4 @@
-//! What lines do: commands and comments become events.
+//! Makes events of commands and comments.
 
 use super::USUAL_FILAMENT;
 use super::arc::Arc;
@@ -9,6 +9,7 @@ use super::layering::Layering;
 use super::lines::{Line, LineEnd};
 use super::machine::{Machine, Target};
 use super::named::{Named, number};
+use super::nothing::Tally;
 use super::problem::{Problem, Problems};
 use super::role::Role;
 use super::words::{Command, Words, parse};
@@ -16,7 +17,7 @@ use crate::units::{Celsius, Mm};
 use glam::DVec2;
 use std::collections::VecDeque;
 
-/// Everything but the bytes themselves.
+/// What the lines so far have said, and the events of the last one.
 #[derive(Debug)]
 pub(super) struct Parser {
     line: u64,
@@ -33,26 +34,15 @@ pub(super) struct Parser {
     pub problems: Problems,
     /// Events of the line read last.
     pending: VecDeque<Event>,
-    /// Arcs lie in the plane of x and y (G17).
+    /// True if arcs lie in the plane of x and y (G17).
     flat_arcs: bool,
-    /// An arc on its way, and the filament of each of its moves.
+    /// The arc that is being walked along, and the filament of each of its
+    /// chords.
     arc: Option<(Arc, Mm)>,
 }
 
-/// How many lines are commands, and how many are none. Lines that are blank
-/// or a comment are neither.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
-    /// A letter with a number, as in G1.
-    pub codes: u64,
-    /// A name, which may be a macro's.
-    pub names: u64,
-    /// Neither.
-    pub senseless: u64,
-}
-
 impl Parser {
-    /// Before the first line.
+    /// The parser before the first line.
     pub(super) fn new() -> Self {
         Self {
             line: 0,
@@ -73,7 +63,7 @@ impl Parser {
         }
     }
 
-    /// The next event of the line taken last, if there are any left.
+    /// The next event of the last line, if there is one left.
     pub(super) fn next_pending(&mut self) -> Option<Event> {
         let event = self.pending.pop_front();
         if event.is_some() || self.arc.is_none() {
@@ -88,7 +78,7 @@ impl Parser {
         self.pending.pop_front()
     }
 
-    /// Takes the line of that number.
+    /// Takes in the line with a number.
     pub(super) fn take(&mut self, number: u64, line: &Line<'_>) {
         self.line = number;
         self.unfinished = line.end == LineEnd::File;
@@ -116,7 +106,7 @@ impl Parser {
         }
     }
 
-    /// A line that is no letter with a number.
+    /// Takes in a line that is no letter with a number.
     fn name(&mut self, text: &[u8], whole: bool) {
         if !self.named.take(text) {
             self.tally.senseless += 1;
@@ -143,7 +133,7 @@ impl Parser {
             self.machine.state.bed = Some(0.0);
             Event::HeatersOff { line }
         } else if named.is("SET_HEATER_TEMPERATURE") {
-            // Without a target it is off.
+            // Without a target the heater is turned off.
             let to = named.get("TARGET").map_or(Some(0.0), number);
             match (named.get("HEATER").and_then(heater), to) {
                 (Some(heater), Some(to)) => self.heat(heater, to, false),
@@ -155,7 +145,7 @@ impl Parser {
                 Some(heater) => Event::WaitForHeat {
                     line,
                     heater: Some(heater),
-                    // Up to a greatest one is cooling.
+                    // Without a minimum the printer waits for cooling.
                     least: Some(named.number("MINIMUM").unwrap_or(0.0)),
                 },
                 None => Event::Macro { line },
@@ -237,7 +227,7 @@ impl Parser {
                 let time = (seconds + 1e-3 * milliseconds).max(0.0);
                 Event::Dwell { line, time }
             }
-            // RepRapFirmware sets a tool's temperatures and offsets with it.
+            // RepRapFirmware's G10 sets a tool's temperatures and offsets.
             (b'G', 100) if self.sets_a_tool() => self.tool_heating(tenths),
             (b'M', 5680) => self.tool_heating(tenths),
             (b'M', 1160) => Event::WaitForHeat {
@@ -265,8 +255,8 @@ impl Parser {
                 self.problem(Problem::Curve);
                 return self.go();
             }
-            // The machine's own zero, for this line alone; the move may be
-            // told by a G1 behind it.
+            // G53 makes this line count from the machine's own zero. A G1 may
+            // follow it in the line.
             (b'G', 530) => {
                 self.check(b"XYZEF", stray);
                 if b"XYZE".iter().any(|l| self.words.has(*l)) {
@@ -323,7 +313,7 @@ impl Parser {
                 self.machine.set_acceleration(&self.words);
                 other(line, letter, tenths)
             }
-            // Bambu Lab's numbers for no tool at all.
+            // With these numbers Bambu Lab's printers mean no tool.
             (b'T', 2550 | 10_000 | 10_010 | 11_000 | 652_790 | 655_350) => {
                 other(line, letter, tenths)
             }
@@ -337,7 +327,7 @@ impl Parser {
         self.pending.push_back(event);
     }
 
-    /// Says what is wrong with a command that has these letters.
+    /// Adds a problem if something is wrong with a command of these letters.
     fn check(&mut self, letters: &[u8], stray: bool) {
         if let Some(bare) = self.words.bare_among(letters) {
             self.problem(Problem::MissingNumber(char::from(bare)));
@@ -347,8 +337,8 @@ impl Parser {
         }
     }
 
-    /// What is wrong with a move. Firmware that takes one command of a line
-    /// passes over what another may mean.
+    /// Adds a problem if something is wrong with a move. Firmware that takes
+    /// one command of a line passes over a second one.
     fn check_move(&mut self, letters: &[u8], stray: bool) {
         self.check(letters, stray);
         if self.words.has(b'G') || self.words.has(b'M') {
@@ -365,7 +355,7 @@ impl Parser {
             1410 | 1910 => Heater::Chamber,
             _ => Heater::Bed,
         };
-        // R waits for cooling, too.
+        // With R the printer also waits for cooling.
         let to = self.words.get(b'S').or_else(|| self.words.get(b'R'));
         match to {
             Some(to) => self.heat(heater, to, wait),
@@ -373,8 +363,8 @@ impl Parser {
         }
     }
 
-    /// Is a G10 about a tool, and not a retraction? With S, a retraction may
-    /// say 0 or 1: whether it is a long one.
+    /// True if a G10 is about a tool, and is no retraction. A retraction may
+    /// have S0 or S1, which tells whether it is a long one.
     fn sets_a_tool(&self) -> bool {
         let words = &self.words;
         words.has(b'P')
@@ -464,7 +454,7 @@ impl Parser {
         }
     }
 
-    /// A straight move to where it says.
+    /// Adds a straight move to a target.
     fn step(&mut self, target: Target) {
         let Target { to, filament } = target;
         let from = self.machine.state.position;
@@ -495,9 +485,8 @@ impl Parser {
     }
 }
 
-/// A line without the byte-order mark that some editors begin a file with,
-/// if nothing but a comment follows: before a command firmware stumbles over
-/// it.
+/// A line without the byte-order mark that some editors begin a file with. The
+/// mark stays if a command follows, since firmware stumbles over it.
 fn without_mark(line: &[u8]) -> &[u8] {
     match line.strip_prefix("\u{feff}".as_bytes()) {
         Some(rest) if rest.first().is_none_or(|b| *b == b';') => rest,
@@ -505,7 +494,7 @@ fn without_mark(line: &[u8]) -> &[u8] {
     }
 }
 
-/// The heater that Klipper calls so: `extruder`, `extruder1`, `heater_bed`,
+/// The heater by its name in Klipper: `extruder`, `extruder1`, `heater_bed`,
 /// `heater_generic chamber`.
 fn heater(name: &[u8]) -> Option<Heater> {
     let name = name.trim_ascii().to_ascii_lowercase();
@@ -521,7 +510,7 @@ fn heater(name: &[u8]) -> Option<Heater> {
     chamber.then_some(Heater::Chamber)
 }
 
-/// A command that means nothing to us.
+/// The event of a command that has no event of its own.
 pub(super) fn other(line: u64, letter: u8, tenths: u32) -> Event {
     Event::Other {
         line,

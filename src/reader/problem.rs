@@ -1,12 +1,12 @@
-//! What cannot be made sense of in a file.
+//! Problems: what makes no sense in a file.
 
 use std::fmt;
 
 /// Why a line, or a part of one, was passed over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Problem {
-    /// A letter without a number, as in `G1 X Y10`; it is passed over. A
-    /// number that is too large to be one counts as none.
+    /// A letter without a number, as in `G1 X Y10`; it is passed over. A number
+    /// that is too large counts as none.
     MissingNumber(char),
     /// A position beyond any machine's reach; the line is passed over.
     OutOfReach,
@@ -15,7 +15,7 @@ pub enum Problem {
     /// An arc that is not in the plane of x and y (after G18 or G19); it is
     /// taken as a straight move.
     UprightArc,
-    /// Signs that are no words in a line that moves.
+    /// A move's line has signs that are no words.
     Stray,
     /// A line too long to be a command; its end is passed over.
     LongLine,
@@ -23,11 +23,11 @@ pub enum Problem {
     Curve,
     /// Two commands in one line, of which most firmware takes the first.
     TwoCommands,
-    /// A heater's temperature that is no number.
+    /// The temperature of a heater is no number.
     NoTemperature,
     /// A line that is neither a command nor a name.
     NoCommand,
-    /// A carriage return ends the line: not for every firmware.
+    /// A carriage return ends the line, but not for every firmware.
     CarriageReturn,
 }
 
@@ -61,10 +61,11 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Problems of each kind: where the first one is, and how many there are.
+/// The problems of a file: for each kind the line of the first one, and their
+/// number.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Problems {
-    /// In the order in which they were met first.
+    /// The kinds in the order of their first lines.
     found: Vec<(Problem, u64, u64)>,
 }
 
@@ -81,12 +82,12 @@ impl Problems {
         true
     }
 
-    /// Every kind met, with the line of the first and how many there are.
+    /// Every kind of problem, with the line of the first one and their number.
     pub fn iter(&self) -> impl Iterator<Item = (Problem, u64, u64)> + '_ {
         self.found.iter().copied()
     }
 
-    /// The same, as sentences; `name` is the file's.
+    /// The problems as sentences. `name` is the file's.
     pub fn warnings(&self, name: &str) -> Vec<String> {
         self.iter()
             .map(|(problem, line, count)| match count {

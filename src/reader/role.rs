@@ -30,13 +30,13 @@ pub enum Role {
     Support,
     /// The parts of supports that touch the model.
     SupportInterface,
-    /// Loops on the bed, with the part or round it.
+    /// Loops on the bed, beside the part or round it.
     SkirtBrim,
     /// A tower for changing filaments.
     PrimeTower,
     /// What start, end and other templates print.
     Custom,
-    /// What the file does not say.
+    /// The file does not say.
     #[default]
     Unknown,
 }
@@ -84,9 +84,8 @@ impl Role {
         }
     }
 
-    /// The role that a slicer calls `name`: PrusaSlicer, SuperSlicer,
-    /// OrcaSlicer, BambuStudio and Cura are known. A name that is not known
-    /// is [`Role::Unknown`].
+    /// The role that PrusaSlicer, SuperSlicer, OrcaSlicer, BambuStudio or Cura
+    /// calls `name`; [`Role::Unknown`] if none does.
     pub fn from_name(name: &[u8]) -> Role {
         let name = name.trim_ascii();
         let found = NAMES
@@ -96,7 +95,7 @@ impl Role {
     }
 }
 
-/// What slicers call them. Sources: PrusaSlicer `ExtrusionRole.cpp`,
+/// What slicers call the roles. Sources: PrusaSlicer `ExtrusionRole.cpp`,
 /// OrcaSlicer `ExtrusionEntity.cpp`, CuraEngine `gcodeExport.cpp`.
 const NAMES: &[(&str, Role)] = &[
     // PrusaSlicer, and what SuperSlicer adds.

@@ -6,8 +6,8 @@
 //! of its own and is never an exponent, letters may be small, and blanks may
 //! be left out.
 
-/// Numbers from here on are refused: far beyond any machine, and far within
-/// what can be computed with.
+/// Least number that is refused. It is far beyond any machine, and small enough
+/// to compute with.
 const TOO_LARGE: f64 = 1e9;
 
 /// The words of one command.
@@ -33,39 +33,39 @@ impl Default for Words {
 /// What a line is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Command {
-    /// Nothing but, perhaps, a comment.
+    /// Nothing, or only a comment.
     Blank,
-    /// A letter and a number, as in G1 or M104; the number in tenths, since
-    /// there are commands like G38.2.
+    /// A letter and a number, as in G1 or M104. The number is in tenths, for
+    /// commands like G38.2.
     Code(u8, u32),
     /// Anything else: words of a macro language.
     Text,
 }
 
-/// A line taken apart; its words are left in the [`Words`] given.
+/// A line taken apart. Its words are in the [`Words`] that were given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Parsed {
     pub command: Command,
     /// Where the comment begins, behind its semicolon.
     pub comment: Option<usize>,
-    /// There are signs that are neither words nor a comment.
+    /// True if there are signs that are neither words nor a comment.
     pub stray: bool,
 }
 
 impl Words {
-    /// The number of a letter (`b'X'`), if it stands there with one.
+    /// The number of a letter (`b'X'`), if the command has one.
     pub fn get(&self, letter: u8) -> Option<f64> {
         let bit = bit(letter);
         (self.given & bit != 0)
             .then(|| self.numbers[usize::from(letter - b'A')])
     }
 
-    /// True if the letter stands there, with a number or without.
+    /// True if the command has the letter, with a number or without.
     pub fn has(&self, letter: u8) -> bool {
         (self.given | self.bare) & bit(letter) != 0
     }
 
-    /// The first of `letters` that stands without a number.
+    /// The first of `letters` that has no number.
     pub(super) fn bare_among(&self, letters: &[u8]) -> Option<u8> {
         letters.iter().copied().find(|&l| self.bare & bit(l) != 0)
     }
@@ -86,7 +86,7 @@ impl Words {
     }
 }
 
-/// The bit of a capital letter; none for anything else.
+/// The bit of a capital letter; 0 for anything else.
 fn bit(letter: u8) -> u32 {
     match letter {
         b'A'..=b'Z' => 1 << (letter - b'A'),
@@ -136,8 +136,8 @@ pub(super) fn parse(line: &[u8], words: &mut Words) -> Parsed {
                     Command::Blank => {
                         parsed.command = command(letter, number);
                         if parsed.command == Command::Text {
-                            // Nothing in it is a word of ours, but a comment
-                            // may follow.
+                            // The line is no letter with a number, but may have
+                            // a comment.
                             let end = memchr::memchr(b';', &line[i..]);
                             i = end.map_or(line.len(), |end| i + end);
                         }
@@ -159,10 +159,10 @@ fn command(letter: u8, number: Option<f64>) -> Command {
     }
 }
 
-/// The number at the start of `text`, and how many bytes it takes, blanks
-/// before it included. Nothing, if there is none or it is too large.
+/// The number at the start of `text`, nothing if there is none or it is too
+/// large, and the bytes that it takes, with the blanks before it.
 fn number(text: &[u8]) -> (Option<f64>, usize) {
-    // Exact: every power of ten up to here is a double.
+    // These powers of ten are exact as doubles.
     const POWERS: [f64; 20] = [
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12,
         1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19,
@@ -173,8 +173,8 @@ fn number(text: &[u8]) -> (Option<f64>, usize) {
     if matches!(at(i), b'-' | b'+') {
         i += 1;
     }
-    // Up to 18 digits fit; what follows them changes nothing that matters
-    // behind the point, and is too large before it.
+    // Up to 18 digits fit. Further digits do not matter behind the point, and
+    // make the number too large before it.
     let (mut digits, mut decimals, mut whole, mut any) = (0u64, 0, 0, false);
     while at(i).is_ascii_digit() {
         any = true;
@@ -199,8 +199,8 @@ fn number(text: &[u8]) -> (Option<f64>, usize) {
     if !any {
         return (None, 0);
     }
-    // Below 2^53, as good as always, both are exact and the quotient is the
-    // double nearest to the decimal number.
+    // Digits below 2^53 are exact, and the quotient is then the double nearest
+    // to the decimal number.
     let size = digits as f64 / POWERS[decimals];
     let number = if negative { -size } else { size };
     ((!too_large && size < TOO_LARGE).then_some(number), i)

@@ -1,12 +1,12 @@
 //! Areas and volumes by the field itself, without outlines.
 //!
 //! In: the field. Out: how much of a plane or of space is inside, and how far
-//! off that may be. Straight lines are laid through the part and the length
-//! of each that is inside is added up; a crossing between two samples is put
-//! where the straight line between their values is zero. The uncertainty is
-//! what groups of lines, each evenly spread over the whole part, differ by.
+//! off that may be. The lengths of straight lines inside the part are added up.
+//! Between two samples the field is taken for linear to find a crossing. The
+//! uncertainty follows from the differences between groups of lines, each
+//! evenly spread over the whole part.
 //!
-//! Not guaranteed: that what is thinner than the samples' distance is seen.
+//! Not guaranteed: that details thinner than the distance of samples are seen.
 
 use super::ReportError;
 use super::probe::Probe;
@@ -20,8 +20,9 @@ use rayon::prelude::*;
 const MOST_SAMPLES: f64 = 4096.0;
 /// Groups of lines whose results are compared, for a volume.
 const GROUPS: usize = 8;
-/// And for an area. Their number and that of the lines are odd, or halves of
-/// a symmetric part would agree whatever the error.
+/// Groups of lines whose results are compared, for an area. Their number and
+/// that of the lines are odd: otherwise the halves of a symmetric part would
+/// agree whatever the error.
 const ROW_GROUPS: usize = 3;
 
 /// Length of the line along x at `y`, `z` that is inside.
@@ -31,7 +32,7 @@ fn inside(
     (y, z): (Mm, Mm),
     pitch: Mm,
 ) -> Result<Mm, ReportError> {
-    // The part's box is tight: its ends are outside or on the border.
+    // The part's box encloses the part, so the ends of the line are outside.
     let count = ((to - from) / pitch).ceil().clamp(8.0, MOST_SAMPLES);
     let step = (to - from) / count;
     let x: Vec<f32> = (0..=count as usize)
@@ -55,8 +56,8 @@ fn inside(
     Ok(step * f.windows(2).map(share).sum::<f64>())
 }
 
-/// Mean of results and how far it may be off: two standard errors, for
-/// groups of equal size.
+/// Mean of the results of groups of equal size, and how far it may be off: two
+/// standard errors.
 fn mean_of_groups(groups: &[f64]) -> (f64, f64) {
     let n = groups.len() as f64;
     let mean = groups.iter().sum::<f64>() / n;
@@ -64,7 +65,7 @@ fn mean_of_groups(groups: &[f64]) -> (f64, f64) {
     (mean, 2.0 * (square / (n * (n - 1.0))).sqrt())
 }
 
-/// Area inside in the plane at height `z`, by about so many lines, and its
+/// Area inside in the plane at height `z`, by about `lines` lines, and its
 /// uncertainty.
 ///
 /// # Errors
@@ -88,8 +89,8 @@ pub fn content(
     Ok(mean_of_groups(&sums.map(|s| s * height / per_group as f64)))
 }
 
-/// Volume inside the box from `low` to `high`, by about so many lines, and
-/// its uncertainty; its time goes to `timings`.
+/// Volume inside the box from `low` to `high`, by about `lines` lines, and its
+/// uncertainty. The time goes to `timings`.
 ///
 /// # Errors
 /// If the evaluator fails, which is a bug.
@@ -101,8 +102,8 @@ pub fn volume(
     pitch: Mm,
     timings: &Timings,
 ) -> Result<(Mm3, Mm3), ReportError> {
-    // An additive sequence by the powers of the plastic number, which fills
-    // the plane evenly however far it is taken.
+    // An additive sequence by the powers of the plastic number, which covers
+    // the plane evenly for any number of points.
     const PLASTIC: f64 = 1.324_717_957_244_746;
     let size = high - low;
     let lines = lines.div_ceil(GROUPS).max(1) * GROUPS;

@@ -10,10 +10,10 @@
 //!             wall 1  2
 //! ```
 //!
-//! Both are distances in the plane. Of the outer wall it is where its edge is
-//! that is measured, d − w/2, as a small ring's bead is narrower than others
-//! and lies less deep. Beads whose width varies are counted apart, those along
-//! the middle of thin parts with them.
+//! Both are distances in the plane. For the outer wall the edge is measured, d
+//! − w/2: a small ring's bead is narrower than others and lies less deep. Beads
+//! whose width varies are counted apart, together with those along the middle
+//! of thin parts.
 
 use super::ReportError;
 use super::area::content;
@@ -34,54 +34,54 @@ use std::f64::consts::PI;
 const MICRONS: f64 = 1e3;
 /// Greatest distance of points that are measured on a line, mm.
 const STEP: Mm = 0.5;
-/// Farther apart than this many spacings two walls are no neighbours.
+/// Two walls farther apart than this many spacings are no neighbours.
 const NEIGHBOURS: f64 = 1.5;
 
 /// A layer as it will be printed.
 #[derive(Clone, Copy)]
 pub struct LayerParts<'a> {
-    /// Which layer.
+    /// The layer.
     pub span: LayerSpan,
-    /// Its sample plane in the model's frame.
+    /// The layer's sample plane in the model's frame.
     pub z: Mm,
-    /// Its outline.
+    /// The layer's outline.
     pub outline: &'a Outline,
     /// The outline that is printed.
     pub printed: &'a Solid<'a>,
-    /// Its walls.
+    /// The layer's walls.
     pub walls: &'a Walls,
 }
 
 /// How thoroughly a layer is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effort {
-    /// About so many points of the outline and of the walls, nothing else.
+    /// About this many points of the outline and of the walls, nothing else.
     Points(usize),
-    /// Every vertex and points between them; the area by so many lines.
+    /// Every vertex and points between them, and the area.
     Full {
         /// Lines through the layer, at least 2, or 0 for no area.
         area_lines: usize,
     },
 }
 
-/// What was found.
+/// What was measured on a layer.
 #[derive(Clone, Debug, Default)]
 pub struct LayerFigures {
     /// Number of the layer, from 0.
     pub index: usize,
-    /// Its upper face.
+    /// Height of the layer's upper face.
     pub top: Mm,
-    /// Its height.
+    /// The layer's height.
     pub height: Mm,
     /// Deviation of the outline, µm: positive outside.
     pub outline: Spread,
-    /// Where it is greatest, in the model's frame.
+    /// The greatest deviation and its place in the model's frame.
     pub worst: Option<(f64, DVec2)>,
-    /// Points of the outline with no border within a millimetre.
+    /// Points of the outline that have no border within 1 mm.
     pub lost: u64,
     /// Distance of the outer wall's edge from the outline, µm: positive inside.
     pub outer_wall: Spread,
-    /// Distance of walls from those outside them, less the spacing, µm.
+    /// Distance of each wall from the one outside it, less the spacing, µm.
     pub spacing: Spread,
     /// Distance from the outline of the edges of beads of varying width, µm.
     pub varying: Spread,
@@ -91,9 +91,9 @@ pub struct LayerFigures {
     pub area_by_field: Option<(Mm2, Mm2)>,
     /// Rings of the outline.
     pub rings: usize,
-    /// Their vertices.
+    /// Vertices of the outline.
     pub vertices: usize,
-    /// Samples that were not a number.
+    /// Samples that were NaN.
     pub nan_samples: usize,
     /// Rings closed by force.
     pub forced_rings: usize,
@@ -137,7 +137,7 @@ pub fn measure(
     Ok(found)
 }
 
-/// Every how manieth of `count` points is taken.
+/// Of `count` points every how many one is taken.
 fn stride(effort: Effort, count: usize) -> usize {
     match effort {
         Effort::Points(wanted) => count.div_ceil(wanted.max(1)).max(1),
@@ -152,7 +152,7 @@ fn outline(
     effort: Effort,
     found: &mut LayerFigures,
 ) -> Result<(), ReportError> {
-    // About a point on each edge besides its end.
+    // Each edge has about one point besides its end.
     let stride = stride(effort, 2 * found.vertices);
     let mut spots: Vec<Spot> = Vec::new();
     let mut count = 0;
@@ -196,16 +196,17 @@ fn outline(
     Ok(())
 }
 
-/// How far the spots lie out of the part: along their directions, and where
-/// that is far, in others as well, as the border may turn there.
+/// How far the spots lie outside the part, measured along their directions.
+/// Where that is far, other directions are measured as well, since the border
+/// may turn there.
 fn nearest(
     spots: &[Spot],
     z: Mm,
     probe: &Probe,
 ) -> Result<Vec<Option<Mm>>, ReportError> {
-    /// Distance that is far, mm.
+    /// Distance from which other directions are measured, mm.
     const FAR: Mm = 0.006;
-    /// Other lines through a spot.
+    /// Number of other directions.
     const LINES: usize = 11;
     let mut distances = probe.distances(spots, z)?;
     let far: Vec<usize> = (0..spots.len())
@@ -256,11 +257,11 @@ fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
     let Some(outer) = lines.first() else {
         return;
     };
-    // All beads along the middle of a thin part touch its outline.
+    // A bead along the middle of a thin part touches the outline.
     let thin = thin.first().into_iter().flatten();
     let touching: Vec<&Stroke> = outer.iter().chain(thin).collect();
     let points = touching.iter().map(|l| 2 * l.points.len()).sum();
-    // Taken evenly from both kinds, as a summary mixes them.
+    // The points are taken evenly from both kinds, since a summary mixes them.
     let every = stride(effort, points);
     let spots = touching.iter().flat_map(|l| {
         let even = l.widths.is_empty();
@@ -268,9 +269,10 @@ fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
     });
     for (even, p, w) in spots.step_by(every) {
         let off = (depth(p) - 0.5 * w) * MICRONS;
-        match even {
-            true => found.outer_wall.add(off),
-            false => found.varying.add(off),
+        if even {
+            found.outer_wall.add(off)
+        } else {
+            found.varying.add(off)
         }
     }
     if matches!(effort, Effort::Points(_)) {

@@ -1,8 +1,7 @@
-//! How accurate a run was, measured against the field itself.
+//! Measures how accurate a run was, against the field itself.
 //!
-//! In: layers as they will be printed. Out: a [`Report`], for a file, or the
-//! two figures of it that a summary shows. What is measured and how is said
-//! where it is done:
+//! In: layers as they will be printed. Out: a [`Report`] for a file, or two of
+//! its figures for a summary. Each file tells what it measures and how:
 //!
 //! | file | what it does |
 //! |---|---|
@@ -11,9 +10,9 @@
 //! | `area` | areas and volumes by the field alone |
 //! | `spread` | quantiles |
 //!
-//! The figures do not depend on the number of threads: layers are measured
-//! each for itself and added up in order. Not measured: skin, infill, and
-//! what the G-code's rounding to a micrometre adds.
+//! The figures do not depend on the number of threads: each layer is measured
+//! alone, and the results are added up in order. Not measured: skin, infill,
+//! and what the G-code's rounding to a micrometre adds.
 
 mod area;
 mod layer;
@@ -35,23 +34,23 @@ use serde::Serialize;
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// fidget refuses the expression.
+    /// fidget cannot evaluate the expression.
     #[error("cannot evaluate the field for the report: {0}")]
     Evaluator(String),
 }
 
-/// Layers that a summary is made of.
+/// Number of layers that a summary measures.
 const SUMMARY_LAYERS: usize = 40;
-/// Points on each of them, of the outline and of the outer wall: few enough
-/// to cost next to nothing.
+/// Number of points of the outline, and of the outer wall, on each of those
+/// layers: few enough to cost next to nothing.
 const SUMMARY_POINTS: usize = 50;
-/// Layers whose area is compared with the field's.
+/// Number of layers whose area is compared with the field's.
 const AREA_LAYERS: usize = 24;
-/// Lines through each of them.
+/// Number of lines through each of those layers.
 const AREA_LINES: usize = 400;
-/// Lines through the part for its volume.
+/// Number of lines through the part for its volume.
 const VOLUME_LINES: usize = 4000;
-/// How many of the worst layers are listed.
+/// Number of worst layers that are listed.
 const WORST: usize = 10;
 
 /// Measures the layers of one run.
@@ -65,7 +64,7 @@ pub struct Gauge<'a> {
 }
 
 impl<'a> Gauge<'a> {
-    /// For a run of `count` layers; `full` if there will be a report.
+    /// For a run of `count` layers. `full` if there will be a report.
     ///
     /// # Errors
     /// If fidget refuses the expression.
@@ -84,7 +83,8 @@ impl<'a> Gauge<'a> {
         })
     }
 
-    /// Measures a layer, the `k`th of the run, if its turn has come.
+    /// Measures the `k`th layer of the run, if it is one of those that are
+    /// measured.
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
@@ -102,12 +102,14 @@ impl<'a> Gauge<'a> {
             let every = self.count.div_ceil(chosen).max(1);
             k % every == every / 2
         };
-        let effort = match self.full {
-            true => Effort::Full {
+        let effort = if self.full {
+            Effort::Full {
                 area_lines: if among(AREA_LAYERS) { AREA_LINES } else { 0 },
-            },
-            false if among(SUMMARY_LAYERS) => Effort::Points(SUMMARY_POINTS),
-            false => return Ok(None),
+            }
+        } else if among(SUMMARY_LAYERS) {
+            Effort::Points(SUMMARY_POINTS)
+        } else {
+            return Ok(None);
         };
         let mut found =
             measure(parts, &self.probe, frame, effort, self.settings)?;
@@ -146,13 +148,13 @@ pub struct Tally {
     layers: Vec<Layer>,
     volume: Mm3,
     unfilled: Mm2,
-    /// Of the layers whose area was compared.
+    /// The areas of the layers that were compared.
     compared: Option<Area>,
     uncertainty: Mm2,
 }
 
 impl Tally {
-    /// Takes in a layer's figures; `listed` if each layer is to be listed.
+    /// Takes in a layer's figures. `listed` if each layer is to be listed.
     pub fn add(&mut self, found: &LayerFigures, listed: bool) {
         self.outline.merge(&found.outline);
         self.outer_wall.merge(&found.outer_wall);
@@ -166,7 +168,7 @@ impl Tally {
             sum.layers += 1;
             sum.outline_mm2 += found.area;
             sum.field_mm2 += by_field;
-            // Layers' errors have nothing to do with one another.
+            // The errors of different layers are independent.
             self.uncertainty = self.uncertainty.hypot(uncertainty);
         }
         if listed {
@@ -191,16 +193,16 @@ impl Tally {
         }
     }
 
-    /// How far outlines and the outer edges of outer beads are off, µm, if
-    /// there are any: quantiles for a summary.
+    /// Deviations of the outlines, and of the outer edges of outer beads, µm,
+    /// if there are any.
     pub fn accuracy(&self) -> (Option<Figures>, Option<Figures>) {
         let mut edges = self.outer_wall.clone();
         edges.merge(&self.varying);
         (self.outline.figures(), edges.figures())
     }
 
-    /// The whole report. `volume` is the field's and its uncertainty,
-    /// `extruded` what is printed, skirt included.
+    /// The whole report. `volume` is the volume by the field and its
+    /// uncertainty, `extruded` the printed volume with the skirt.
     pub fn report(
         self,
         gauge: &Gauge<'_>,
@@ -280,7 +282,7 @@ impl Tally {
 /// measurement is `null`; layers count from 1.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// Version of this format; keys are only ever added to one.
+    /// Version of this format. Within a version keys are only added.
     pub format: u32,
     /// The program and its version.
     pub generator: &'static str,
@@ -295,27 +297,27 @@ pub struct Report {
     /// Distance of the outlines from f = 0 in the layers' planes, positive
     /// outside: at each vertex and at points between them.
     pub outline_um: Option<Figures>,
-    /// Points of the outlines within a millimetre of which there is no
-    /// border; they are in no other figure.
+    /// Points of the outlines that have no border within 1 mm. They are in no
+    /// other figure.
     pub outline_lost: u64,
-    /// Depth of the outer wall's centre line below the outline, less half its
-    /// width, where that does not vary.
+    /// Depth of the outer wall's centre line below the outline, less half the
+    /// wall's width. Beads whose width varies do not count.
     pub outer_wall_um: Option<Figures>,
-    /// Distance of the inner walls' centre lines from those of the walls
-    /// outside them, less the spacing they should have.
+    /// Distance of each inner wall's centre line from that of the wall outside
+    /// it, less the spacing.
     pub wall_spacing_um: Option<Figures>,
     /// Distance of the edges of outer beads whose width varies from the
     /// outline, negative outside.
     pub varying_edge_um: Option<Figures>,
-    /// Areas, of some of the layers.
+    /// Areas of some of the layers.
     pub area: Option<Area>,
-    /// Volumes, of all layers of the run.
+    /// Volumes of all layers of the run.
     pub volume: Volume,
     /// Rings of all outlines.
     pub rings: usize,
     /// Their vertices.
     pub vertices: usize,
-    /// Samples at which the field was not a number.
+    /// Samples at which the field was NaN.
     pub nan_samples: usize,
     /// Rings closed by a straight line because the field contradicted itself.
     pub forced_rings: usize,
@@ -352,7 +354,7 @@ pub struct Area {
     pub outline_mm2: Mm2,
     /// Area by the field itself.
     pub field_mm2: Mm2,
-    /// By how much the outlines' is larger.
+    /// By how much the outlines' area is larger than the field's.
     pub excess_percent: f64,
     /// How far the field's may be off: two standard errors.
     pub uncertainty_percent: f64,
@@ -365,36 +367,37 @@ pub struct Volume {
     pub layers_mm3: Mm3,
     /// By the field itself, within the layers' heights.
     pub field_mm3: Mm3,
-    /// By how much the layers' is larger; stairs included.
+    /// By how much the layers' volume is larger than the field's, stairs
+    /// included.
     pub excess_percent: f64,
     /// How far the field's may be off: two standard errors.
     pub uncertainty_percent: f64,
-    /// Filament, skirt included.
+    /// Volume of the filament, with the skirt.
     pub extruded_mm3: Mm3,
 }
 
 /// A layer in a [`Report`].
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Layer {
-    /// Its number.
+    /// The layer's number.
     pub layer: usize,
-    /// Its upper face.
+    /// Height of the layer's upper face.
     pub z_mm: f64,
-    /// Distance of its outline from f = 0.
+    /// Distance of the layer's outline from f = 0.
     pub outline_um: Option<Figures>,
-    /// Where that is greatest.
+    /// Where the distance is greatest.
     pub worst_at: Option<Place>,
-    /// Area of its outline.
+    /// Area of the layer's outline.
     pub area_mm2: Mm2,
     /// Area by the field itself, if compared.
     pub area_by_field_mm2: Option<Mm2>,
-    /// How far that may be off.
+    /// How far the area by the field may be off.
     pub uncertainty_mm2: Option<Mm2>,
-    /// Rings of its outline.
+    /// Rings of the layer's outline.
     pub rings: usize,
     /// Their vertices.
     pub vertices: usize,
-    /// Samples at which the field was not a number.
+    /// Samples at which the field was NaN.
     pub nan_samples: usize,
     /// Rings closed by force.
     pub forced_rings: usize,
@@ -405,7 +408,7 @@ pub struct Layer {
 /// A place on a layer in a [`Report`], in the model's coordinates, mm.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Place {
-    /// Deviation there.
+    /// The deviation, µm.
     pub um: f64,
     /// Where.
     pub x: f64,
@@ -413,7 +416,7 @@ pub struct Place {
     pub y: f64,
 }
 
-/// Rounds for the report; never to a negative zero.
+/// Rounds for the report, but never to a negative zero.
 fn tidy(value: f64, decimals: i32) -> f64 {
     let scale = 10f64.powi(decimals);
     (value * scale).round() / scale + 0.0

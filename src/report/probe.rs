@@ -1,13 +1,13 @@
-//! The field, asked directly: how far a point is from f = 0.
+//! Measures how far a point is from f = 0 by asking the field directly.
 //!
 //! In: points of a layer's plane with a direction each. Out: signed distances
-//! along it, found by bisection. Nothing is shared with the stages that make
-//! the outline: the whole expression is evaluated, neither proven nor
-//! simplified nor hoisted, with fidget's interpreter, so a fault of theirs
-//! shows here. Inside is f < 0; not a number is outside.
+//! along the directions, found by bisection. Nothing is shared with the stages
+//! that make the outline: fidget's interpreter evaluates the whole expression,
+//! which is neither simplified nor hoisted. So a fault of those stages shows
+//! here. Inside is f < 0; NaN is outside.
 //!
-//! Not guaranteed: that nothing nearer lies in another direction; a distance
-//! given is never less than the true one by more than [`FINEST`].
+//! Not guaranteed: that no border lies nearer in another direction. A distance
+//! is never less than the true one by more than [`FINEST`].
 
 use super::ReportError;
 use crate::units::Mm;
@@ -29,17 +29,17 @@ type Eval = <VmFunction as Function>::FloatSliceEval;
 /// A model's expression.
 pub struct Probe {
     tape: <Eval as BulkEvaluator>::Tape,
-    /// Which of the expression's variables x, y and z are.
+    /// The indices of x, y and z among the expression's variables.
     slots: [Option<usize>; 3],
     variables: usize,
 }
 
-/// A point and the direction in which f = 0 is looked for, of length 1.
+/// A point and the direction in which f = 0 is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     /// The point, mm.
     pub at: DVec2,
-    /// Out of the part.
+    /// The direction out of the part, of length 1.
     pub out: DVec2,
 }
 
@@ -47,13 +47,13 @@ pub struct Spot {
 struct Search {
     spot: Spot,
     inside: bool,
-    /// Signed distances between which the sign changes: the near one has the
-    /// point's own.
+    /// Signed distances between which the sign changes. At the first one the
+    /// field has the sign that it has at the point.
     bracket: Option<(Mm, Mm)>,
 }
 
 impl Probe {
-    /// For asking the field `tree`.
+    /// A probe of the field `tree`.
     ///
     /// # Errors
     /// If fidget refuses the expression.
@@ -70,7 +70,7 @@ impl Probe {
         })
     }
 
-    /// The field at points of the model's frame.
+    /// The field's values at points of the model's frame.
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
@@ -89,7 +89,8 @@ impl Probe {
                 arguments[slot] = values;
             }
         }
-        // Its registers are costly to make anew for a few points.
+        // The evaluator is kept, since its registers are costly to allocate for
+        // a few points.
         thread_local! {
             static EVAL: RefCell<Eval> =
                 RefCell::new(VmFunction::new_float_slice_eval());
@@ -101,10 +102,10 @@ impl Probe {
         })
     }
 
-    /// For each spot of the plane at height `z`, in the model's frame, how
-    /// far it lies out of the part, negative inside: the distance to the
-    /// nearest change of the field's sign along its direction, forwards or
-    /// backwards; nothing if there is none within a millimetre.
+    /// How far each spot of the plane at height `z`, in the model's frame, lies
+    /// outside the part; negative inside. It is the distance to the nearest
+    /// change of the field's sign along the spot's direction, forwards or
+    /// backwards; nothing if there is none within 1 mm.
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
@@ -113,7 +114,7 @@ impl Probe {
         spots: &[Spot],
         z: Mm,
     ) -> Result<Vec<Option<Mm>>, ReportError> {
-        // f at given distances from the spots.
+        // The field at given distances from the spots.
         let at = |from: &[&Search], away: &dyn Fn(&Search) -> Mm| {
             let p = from.iter().map(|s| s.spot.at + away(s) * s.spot.out);
             let (x, y): (Vec<f32>, Vec<f32>) =
@@ -131,7 +132,7 @@ impl Probe {
         let own = at(&all.iter().collect::<Vec<_>>(), &|_| 0.0)?;
         for (s, f) in all.iter_mut().zip(own) {
             s.inside = f < 0.0;
-            // On the border itself, whichever side counts it.
+            // The point lies on the border itself.
             s.bracket = (f == 0.0).then_some((0.0, 0.0));
         }
         let mut near = 0.0;
@@ -145,10 +146,12 @@ impl Probe {
             for ((i, plus), minus) in open.into_iter().zip(plus).zip(minus) {
                 let s = &mut all[i];
                 let (plus, minus) = (plus < 0.0, minus < 0.0);
-                // Out of an inside point first: that is where it should be.
-                let sides = match s.inside {
-                    true => [(1.0, plus), (-1.0, minus)],
-                    false => [(-1.0, minus), (1.0, plus)],
+                // An inside point is expected to have the border outwards, so
+                // the search begins there.
+                let sides = if s.inside {
+                    [(1.0, plus), (-1.0, minus)]
+                } else {
+                    [(-1.0, minus), (1.0, plus)]
                 };
                 s.bracket = sides
                     .into_iter()
@@ -174,9 +177,10 @@ impl Probe {
                 let s = &mut all[i];
                 if let Some((a, b)) = s.bracket {
                     let m = 0.5 * (a + b);
-                    s.bracket = match (f < 0.0) == s.inside {
-                        true => Some((m, b)),
-                        false => Some((a, m)),
+                    s.bracket = if (f < 0.0) == s.inside {
+                        Some((m, b))
+                    } else {
+                        Some((a, m))
                     };
                 }
             }

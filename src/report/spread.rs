@@ -1,14 +1,14 @@
-//! How a measured quantity is spread, in little memory.
+//! The distribution of a measured quantity, in little memory.
 //!
 //! In: values in micrometres. Out: their mean, extremes and quantiles. Values
-//! are counted in bins 2 % wide, so quantiles are good to 2 %, or 0.01 µm;
-//! mean and extremes are exact.
+//! are counted in bins 2 % wide, so quantiles are right to 2 % or 0.01 µm; mean
+//! and extremes are exact.
 
 use super::tidy;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Size below which all is the same, µm.
+/// Size below which values share one bin, µm.
 const LEAST: f64 = 0.01;
 /// Ratio of the ends of a bin.
 const RATIO: f64 = 1.02;
@@ -28,7 +28,7 @@ pub struct Spread {
 /// signed; `p50`, `p95` and `p99` are quantiles of the size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figures {
-    /// Values that it is made of.
+    /// Number of values.
     pub points: u64,
     /// Least value.
     pub min: f64,
@@ -45,7 +45,7 @@ pub struct Figures {
 }
 
 impl Spread {
-    /// Counts a value; what is no number is left out.
+    /// Counts a value; NaN is left out.
     pub fn add(&mut self, value: f64) {
         if !value.is_finite() {
             return;
@@ -59,24 +59,26 @@ impl Spread {
         };
         self.count += 1;
         self.sum += value;
-        // Casts of what is out of range give the nearest that is in it.
+        // A cast of a number out of range gives the nearest one within it.
         let bin = (value.abs() / LEAST).ln() / RATIO.ln();
         *self.bins.entry(bin.ceil().max(0.0) as u16).or_default() += 1;
     }
 
-    /// Counts all that another one has counted.
+    /// Adds the values that another spread has counted.
     pub fn merge(&mut self, other: &Spread) {
         if other.count == 0 {
             return;
         }
         let first = self.count == 0;
-        self.least = match first {
-            true => other.least,
-            false => self.least.min(other.least),
+        self.least = if first {
+            other.least
+        } else {
+            self.least.min(other.least)
         };
-        self.greatest = match first {
-            true => other.greatest,
-            false => self.greatest.max(other.greatest),
+        self.greatest = if first {
+            other.greatest
+        } else {
+            self.greatest.max(other.greatest)
         };
         self.count += other.count;
         self.sum += other.sum;
@@ -104,7 +106,7 @@ impl Spread {
         self.worst()
     }
 
-    /// What the report says, if there are any values.
+    /// The figures for the report, if there are any values.
     pub fn figures(&self) -> Option<Figures> {
         (self.count > 0).then(|| Figures {
             points: self.count,

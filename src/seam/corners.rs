@@ -1,13 +1,13 @@
-//! The corners of a ring.
+//! Finds the corners of a ring.
 //!
 //! In: a ring, whose vertices stand for a curve. Out: where it turns sharply,
 //! how much, and to which side.
 //!
-//! How much a ring turns is added up over a short way, weighted by the
-//! distance, and compared with how much a circle of its length would turn
-//! there: neither the facets of a curve are corners then, nor small circles,
-//! and a corner that an offset has rounded is as sharp as it was. Where the
-//! corner is, is the weighted middle of the turning.
+//! The turning of the ring is added up over a short way, weighted by the
+//! distance, and compared with that of a circle as long as the ring. So facets
+//! of a curve and small circles are no corners, and a corner that an offset has
+//! rounded is as sharp as it was. A corner lies at the weighted middle of its
+//! turning.
 
 use crate::plane::path_length;
 use crate::units::Mm;
@@ -18,18 +18,19 @@ use std::f64::consts::TAU;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corner {
     pub at: DVec2,
-    /// By how much it turns, in radians, positive.
+    /// The angle by which the ring turns, in radians, positive.
     pub turn: f64,
 }
 
 /// The least turn of a concave corner, in radians (30°).
 const CONCAVE: f64 = 0.52;
-/// The least turn of a convex one (45°).
+/// The least turn of a convex corner, in radians (45°).
 const CONVEX: f64 = 0.79;
-/// Half the way over which turns are added up to a concave corner, mm: walls
-/// that go round one are arcs of half a line's width in radius.
+/// Half the way over which turns are added up to a concave corner, mm. Walls go
+/// round such a corner in arcs whose radius is half a line's width.
 const WAY: Mm = 0.4;
-/// The same for a convex one, which stays sharp.
+/// Half the way over which turns are added up to a convex corner, which stays
+/// sharp, mm.
 const SHARP_WAY: Mm = 0.1;
 /// Mean of the weights over the way, with both halves of it.
 const MEAN_WEIGHT: f64 = 16.0 / 15.0;
@@ -37,17 +38,18 @@ const MEAN_WEIGHT: f64 = 16.0 / 15.0;
 /// A ring and how it turns.
 pub(super) struct Corners<'a> {
     ring: &'a [DVec2],
-    /// At each vertex, in radians, positive to the left.
+    /// The turn at each vertex, in radians, positive to the left.
     turns: Vec<f64>,
     length: Mm,
-    /// 1 if the ring turns to the left on the whole, else −1.
+    /// 1 if the ring as a whole turns to the left, else −1.
     side: f64,
     /// Length of a facet of a tight curve, mm.
     facet: Mm,
 }
 
 impl<'a> Corners<'a> {
-    /// Of a ring that is within `accuracy` of what it stands for.
+    /// The corners of a ring that lies within `accuracy` of the curve that it
+    /// stands for.
     pub fn new(ring: &'a [DVec2], accuracy: Mm) -> Corners<'a> {
         let n = ring.len();
         let turns: Vec<f64> = (0..n)
@@ -64,7 +66,7 @@ impl<'a> Corners<'a> {
             turns,
             length: path_length(ring, true),
             side,
-            // A facet of a circle of 2 mm.
+            // A facet of a circle with a radius of 2 mm.
             facet: (16.0 * accuracy).sqrt(),
         }
     }
@@ -74,7 +76,7 @@ impl<'a> Corners<'a> {
         self.find(-1.0, CONCAVE, WAY.max(self.facet))
     }
 
-    /// Corners that point out of it.
+    /// Corners that point out of the part.
     pub fn convex(&self) -> Vec<Corner> {
         self.find(1.0, CONVEX, SHARP_WAY.max(0.5 * self.facet))
     }
@@ -85,7 +87,7 @@ impl<'a> Corners<'a> {
         let least = least + circle.max(0.0);
         let mut found: Vec<(usize, Corner)> = Vec::new();
         for i in 0..n {
-            // Most vertices are none by far.
+            // Most vertices turn far too little for a corner.
             if sign * self.turns[i] < 0.02 {
                 continue;
             }
@@ -93,7 +95,7 @@ impl<'a> Corners<'a> {
             if turn < least {
                 continue;
             }
-            // To the middle of the turning, in some steps.
+            // The offset moves to the middle of the turning in some steps.
             let mut offset = 0.0;
             let mut turn = turn;
             for _ in 0..8 {
@@ -137,7 +139,8 @@ impl<'a> Corners<'a> {
         for step in [1, n - 1] {
             let (mut k, mut s) = (i, 0.0);
             let forth = if step == 1 { 1.0 } else { -1.0 };
-            // Beyond the middle by as much as it is off.
+            // The sum goes beyond the middle by as much as the middle is off
+            // the vertex.
             while s < (way + offset.abs()).min(half) {
                 let next = (k + step) % n;
                 s += self.ring[k].distance(self.ring[next]);
@@ -148,9 +151,10 @@ impl<'a> Corners<'a> {
                 add(k, forth * s);
             }
         }
-        match sum > 1e-9 {
-            true => (sum, moment / sum),
-            false => (sum, offset),
+        if sum > 1e-9 {
+            (sum, moment / sum)
+        } else {
+            (sum, offset)
         }
     }
 

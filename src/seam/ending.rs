@@ -6,9 +6,9 @@
 //!     └─ scarf ─┘                   and shrinks on the second time round
 //! ```
 //!
-//! In: beads in print order, closed ones begun at their seam. Out: the same,
-//! and where the nozzle goes without printing after each. A bead's height is
-//! its layer's, so a scarf ramps by flow, that is by width, alone.
+//! In: beads in print order; closed ones begin at their seam. Out: the beads
+//! with their ends, and where the nozzle goes after each without printing. A
+//! bead is as high as its layer, so a scarf changes only the width.
 
 use crate::bead::{Bead, Role, Stroke, cross_section};
 use crate::plane::grid::EdgeGrid;
@@ -17,12 +17,12 @@ use crate::units::{Mm, Mm2};
 use crate::walls::Support;
 use glam::DVec2;
 
-/// A bead, and what follows on it.
+/// A bead, and what follows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ended {
     /// The bead.
     pub bead: Bead,
-    /// Where the nozzle goes when it is done, before anything else.
+    /// Where the nozzle goes right after the bead.
     pub wipe: Option<DVec2>,
 }
 
@@ -35,15 +35,16 @@ impl From<Bead> for Ended {
 impl Ended {
     /// Where the nozzle is afterwards.
     pub fn end(&self) -> Option<DVec2> {
-        let end = match self.bead.closed {
-            true => self.bead.points.first(),
-            false => self.bead.points.last(),
+        let end = if self.bead.closed {
+            self.bead.points.first()
+        } else {
+            self.bead.points.last()
         };
         self.wipe.or(end.copied())
     }
 }
 
-/// Points to a ramp; between them its width changes evenly.
+/// Number of points of a ramp, between which its width changes evenly.
 const STEPS: usize = 8;
 
 /// The beads with their ends. `solid` is the layer's outline.
@@ -58,16 +59,18 @@ pub fn endings(
             return bead.into();
         }
         let length = bead.length();
-        // Half of a loop must be left as it is.
+        // At least half of a loop stays as it is.
         let scarf = settings.seam_scarf.min(0.5 * length);
         let gap = settings.seam_gap.min(0.5 * length);
-        let bead = match scarf > 0.0 || gap > 0.0 {
-            true => opened(&bead, length, scarf, gap),
-            false => bead,
+        let bead = if scarf > 0.0 || gap > 0.0 {
+            opened(&bead, length, scarf, gap)
+        } else {
+            bead
         };
-        let wipe = match settings.seam_wipe > 0.0 {
-            true => inwards(&bead, settings.seam_wipe, solid),
-            false => None,
+        let wipe = if settings.seam_wipe > 0.0 {
+            inwards(&bead, settings.seam_wipe, solid)
+        } else {
+            None
         };
         Ended { bead, wipe }
     };
@@ -88,11 +91,11 @@ pub fn cut(all: Vec<Ended>, support: &Support<'_>) -> Vec<Ended> {
 }
 
 /// A closed bead as an open one that overlaps its beginning by a scarf, and
-/// ends before that by a gap.
+/// ends a gap earlier.
 fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
     let n = bead.points.len();
     let width = |i: usize| bead.width_at(i);
-    // Where there are to be points: its own, and those of the ramps.
+    // The bead's own points, and those of the ramps.
     let end = length + scarf - gap;
     let mut stops: Vec<(Mm, DVec2, Mm)> = Vec::new();
     let mut from = 0.0;
@@ -121,26 +124,29 @@ fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
         }
         from += edge;
     }
-    // How much of the bead is printed at the time.
-    let share = |s: Mm| match scarf > 0.0 {
-        true => (s / scarf)
-            .min((length + scarf - s) / scarf)
-            .clamp(0.0, 1.0),
-        false => 1.0,
+    // Share of the bead's flow at a distance from its beginning.
+    let share = |s: Mm| {
+        if scarf > 0.0 {
+            (s / scarf)
+                .min((length + scarf - s) / scarf)
+                .clamp(0.0, 1.0)
+        } else {
+            1.0
+        }
     };
     let vary = scarf > 0.0 || !bead.widths.is_empty();
     let thinned = |&(s, _, w): &(Mm, DVec2, Mm)| {
         let share = share(s);
-        match share < 1.0 {
-            true => {
-                width_of(share * cross_section(w, bead.height), bead.height)
-            }
-            false => w,
+        if share < 1.0 {
+            width_of(share * cross_section(w, bead.height), bead.height)
+        } else {
+            w
         }
     };
-    let widths = match vary {
-        true => stops.iter().map(thinned).collect(),
-        false => Vec::new(),
+    let widths = if vary {
+        stops.iter().map(thinned).collect()
+    } else {
+        Vec::new()
     };
     Bead {
         stroke: Stroke {
@@ -157,23 +163,26 @@ fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
 fn width_of(area: Mm2, height: Mm) -> Mm {
     use std::f64::consts::FRAC_PI_4;
     let round = FRAC_PI_4 * height * height;
-    match area > round {
-        true => (area - round) / height + height,
-        false => area / (FRAC_PI_4 * height),
+    if area > round {
+        (area - round) / height + height
+    } else {
+        area / (FRAC_PI_4 * height)
     }
 }
 
-/// A point inwards of where a bead ends, farther inside the part than that.
+/// A point that lies farther inside the part than the bead's end; nothing if
+/// there is none.
 fn inwards(bead: &Bead, length: Mm, solid: &EdgeGrid) -> Option<DVec2> {
-    /// How near something may be that the wipe could run into, mm.
+    /// How far around the end edges are looked at, mm.
     const REACH: Mm = 2.0;
     let n = bead.points.len();
-    let ways: [(DVec2, DVec2); 2] = match bead.closed {
-        true => [
+    let ways: [(DVec2, DVec2); 2] = if bead.closed {
+        [
             (bead.points[n - 1], bead.points[0]),
             (bead.points[0], bead.points[1]),
-        ],
-        false => [(bead.points[n - 2], bead.points[n - 1]); 2],
+        ]
+    } else {
+        [(bead.points[n - 2], bead.points[n - 1]); 2]
     };
     let end = ways[0].1;
     // The part lies to the left of its walls.
@@ -183,10 +192,7 @@ fn inwards(bead: &Bead, length: Mm, solid: &EdgeGrid) -> Option<DVec2> {
         let d = solid
             .nearest_within(p, REACH + length)
             .map_or(REACH + length, |(_, q)| p.distance(q));
-        match solid.contains(p) {
-            true => d,
-            false => -d,
-        }
+        if solid.contains(p) { d } else { -d }
     };
     let here = depth(end);
     [1.0, 0.5, 0.25]
@@ -195,7 +201,7 @@ fn inwards(bead: &Bead, length: Mm, solid: &EdgeGrid) -> Option<DVec2> {
         .find(|&p| depth(p) > here)
 }
 
-/// Length of a path, for tests of what is printed twice.
+/// Length of a path, with the parts that are printed twice.
 #[cfg(test)]
 fn printed(bead: &Bead) -> f64 {
     let pieces = bead.clone().pieces();
@@ -249,7 +255,7 @@ mod tests {
         assert_eq!(own.points[0], DVec2::splat(-9.775));
         let last = own.points[own.points.len() - 1];
         assert!((last - DVec2::new(-9.775, -9.575)).length() < 1e-9);
-        // Not all of a loop that is tiny.
+        // A tiny loop is not opened as a whole.
         let tiny = ended(wall(0.05), &settings(0.0, 2.0, 0.0)).bead;
         assert!((tiny.length() - 0.2).abs() < 1e-9);
     }
@@ -266,7 +272,7 @@ mod tests {
             assert!((share - 1.0).abs() < 3e-3, "{share}");
             assert!(own.widths[0] < 1e-9);
             assert_eq!(own.widths.len(), own.points.len());
-            // The same where the wall's own width varies.
+            // A wall of varying width gets the ramps, too.
             wall.widths = vec![0.4, 0.5, 0.4, 0.5];
             let own = ended(wall.clone(), &settings(25.0, gap, 0.0)).bead;
             let share = printed(&own) / printed(&wall);
@@ -298,7 +304,7 @@ mod tests {
         let own = endings(vec![hole], &grid, &settings(0.0, 0.0, 0.3));
         let wipe = own[0].wipe.unwrap();
         assert!(wipe.abs().min_element() > 2.2, "{wipe}");
-        // In a place too thin for it there is none.
+        // In a place too thin for a wipe there is none.
         let thin = Area {
             rings: vec![square(9.775 + 0.2), {
                 let mut ring = square(9.775 - 0.2);

@@ -1,30 +1,30 @@
-//! Where along a ring something is least.
+//! Finds where along a ring a value is least.
 //!
-//! In: a ring, whose vertices stand for a curve, and values at any points.
-//! Out: the point with the least value, on a curve through the vertices: the
-//! least of a linear function over a polygon is always at a vertex, which may
-//! be half an edge away from where it is on the curve.
+//! In: a ring, whose vertices stand for a curve, and values at any points. Out:
+//! the point with the least value on a curve through the vertices. On the
+//! polygon itself a linear function is always least at a vertex, which may be
+//! half an edge away from the place on the curve.
 //!
-//! Looked for at most half a millimetre apart; of two minima nearer to one
-//! another than that only the one may be found.
+//! Values are taken at most 0.5 mm apart. Of two minima nearer to each other
+//! than that, one may be missed.
 
 use super::BACK;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Distance between the points that are looked at first, mm.
+/// Distance between the points that are tried first, mm.
 const STEP: Mm = 0.5;
-/// Points looked at between two of these, each time nearer to one another.
+/// Number of points that are tried between two earlier ones in each round.
 const FINER: usize = 16;
-/// How near they come, mm: expressions are evaluated with seven digits, and
-/// nearer to one another their values would be the same.
+/// Least distance of tried points, mm. Expressions are evaluated with 7 digits,
+/// so nearer points would have equal values.
 const NEAR: Mm = 0.01;
-/// Values nearer to one another than this are the same, as a share of the
-/// greatest one.
+/// Difference below which two values count as equal, as a share of the greatest
+/// value.
 const SAME: f64 = 3e-7;
 
-/// The point of a ring, which is within `accuracy` of what it stands for,
-/// where the value is least; of several the one farthest back.
+/// The point where the value is least, of a ring that lies within `accuracy` of
+/// the curve that it stands for; of several such points the one farthest back.
 pub(super) fn lowest<E>(
     ring: &[DVec2],
     accuracy: Mm,
@@ -65,7 +65,7 @@ pub(super) fn lowest<E>(
     {
         let half = FINER / 2;
         let share = |k: usize| k as f64 / half as f64;
-        // The place itself is among them: it may be a corner.
+        // The place itself is tried as well, since it may be a corner.
         let finer: Vec<f64> = (0..half)
             .map(|k| from + share(k) * (at - from))
             .chain((0..=half).map(|k| at + share(k) * (to - at)))
@@ -88,14 +88,15 @@ struct Curve<'a> {
     ends: Vec<(DVec2, DVec2)>,
 }
 
-/// Sharper turns are corners, in radians (20°).
+/// Turn from which on a vertex is a corner, in radians (20°).
 const CORNER: f64 = 0.35;
 
 impl Curve<'_> {
     fn new(ring: &[DVec2], accuracy: Mm) -> Curve<'_> {
         let n = ring.len();
         let edge = |i: usize| ring[(i + 1) % n] - ring[i % n];
-        // The direction of a circle through three vertices at the second.
+        // The direction at the second of three vertices of the circle through
+        // them.
         let tangent = |i: usize| -> Option<DVec2> {
             let (a, b) = (edge(i + n - 1), edge(i));
             let (la, lb) = (a.length(), b.length());
@@ -105,7 +106,8 @@ impl Curve<'_> {
             (a * (lb / la) + b * (la / lb)).try_normalize()
         };
         let tangents: Vec<Option<DVec2>> = (0..n).map(tangent).collect();
-        // An edge that stood for more of a curve would be farther from it.
+        // An edge within `accuracy` of a curve stands for no sharper bend than
+        // this.
         let most = 6.0 * accuracy + 0.01;
         let end = |i: usize, vertex: usize| -> DVec2 {
             let own = edge(i);
@@ -124,7 +126,7 @@ impl Curve<'_> {
         self.ring[i].distance(self.ring[(i + 1) % self.ring.len()])
     }
 
-    /// The point at a place, in edges from the first vertex.
+    /// The point at a place, which counts edges from the first vertex.
     fn at(&self, place: f64) -> DVec2 {
         let n = self.ring.len();
         let place = place.rem_euclid(n as f64);

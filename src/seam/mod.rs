@@ -1,9 +1,9 @@
 //! Where closed outer walls begin and end, and how.
 //!
-//! In: a layer's walls as they are before any texture. Out: for each the
-//! places where its seam may be, as far as the layer alone tells ([`Site`]);
-//! with the seams of the layer below, where it is ([`follow`]); and what is
-//! done about it ([`ending`]).
+//! In: a layer's walls before any texture. Out: for each wall the places where
+//! its seam may be, as far as the layer alone tells ([`Site`]); the seam's
+//! place, given those of the layer below ([`follow`]); and how the wall begins
+//! and ends there ([`ending`]).
 //!
 //! ```text
 //!      ╭──────╮      aligned: in a concave corner (●), where it hides and
@@ -12,13 +12,13 @@
 //!      ╰───┴──╮      the ring
 //! ```
 //!
-//! A layer's own site depends on nothing but its ring, so that seams hardly
-//! jump where the layers below are not known: only where they had followed a
-//! corner that is not the one a layer would choose by itself.
+//! A wall's site depends on its ring only. So seams hardly jump where the
+//! layers below are not known: only where they have followed a corner that the
+//! layer would not choose by itself.
 //!
-//! The walls are polygons, which stand for curves: where a seam lies between
-//! the corners of a polygon is found on a smooth curve through them
-//! (`lowest`), so that it does not jump from one to the other.
+//! The walls are polygons that stand for curves. A seam lies on a smooth curve
+//! through the polygon's corners (`lowest`), so that it does not jump from one
+//! corner to the next.
 
 mod corners;
 pub mod ending;
@@ -38,19 +38,19 @@ use lowest::lowest;
 /// Where the seam of a wall may be.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Site {
-    /// Where it is if nothing is known of the layer below; anywhere if not
-    /// given.
+    /// Where the seam is if nothing is known of the layer below; nothing if it
+    /// may be anywhere.
     pub at: Option<DVec2>,
-    /// Whether it goes on where the seam of the layer below is.
+    /// Whether it follows the seam of the layer below.
     pub follows: bool,
-    /// The corners it may be in.
+    /// The corners that the seam may be in.
     pub corners: Vec<DVec2>,
 }
 
-/// Slightly to the right counts as back, so that on a level edge it is not
-/// rounding that picks the end.
+/// The direction to the back. It points slightly to the right, so that rounding
+/// does not pick the end of a level edge.
 const BACK: DVec2 = DVec2::new(0.02, 1.0);
-/// A seam follows a corner that moves by less than this, mm.
+/// Distance by which a corner may move for a seam to follow it, mm.
 const REACH: Mm = 2.0;
 /// By how much a seam that is not in a corner goes back to its own place
 /// from one layer to the next, mm.
@@ -65,10 +65,10 @@ pub struct Seams<'a> {
 }
 
 impl<'a> Seams<'a> {
-    /// As the settings have it.
+    /// The rule of the settings.
     ///
     /// # Errors
-    /// If it is an expression with a mistake in it.
+    /// If the rule is an expression with a mistake.
     pub fn new(
         settings: &Settings,
         around: &'a Surroundings<'a>,
@@ -88,9 +88,9 @@ impl<'a> Seams<'a> {
         })
     }
 
-    /// The sites of the walls of a layer, whose outline at the height `z`
-    /// above the bed is `solid`; empty ones for walls that are not closed
-    /// outer ones.
+    /// The sites of a layer's walls. `solid` is the layer's outline, and `z`
+    /// its height above the bed. Walls that are not closed outer ones have
+    /// empty sites.
     ///
     /// # Errors
     /// If an expression has no value somewhere.
@@ -103,9 +103,10 @@ impl<'a> Seams<'a> {
     ) -> Result<Vec<Site>, VaryError> {
         let own = |(number, wall): (usize, &Bead)| {
             let outer = wall.closed && wall.role == Role::OuterWall;
-            match outer && wall.points.len() > 2 {
-                true => self.site(&wall.points, [layer, number], z, solid),
-                false => Ok(Site::default()),
+            if outer && wall.points.len() > 2 {
+                self.site(&wall.points, [layer, number], z, solid)
+            } else {
+                Ok(Site::default())
             }
         };
         walls.iter().enumerate().map(own).collect()
@@ -155,8 +156,8 @@ fn aligned(ring: &[DVec2], accuracy: Mm) -> Site {
     if sharp.is_empty() {
         sharp = corners.convex();
     }
-    // Of those that are about as sharp as the sharpest the rearmost, so that
-    // it is the same one in the next layer.
+    // Of the corners about as sharp as the sharpest the rearmost is taken, so
+    // that the next layer takes it, too.
     const ALIKE: f64 = 0.8;
     let sharpest = sharp.iter().map(|c| c.turn).fold(0.0, f64::max);
     let rearmost = sharp
@@ -170,7 +171,7 @@ fn aligned(ring: &[DVec2], accuracy: Mm) -> Site {
     }
 }
 
-/// The point farthest back.
+/// The point of a ring that is farthest back.
 fn rear(ring: &[DVec2], accuracy: Mm) -> Option<DVec2> {
     let back = lowest(ring, accuracy, |points, out| {
         out.extend(points.iter().map(|p| -BACK.dot(*p)));
@@ -182,8 +183,8 @@ fn rear(ring: &[DVec2], accuracy: Mm) -> Option<DVec2> {
     }
 }
 
-/// Where the line from the centre of what a ring encloses to the back leaves
-/// it. It moves as smoothly as the ring does.
+/// Where the line from the centre of a ring's area to the back leaves the ring.
+/// The point moves as smoothly as the ring does.
 fn behind(ring: &[DVec2]) -> Option<DVec2> {
     let origin = *ring.first()?;
     let edges = || (0..ring.len()).map(|i| (i, (i + 1) % ring.len()));
@@ -216,7 +217,7 @@ fn random(ring: &[DVec2], [layer, number]: [usize; 2]) -> Option<DVec2> {
     along(ring, share * path_length(ring, true))
 }
 
-/// The point of a ring that lies so far behind its first one.
+/// The point of a ring at a length behind its first one.
 fn along(ring: &[DVec2], length: Mm) -> Option<DVec2> {
     let mut left = length;
     for (i, &a) in ring.iter().enumerate() {
@@ -252,8 +253,8 @@ pub fn follow(
     }
 }
 
-/// From one point of a ring the shorter way along it to another one, not
-/// farther than a seam may go at a time.
+/// The point reached from `from` on the shorter way along the ring to `to`, at
+/// most [`PULL`] away.
 fn toward(ring: &[DVec2], from: DVec2, to: DVec2) -> Option<DVec2> {
     if from.distance(to) <= PULL {
         return Some(to);
@@ -274,9 +275,10 @@ fn toward(ring: &[DVec2], from: DVec2, to: DVec2) -> Option<DVec2> {
     };
     let ((a, all), (b, _)) = (place(from), place(to));
     let ahead = (b - a).rem_euclid(all);
-    let step = match ahead < 0.5 * all {
-        true => PULL.min(ahead),
-        false => -PULL.min(all - ahead),
+    let step = if ahead < 0.5 * all {
+        PULL.min(ahead)
+    } else {
+        -PULL.min(all - ahead)
     };
     along(ring, (a + step).rem_euclid(all))
 }

@@ -1,6 +1,6 @@
-//! What several settings amount to together.
+//! Values that follow from several settings.
 
-use super::{Acceleration, Settings, check};
+use super::{Acceleration, Infill, Settings, check};
 use crate::units::{Celsius, Degrees, Mm, MmPerSec, MmPerSec2};
 
 impl Settings {
@@ -9,6 +9,23 @@ impl Settings {
     pub fn top_layers(&self) -> u32 {
         self.top_layers
             .unwrap_or_else(|| layers_in(self.top_thickness, self.layer_height))
+    }
+
+    /// True if nothing is printed inside walls and skin, because infill is a
+    /// pattern of density 0. The density does not matter to an expression.
+    pub fn is_hollow(&self) -> bool {
+        self.infill_is_pattern() && self.infill_density.is(0.0)
+    }
+
+    /// True if the inside is printed as solid as skin, because infill is a
+    /// pattern of density 100.
+    pub fn is_solid(&self) -> bool {
+        self.infill_is_pattern() && self.infill_density.is(100.0)
+    }
+
+    /// True if infill is one of the patterns, not an expression or a script.
+    pub fn infill_is_pattern(&self) -> bool {
+        matches!(self.infill, Infill::Pattern(_))
     }
 
     /// Least temperature of the nozzle at which plastic is pushed:
@@ -20,16 +37,17 @@ impl Settings {
         self.filament.min_nozzle_temperature.unwrap_or(USUAL)
     }
 
-    /// Hottest that the nozzle may be told to be:
-    /// `printer.max_nozzle_temperature` if set, else more than hardly any hot
-    /// end bears.
+    /// Greatest temperature that the nozzle may be told:
+    /// `printer.max_nozzle_temperature` if set, else more than nearly all hot
+    /// ends bear.
     pub fn max_nozzle_temperature(&self) -> Celsius {
         const MOST: Celsius = 450.0;
         self.printer.max_nozzle_temperature.unwrap_or(MOST)
     }
 
-    /// Hottest that the bed may be told to be: `printer.max_bed_temperature`
-    /// if set, else more than hardly any bed reaches.
+    /// Greatest temperature that the bed may be told:
+    /// `printer.max_bed_temperature` if set, else more than nearly all beds
+    /// reach.
     pub fn max_bed_temperature(&self) -> Celsius {
         const MOST: Celsius = 200.0;
         self.printer.max_bed_temperature.unwrap_or(MOST)
@@ -57,9 +75,10 @@ impl Settings {
 
     /// Acceleration of moves that do not print.
     pub fn travel_acceleration(&self) -> MmPerSec2 {
-        match self.acceleration.travel > 0.0 {
-            true => self.acceleration.travel,
-            false => self.printer.travel_acceleration,
+        if self.acceleration.travel > 0.0 {
+            self.acceleration.travel
+        } else {
+            self.printer.travel_acceleration
         }
     }
 
@@ -70,9 +89,9 @@ impl Settings {
         (self.xy_compensation + fuzzy).max(0.0)
     }
 
-    /// What the settings lead to without anybody's having asked for it: the
-    /// speeds that `filament.max_flow` and `printer.max_speed` do not allow,
-    /// and those instead.
+    /// Notes on what the settings lead to unasked: speeds that
+    /// `filament.max_flow` and `printer.max_speed` do not allow, and the speeds
+    /// instead.
     pub fn notes(&self) -> Vec<String> {
         let notes = [check::flow_note(self), check::speed_note(self)];
         notes.into_iter().flatten().collect()
@@ -106,7 +125,7 @@ impl Acceleration {
     }
 }
 
-/// Whole layers in a thickness; any thickness at all asks for one layer.
+/// Whole layers in a thickness, but at least 1 for any thickness above 0.
 fn layers_in(thickness: Mm, layer_height: Mm) -> u32 {
     // 0.6 / 0.2 is 2.9999999999999996.
     const SLACK: f64 = 1e-4;

@@ -1,6 +1,7 @@
-//! Where settings were given, and why they may be refused.
+//! Where settings were given, and why settings are refused.
 
 use crate::files::FileError;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -40,12 +41,15 @@ impl fmt::Display for Place {
 }
 
 impl Place {
-    /// True if whoever prints chose it for this print, rather than its coming
-    /// with a profile.
+    /// True if the value was given for this print, and does not come from a
+    /// profile.
     pub(super) fn is_given(&self) -> bool {
         matches!(self, Place::File { .. } | Place::Set)
     }
 }
+
+/// The place of each setting that was given.
+pub(super) type Places = BTreeMap<&'static str, Place>;
 
 /// Why there are no settings.
 #[derive(Debug, thiserror::Error)]
@@ -63,7 +67,7 @@ pub enum SettingsError {
         #[source]
         cause: std::io::Error,
     },
-    /// A file cannot be one of settings.
+    /// A file cannot hold settings.
     #[error(
         "{} cannot be a file of settings: {cause}; give one as `isoslice \
          settings` prints it",
@@ -124,7 +128,7 @@ pub enum SettingsError {
     UnknownProfile {
         /// Where it was named.
         place: String,
-        /// What it was to be a profile of.
+        /// The kind of the profile.
         kind: &'static str,
         /// The name.
         name: String,
@@ -142,17 +146,17 @@ pub enum SettingsError {
         /// The profiles.
         names: String,
     },
-    /// Profiles inherit from one another without end, or nearly so.
+    /// Too many profiles inherit from one another in a row.
     #[error(
         "{place}: more than {most} profiles inherit from one another, from \
          {first} on; let some of them be one"
     )]
     TooDeep {
-        /// Where the last of them is named.
+        /// Where the last of these profiles is named.
         place: Place,
-        /// How many may.
+        /// Greatest number of profiles in a row.
         most: usize,
-        /// The first of them, and what it inherits.
+        /// The first of these profiles, and what it inherits.
         first: String,
     },
     /// A value is of the wrong type.
@@ -184,7 +188,7 @@ pub enum SettingsError {
     Conflict {
         /// The keys and values, why they do not work, and the remedy.
         message: String,
-        /// Where the values come from, empty if nowhere known.
+        /// Where the values come from; empty if no place is known.
         places: String,
     },
 }

@@ -1,11 +1,10 @@
 //! What the sparse infill is: one of the patterns, or an expression.
 
-use super::table::Key;
-use super::value::{Kind, Raw, Refused, Value};
-use super::{InfillPattern, Settings, Varying};
+use super::value::{Kind, Measure, Raw, Refused, Value};
+use super::{InfillPattern, Varying};
 
-/// Sparse infill. Expressions and scripts are text here: what they mean is
-/// for the model's language to say, which settings know nothing of.
+/// Sparse infill. Settings keep expressions and scripts as text;
+/// [`crate::model`] knows what they mean.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Infill {
     /// A pattern by its name.
@@ -16,29 +15,15 @@ pub enum Infill {
     Script(String),
 }
 
-impl Settings {
-    /// True if nothing is printed inside walls and skin: a pattern without
-    /// density. An expression has the density that it has.
-    pub fn is_hollow(&self) -> bool {
-        self.infill_is_pattern() && self.infill_density.is(0.0)
-    }
-
-    /// True if all is printed as solid as skin: a pattern of full density.
-    pub fn is_solid(&self) -> bool {
-        self.infill_is_pattern() && self.infill_density.is(100.0)
-    }
-
-    /// True if infill is one of the patterns, and no expression or script.
-    pub fn infill_is_pattern(&self) -> bool {
-        matches!(self.infill, Infill::Pattern(_))
-    }
-}
-
-/// How the path of a script ends.
+/// The extension of a script's path.
 const SCRIPT: &str = ".rhai";
 
 impl Value for Infill {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
         if let Raw::Text(text) | Raw::Word(text) = raw {
             let text = text.trim();
             if let Some(formula) = text.strip_prefix(<Varying>::PREFIX) {
@@ -51,7 +36,7 @@ impl Value for Infill {
             }
         }
         let mut pattern = InfillPattern::Rectilinear;
-        pattern.assign(raw, key)?;
+        pattern.assign(raw, measure)?;
         *self = Infill::Pattern(pattern);
         Ok(())
     }

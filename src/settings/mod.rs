@@ -1,24 +1,24 @@
-//! What is printed and how: every setting with its unit, range and meaning.
+//! The settings of a print, each with its unit, range and meaning.
 //!
-//! In: TOML files and `key=value` assignments, read by [`Builder`] in layers,
-//! the last one winning. Out: one typed [`Settings`] and warnings about
+//! In: TOML files and `key=value` assignments. [`Builder`] reads them in order,
+//! and the last one wins. Out: one typed [`Settings`] and warnings about
 //! combinations that are allowed but unlikely to print well.
 //!
 //! Guaranteed: nothing that is given is silently ignored. An unknown key, a
-//! wrong type, a value outside its range or a combination that cannot print
-//! is an error which names the place, the key, the value and the remedy; and
-//! [`Settings::to_toml`] of any settings reads back as the same settings.
-//! Not guaranteed: that the G-code templates make sense to the printer.
+//! wrong type, a value outside its range or a combination that cannot be
+//! printed is an error that names the place, the key, the value and the remedy.
+//! The text of [`Settings::to_toml`] reads back as equal settings. Not
+//! guaranteed: that the G-code templates make sense to the printer.
 //!
-//! [`Profiles`] are such files under names, for printers, filaments and kinds
-//! of print; many are part of the program.
+//! [`Profiles`] are files of settings under names, for printers, filaments and
+//! kinds of print. Many are part of the program.
 //!
-//! What a run is (threads, pictures, progress) is not a setting: the same
-//! settings and model give the same bytes on any machine.
+//! Threads, pictures and progress are no settings: equal settings and models
+//! give the same bytes on any machine.
 //!
-//! Everything follows from the one table in `rows`: the structs, their
-//! defaults, units, ranges, descriptions, the key names
-//! (`speed.outer_wall`), reading and writing.
+//! Everything follows from the table in `rows`: the structs, their defaults,
+//! units, ranges, descriptions, the key names (`speed.outer_wall`), reading and
+//! writing.
 //!
 //! ```
 //! use isoslice::settings::Builder;
@@ -43,22 +43,24 @@ mod seam;
 mod shipped;
 mod sizes;
 mod table;
+mod text;
 mod value;
 mod words;
 mod write;
 
 pub use error::{Place, SettingsError};
 pub use infill::Infill;
-pub use profile::{Origin, Profile, ProfileKind, Profiles};
+pub use profile::{Origin, Profile, Profiles};
 pub use read::Builder;
 pub use rows::{
     Acceleration, Brim, Cooling, Filament, FuzzySkin, Gcode, Printer, Retract,
     Settings, Skirt, Speed, Support, Travel,
 };
 pub use seam::Seam;
+pub use shipped::ProfileKind;
 pub use sizes::{ImageFormat, PictureSize, Sizes};
-pub use table::{Key, Range, keys};
-pub use value::Varying;
+pub use table::{Key, keys};
+pub use value::{Range, Varying};
 pub use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
     InfillMode, InfillPattern, SeamRule, SkinOrder, SkinPattern, SkinWhere,

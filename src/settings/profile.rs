@@ -1,65 +1,26 @@
 //! Profiles: settings under a name, for a printer, a filament or a kind of
 //! print.
 //!
-//! In: the name of one. Out: the texts to take over, from the profile that it
-//! inherits from first to itself.
+//! In: the name of a profile. Out: the texts to take over, the profile's own
+//! after those that it inherits from.
 //!
 //! A profile is a settings file with two more keys at its beginning,
-//! `description` and `inherits`. Those that come with the program are part of
-//! it; a folder of the user's may hold more, and others of the same names,
-//! which then are used instead. Such a one may inherit from its own name: the
-//! one that came with the program is meant.
+//! `description` and `inherits`. Many profiles are part of the program. A
+//! folder of the user's may hold more. A profile there replaces the program's
+//! profile of that name, and may inherit from it by that name.
 //!
-//! Guaranteed: what is used depends on the profiles' texts only, and a name
-//! that leads nowhere, or round in a circle, is an error with its place.
+//! Guaranteed: the result depends on the profiles' texts only. An unknown name,
+//! or profiles that inherit in a circle, are an error with its place.
 
 use super::error::{Place, SettingsError};
-use super::read;
-use super::shipped::SHIPPED;
+use super::shipped::{ProfileKind, SHIPPED};
 use super::table::alternatives;
+use super::text;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Profiles that may inherit from one another, in a row.
+/// Greatest number of profiles that inherit from one another in a row.
 const MOST_INHERITED: usize = 32;
-
-/// What a profile is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ProfileKind {
-    /// A machine: bed, limits, retraction, firmware, start of the print.
-    Printer,
-    /// A material: temperatures, fan, flow, density, cost.
-    Filament,
-    /// A kind of print: heights, walls, infill.
-    Preset,
-}
-
-impl ProfileKind {
-    /// All, in the order in which they are taken over.
-    pub const ALL: [ProfileKind; 3] = [
-        ProfileKind::Printer,
-        ProfileKind::Filament,
-        ProfileKind::Preset,
-    ];
-
-    /// The word for it, which is also the option's.
-    pub fn word(self) -> &'static str {
-        match self {
-            ProfileKind::Printer => "printer",
-            ProfileKind::Filament => "filament",
-            ProfileKind::Preset => "preset",
-        }
-    }
-
-    /// The folder its files are in.
-    pub fn folder(self) -> &'static str {
-        match self {
-            ProfileKind::Printer => "printers",
-            ProfileKind::Filament => "filaments",
-            ProfileKind::Preset => "presets",
-        }
-    }
-}
 
 /// Where a profile comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,19 +34,19 @@ pub enum Origin {
 /// A profile.
 #[derive(Clone, Debug)]
 pub struct Profile {
-    /// What it is of.
+    /// The profile's kind.
     pub kind: ProfileKind,
-    /// Its name, which is its file's without extension.
+    /// The profile's name, which is its file's without extension.
     pub name: String,
-    /// What it is, in a few words; empty if it does not say.
+    /// The description in the profile; empty if there is none.
     pub description: String,
-    /// The profile of the same kind that it starts from.
+    /// The profile of this kind that it starts from.
     pub inherits: Option<String>,
     /// Where it comes from.
     pub origin: Origin,
-    /// Its text.
+    /// The profile's text.
     pub text: String,
-    /// Where `inherits` is.
+    /// The place of `inherits` in the profile.
     inherits_at: Place,
 }
 
@@ -97,7 +58,7 @@ impl Profile {
         text: &str,
     ) -> Result<Self, SettingsError> {
         let file = file_name(kind, name, &origin);
-        let head = read::head(&file, text)?;
+        let head = text::head(&file, text)?;
         Ok(Profile {
             kind,
             name: name.to_owned(),
@@ -112,7 +73,7 @@ impl Profile {
         })
     }
 
-    /// Name of its file in messages.
+    /// Name of the profile's file in messages.
     pub fn file(&self) -> String {
         file_name(self.kind, &self.name, &self.origin)
     }
@@ -125,7 +86,7 @@ impl Profile {
         }
     }
 
-    /// The folder that a path in it starts from.
+    /// The folder that paths in the profile start from.
     fn beside(&self) -> &Path {
         match &self.origin {
             Origin::Shipped => Path::new(""),
@@ -145,22 +106,22 @@ fn file_name(kind: ProfileKind, name: &str, origin: &Origin) -> String {
     }
 }
 
-/// The profiles there are: those of the program and those of a folder.
+/// The profiles of the program and those of a folder.
 #[derive(Clone, Debug, Default)]
 pub struct Profiles {
     folder: Option<PathBuf>,
 }
 
 impl Profiles {
-    /// Those that come with the program and those in `folder`, which has a
-    /// folder for each kind. It need not exist.
+    /// The profiles of the program and those in `folder`, which has a folder
+    /// for each kind. `folder` need not exist.
     pub fn new(folder: Option<PathBuf>) -> Self {
         Self { folder }
     }
 
-    /// All of a kind, by name, and what is wrong with the others: the folder
-    /// or a profile in it cannot be read, or its beginning is not understood.
-    /// Where there are two of a name it is the folder's.
+    /// All profiles of a kind, by name, and errors for the folder or profiles
+    /// in it that cannot be read or understood. Of two profiles with one name
+    /// the folder's is listed.
     pub fn list(
         &self,
         kind: ProfileKind,
@@ -179,7 +140,7 @@ impl Profiles {
         }
         match self.own(kind) {
             Ok(mut names) => {
-                // The system lists them as it pleases.
+                // The system lists files in any order.
                 names.sort();
                 for name in names {
                     add(&name, self.find_own(kind, &name));
@@ -190,7 +151,7 @@ impl Profiles {
         (found.into_values().collect(), wrong)
     }
 
-    /// The profile of that name, or in that file if it is the path of one.
+    /// The profile of a name, or in a file if the name is a path.
     ///
     /// # Errors
     /// If there is none, it cannot be read, or its beginning is not
@@ -210,12 +171,11 @@ impl Profiles {
         }
     }
 
-    /// What has to be taken over for the profile of that name: the one it
-    /// inherits from, if any, before it.
+    /// The profile of a name, after those that it inherits from.
     ///
     /// # Errors
-    /// If one of them does not exist, or inherits from itself in the end, or
-    /// there are too many, or as [`Profiles::find`].
+    /// If one of the profiles does not exist or inherits from itself, if there
+    /// are too many, or as [`Profiles::find`].
     pub fn chain(
         &self,
         kind: ProfileKind,
@@ -225,7 +185,8 @@ impl Profiles {
         while let Some(last) = chain.last()
             && let Some(parent) = &last.inherits
         {
-            // One's own version of a profile starts from the program's.
+            // A user's profile that inherits from its own name means the
+            // program's.
             let folder_too =
                 *parent != last.name || last.origin == Origin::Shipped;
             let beside = last.beside();
@@ -262,7 +223,8 @@ impl Profiles {
         Ok(chain)
     }
 
-    /// A path starts from the folder `beside`.
+    /// As [`Profiles::find`], but a missing profile is no error. A path starts
+    /// from the folder `beside`.
     fn look_up(
         &self,
         kind: ProfileKind,
@@ -274,7 +236,7 @@ impl Profiles {
             let path = beside.join(name);
             let stem = path.file_stem().unwrap_or_default();
             let stem = stem.to_string_lossy().into_owned();
-            let text = read::text_of(&path)?;
+            let text = text::read(&path)?;
             let origin = Origin::File(path);
             return Profile::new(kind, &stem, origin, &text).map(Some);
         }
@@ -300,7 +262,7 @@ impl Profiles {
         if !path.is_file() {
             return Ok(None);
         }
-        let text = read::text_of(&path)?;
+        let text = text::read(&path)?;
         Profile::new(kind, name, Origin::File(path), &text).map(Some)
     }
 
@@ -344,20 +306,20 @@ impl Profiles {
         }
     }
 
-    /// What to tell who named a profile that there is not: the names most
-    /// like it, or where to find them all.
+    /// The hint for an unknown name: the names most like it, or where to find
+    /// them all.
     pub fn suggestion(&self, kinds: &[ProfileKind], name: &str) -> String {
         let mut names = Vec::new();
         for kind in kinds {
             names.extend(shipped(*kind).map(|(name, _)| name.to_owned()));
-            // What cannot be read is no suggestion.
+            // A folder that cannot be read gives no suggestions.
             names.extend(self.own(*kind).unwrap_or_default());
         }
         suggestion(name, names)
     }
 }
 
-/// Whether a profile is named by its file instead of its name.
+/// True if a profile is named by its file.
 fn is_path(name: &str) -> bool {
     name.ends_with(".toml") || Path::new(name).components().count() > 1
 }
@@ -373,15 +335,16 @@ fn shipped(
 
 /// The names most like `name`, or where to find them all.
 fn suggestion(name: &str, mut names: Vec<String>) -> String {
-    // Below this, suggestions become guesses that do not help.
+    // Likeness below which suggestions are guesses that do not help.
     const ALIKE: f64 = 0.75;
     const MOST: usize = 3;
     let wanted = name.to_lowercase().replace(['_', ' '], "-");
     let likeness = |known: &str| {
-        // Half a name ("mk4", "voron") is likelier than a misspelling.
-        match known.contains(&wanted) && wanted.len() > 1 {
-            true => 1.0,
-            false => strsim::jaro_winkler(&wanted, known),
+        // A part of a name ("mk4", "voron") is likelier than a misspelling.
+        if known.contains(&wanted) && wanted.len() > 1 {
+            1.0
+        } else {
+            strsim::jaro_winkler(&wanted, known)
         }
     };
     names.sort();

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! and the unit is the type's. The structs, the names in files and on the
-//! command line, reading and writing all follow from it: `table`.
+//! command line, reading and writing all follow from the rows by the macro in
+//! `table`.
 
 use super::table;
 use super::words::*;
@@ -29,10 +30,10 @@ table::settings! {
         accuracy: Mm = 0.005, in 0.0005..=0.1;
         /// Spacing of the lattice on which the field is sampled to find the
         /// outlines. Details smaller than this may be missed, and curves
-        /// tighter than a few times this lose accuracy.
+        /// tighter than a few times this are less accurate.
         sample_spacing: Mm = 0.1, in 0.01..=2.0;
         /// Slits in a layer that are narrower than twice this are closed, so
-        /// that bodies that all but touch are printed as one; 0 leaves them
+        /// that bodies that almost touch are printed as one; 0 leaves them
         /// open.
         slit_closing: Mm = 0.05, in 0.0..=1.0;
 
@@ -44,10 +45,10 @@ table::settings! {
         /// Line width of the walls behind the outer wall.
         inner_wall_width: Mm = 0.45, in 0.05..=10.0;
         /// Narrowest bead for places too thin for whole walls, as a share of
-        /// the wall's width; what is thinner still is left out.
+        /// the wall's width; thinner places are left out.
         thin_min: Percent = 60.0, in 10.0..=100.0;
-        /// Widest single bead for such places, as a share of the wall's
-        /// width; what is wider gets two walls.
+        /// Widest single bead for thin places, as a share of the wall's width;
+        /// wider places get two walls.
         thin_max: Percent = 180.0, in 100.0..=300.0;
         /// Which walls of an island are printed first.
         wall_order: WallOrder = WallOrder::InnerFirst;
@@ -65,22 +66,22 @@ table::settings! {
         /// Number of layers, from the bed, that are drawn in, each less than
         /// the one below.
         elephant_foot_layers: u32 = 1, in 1..=1000;
-        /// Where outer walls begin and end; an expression puts the seam where
-        /// it is least along each.
+        /// Where outer walls begin and end; an expression puts each wall's seam
+        /// where its value is least.
         seam: Seam = Seam::Rule(SeamRule::Aligned);
         /// How far before its beginning an outer wall ends.
         seam_gap: Mm = 0.0, in 0.0..=5.0;
-        /// Length over which an outer wall begins with growing flow, and is
-        /// overlapped with shrinking flow by its end; 0 for a plain seam.
+        /// Length over which the flow of an outer wall grows at its beginning,
+        /// and over which its end overlaps the beginning with shrinking flow; 0
+        /// for a plain seam.
         seam_scarf: Mm = 0.0, in 0.0..=200.0;
         /// How far the nozzle moves inwards, without printing, from the end
         /// of an outer wall before it goes elsewhere.
         seam_wipe: Mm = 0.3, in 0.0..=5.0;
 
         ["Skin: the solid top and bottom"]
-        /// Where the part gets skin: below and above all of its faces that
-        /// are exposed, or only at its ends, the lowest and the highest
-        /// layers of the part, where skin then fills whole layers.
+        /// Where the part gets skin: at all of its exposed faces, or only at
+        /// its ends, where skin fills the lowest and the highest layers.
         skin_where: SkinWhere = SkinWhere::Exposed;
         /// Thickness of solid material below each upward face.
         top_thickness: Mm = 0.8, in 0.0..=1000.0;
@@ -92,7 +93,7 @@ table::settings! {
         /// Number of solid layers above each downward face; auto takes it
         /// from bottom_thickness.
         bottom_layers: Option<u32> = None, in 0..=50_000;
-        /// Line width of skin, the rings around it included.
+        /// Line width of skin and of the rings around it.
         skin_width: Mm = 0.45, in 0.05..=10.0;
         /// Width of the lines of skin that faces upwards; auto takes
         /// skin_width.
@@ -125,9 +126,9 @@ table::settings! {
         /// Whether to go over each top once more, with next to no material,
         /// to make it smooth.
         ironing: bool = false;
-        /// Distance between the lines of that pass.
+        /// Distance between the lines of ironing.
         ironing_spacing: Mm = 0.1, in 0.02..=2.0;
-        /// Material for that pass, as a share of what would fill its layer.
+        /// Material for ironing, as a share of what would fill the layer.
         ironing_flow: Percent = 10.0, in 0.0..=100.0;
 
         ["Bridges and overhangs"]
@@ -136,13 +137,13 @@ table::settings! {
         bridges: bool = true;
         /// How far a bridge's lines reach onto what holds them.
         bridge_anchor: Mm = 1.5, in 0.0..=20.0;
-        /// Longest bridge that the printer and the material are good for;
-        /// longer ones are warned of.
+        /// Longest bridge that the printer and the material can print; a longer
+        /// one gets a warning.
         bridge_max: Mm = 20.0, in 0.0..=1000.0;
         /// Material of bridges, as a share of what skin would get.
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Share of its width by which a wall may hang over the layer below
-        /// before it is printed as an overhang; 100 makes no wall one.
+        /// before it is printed as an overhang; with 100 no wall is.
         overhang_share: Percent = 50.0, in 0.0..=100.0;
 
         ["Sparse infill"]
@@ -150,10 +151,9 @@ table::settings! {
         /// that is an expression is as dense as the expression makes it.
         infill_density: Varying<Percent> = Varying::Constant(15.0),
             in 0.0..=100.0;
-        /// Pattern of the sparse infill.
-        /// An expression, or the path of a script, is a pattern of one's own:
-        /// beads on its zero set, or a shape that is negative inside
-        /// (infill_mode).
+        /// Pattern of the sparse infill. An expression, or the path of a
+        /// script, is a pattern of your own: beads where it is zero, or a shape
+        /// that is negative inside (infill_mode).
         infill: Infill = Infill::Pattern(InfillPattern::Rectilinear);
         /// What an expression of infill is: a surface to lay beads on, or a
         /// solid to print like a part of its own.
@@ -166,8 +166,8 @@ table::settings! {
         infill_angle: Degrees = 45.0, in -360.0..=360.0;
         /// How far the pattern is moved along its repeat.
         infill_phase: Percent = 0.0, in 0.0..=100.0;
-        /// What the pattern is laid out from: parts on the same bed continue
-        /// each other's pattern if it is the bed.
+        /// What the pattern is laid out from. If it is the bed, parts on one
+        /// bed continue each other's pattern.
         infill_centre: InfillCentre = InfillCentre::Object;
         /// How far sparse infill reaches into the wall or skin around it, as
         /// a share of its line width.
@@ -190,13 +190,13 @@ table::settings! {
         thickness: Varying<Mm> = Varying::Constant(0.0), in 0.0..=5.0;
         /// Size of the bumps.
         grain: Mm = 0.8, in 0.1..=100.0;
-        /// The walls of holes as well.
+        /// Whether the walls of holes are fuzzy, too.
         holes: bool = false;
     }
     /// What holds a part while it is printed.
     support: Support {
-        /// How far a face may lean over what is below it, from the vertical,
-        /// and still hold itself; what leans farther is warned of.
+        /// How far a face may lean from the vertical and still hold itself; a
+        /// face that leans farther gets a warning.
         angle: Degrees = 55.0, in 0.0..=89.0;
     }
     /// Speeds of the nozzle.
@@ -216,11 +216,12 @@ table::settings! {
         /// Speed of solid layers that are covered from both sides.
         internal_skin: Varying<MmPerSec> = Varying::Constant(60.0),
             in 0.1..=2000.0;
-        /// Greatest speed of closed walls shorter than
-        /// small_perimeter_length: around thin pins and small holes.
-        small_perimeter: MmPerSec = 25.0, in 0.1..=2000.0;
-        /// Length of wall below which small_perimeter holds; 0 for none.
-        small_perimeter_length: Mm = 20.0, in 0.0..=1000.0;
+        /// Greatest speed of closed walls shorter than small_wall_length:
+        /// around thin pins and small holes.
+        small_wall: MmPerSec = 25.0, in 0.1..=2000.0;
+        /// Closed walls shorter than this are printed at small_wall at most;
+        /// 0 for none.
+        small_wall_length: Mm = 20.0, in 0.0..=1000.0;
         /// Speed of skin that faces upwards.
         top_skin: Varying<MmPerSec> = Varying::Constant(40.0),
             in 0.1..=2000.0;
@@ -263,19 +264,19 @@ table::settings! {
         bridge: MmPerSec2 = 0.0, in 0.0..=100_000.0;
         /// Acceleration of walls that hang over the layer below.
         overhang: MmPerSec2 = 0.0, in 0.0..=100_000.0;
-        /// Greatest acceleration of whatever is printed on the first layer;
-        /// 0 for none of its own.
+        /// Greatest acceleration of everything printed on the first layer; 0
+        /// for no limit.
         first_layer: MmPerSec2 = 0.0, in 0.0..=100_000.0;
         /// Acceleration of moves that do not print; 0 takes
         /// printer.travel_acceleration.
         travel: MmPerSec2 = 0.0, in 0.0..=100_000.0;
     }
-    /// The way between beads.
+    /// Travels: the way between beads.
     travel: Travel {
-        /// Whether travels go round what is in their way, and where they may
-        /// lead: nowhere but straight, anywhere inside the part, anywhere but
-        /// over what is seen from above, or over sparse infill only. From one
-        /// island to another they leave and enter square to the border.
+        /// Where travels may lead to avoid what is in their way: straight only,
+        /// anywhere inside the part, not over top skin, or over sparse infill
+        /// only. From one island to another they leave and enter square to the
+        /// border.
         combing: Combing = Combing::NotOverTopSkin;
         /// Travels that would become longer by more than this go straight,
         /// retracted.
@@ -283,12 +284,12 @@ table::settings! {
     }
     /// Pulling back the filament before a travel.
     retract: Retract {
-        /// Retract only on travels that cross something: that leave what
-        /// hides their ooze (hidden), or cross a wall. If false, on all that
-        /// are not shorter than min_travel.
+        /// Whether only travels that cross something retract: those that leave
+        /// what hides their ooze (hidden), or cross a wall. If false, all
+        /// travels of at least min_travel retract.
         when_crossing: bool = true;
-        /// Walls count as crossed, also where a travel only comes nearer to
-        /// one than half a line's width.
+        /// Whether crossing a wall counts, also where a travel only comes
+        /// nearer to it than half a line's width.
         check_walls: bool = true;
         /// What hides the ooze of travels: sparse infill alone, or whatever
         /// is inside the part and no top skin. The latter retracts far less
@@ -302,11 +303,11 @@ table::settings! {
         prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
         /// Travels shorter than this never retract.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
-        /// Travels longer than this ooze too much: even where that would be
-        /// hidden they retract, or prime what ooze_prime says.
+        /// Travels longer than this ooze too much: even if it is hidden they
+        /// retract, or prime by ooze_prime.
         max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
-        /// Length of filament pushed forward after such a travel, where it
-        /// is hidden, instead of a retraction; 0 retracts.
+        /// Length of filament pushed forward after a hidden travel longer than
+        /// max_unretracted, instead of a retraction; 0 retracts.
         ooze_prime: Mm = 0.0, in 0.0..=5.0;
         /// Length of filament pushed forward beyond what was pulled back, to
         /// make up for what oozed; negative for less.
@@ -316,14 +317,14 @@ table::settings! {
         /// wiping.
         wipe: Mm = 0.0, in 0.0..=100.0;
         /// Share of the retraction that is done before the wipe; the rest is
-        /// spread over it.
+        /// done during the wipe.
         before_wipe: Percent = 0.0, in 0.0..=100.0;
         /// How far the nozzle is lifted during a retracted travel.
         z_hop: Mm = 0.0, in 0.0..=10.0;
         /// Which retracted travels are lifted.
         z_hop_when: HopWhen = HopWhen::Crossing;
-        /// Whether the firmware retracts (G10 and G11), by the lengths and
-        /// speeds set here, which the start of the file tells it.
+        /// Whether the firmware retracts (G10 and G11). The start of the file
+        /// tells it the lengths and speeds set here.
         firmware: bool = false;
     }
     /// Loops around the part that start the flow before the part does.
@@ -337,12 +338,12 @@ table::settings! {
     }
     /// Loops beside the first layer that hold the part down.
     brim: Brim {
-        /// Where: around the part, in its holes, or both.
+        /// Where the brim is: around the part, in its holes, or both.
         place: BrimPlace = BrimPlace::None;
         /// Width of all loops together.
         width: Mm = 5.0, in 0.1..=200.0;
-        /// Gap between the part and the first loop; the wider, the easier
-        /// it comes off.
+        /// Gap between the part and the first loop; the wider the gap, the
+        /// easier the brim comes off.
         gap: Mm = 0.1, in 0.0..=20.0;
     }
     /// Fan, and slowing down for small layers.
@@ -356,32 +357,33 @@ table::settings! {
         overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Number of layers, from the bed, printed without the fan.
         fan_off_layers: u32 = 1, in 0..=50_000;
-        /// Layer, from the bed, whose fan first runs at its full speed; on
-        /// the layers between fan_off_layers and this one it gets there in
-        /// even steps. 0 for no steps.
+        /// Number of the first layer, from the bed, whose fan runs at full
+        /// speed; from fan_off_layers up to it the fan comes up in even steps.
+        /// 0 for no steps.
         full_fan_layer: u32 = 0, in 0..=50_000;
-        /// Speed of the part's fan on layers that take only
-        /// min_layer_time, if that is more than fan_speed; between it and
-        /// long_layer_time, in proportion. auto is fan_speed.
+        /// Speed of the part's fan on layers that take only min_layer_time, if
+        /// it is more than fan_speed; in proportion on layers that take less
+        /// than long_layer_time. auto is fan_speed.
         short_layer_fan_speed: Option<Percent> = None, in 0.0..=100.0;
-        /// A layer that takes at least this long has fan_speed.
+        /// Time from which on a layer has fan_speed.
         long_layer_time: Seconds = 30.0, in 0.0..=3600.0;
-        /// A layer that would take less time than this is printed slower.
+        /// Least time of a layer; a layer that would take less is printed
+        /// slower.
         min_layer_time: Seconds = 8.0, in 0.0..=3600.0;
-        /// Least speed that slowing down for min_layer_time leads to.
+        /// Least speed to which min_layer_time slows beads down.
         min_speed: MmPerSec = 10.0, in 0.1..=2000.0;
     }
     /// The material.
     filament: Filament {
         /// Diameter of the filament.
         diameter: Mm = 1.75, in 0.5..=10.0;
-        /// What it is made of: PLA, PETG, ABS. Hosts show it, and warn if
+        /// Name of the material: PLA, PETG, ABS. Hosts show it, and warn if
         /// another one is loaded.
         material: String = String::from("PLA");
         /// Density of the material, for the mass in the summary.
         density: GramsPerCm3 = 1.24, in 0.1..=25.0;
-        /// Price of a kilogram, in whatever currency, for the summary; 0 to
-        /// leave it out.
+        /// Price of a kilogram, in any currency, for the summary; 0 to leave it
+        /// out.
         cost: PricePerKg = 25.0, in 0.0..=100_000.0;
         /// Material extruded, as a share of the beads' volume; multiplies
         /// flow.
@@ -408,8 +410,8 @@ table::settings! {
     }
     /// The machine.
     printer: Printer {
-        /// What a Prusa printer calls itself (MK3S, MINI, MK4, XL): its
-        /// firmware then checks that the file is for it. Empty for no check.
+        /// Name by which a Prusa printer knows its model (MK3S, MINI, MK4, XL);
+        /// its firmware checks that the file is for it. Empty for no check.
         model: String = String::new();
         /// Width of the bed; x runs from 0 to this.
         bed_x: Mm = 220.0, in 1.0..=10_000.0;
@@ -428,54 +430,56 @@ table::settings! {
         /// Greatest temperature that a heated chamber reaches, for the check
         /// of start templates and of files. auto if it is not known.
         max_chamber_temperature: Option<Celsius> = None, in 1.0..=250.0;
-        /// Acceleration of printing moves, where the group acceleration has
-        /// no other.
+        /// Acceleration of printing moves if the group acceleration has no
+        /// other.
         acceleration: MmPerSec2 = 1000.0, in 1.0..=100_000.0;
-        /// Acceleration of moves that do not print, where
-        /// acceleration.travel is 0.
+        /// Acceleration of moves that do not print if acceleration.travel is 0.
         travel_acceleration: MmPerSec2 = 1500.0, in 1.0..=100_000.0;
         /// Speed at which a right-angled corner is passed.
         square_corner_velocity: MmPerSec = 5.0, in 0.0..=200.0;
-        /// Greatest speed in the plane: nothing is asked to be faster.
+        /// Greatest speed in the plane; no move is faster.
         max_speed: MmPerSec = 500.0, in 1.0..=5000.0;
         /// Greatest speed of the z axis.
         max_speed_z: MmPerSec = 10.0, in 0.1..=1000.0;
         /// Greatest acceleration of the z axis, for the estimate of the time
         /// only: the printer keeps its own.
         max_acceleration_z: MmPerSec2 = 100.0, in 1.0..=100_000.0;
-        /// Acceleration of the filament when it is not printed with, for the
-        /// estimate of the time only: Marlin's M204 R, RepRapFirmware's M201
-        /// E, Klipper's max_extrude_only_accel.
+        /// Acceleration of the filament while nothing is printed, for the
+        /// estimate of the time only: Marlin's M204 R, RepRapFirmware's M201 E,
+        /// Klipper's max_extrude_only_accel.
         retract_acceleration: MmPerSec2 = 5000.0, in 1.0..=100_000.0;
     }
-    /// The text that is written. Templates are text with placeholders such
-    /// as {{ nozzle_temperature }}; docs/gcode.md lists them.
+    /// The G-code. Templates are text with placeholders such as {{
+    /// nozzle_temperature }}; docs/gcode.md lists them.
     gcode: Gcode {
         /// Firmware that will read the G-code.
         flavour: Flavour = Flavour::Marlin;
-        /// Whose words the comments use, for viewers and hosts.
+        /// The slicer whose words the comments use, for viewers and hosts.
         comments: Comments = Comments::Prusa;
-        /// Extruder positions relative to the last one instead of absolute.
+        /// Whether extruder positions are relative to the last one instead of
+        /// absolute.
         relative_e: bool = false;
-        /// Template for the start of the print; empty for homing and no
-        /// more. Temperatures that it does not set are set before it, and
-        /// waited for after it.
+        /// Template for the start of the print; empty for homing only.
+        /// Temperatures that it does not set are set before it, and waited for
+        /// after it.
         start: String = String::new();
-        /// Template for the end of the print; the fan is already off. Empty
-        /// for heaters off, off the part and aside, motors off.
+        /// Template for the end of the print, where the fan is already off.
+        /// Empty to turn the heaters off, move the head up and aside, and turn
+        /// the motors off.
         end: String = String::new();
         /// Template for the beginning of every layer; it must leave the
         /// filament as it was, but may move the head.
         layer: String = String::new();
         /// Whether the start sets the printer's accelerations and its speed
-        /// through corners. If false, they only count for the estimate.
+        /// through corners. If false, these only count for the estimate of the
+        /// time.
         set_limits: bool = true;
-        /// Whether layers tell how far the print has come, and the minutes
-        /// left (M73); auto does for Marlin and Prusa's firmware. Only files
-        /// of a whole part can tell.
+        /// Whether layers tell how far the print has come, and the minutes left
+        /// (M73); auto tells Marlin and Prusa's firmware. Only files of a whole
+        /// part can tell.
         progress: Emit = Emit::Auto;
-        /// Whether the part has a label, which hosts show and can exclude;
-        /// auto labels for firmware that is sure to know the words.
+        /// Whether the part has a label, by which hosts show and exclude it;
+        /// auto labels it for firmware that always understands labels.
         labels: Emit = Emit::Auto;
         /// Sizes of the pictures in the file's head that hosts and printers
         /// show, such as "32x32, 300x300"; empty for none. Each is a PNG

@@ -1,28 +1,31 @@
 //! Where closed walls begin: a rule by its name, or an expression.
 
-use super::table::Key;
-use super::value::{Kind, Raw, Refused, Value};
+use super::value::{Kind, Measure, Raw, Refused, Value};
 use super::{SeamRule, Varying};
 
-/// Where closed walls begin and end. An expression is text here: what it
-/// means is for the model's language to say, which settings know nothing of.
+/// Where closed walls begin and end. Settings keep an expression as text;
+/// [`crate::model`] knows what it means.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Seam {
     /// A rule by its name.
     Rule(SeamRule),
-    /// A formula of x, y, z and d: where it is least.
+    /// A formula of x, y, z and d. Walls begin where it is least.
     Expression(String),
 }
 
 impl Seam {
-    /// True if a loop may begin anywhere.
+    /// True if a loop may begin wherever the nozzle is nearest.
     pub fn is_nearest(&self) -> bool {
         *self == Seam::Rule(SeamRule::Nearest)
     }
 }
 
 impl Value for Seam {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
         if let Raw::Text(text) | Raw::Word(text) = raw
             && let Some(formula) = text.trim().strip_prefix(<Varying>::PREFIX)
         {
@@ -30,7 +33,7 @@ impl Value for Seam {
             return Ok(());
         }
         let mut rule = SeamRule::Aligned;
-        rule.assign(raw, key)?;
+        rule.assign(raw, measure)?;
         *self = Seam::Rule(rule);
         Ok(())
     }

@@ -1,10 +1,9 @@
-//! Pictures in a file's head: `32x32, 300x300/QOI`.
+//! Sizes of the pictures in a file's head: `32x32, 300x300/QOI`.
 
-use super::Key;
-use super::value::{Kind, Raw, Refused, Value};
+use super::value::{Kind, Measure, Raw, Refused, Value};
 
-/// Greatest side of a picture in a file, pixels: no host shows a larger one,
-/// and the text of one is a megabyte.
+/// Greatest side of a picture in a file, pixels. No host shows a larger one,
+/// and its text takes 1 MB.
 const GREATEST: u32 = 1024;
 
 /// Greatest number of pictures in a file.
@@ -15,20 +14,20 @@ pub(super) const EXPECTED: &str = "sizes in pixels, width x height, and \
     formats (PNG, if none is given, QOI or JPG), such as \"32x32, \
     300x300/QOI\" (up to 8, each side from 1 to 1024), or \"\" for none";
 
-/// How a picture is written.
+/// The format of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ImageFormat {
-    /// What hosts and web pages show.
+    /// PNG, which hosts and web pages show.
     #[default]
     Png,
-    /// Small, without transparency.
+    /// JPEG, which is small and has no transparency.
     Jpg,
-    /// What small processors can read: Prusa's screens, Duet's PanelDue.
+    /// QOI, which small processors can read: Prusa's screens, Duet's PanelDue.
     Qoi,
 }
 
 impl ImageFormat {
-    /// Its name in settings and in files.
+    /// The format's name in settings and in files.
     pub fn name(self) -> &'static str {
         match self {
             ImageFormat::Png => "PNG",
@@ -53,7 +52,7 @@ impl ImageFormat {
 pub struct PictureSize {
     /// Width and height, pixels.
     pub pixels: [u32; 2],
-    /// How it is written.
+    /// The picture's format.
     pub format: ImageFormat,
 }
 
@@ -62,7 +61,7 @@ pub struct PictureSize {
 pub struct Sizes(Vec<PictureSize>);
 
 impl Sizes {
-    /// What hosts show.
+    /// The sizes that most hosts show.
     pub(super) fn thumbnails() -> Self {
         let png = |side: u32| PictureSize {
             pixels: [side; 2],
@@ -102,7 +101,7 @@ fn picture(text: &str) -> Option<PictureSize> {
 }
 
 impl Value for Sizes {
-    fn assign(&mut self, raw: Raw<'_>, _: &Key) -> Result<(), Refused> {
+    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
         *self = match raw {
             Raw::Text(text) | Raw::Word(text) => {
                 Sizes::read(text).ok_or(Refused::Type)?

@@ -7,29 +7,13 @@
 
 use super::Settings;
 use super::rows::{GROUPS, KEYS};
-use super::value::{Kind, Value};
-
-/// Least and greatest allowed value, both inclusive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    /// Least value.
-    pub min: f64,
-    /// Greatest value.
-    pub max: f64,
-}
-
-impl Range {
-    /// True if `value` is a number within the range.
-    pub fn contains(&self, value: f64) -> bool {
-        (self.min..=self.max).contains(&value)
-    }
-}
+use super::value::{Kind, Measure, Range, Value};
 
 /// One row of the table: a setting's name and all that is known about it.
 #[derive(Debug)]
 pub struct Key {
-    /// Name as written in files and on the command line:
-    /// `layer_height`, `speed.outer_wall`.
+    /// Name in files and on the command line: `layer_height`,
+    /// `speed.outer_wall`.
     pub name: &'static str,
     pub(super) section: &'static str,
     /// Unit of its value, empty if it has none.
@@ -79,8 +63,8 @@ impl Key {
         }
     }
 
-    /// What may be assigned and how it is written, for one who wrote
-    /// something of another type.
+    /// What may be assigned and how it is written, for a message about a wrong
+    /// type.
     pub(super) fn expected(&self) -> String {
         let range = self.range_with("");
         match (self.kind(), self.unit) {
@@ -157,6 +141,14 @@ impl Key {
         }
     }
 
+    /// What a number for it is measured by.
+    pub(super) fn measure(&self) -> Measure {
+        Measure {
+            unit: self.unit,
+            range: self.range,
+        }
+    }
+
     pub(super) fn kind(&self) -> Kind {
         (self.field)(&Settings::default()).kind()
     }
@@ -167,8 +159,16 @@ pub fn keys() -> &'static [Key] {
     KEYS
 }
 
-/// The key of that name.
+/// Names that settings once had, and those they have now.
+const RENAMED: [(&str, &str); 2] = [
+    ("speed.small_perimeter", "speed.small_wall"),
+    ("speed.small_perimeter_length", "speed.small_wall_length"),
+];
+
+/// The key of a name, which may be one that the setting once had.
 pub(super) fn find(name: &str) -> Option<&'static Key> {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == name);
+    let name = renamed.map_or(name, |(_, new)| new);
     keys().iter().find(|key| key.name == name)
 }
 
@@ -177,9 +177,9 @@ pub(super) fn is_group(name: &str) -> bool {
     keys().iter().any(|key| key.group() == name)
 }
 
-/// The known name most like `name`, if any is much like it.
+/// The known name most like `name`; nothing if none is much like it.
 pub(super) fn nearest(name: &str) -> Option<&'static str> {
-    // Below this, suggestions become guesses that do not help.
+    // Likeness below which suggestions are guesses that do not help.
     const ALIKE: f64 = 0.6;
     let name = name.to_lowercase().replace('-', "_");
     let leaf = name.rsplit('.').next().unwrap_or(&name);
@@ -187,8 +187,8 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
         .iter()
         .map(|key| {
             let whole = strsim::normalized_damerau_levenshtein(&name, key.name);
-            // The right name in the wrong group is nearer than a misspelling,
-            // and so is a part of the name; between several the whole name
+            // The right name in the wrong group, and a part of a name, are
+            // likelier than a misspelling. Between several the whole name
             // decides.
             let part = strsim::normalized_damerau_levenshtein(leaf, key.leaf());
             let part = if leaf.len() > 2 && key.leaf().contains(leaf) {
@@ -203,8 +203,8 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
         .map(|(_, name)| name)
 }
 
-/// The names that a part of one, in whole words, may stand for: those with
-/// the fewest words besides, in the table's order.
+/// The names that have `name` as a part, in whole words, and the fewest words
+/// besides, in the table's order.
 pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
     const MOST: usize = 4;
     let name = name.to_lowercase().replace('-', "_");
@@ -221,7 +221,7 @@ pub(super) fn ambiguous(name: &str) -> Vec<&'static str> {
     all.map(|key| key.name).take(MOST).collect()
 }
 
-/// `a, b or c`.
+/// Lists words as `a, b or c`.
 pub(super) fn alternatives(words: &[&str]) -> String {
     match words {
         [] => String::new(),
@@ -230,7 +230,8 @@ pub(super) fn alternatives(words: &[&str]) -> String {
     }
 }
 
-/// Doc comments keep a space before each line and break where they please.
+/// A doc comment as one line: doc comments keep the spaces and line breaks of
+/// the source.
 pub(super) fn tidy(doc: &str) -> String {
     doc.split_whitespace().collect::<Vec<_>>().join(" ")
 }

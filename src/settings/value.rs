@@ -1,10 +1,33 @@
 //! Values of settings: what each type reads from TOML or from the command
 //! line, and how it is written.
 //!
-//! In: a [`Raw`] value and the [`Key`] it is for. Out: the field, changed
-//! only if the value is of the right type and within the key's range.
+//! In: a [`Raw`] value and the setting's [`Measure`]. Out: the field, changed
+//! only if the value is of the right type and within the range.
 
-use super::table::Key;
+/// Least and greatest allowed value, both inclusive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
+}
+
+impl Range {
+    /// True if `value` is a number within the range.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.min..=self.max).contains(&value)
+    }
+}
+
+/// What a number is measured by.
+#[derive(Clone, Copy, Debug)]
+pub struct Measure {
+    /// Its unit; empty if it has none.
+    pub unit: &'static str,
+    /// The allowed values, if only some are.
+    pub range: Option<Range>,
+}
 
 /// A value as given, before its setting's type is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,9 +42,10 @@ pub(super) enum Raw<'a> {
     Bool(bool),
     /// A string in TOML.
     Text(&'a str),
-    /// What follows `key=` on the command line: the type is the setting's.
+    /// The text behind `key=` on the command line, which is read as the
+    /// setting's type.
     Word(&'a str),
-    /// Something no setting takes.
+    /// Something that no setting takes.
     Other(&'static str),
 }
 
@@ -71,7 +95,8 @@ pub(super) enum Kind {
 /// A field of the settings.
 pub(super) trait Value {
     /// Takes the value over, or leaves the field as it is.
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused>;
+    fn assign(&mut self, raw: Raw<'_>, measure: Measure)
+    -> Result<(), Refused>;
     /// The value as TOML that `assign` reads back as the same value.
     fn to_toml(&self) -> String;
     /// The value as a number, if it is one.
@@ -80,17 +105,23 @@ pub(super) trait Value {
 }
 
 impl Value for f64 {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
         let parsed = match raw {
             Raw::Integer(i) => Some(i as f64),
             Raw::Float(x) => Some(x),
             Raw::Huge(_) => return Err(Refused::Range),
-            Raw::Text(s) if key.unit == "%" => percent(s),
-            Raw::Word(s) if key.unit == "%" => percent(s).or(s.parse().ok()),
+            Raw::Text(s) if measure.unit == "%" => percent(s),
+            Raw::Word(s) if measure.unit == "%" => {
+                percent(s).or(s.parse().ok())
+            }
             Raw::Word(s) => s.parse().ok(),
             _ => None,
         };
-        *self = in_range(parsed.ok_or(Refused::Type)?, key)?;
+        *self = in_range(parsed.ok_or(Refused::Type)?, measure)?;
         Ok(())
     }
 
@@ -120,8 +151,8 @@ fn percent(s: &str) -> Option<f64> {
     s.strip_suffix('%')?.trim_end().parse().ok()
 }
 
-fn in_range(value: f64, key: &Key) -> Result<f64, Refused> {
-    let inside = key.range.is_none_or(|range| range.contains(value));
+fn in_range(value: f64, measure: Measure) -> Result<f64, Refused> {
+    let inside = measure.range.is_none_or(|range| range.contains(value));
     if value.is_finite() && inside {
         Ok(value)
     } else {
@@ -129,20 +160,19 @@ fn in_range(value: f64, key: &Key) -> Result<f64, Refused> {
     }
 }
 
-/// A number that may be different from place to place.
+/// A number that may differ from place to place.
 ///
-/// An expression is text here: what it means is for the model's language to
-/// say, which settings know nothing of.
+/// Settings keep an expression as text; [`crate::model`] knows what it means.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Varying<T = f64> {
-    /// The same everywhere.
+    /// One number everywhere.
     Constant(T),
     /// A formula of x, y, z and d.
     Expression(String),
 }
 
 impl Varying {
-    /// How an expression is told from other text.
+    /// The beginning of an expression, which tells it from other text.
     pub const PREFIX: &str = "expr:";
 
     /// The number, if it is the same everywhere.
@@ -174,7 +204,11 @@ impl From<f64> for Varying {
 }
 
 impl Value for Varying {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
         if let Raw::Text(text) | Raw::Word(text) = raw
             && let Some(formula) = text.trim().strip_prefix(Self::PREFIX)
         {
@@ -182,7 +216,7 @@ impl Value for Varying {
             return Ok(());
         }
         let mut value = 0.0;
-        value.assign(raw, key)?;
+        value.assign(raw, measure)?;
         *self = Varying::Constant(value);
         Ok(())
     }
@@ -206,16 +240,20 @@ impl Value for Varying {
 }
 
 impl Value for u32 {
-    fn assign(&mut self, raw: Raw<'_>, key: &Key) -> Result<(), Refused> {
+    fn assign(
+        &mut self,
+        raw: Raw<'_>,
+        measure: Measure,
+    ) -> Result<(), Refused> {
         let whole = match raw {
             Raw::Integer(i) => Some(i.into()),
             Raw::Huge(_) => return Err(Refused::Range),
-            // Wide enough that what overflows it is hardly meant as a number.
+            // A number that overflows an i128 is hardly meant as one.
             Raw::Word(s) => s.parse::<i128>().ok(),
             _ => None,
         };
         let whole = whole.ok_or(Refused::Type)?;
-        in_range(whole as f64, key)?;
+        in_range(whole as f64, measure)?;
         *self = u32::try_from(whole).map_err(|_| Refused::Range)?;
         Ok(())
     }
@@ -240,13 +278,13 @@ macro_rules! or_auto {
             fn assign(
                 &mut self,
                 raw: Raw<'_>,
-                key: &Key,
+                measure: Measure,
             ) -> Result<(), Refused> {
                 *self = match raw {
                     Raw::Text("auto") | Raw::Word("auto") => None,
                     _ => {
                         let mut value = <$value>::default();
-                        value.assign(raw, key)?;
+                        value.assign(raw, measure)?;
                         Some(value)
                     }
                 };
@@ -275,7 +313,7 @@ or_auto!(u32, WholeOrAuto);
 or_auto!(f64, NumberOrAuto);
 
 impl Value for bool {
-    fn assign(&mut self, raw: Raw<'_>, _: &Key) -> Result<(), Refused> {
+    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
         *self = match raw {
             Raw::Bool(b) => b,
             Raw::Word("true") => true,
@@ -299,7 +337,7 @@ impl Value for bool {
 }
 
 impl Value for String {
-    fn assign(&mut self, raw: Raw<'_>, _: &Key) -> Result<(), Refused> {
+    fn assign(&mut self, raw: Raw<'_>, _: Measure) -> Result<(), Refused> {
         *self = match raw {
             Raw::Text(s) | Raw::Word(s) => s.to_owned(),
             _ => return Err(Refused::Type),
@@ -354,7 +392,7 @@ macro_rules! words {
         }
 
         impl $name {
-            /// The word that stands for it in files and assignments.
+            /// The value's word in files and assignments.
             pub fn word(self) -> &'static str {
                 match self {
                     $(Self::$variant => $word,)+
@@ -366,7 +404,7 @@ macro_rules! words {
             fn assign(
                 &mut self,
                 raw: $crate::settings::value::Raw<'_>,
-                _: &$crate::settings::Key,
+                _: $crate::settings::value::Measure,
             ) -> Result<(), $crate::settings::value::Refused> {
                 use $crate::settings::value::{Raw, Refused};
                 *self = match raw {

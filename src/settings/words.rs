@@ -17,7 +17,7 @@ value::words! {
 }
 
 value::words! {
-    /// Whose words comments use.
+    /// The slicer whose words comments use.
     Comments {
         /// PrusaSlicer's, which most viewers and hosts know.
         Prusa = "prusa",
@@ -25,7 +25,7 @@ value::words! {
         Orca = "orca",
         /// Cura's.
         Cura = "cura",
-        /// None but the file's first line and its pictures.
+        /// No comments but the file's first line and its pictures.
         None = "none",
     }
 }
@@ -33,7 +33,7 @@ value::words! {
 value::words! {
     /// Whether some lines are written.
     Emit {
-        /// As suits the firmware.
+        /// If it suits the firmware.
         Auto = "auto",
         /// Always.
         On = "on",
@@ -85,7 +85,7 @@ value::words! {
         Rear = "rear",
         /// Nearest to where the nozzle comes from.
         Nearest = "nearest",
-        /// Anywhere, in every layer elsewhere.
+        /// At a random place, which differs from layer to layer.
         Random = "random",
     }
 }
@@ -97,7 +97,7 @@ value::words! {
         Off = "off",
         /// Everywhere inside an island.
         Everywhere = "everywhere",
-        /// The same, but round what is seen from above, if there is a way.
+        /// Everywhere inside an island, but round top skin if there is a way.
         NotOverTopSkin = "not-over-top-skin",
         /// Only where all of the way is over sparse infill.
         WithinInfill = "within-infill",
@@ -117,9 +117,9 @@ value::words! {
 value::words! {
     /// Which retracted travels are lifted.
     HopWhen {
-        /// All of them.
+        /// All retracted travels.
         Always = "always",
-        /// Those out of the part, over walls or over top skins.
+        /// Travels out of the part, over walls or over top skins.
         Crossing = "crossing",
     }
 }
@@ -137,7 +137,7 @@ value::words! {
 value::words! {
     /// Where a part is solid.
     SkinWhere {
-        /// Wherever a layer near above or below leaves it open.
+        /// At every face that a layer above or below does not cover.
         Exposed = "exposed",
         /// In its lowest and highest layers.
         Ends = "ends",
@@ -147,8 +147,8 @@ value::words! {
 value::words! {
     /// Order of a skin's lines.
     SkinOrder {
-        /// Swept one way: no line is printed between two older ones, so that
-        /// a surface shines evenly.
+        /// Lines are swept one way. No line is printed between two older ones,
+        /// so that a surface shines evenly.
         Monotonic = "monotonic",
         /// Nearest first.
         Nearest = "nearest",
@@ -186,9 +186,9 @@ value::words! {
 value::words! {
     /// What an expression of infill is.
     InfillMode {
-        /// Its zero set is a surface to lay beads on.
+        /// A surface to lay beads on, where the expression is zero.
         Surface = "surface",
-        /// Where it is negative is solid, with walls of its own.
+        /// A solid, with walls of its own, where the expression is negative.
         Solid = "solid",
     }
 }

@@ -32,8 +32,8 @@ impl Settings {
         text
     }
 
-    /// All settings as TOML, each followed by a comment that says where its
-    /// value is from.
+    /// All settings as TOML, each with a comment that says where its value is
+    /// from.
     pub fn to_toml_with_origins(
         &self,
         origin: impl Fn(&Key) -> String,
@@ -56,13 +56,13 @@ impl Settings {
     }
 }
 
-/// The settings with these names as TOML that sets none of them: each is
-/// explained, and its default is there as a comment.
+/// The settings with these names, explained, each with its default in a
+/// comment. The text sets none of them.
 pub fn suggestions(names: &[&str]) -> String {
     let mut text = String::new();
     for key in names.iter().filter_map(|name| table::find(name)) {
         explain(&mut text, key);
-        // Whole names, so that a line works wherever it is.
+        // Whole names make a line work anywhere in a file.
         text.push_str(&format!("# {} = {}\n\n", key.name, key.default()));
     }
     text

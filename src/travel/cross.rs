@@ -1,17 +1,18 @@
 //! Whether segments meet, exactly.
 //!
-//! In: segments. Out: whether they share a point. Touching counts as meeting,
-//! wherever it is: an end on the other segment, two ends on one place, or a
-//! stretch in common. The answer is that of exact arithmetic on the given
-//! coordinates (J. R. Shewchuk, *Adaptive precision floating-point arithmetic
-//! and fast robust geometric predicates*, 1997), and does not depend on the
-//! order of the segments or of their ends.
+//! In: segments. Out: whether they share a point. Touching counts as meeting:
+//! an end on the other segment, two ends in one place, or a stretch in common.
+//! The answer is that of exact arithmetic on the given coordinates (J. R.
+//! Shewchuk, *Adaptive precision floating-point arithmetic and fast robust
+//! geometric predicates*, 1997), and does not depend on the order of the
+//! segments or of their ends.
 
 use crate::plane::grid::EdgeGrid;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// How far around a segment edges are looked for, mm: more than rounding.
+/// How far around a segment edges are looked for, mm. It is more than rounding
+/// errors.
 const LOOK: Mm = 1e-6;
 
 /// True if the segments a–b and c–d have a point in common.
@@ -25,7 +26,8 @@ pub fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
         return false;
     }
     let (a_side, b_side) = (side(c, d, a), side(c, d, b));
-    // All four are zero if they are on one line; then the boxes have decided.
+    // If all points are on one line the products are zero, and the boxes have
+    // decided.
     a_side * b_side <= 0.0
 }
 
@@ -34,10 +36,7 @@ pub fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
 fn side(a: DVec2, b: DVec2, p: DVec2) -> f64 {
     let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
     let turn = robust::orient2d(coord(a), coord(b), coord(p));
-    match turn == 0.0 {
-        true => 0.0,
-        false => turn.signum(),
-    }
+    if turn == 0.0 { 0.0 } else { turn.signum() }
 }
 
 /// True if an edge of the grid meets the way through `points`.

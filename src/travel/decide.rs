@@ -1,6 +1,7 @@
-//! Whether a travel shows, and has to be retracted.
+//! Decides whether a travel shows and has to be retracted.
 //!
-//! In: a travel's way. Out: whether it passes over this or that.
+//! In: a travel's way. Out: whether it passes over infill, walls, air or top
+//! skin.
 //!
 //! ```text
 //!   wall ━━━━━━━━━━━━━━━━━━━━    what a way does near its ends, at the beads
@@ -12,14 +13,14 @@
 //!
 //! The rules, in this order: does every part of a way lie over sparse infill
 //! ([`Obstacles::within_infill`]), and does it cross a wall
-//! ([`Obstacles::wall`])? To touch is to cross, wherever it is, and so is to
-//! come nearer to the middle of a wall than half a line's width; what is
-//! between two islands is air, however thin. A looser rule counts as hidden
-//! whatever is inside the part, behind the outer wall and not a top skin.
+//! ([`Obstacles::wall`])? A way that touches a wall, or comes nearer to its
+//! middle than half a line's width, crosses it. A gap between two islands is
+//! air, however thin. A looser rule counts a way as hidden if it stays inside
+//! the part, behind the outer wall, and off top skin.
 //!
-//! What a layer has of walls and of sparse infill is put into grids when the
-//! first way asks for it; only what shares a grid's cells and overlaps in its
-//! box with a way is looked at more closely.
+//! A layer's walls and sparse infill are put into grids when the first way asks
+//! for them. Only what shares a grid's cells and overlaps with a way's box is
+//! compared with it.
 
 use super::Ground;
 use super::cross::meets;
@@ -31,7 +32,7 @@ use crate::units::Mm;
 use glam::DVec2;
 use std::cell::OnceCell;
 
-/// What there is in a layer to be crossed.
+/// What a travel may cross in a layer.
 pub struct Obstacles<'a> {
     ground: Ground<'a>,
     beads: &'a [Bead],
@@ -46,18 +47,19 @@ pub struct Obstacles<'a> {
     inner_width: Mm,
 }
 
-/// How near to the middle of a wall counts as on it, as a share of its width:
-/// a little less than half, since ways keep that distance where they can.
+/// Distance from a wall's middle that counts as on the wall, as a share of its
+/// width. It is a little less than half, since ways keep half a width away
+/// where they can.
 const NEAR: f64 = 0.4;
 
-/// Share of a depth that is left of it when it is rounded.
+/// Share of a depth that remains after rounding.
 const ROUNDED: f64 = 0.95;
 
 /// Size of a grid's cells, mm: some lengths of a wall's segments.
 const CELL: Mm = 1.0;
 
 impl<'a> Obstacles<'a> {
-    /// Of a layer with these beads, in print order.
+    /// The obstacles of a layer with these beads, in print order.
     pub fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
@@ -78,8 +80,8 @@ impl<'a> Obstacles<'a> {
     }
 
     /// True if every part of the way through `points` lies over sparse infill,
-    /// but for a line's width at either end. A way of no points goes nowhere,
-    /// and is; one of one point is if that is.
+    /// except for a line's width at either end. It is true for no points, and
+    /// for one point over sparse infill.
     pub fn within_infill(&self, points: &[DVec2]) -> bool {
         let Some(bounds) = self.infill else {
             return false;
@@ -89,7 +91,7 @@ impl<'a> Obstacles<'a> {
         };
         let way = trimmed(points, self.inner_width);
         if way.is_empty() {
-            // So short that it is all ends: what counts is between them.
+            // A way this short has only ends, so its middle counts.
             return self.ground.sparse.grid().contains(0.5 * (*a + *b));
         }
         let sparse = || self.ground.sparse.grid();
@@ -98,9 +100,9 @@ impl<'a> Obstacles<'a> {
             && !meets(sparse(), &way)
     }
 
-    /// True if the way crosses a wall: if it meets one, but for half a line's
-    /// width at either end, or comes nearer to the middle of one than half a
-    /// width, but for a whole one at either end.
+    /// True if the way crosses a wall: if it meets one, except for half a
+    /// line's width at either end, or comes nearer to a wall's middle than half
+    /// a width, except for a whole width at either end.
     pub fn wall(&self, points: &[DVec2]) -> bool {
         let grid = self.walls.get_or_init(|| {
             self.grid(|b| {
@@ -115,8 +117,8 @@ impl<'a> Obstacles<'a> {
             || beside.windows(2).any(|p| !grid.clear(p[0], p[1], near))
     }
 
-    /// Is it an outer wall, or a part of one, that hangs? Its role no longer
-    /// says so, but the outline is half its width away.
+    /// True for an outer wall, or a part of one, that hangs. Its role is then
+    /// overhang, but the outline is half its width away.
     fn hangs_outside(&self, bead: &Bead) -> bool {
         let middle = bead.points.get(bead.points.len() / 2);
         bead.role == Role::Overhang
@@ -142,10 +144,10 @@ impl<'a> Obstacles<'a> {
         meets(self.ground.outline.grid(), points)
     }
 
-    /// True if the way crosses an outer wall, or follows one: if it comes too
-    /// near to the outline, whose walls lie half their width inside. Its ends
-    /// may be on walls, but may not lead over them. `next` is the number of the
-    /// bead that it leads to.
+    /// True if the way crosses an outer wall or follows one: if it comes too
+    /// near to the outline, half a line's width inside which the walls lie. The
+    /// ways' ends may be on walls, but may not lead over them. `next` is the
+    /// number of the bead that the way leads to.
     pub fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
         let middle = 0.5 * self.width;
         let near = middle + NEAR * self.width;
@@ -153,8 +155,8 @@ impl<'a> Obstacles<'a> {
         let follows = along
             .windows(2)
             .any(|p| !self.ground.outline.grid().clear(p[0], p[1], near));
-        // Beads of thin places reach into the part, where they go on as two,
-        // and so do walls that grow wider.
+        // Beads of thin places reach into the part, where they go on as two
+        // beads. Walls that grow wider do so, too.
         let open = self.open.get_or_init(|| {
             self.grid(|b| {
                 (b.role == Role::OuterWall || self.hangs_outside(b))
@@ -216,8 +218,8 @@ impl<'a> Obstacles<'a> {
         false
     }
 
-    /// True if the way crosses a wall behind an outer one. Leaving a wall
-    /// towards the fill, or coming from there, is no crossing.
+    /// True if the way crosses an inner wall. Leaving a wall towards the fill,
+    /// or coming from there, is no crossing.
     pub fn inner_wall(&self, points: &[DVec2]) -> bool {
         let grid = self.inner.get_or_init(|| {
             self.grid(|b| {
@@ -247,8 +249,7 @@ impl<'a> Obstacles<'a> {
     }
 }
 
-/// A way without its first and last `length` millimetres; empty if nothing is
-/// left.
+/// A way without its first and last `length` mm; empty if nothing is left.
 fn trimmed(points: &[DVec2], length: Mm) -> Vec<DVec2> {
     let mut way = cut(points.iter().copied(), length);
     way.reverse();
@@ -257,7 +258,7 @@ fn trimmed(points: &[DVec2], length: Mm) -> Vec<DVec2> {
     way
 }
 
-/// A way without its first `length` millimetres.
+/// A way without its first `length` mm.
 fn cut(points: impl Iterator<Item = DVec2>, length: Mm) -> Vec<DVec2> {
     let mut left = length;
     let mut out: Vec<DVec2> = Vec::new();

@@ -8,22 +8,23 @@
 //!                         b         nearest to each other there
 //! ```
 //!
-//! Where the straight way crosses both borders once, and not at a slant, it is
-//! as good. Where other islands are between, there is no such way.
+//! A straight way that crosses both borders once, and not at a slant, is as
+//! good. If other islands are between, there is no such way.
 
 use super::comb::{Comb, Stop};
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Cosine of the angle to the border's normal up to which a straight way
-/// counts as square to it: 35°.
+/// Cosine of the angle to the border's normal up to which a straight way counts
+/// as square to the border: 35°.
 const SQUARE: f64 = 0.82;
 
-/// How far from where the straight way leaves an island the other one is
-/// looked for, mm.
+/// How far from the place where the straight way leaves an island the other
+/// island is looked for, mm.
 const REACH: Mm = 5.0;
 
-/// How often the nearest place on either border is looked for from the other.
+/// How often the nearest place on each border is looked for from the other
+/// border.
 const ROUNDS: usize = 2;
 
 /// A place on the border of an island.
@@ -33,8 +34,8 @@ struct Place {
     edge: usize,
 }
 
-/// A way from `a` to `b`, which are in different islands, with both of them;
-/// nothing if straight is as good, or there is none.
+/// A way from `a` to `b` in different islands, with both points; nothing if the
+/// straight way is as good, or if there is none.
 pub fn way(comb: &Comb, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
     let from = comb.island(a)?;
     let to = comb.island(b)?;
@@ -82,14 +83,15 @@ pub fn way(comb: &Comb, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
     Some(way)
 }
 
-/// The place of an island's border nearest to `p`, if it is nearer than one
-/// that is known.
+/// The place of an island's border nearest to `p`, or `known` if that is
+/// nearer.
 fn nearest(comb: &Comb, p: DVec2, known: Place, island: usize) -> Place {
     let reach = p.distance(known.at).min(REACH);
     let mut best: Option<(Mm, Place)> = None;
     comb.visit_border(p, reach, |edge, at| {
         let d = p.distance(at);
-        // Of equally near ones the first, however the edges are visited.
+        // Of equally near places the first one counts, in whatever order edges
+        // are visited.
         let nearer = best.is_none_or(|(least, b)| {
             d < least || (d == least && edge < b.edge)
         });
@@ -104,8 +106,8 @@ fn inside(comb: &Comb, place: Place) -> Stop {
     comb.off_border(place.at, place.edge)
 }
 
-/// True if the line from one island to another leaves one once and enters the
-/// other once.
+/// True if the line from one island to another leaves the first once and enters
+/// the second once.
 fn once(comb: &Comb, a: DVec2, b: DVec2) -> bool {
     comb.crossed(a, b).len() == 2
 }

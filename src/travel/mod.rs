@@ -1,19 +1,19 @@
-//! From bead to bead: the way there, and whether to retract on it.
+//! Finds the way from bead to bead, and whether to retract on it.
 //!
 //! In: a layer's beads in print order, and what the layer is made of. Out: its
 //! moves in print coordinates.
 //!
 //! | file | what it decides |
 //! |---|---|
-//! | `plan` | which of the ways there are is taken |
+//! | `plan` | which of the possible ways is taken |
 //! | `comb` | ways inside an area, round its holes and notches |
 //! | `gate` | ways from one island to another |
 //! | `decide` | whether a way shows, and has to be retracted |
 //! | `cross` | whether segments meet, exactly |
 //! | `wipe` | where the nozzle goes while it retracts |
 //!
-//! Nothing is kept from one layer to the next: grids and islands are made
-//! when the first travel of a layer asks for them, and dropped with it.
+//! Nothing is kept from one layer to the next. Grids and islands are made when
+//! the first travel of a layer asks for them, and dropped with the layer.
 
 mod comb;
 mod cross;
@@ -43,17 +43,17 @@ pub enum Move {
 /// A way from bead to bead, in print coordinates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Travel {
-    /// Where to go first, while retracting; empty for no wipe.
+    /// Way points of the wipe, before the travel; empty for no wipe.
     pub wipe: Vec<DVec2>,
-    /// Way points, the last one the destination; the first one is where the
-    /// path goes, not where the head stands.
+    /// Way points. The last one is the destination, and the first one is not
+    /// where the head stands.
     pub points: Vec<DVec2>,
-    /// Retract before and prime after.
+    /// Whether to retract before and prime after.
     pub retract: bool,
-    /// Lift the nozzle, if it retracts.
+    /// Whether to lift the nozzle, if the travel retracts.
     pub hop: bool,
-    /// Filament to push forward at the end, mm, for what has oozed out of it
-    /// without a retraction.
+    /// Filament to push forward at the end, to replace what oozed out without a
+    /// retraction, mm.
     pub prime: Mm,
 }
 
@@ -62,16 +62,16 @@ pub struct Travel {
 pub struct LayerPath {
     /// The layer.
     pub span: LayerSpan,
-    /// Its moves.
+    /// The layer's moves.
     pub moves: Vec<Move>,
 }
 
 /// What a layer is made of, in the model's coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// Its outline.
+    /// The layer's outline.
     pub outline: &'a Solid<'a>,
-    /// Where it has sparse infill.
+    /// Where the layer has sparse infill.
     pub sparse: &'a Solid<'a>,
     /// Depth below the outline of what the walls leave.
     pub border: Mm,
@@ -80,7 +80,8 @@ pub struct Ground<'a> {
 }
 
 /// Connects the beads of a layer. `from` is where the head stands, in the
-/// model's coordinates; `offset` moves the result to the printer's.
+/// model's coordinates. `offset` leads from the model's coordinates to the
+/// printer's.
 pub fn connect(
     span: LayerSpan,
     beads: Vec<Ended>,
@@ -127,20 +128,21 @@ pub fn connect(
 /// Where a bead begins and ends.
 fn ends(bead: &Bead) -> Option<(DVec2, DVec2)> {
     let start = *bead.points.first()?;
-    let end = match bead.closed {
-        true => start,
-        false => bead.points.last().copied().unwrap_or(start),
+    let end = if bead.closed {
+        start
+    } else {
+        bead.points.last().copied().unwrap_or(start)
     };
     Some((start, end))
 }
 
-/// True if a bead is a part of the part, and so inside it.
+/// True if a bead belongs to the part, and so lies inside it.
 fn of_part(bead: &Bead) -> bool {
     !matches!(bead.role, Role::Skirt | Role::Brim)
 }
 
 impl Travel {
-    /// Straight to a point.
+    /// A travel straight to a point.
     pub fn straight(to: DVec2, retract: bool) -> Travel {
         Travel {
             points: vec![to],
@@ -149,7 +151,7 @@ impl Travel {
         }
     }
 
-    /// The same, in coordinates moved by `offset`.
+    /// The travel in coordinates moved by `offset`.
     fn moved(mut self, offset: DVec2) -> Travel {
         for p in self.points.iter_mut().chain(&mut self.wipe) {
             *p += offset;

@@ -1,9 +1,9 @@
-//! Which way a travel takes.
+//! Decides which way a travel takes.
 //!
-//! In: where from and where to. Out: the way, and whether to retract on it.
-//! The first of these that will do:
+//! In: two points. Out: the way between them, and whether to retract on it. The
+//! first way of these that will do is taken:
 //!
-//! 1. straight, where that is shorter than any retraction, or hidden;
+//! 1. straight, if that is too short for a retraction, or hidden;
 //! 2. over sparse infill, which hides it;
 //! 3. inside the island, round its holes and notches, if the straight way
 //!    leads over what shows;
@@ -23,7 +23,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 
 /// How far ways over sparse infill keep from its border where they can, as a
-/// share of a line's width: what they need to be surely inside.
+/// share of a line's width. It is enough to be surely inside.
 const OFF_BORDER: f64 = 0.25;
 
 /// Finds the travels of a layer.
@@ -33,16 +33,17 @@ pub struct Planner<'a> {
     comb: Comb<'a>,
     /// Ways over sparse infill.
     sparse: OnceCell<Comb<'a>>,
-    /// Ways over what the next layer covers: made where a way leads over a
-    /// top skin.
+    /// Ways over what the next layer covers, made when a way leads over top
+    /// skin.
     covered: OnceCell<Comb<'a>>,
-    /// How far travels keep from the outline where they can: inside all walls.
+    /// How far travels keep from the outline where they can. It leads inside
+    /// all walls.
     clearance: Mm,
     settings: &'a Settings,
 }
 
 impl<'a> Planner<'a> {
-    /// For a layer with these beads, in print order.
+    /// A planner for a layer with these beads, in print order.
     pub fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
@@ -60,8 +61,8 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// The way from `a`, where the bead `before` has ended, to `b`, where the
-    /// `next`th one begins.
+    /// The travel from `a`, where the bead `before` has ended, to `b`, where
+    /// the `next`th one begins.
     pub fn travel(
         &self,
         a: DVec2,
@@ -114,7 +115,7 @@ impl<'a> Planner<'a> {
         if combing == Combing::WithinInfill {
             return straight();
         }
-        // Retracted anyway, it goes straight unless that leads over what
+        // A travel that is retracted goes straight, unless that leads over what
         // shows.
         let in_the_way = self.shows(&direct, next);
         let may_hide = self.settings.retract.hidden == Hidden::Covered
@@ -124,9 +125,10 @@ impl<'a> Planner<'a> {
         }
         if let Some(way) = self.inside(a, b, longest, next).filter(fits) {
             let retract = !self.hidden(&way, next);
-            return match retract && !in_the_way {
-                true => straight(),
-                false => self.finished(&way, retract),
+            return if retract && !in_the_way {
+                straight()
+            } else {
+                self.finished(&way, retract)
             };
         }
         let through = gate::way(&self.comb, a, b, longest);
@@ -136,8 +138,7 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// A way between two points over sparse infill, near which both have to
-    /// be; with both of them.
+    /// A way over sparse infill between two points near it, with both points.
     fn over_infill(
         &self,
         a: DVec2,
@@ -164,7 +165,7 @@ impl<'a> Planner<'a> {
         Some(way)
     }
 
-    /// A way between two points inside their island, with both of them.
+    /// A way between two points inside their island, with both points.
     fn inside(
         &self,
         a: DVec2,
@@ -202,9 +203,10 @@ impl<'a> Planner<'a> {
     fn finished(&self, way: &[DVec2], retract: bool) -> Travel {
         let settings = &self.settings.retract;
         let long = path_length(way, false) > settings.max_unretracted;
-        let prime = match long && !retract {
-            true => settings.ooze_prime,
-            false => 0.0,
+        let prime = if long && !retract {
+            settings.ooze_prime
+        } else {
+            0.0
         };
         Travel {
             points: way[1..].to_vec(),
@@ -219,7 +221,7 @@ impl<'a> Planner<'a> {
         self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
     }
 
-    /// True if what oozes out on a way is hidden, and it crosses nothing.
+    /// True if the ooze on a way is hidden, and the way crosses nothing.
     fn hidden(&self, way: &[DVec2], next: usize) -> bool {
         let retract = &self.settings.retract;
         let o = &self.obstacles;

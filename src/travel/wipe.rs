@@ -1,33 +1,32 @@
-//! Wiping: on along the bead just printed while the filament is pulled back,
-//! so that what still comes out is spread where there is plastic already.
+//! Wiping: the nozzle goes on along the bead just printed while the filament is
+//! pulled back, so that ooze is spread where there is plastic already.
 //!
 //! In: the bead. Out: the way, and where it ends. A closed bead is followed
-//! once more from its beginning, an open one back from its end; a wipe ends
-//! with the bead that it follows.
+//! once more from its beginning, an open one back from its end. A wipe is never
+//! longer than its bead.
 
 use crate::bead::Bead;
 use crate::settings::Settings;
 use glam::DVec2;
 
-/// The way of the wipe after a bead, without the bead's end, and its last
-/// point; nothing if there is to be none.
+/// The way of the wipe after a bead, without the bead's end, and the way's last
+/// point; nothing if there is no wipe.
 pub fn path(bead: &Bead, settings: &Settings) -> Option<(Vec<DVec2>, DVec2)> {
     let retract = &settings.retract;
     if retract.wipe <= 0.0 || retract.length <= 0.0 {
         return None;
     }
     let mut way = Vec::new();
-    match bead.closed {
-        true => along(bead.path(), retract.wipe, &mut way),
-        false => {
-            along(bead.points.iter().rev().copied(), retract.wipe, &mut way)
-        }
+    if bead.closed {
+        along(bead.path(), retract.wipe, &mut way)
+    } else {
+        along(bead.points.iter().rev().copied(), retract.wipe, &mut way)
     }
     let end = *way.last()?;
     Some((way, end))
 }
 
-/// Appends the first `left` millimetres of a path, without its first point.
+/// Appends the first `left` mm of a path, without its first point.
 fn along(
     path: impl Iterator<Item = DVec2>,
     mut left: f64,

@@ -1,17 +1,17 @@
-//! Distance to the nearest surface, for points inside the part.
+//! Measures the distance to the nearest surface for points inside the part.
 //!
 //! In: the field and its box. Out: a lattice of signed distances that is
 //! interpolated between its nodes.
 //!
 //! The surface is known at its crossings with the lattice's edges, found by
-//! bisection, each with the plane that touches it there. Every node then
-//! learns its nearest crossing from its neighbours in sweeps over the lattice
-//! (P.-E. Danielsson, *Euclidean distance mapping*, 1980, in space). f itself
-//! is only asked for its sign and its direction: it need not be a distance.
+//! bisection, each with the plane that touches it there. Every node then learns
+//! its nearest crossing from its neighbours in sweeps over the lattice (P.-E.
+//! Danielsson, *Euclidean distance mapping*, 1980, in space). Only the sign and
+//! the direction of f are used, so f need not be a distance.
 //!
-//! Good to a few hundredths of the lattice's step near the surface and away
-//! from the places that are as far from one surface as from another; details
-//! smaller than the step are not seen.
+//! Distances are right to a few hundredths of the lattice's step near the
+//! surface, and elsewhere where one surface is clearly nearest. Details smaller
+//! than the step are missed.
 
 use crate::model::{Expression, ExpressionError, Model, Place};
 use crate::units::Mm;
@@ -19,13 +19,14 @@ use fidget::context::Tree;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-/// Nodes at most: 6 MB of distances, half a second to make.
+/// Greatest number of nodes: 6 MB of distances, which take half a second to
+/// make.
 const NODES: f64 = 1.5e6;
 
-/// Steps below this serve no setting, mm.
+/// Least step, mm. No setting needs a finer one.
 const FINEST: Mm = 0.2;
 
-/// Halvings of a crossed edge: to a thousandth of the step.
+/// Number of halvings of a crossed edge, to 0.001 of the step.
 const HALVINGS: usize = 10;
 
 /// Signed distances on a lattice, positive inside.
@@ -41,12 +42,12 @@ pub struct DepthMap {
 #[derive(Clone, Copy, Debug)]
 struct Foot {
     at: DVec3,
-    /// Unit normal; zero where there is none.
+    /// Unit normal; zero if there is none.
     normal: DVec3,
 }
 
 impl DepthMap {
-    /// Measures a model. What lies below the bed is outside.
+    /// Measures a model. Everything below the bed is outside.
     ///
     /// # Errors
     /// If the field cannot be evaluated.
@@ -68,7 +69,7 @@ impl DepthMap {
         }
         let n = count(step).1;
         let size = [n.x as usize, n.y as usize, n.z as usize];
-        // One node outside on every side.
+        // The lattice has one node outside on every side.
         let origin = min - DVec3::splat(step);
         let mut map = DepthMap {
             origin,
@@ -120,7 +121,7 @@ impl DepthMap {
             .into_par_iter()
             .map(|k| {
                 let mut nodes = Vec::new();
-                // Inner and outer end of each crossed edge.
+                // The inner and outer end of each crossed edge.
                 let mut ends: Vec<(DVec3, DVec3)> = Vec::new();
                 for i in k * plane..(k + 1) * plane {
                     crate::limits::check();
@@ -157,7 +158,7 @@ impl DepthMap {
             Some((_, f)) => f.at.distance_squared(map.point(node)),
             None => f64::INFINITY,
         };
-        // A foot is beside both ends of its edge, and near those around them.
+        // A foot is near both ends of its edge, and near the nodes around them.
         for (number, (i, _)) in feet.iter().enumerate() {
             let node = self.node(*i);
             for dz in 0..2 {
@@ -178,8 +179,8 @@ impl DepthMap {
                 }
             }
         }
-        // Every foot reaches every node on a way that is monotonic in each
-        // axis: one sweep for each of the eight directions.
+        // Every foot reaches every node by a way that is monotonic along each
+        // axis, so 8 sweeps are enough, one for each direction.
         for direction in 0..8 {
             let back = |axis: usize| direction >> axis & 1 == 1;
             let order = |axis: usize| {
@@ -221,8 +222,8 @@ impl DepthMap {
                 }
             }
         }
-        // Sweeps hand a foot on along the axes only; the nearest of all may be
-        // a diagonal neighbour's.
+        // Sweeps hand a foot on along the axes only. The nearest foot may be a
+        // diagonal neighbour's.
         self.depth = (0..inside.len())
             .into_par_iter()
             .map(|i| {
@@ -246,7 +247,7 @@ impl DepthMap {
             .collect();
     }
 
-    /// A node and those beside it, diagonally as well.
+    /// A node and its neighbours, also the diagonal ones.
     fn around(
         &self,
         [x, y, z]: [usize; 3],
@@ -289,20 +290,23 @@ impl DepthMap {
 }
 
 impl Foot {
-    /// Distance of a point: that of the plane through the foot where the foot
-    /// is but the nearest of the lattice's, its own farther round.
+    /// Distance of a point from the surface near this foot: from the foot's
+    /// plane if the point is roughly in front of it, from the foot itself if it
+    /// is farther to the side.
     fn distance(&self, p: DVec3, step: Mm) -> Mm {
-        /// A node may miss its own nearest foot by this many steps.
+        /// Number of steps by which a node's foot may be farther than the
+        /// nearest one.
         const REACH: f64 = 1.5;
         let way = p - self.at;
         let length = way.length();
         let off = way.dot(self.normal).abs();
         let along = (length * length - off * off).max(0.0).sqrt();
-        // Seen more from the side, it may be the edge of a notch.
+        // A foot seen more from the side may be at the edge of a notch.
         let facing = along <= step || along <= off.min(REACH * step);
-        match self.normal != DVec3::ZERO && facing {
-            true => off,
-            false => length,
+        if self.normal != DVec3::ZERO && facing {
+            off
+        } else {
+            length
         }
     }
 }
@@ -328,9 +332,10 @@ fn feet_between(
         values.clear();
         field.evaluate(&places, &mut values);
         for ((end, middle), v) in ends.iter_mut().zip(&places).zip(&values) {
-            match *v < 0.0 {
-                true => end.0 = middle.at,
-                false => end.1 = middle.at,
+            if *v < 0.0 {
+                end.0 = middle.at
+            } else {
+                end.1 = middle.at
             }
         }
     }
@@ -394,12 +399,12 @@ mod tests {
 
     #[test]
     fn a_ball_is_as_deep_as_its_radius() {
-        // Not a distance, and badly scaled.
+        // This function is no distance, and badly scaled.
         let (_, map) = map("1e-3*(x^2 + y^2 + z^2 - 400)");
         for p in spread(DVec3::splat(20.0)) {
             let depth = 20.0 - p.length();
             let d = map.at(p);
-            // The middle is as far from everything.
+            // The middle is equally far from all of the surface.
             let most = if p.length() < 2.0 { 0.4 } else { 0.02 };
             if depth < -1.0 {
                 assert!(d < -1.0 + most, "{p}: {d} {depth}");
@@ -417,7 +422,8 @@ mod tests {
         for p in spread(DVec3::new(15.0, 12.0, 10.0)) {
             let walls = DVec3::new(15.0, 12.0, 10.0) - p.abs();
             let depth = walls.min_element().min(p.length() - 4.0);
-            // Where two surfaces are as near, the lattice rounds the ridge.
+            // Where two surfaces are equally near, the lattice rounds the
+            // ridge.
             worst = worst.max((map.at(p) - depth).abs());
         }
         assert!(worst < 0.6 * map.step() && worst > 0.0, "{worst}");

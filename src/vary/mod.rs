@@ -4,9 +4,9 @@
 //! setting as a [`Quantity`], whose value is asked for at many points at a
 //! time.
 //!
-//! Values outside the setting's range are taken to its nearest end, but for
-//! temperatures, where such a value is an error; so is one that is not a
-//! number. Both errors tell the place.
+//! A value outside the setting's range becomes the range's nearest end; only
+//! for a temperature it is an error. NaN is always an error. Both errors tell
+//! the place.
 
 pub mod depth;
 
@@ -21,17 +21,18 @@ use std::sync::OnceLock;
 /// Why a setting has no value somewhere.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum VaryError {
-    /// It is not an expression.
+    /// The expression has a mistake.
     #[error("{key} = \"expr: {text}\": {error}")]
     Bad {
         /// The setting.
         key: &'static str,
-        /// Its text.
+        /// The expression's text.
         text: String,
-        /// What is wrong with it.
+        /// What is wrong with the expression.
         error: String,
     },
-    /// It depends on what it must not depend on.
+    /// The expression differs within a layer, but the setting holds for whole
+    /// layers.
     #[error(
         "{key} = \"expr: {text}\" differs within a layer, but holds for whole \
          layers: use z only"
@@ -39,10 +40,10 @@ pub enum VaryError {
     NotLevel {
         /// The setting.
         key: &'static str,
-        /// Its text.
+        /// The expression's text.
         text: String,
     },
-    /// It is not a number somewhere.
+    /// The expression has no value somewhere.
     #[error(
         "{key} = \"expr: {text}\" has no value at x = {:.3}, y = {:.3}, z = \
          {:.3} (d = {depth:.3}): change the expression so that it has one \
@@ -53,14 +54,14 @@ pub enum VaryError {
     NotANumber {
         /// The setting.
         key: &'static str,
-        /// Its text.
+        /// The expression's text.
         text: String,
         /// Where.
         at: DVec3,
-        /// Distance to the surface there.
+        /// Distance to the surface at that place.
         depth: Mm,
     },
-    /// It is more or less than it may be somewhere.
+    /// The value is outside its range somewhere.
     #[error(
         "{key} = \"expr: {text}\" is {value:.3} at z = {z:.3}, but may be {} \
          to {} there: change the expression, for instance with min() and \
@@ -70,13 +71,13 @@ pub enum VaryError {
     OutOfRange {
         /// The setting.
         key: &'static str,
-        /// Its text.
+        /// The expression's text.
         text: String,
-        /// Its value.
+        /// The value.
         value: f64,
         /// Where.
         z: Mm,
-        /// What it may be.
+        /// The range of values.
         range: Range,
     },
     /// The part cannot be measured.
@@ -84,7 +85,7 @@ pub enum VaryError {
     Depth(String),
 }
 
-/// A setting's value wherever it is asked for.
+/// A setting's value at any place.
 #[derive(Clone)]
 pub struct Quantity {
     key: &'static str,
@@ -105,7 +106,7 @@ impl Quantity {
     /// The setting `key`, whose value is `value`.
     ///
     /// # Errors
-    /// If it is an expression with a mistake in it.
+    /// If the setting is an expression with a mistake.
     pub fn new(
         key: &'static str,
         value: &Varying,
@@ -131,10 +132,10 @@ impl Quantity {
         Ok(Quantity { key, range, value })
     }
 
-    /// The same, if it does not differ within a layer.
+    /// As [`Quantity::new`], for a setting that must not differ within a layer.
     ///
     /// # Errors
-    /// If it does, or has a mistake in it.
+    /// If the expression differs within a layer or has a mistake.
     pub fn level(
         key: &'static str,
         value: &Varying,
@@ -151,7 +152,7 @@ impl Quantity {
         }
     }
 
-    /// The value, if it is the same everywhere.
+    /// The value, if it is a constant.
     pub fn constant(&self) -> Option<f64> {
         match self.value {
             Value::Constant(value) => Some(value),
@@ -167,10 +168,10 @@ impl Quantity {
         }
     }
 
-    /// Appends the value at each place.
+    /// Appends the values at some places.
     ///
     /// # Errors
-    /// If there is none at one of them.
+    /// If one of the places has no value.
     pub fn evaluate(
         &self,
         places: &[Place],
@@ -201,8 +202,8 @@ impl Quantity {
         Ok(())
     }
 
-    /// The value at a height, if it is the same in a whole layer; outside of
-    /// `range` and its own range it has none.
+    /// The value at a height, for a setting that does not differ within a
+    /// layer. It must lie within `range` and the setting's own range.
     ///
     /// # Errors
     /// If there is none.
@@ -224,7 +225,7 @@ impl Quantity {
         expression.evaluate(&[place], &mut value);
         let value = value[0];
         if value.is_nan() {
-            // Says so.
+            // This returns the error.
             return self.at(place);
         }
         if value < range.min || value > range.max {
@@ -250,15 +251,15 @@ impl Quantity {
     }
 }
 
-/// What expressions know of a point besides its coordinates.
+/// What expressions know of a place besides its coordinates.
 pub struct Surroundings<'a> {
     model: &'a Model,
-    /// Measured when it is first asked for.
+    /// The distances, which are measured when they are first asked for.
     depth: OnceLock<Result<DepthMap, VaryError>>,
 }
 
 impl<'a> Surroundings<'a> {
-    /// Of a placed model.
+    /// The surroundings in a placed model.
     pub fn new(model: &'a Model) -> Self {
         Surroundings {
             model,
@@ -267,8 +268,8 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Makes places of points in the model's x and y at one height above the
-    /// bed. `measure` tells whether their depths matter; `solid`, if given, is
-    /// the outline at that height, which makes depths near it exact.
+    /// bed. `measure` tells whether their depths matter. `solid` may give the
+    /// outline at that height, which makes depths near it exact.
     ///
     /// # Errors
     /// If the part cannot be measured.
@@ -280,9 +281,10 @@ impl<'a> Surroundings<'a> {
         solid: Option<&EdgeGrid>,
         out: &mut Vec<Place>,
     ) -> Result<(), VaryError> {
-        let map = match measure {
-            true => Some(self.depth_map()?),
-            false => None,
+        let map = if measure {
+            Some(self.depth_map()?)
+        } else {
+            None
         };
         let model_z = z - self.model.offset.z;
         let origin = self.model.origin.truncate();

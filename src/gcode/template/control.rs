@@ -1,8 +1,8 @@
 //! Control characters in templates.
 //!
-//! Some firmware ends a line at a carriage return, so that one in a template
-//! would bring a command into the file that nobody sees. Both kinds of line
-//! ends are fine in a template's own text; they are written as line feeds.
+//! Some firmware ends a line at a carriage return. A carriage return within a
+//! line of a template could thus hide a command. At the end of a line it is
+//! fine: the writer writes line feeds.
 
 /// The first control character of `text` that is neither a tab nor part of a
 /// line's end: where it is, in bytes, and what to do about it.

@@ -8,11 +8,11 @@ use minijinja::{
     filters,
 };
 
-/// What a template may use up, in steps and in pieces of 64 bytes: thousands
-/// of lines, 13 MB of memory.
+/// What a template may use up: steps, and pieces of memory of 64 bytes. It is
+/// enough for thousands of lines and 13 MB.
 const FUEL: u64 = 200_000;
 
-/// Decimals of numbers; templates that want fewer round.
+/// Decimals of numbers. A template that wants fewer has to round.
 const DECIMALS: u32 = 5;
 
 /// An engine for templates of untrusted origin.
@@ -20,9 +20,9 @@ pub(super) fn engine() -> Result<Environment<'static>, Error> {
     let mut engine = Environment::new();
     engine.set_undefined_behavior(UndefinedBehavior::Strict);
     engine.set_fuel(Some(FUEL));
-    // For the place of a mistake.
+    // In this mode errors have a place.
     engine.set_debug(true);
-    // A line with nothing but a condition leaves no empty line.
+    // A line with nothing but a condition must not leave an empty line.
     let syntax = SyntaxConfig::builder()
         .trim_blocks(true)
         .lstrip_blocks(true)
@@ -33,8 +33,8 @@ pub(super) fn engine() -> Result<Environment<'static>, Error> {
     Ok(engine)
 }
 
-/// The filter `format` without conversions by name, `%(name)s`: the engine's
-/// own one panics if such a name has no end (minijinja 3.1.0).
+/// The filter `format` without conversions by name, `%(name)s`. The engine's
+/// own filter panics if such a name has no end (minijinja 3.1.0).
 fn format(
     state: &mut State,
     form: &Value,

@@ -19,7 +19,7 @@ pub struct TemplateError {
     pub message: String,
 }
 
-/// What to say about a name that is not known.
+/// The message for an unknown name.
 pub(super) fn unknown_name(name: &str, scope: Scope) -> String {
     if let Some(place) = known_elsewhere(name, scope) {
         return format!("{name} is known in {place} only");
@@ -54,12 +54,13 @@ pub(super) fn known_elsewhere(
     }
 }
 
-/// The name that is most like one that is not known.
+/// The known name that is most like an unknown one.
 pub(super) fn meant(name: &str, scope: Scope) -> Option<&'static str> {
-    // Below this two names have little more than a letter in common.
+    // Names less alike than this have little more than a letter in common.
     const NEAR: f64 = 0.8;
     let like = |known: &str| {
-        // The right name in the wrong group is near, too.
+        // The right name in the wrong group is near, so the group is not
+        // compared.
         let leaf = known.rsplit('.').next().unwrap_or(known);
         let own = name.rsplit('.').next().unwrap_or(name);
         let whole = strsim::jaro_winkler(name, known);
@@ -68,7 +69,7 @@ pub(super) fn meant(name: &str, scope: Scope) -> Option<&'static str> {
     placeholders::names(scope)
         .map(|known| (like(known), known))
         .filter(|(likeness, _)| *likeness >= NEAR)
-        // The first of several that are as near.
+        // Of several names that are equally near, the first one is taken.
         .fold(None::<(f64, &str)>, |best, this| match best {
             Some(best) if best.0 >= this.0 => Some(best),
             _ => Some(this),
@@ -76,7 +77,7 @@ pub(super) fn meant(name: &str, scope: Scope) -> Option<&'static str> {
         .map(|(_, known)| known)
 }
 
-/// An error of the engine's in our words, and its place in bytes.
+/// An error of the engine in this program's words, and its place in bytes.
 pub(super) fn failure(failed: &Error) -> (Option<usize>, String) {
     let mut message = match failed.kind() {
         ErrorKind::OutOfFuel => {

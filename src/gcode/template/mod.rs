@@ -5,12 +5,12 @@
 //! `{{ (layer_height * 2) | round(2) }}`, `{% if bed_temperature > 90 %}`.
 //! Out: G-code. [`PLACEHOLDERS`](super::PLACEHOLDERS) is the list of names.
 //!
-//! Guarantees: a name nobody knows is an error that says where, also in a
-//! branch that is not taken, and so is a control character. Placeholders of
-//! other slicers mean what they mean there, or are errors, too; nothing is
-//! left out silently. All templates are tried before the
-//! first line is written. Numbers are written as firmware reads them. A
-//! template can neither read files nor run for ever, nor take much memory.
+//! Guarantees: an unknown name is an error with its place, also in a branch
+//! that is not taken, and so is a control character. A placeholder of another
+//! slicer means what it means there, or is an error; nothing is left out
+//! silently. All templates are tried before the first line is written. Numbers
+//! are written as firmware reads them. A template can neither read files nor
+//! run for ever, nor take much memory.
 
 mod control;
 mod engine;
@@ -34,7 +34,7 @@ use pieces::{find, pieces};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Longest text that a template may come to, bytes.
+/// Greatest length of a filled-in template, bytes.
 const LONGEST: usize = 1 << 20;
 
 /// Names of the settings that hold templates.
@@ -60,9 +60,9 @@ pub(super) struct Templates<'a> {
 struct Source<'a> {
     name: &'static str,
     scope: Scope,
-    /// As the user wrote it.
+    /// The text as the user wrote it.
     written: &'a str,
-    /// In our syntax.
+    /// The text in minijinja's syntax.
     ours: Cow<'a, str>,
 }
 
@@ -85,13 +85,13 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// A mistake at a byte of our text.
+    /// The error for a mistake at a byte of `ours`.
     fn error(&self, at: usize, message: String) -> TemplateError {
         let at = foreign::origin(self.written, &self.ours, at);
         error(self.name, self.written, at, message)
     }
 
-    /// An error of the engine's.
+    /// The error for one of the engine.
     fn failure(&self, failed: &minijinja::Error) -> TemplateError {
         match failure(failed) {
             (Some(at), message) => self.error(at, message),
@@ -113,11 +113,12 @@ impl<'a> Templates<'a> {
     ) -> Result<Self, TemplateError> {
         let gcode = &settings.gcode;
         let own = |text: &'a str, default| {
-            // Pasted with a file's beginning.
+            // The text may have been pasted with a file's byte-order mark.
             let text = text.trim_start_matches('\u{feff}');
-            match text.trim().is_empty() {
-                true => default,
-                false => text,
+            if text.trim().is_empty() {
+                default
+            } else {
+                text
             }
         };
         let start = own(&gcode.start, flavour::default_start(gcode.flavour));
@@ -154,17 +155,17 @@ impl<'a> Templates<'a> {
         Ok(templates)
     }
 
-    /// The start's text, in our syntax.
+    /// The start template in minijinja's syntax.
     pub(super) fn start_source(&self) -> &str {
         &self.start.ours
     }
 
-    /// What stands at the file's start.
+    /// The start template, filled in.
     pub(super) fn start(&self) -> Result<String, TemplateError> {
         self.render(&self.start, Moment::default(), Totals::default())
     }
 
-    /// What stands at a layer's beginning, if anything.
+    /// The layer template, filled in; nothing if there is none.
     pub(super) fn layer(
         &self,
         moment: Moment,
@@ -175,8 +176,8 @@ impl<'a> Templates<'a> {
             .transpose()
     }
 
-    /// What might stand at the file's end: a print takes something of
-    /// everything, so nothing is divided by zero.
+    /// The end template, filled in with made-up totals, none of which is 0: a
+    /// template may divide by them.
     pub(super) fn try_end(&self) -> Result<String, TemplateError> {
         self.end(Totals {
             filament_length: 1000.0,
@@ -188,7 +189,7 @@ impl<'a> Templates<'a> {
         })
     }
 
-    /// What stands at the file's end.
+    /// The end template, filled in.
     pub(super) fn end(&self, totals: Totals) -> Result<String, TemplateError> {
         self.render(&self.end, Moment::default(), totals)
     }
@@ -222,7 +223,7 @@ impl<'a> Templates<'a> {
             );
             return Err(source.error(0, message));
         }
-        // What an expression comes to may have one as well.
+        // The value of an expression may hold a control character, too.
         if let Some((at, message)) = control(&rendered) {
             let line = rendered[..at].matches('\n').count() + 1;
             let message = format!("line {line} of what it comes to: {message}");
@@ -237,10 +238,10 @@ impl<'a> Templates<'a> {
     }
 }
 
-/// Names that are not known, of which the first is told.
+/// Number of unknown names among which the first one in the text is looked for.
 const FEW: usize = 100;
 
-/// Reads a template and looks for names that are not known.
+/// Reads a template and looks for unknown names.
 fn add(
     engine: &mut Environment<'static>,
     source: &Source<'_>,
@@ -265,8 +266,9 @@ fn add(
         .into_iter()
         .filter(|used| !is_known(used))
         .collect();
-    // The first one in the text; of very many, one of the first by name, since
-    // each is looked for in all of the text.
+    // The error is about the first unknown name in the text. Each is searched
+    // for in the whole text, so of very many only the first by the alphabet
+    // are.
     unknown.sort();
     unknown.truncate(FEW);
     let place = |used: &String| (find(ours, &pieces, used), used.clone());

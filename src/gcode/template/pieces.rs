@@ -1,13 +1,13 @@
-//! A template's text, taken apart: to find names in it, and what is plain.
+//! A template's text, taken apart into plain text and code.
 
 use std::ops::Range;
 
 /// A piece of a template.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Piece {
-    /// Where it is, in bytes.
+    /// Where the piece is, in bytes.
     pub at: Range<usize>,
-    /// Whether it is an expression or a condition, and not plain text.
+    /// True for an expression or a condition, false for plain text.
     pub code: bool,
 }
 
@@ -54,7 +54,7 @@ pub(super) fn pieces(source: &str) -> Vec<Piece> {
     all
 }
 
-/// Where `name` is used first.
+/// Where the template first uses `name`.
 pub(super) fn find(source: &str, pieces: &[Piece], name: &str) -> usize {
     let part = |c: char| c.is_alphanumeric() || c == '_';
     pieces

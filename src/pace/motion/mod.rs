@@ -1,8 +1,8 @@
 //! The motion model: how long a machine with limited acceleration takes for a
 //! chain of straight moves.
 //!
-//! In: straight moves with a speed and an acceleration each. Out: the time
-//! they take from rest to rest, as the firmware's own planner would have it.
+//! In: straight moves with a speed and an acceleration each. Out: the time that
+//! they take from rest to rest by the rules of the firmware's planner.
 //!
 //! Guarantees: a move follows a trapezoid of speed (speeds up, cruises, slows
 //! down, each at its constant acceleration); the speed at a junction of two
@@ -16,8 +16,8 @@
 //!   ────●              ●────── time                      │ from the angle
 //! ```
 //!
-//! A move of z, and one of the filament alone, is as fast as its own axis can
-//! be, and so is one that pulls filament back on its way.
+//! A move of z or of the filament alone, and a move that pulls filament back on
+//! its way, are as fast as that axis allows.
 //!
 //! Not modelled: pressure advance, input shaping, limits of single motors, and
 //! a host or a card that is too slow to keep the firmware's buffer full (Marlin
@@ -39,8 +39,8 @@ use glam::{DVec3, DVec4};
 use planner::Leg;
 use ramps::Ramps;
 
-/// Below this length (mm) a move is no move: a thousandth of what the G-code
-/// can resolve, so that no division by a length can overflow.
+/// Length below which a move does not count, mm: 0.001 of what the G-code
+/// resolves, so that no division by a length overflows.
 const MIN_LENGTH: Mm = 1e-6;
 
 /// What the machine can do.
@@ -52,12 +52,12 @@ pub struct Limits {
     pub speed_z: MmPerSec,
     /// Greatest acceleration of the z axis.
     pub acceleration_z: MmPerSec2,
-    /// Greatest acceleration of the filament, when it is not printed with.
+    /// Greatest acceleration of the filament while nothing is printed.
     pub filament_acceleration: MmPerSec2,
 }
 
 impl Limits {
-    /// The limits of the printer in `settings`.
+    /// The limits of the printer in the settings.
     pub fn new(settings: &Settings) -> Self {
         let printer = &settings.printer;
         Self {
@@ -76,16 +76,16 @@ impl Limits {
 /// One straight move at one nominal speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// Length of the move; of filament, if nothing but filament moves.
+    /// Length of the move, or of filament if nothing else moves.
     pub length: Mm,
-    /// Cruising speed it is to have.
+    /// Cruising speed that is asked for.
     pub speed: MmPerSec,
     /// Greatest acceleration.
     pub acceleration: MmPerSec2,
-    /// The gentler acceleration by which it chooses its speed among short
-    /// ones ([`Planner::gentle`]).
+    /// The gentler acceleration that limits its speed among short moves
+    /// ([`Planner::gentle`]).
     gentle: MmPerSec2,
-    /// True if it prints, and may be slowed for cooling.
+    /// True if the move prints and may be slowed for cooling.
     pub prints: bool,
 }
 
@@ -94,19 +94,19 @@ pub struct Segment {
 pub struct Motion {
     limits: Limits,
     segments: Vec<Segment>,
-    /// Greatest square of the speed at each segment's start that the corner
+    /// Square of the greatest speed that the corner at each segment's start
     /// allows, whatever the moves' own speeds.
     corner: Vec<f64>,
     /// The last move.
     last: Option<Leg>,
-    /// The acceleration that the firmware has been told last.
+    /// The acceleration that the firmware was told last.
     told: MmPerSec2,
     ramps: Ramps,
 }
 
 impl Motion {
-    /// An empty chain for a machine with these limits, which has been told
-    /// this acceleration.
+    /// An empty chain for a machine with these limits that was told this
+    /// acceleration.
     pub fn new(limits: Limits, told: MmPerSec2) -> Self {
         Self {
             limits,
@@ -125,7 +125,7 @@ impl Motion {
         self.last = None;
     }
 
-    /// Does as if this acceleration had been told to the firmware.
+    /// Tells the firmware an acceleration.
     pub fn tell(&mut self, acceleration: MmPerSec2) {
         self.told = acceleration;
     }
@@ -135,9 +135,9 @@ impl Motion {
         &self.segments
     }
 
-    /// Adds a move of the head by `step`, feeding `filament` mm of filament
-    /// for each mm, with an acceleration that the firmware is told. The limits
-    /// of z and of the filament come on top.
+    /// Adds a move of the head by `step` that feeds `filament` mm of filament
+    /// for each mm, at an acceleration that the firmware is told. The limits of
+    /// z and of the filament hold, too.
     pub fn push(
         &mut self,
         step: DVec3,
@@ -147,7 +147,7 @@ impl Motion {
         prints: bool,
     ) {
         let length = step.length();
-        // Also skips a length that is not a number: the writer reports it.
+        // A length that is NaN is skipped, too; the writer reports it.
         if length.is_nan() || length < MIN_LENGTH {
             return;
         }
@@ -159,7 +159,7 @@ impl Motion {
             filament_acceleration,
             ..
         } = self.limits;
-        // Where there is no rise these are infinite: no limit.
+        // Without a rise these are infinite, which is no limit.
         let rise = course.z.abs();
         let mut least = acceleration.min(acceleration_z / rise);
         if filament < 0.0 || (course.x == 0.0 && course.y == 0.0) {
@@ -215,7 +215,7 @@ impl Motion {
         self.times(speed).sum()
     }
 
-    /// The same, segment by segment.
+    /// Times of the segments if each cruises at `speed(segment)`.
     pub fn times(
         &mut self,
         speed: impl Fn(&Segment) -> MmPerSec,

@@ -1,9 +1,10 @@
-//! The planners of the firmwares: how fast corners may be taken, and how far
+//! The planners of the firmwares: how fast a corner may be taken, and how far
 //! the firmware looks ahead.
 //!
-//! In: two moves that meet. Out: the square of the greatest speed there.
+//! In: two moves that meet. Out: the square of the greatest speed at their
+//! corner.
 //!
-//! Moves are taken in four dimensions, the fourth is the filament. `Δ` is the
+//! Moves have four dimensions; the fourth is the filament. `Δ` is the
 //! difference of two moves' courses, per mm of their ways; `s` is the sine of
 //! half the angle that they enclose: 1 straight on, 0 back.
 //!
@@ -17,11 +18,11 @@
 //! The sources are the firmwares' own, and Klipper's docs/Kinematics.md:
 //!
 //! - Klipper's klippy/toolhead.py (`calc_junction`, `flush`) and
-//!   kinematics/extruder.py. δ is v_sc²·(√2 − 1)/a, with a the acceleration
-//!   told last and not what z is limited to: a right angle has v = v_sc, the
-//!   square corner velocity. Moves of the filament alone start and end at
-//!   rest. Short zigzags are limited to the speed a gentler acceleration
-//!   would reach (`minimum_cruise_ratio`).
+//!   kinematics/extruder.py. δ is v_sc²·(√2 − 1)/a, where a is the acceleration
+//!   told last, not the limit of z. A right angle has v = v_sc, the square
+//!   corner velocity. Moves of the filament alone start and end at rest. Short
+//!   zigzags are limited to the speed a gentler acceleration would reach
+//!   (`minimum_cruise_ratio`).
 //! - Marlin's module/planner.cpp with its default `HAS_JUNCTION_DEVIATION` and
 //!   `JD_HANDLE_SMALL_SEGMENTS`; θ is the angle of turn, and a the second
 //!   move's acceleration, less where the corner needs more of z or of the
@@ -30,8 +31,9 @@
 //!   (`MatchSpeeds`, `InitStandardMove` with `M566 P0`), with the jerk that
 //!   `M205 X Y` or `M566 X Y` sets.
 //!
-//! The moves ahead are those a full buffer of 16 blocks (Marlin, Prusa) or 40
-//! (RepRapFirmware; 60 on a Duet 3) knows beyond the one that begins.
+//! The moves ahead are those that a full buffer has beyond the move that
+//! begins: of 16 blocks in Marlin and Prusa's firmware, of 40 in RepRapFirmware
+//! (60 on a Duet 3).
 
 use super::Limits;
 use crate::settings::Flavour;
@@ -43,28 +45,30 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 /// mm/s: the default of `instantaneous_corner_velocity`.
 const FILAMENT_JUMP: MmPerSec = 1.0;
 
-/// Share of the acceleration that short zigzags may count on in Klipper: one
-/// less the default of `minimum_cruise_ratio`.
+/// Share of the acceleration that short zigzags may use in Klipper: 1 less the
+/// default of `minimum_cruise_ratio`.
 const GENTLE: f64 = 0.5;
 
-/// Blocks that Marlin and Prusa's firmware know beyond the one that begins:
-/// of a ring of 16 one is always empty, and one is being run.
+/// Blocks that Marlin and Prusa's firmware know beyond the one that begins: of
+/// a ring of 16 one is always empty, and one is running.
 const MARLIN_AHEAD: usize = 14;
 
-/// The same of RepRapFirmware, whose ring has 40.
+/// Blocks that RepRapFirmware knows beyond the one that begins, of a ring of
+/// 40.
 const RRF_AHEAD: usize = 38;
 
-/// Below this cosine of half the angle a corner is none.
+/// Cosine of half the angle below which a corner is straight.
 const STRAIGHT: f64 = 1e-6;
 
 /// Range of the junction deviation that Marlin takes, mm.
 const DEVIATION: (Mm, Mm) = (0.01, 0.3);
 
-/// Jerk of z and the filament, which our files do not set, mm/s: the
-/// MK3S's `DEFAULT_ZJERK` and `DEFAULT_EJERK`.
+/// Jerk of z and of the filament in Prusa's firmware, mm/s. Files of this
+/// program do not set it. It is the MK3S's `DEFAULT_ZJERK` and `DEFAULT_EJERK`.
 const PRUSA_JERK: (MmPerSec, MmPerSec) = (0.4, 4.5);
 
-/// The same of RepRapFirmware: `DefaultZInstantDv` and `DefaultEInstantDv`.
+/// Jerk of z and of the filament in RepRapFirmware, mm/s: `DefaultZInstantDv`
+/// and `DefaultEInstantDv`.
 const RRF_JERK: (MmPerSec, MmPerSec) = (10.0, 5.0);
 
 /// How a firmware plans.
@@ -77,7 +81,7 @@ pub enum Planner {
     },
     /// Marlin 2.
     Marlin {
-        /// How far an arc through the corner leaves it.
+        /// Distance of an arc through the corner from the corner.
         deviation: Mm,
     },
     /// Prusa's firmware.
@@ -89,11 +93,11 @@ pub enum Planner {
 /// Greatest sudden changes of speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jerk {
-    /// Of x and of y.
+    /// Jerk of x and of y.
     pub plane: MmPerSec,
-    /// Of z.
+    /// Jerk of z.
     pub z: MmPerSec,
-    /// Of the filament.
+    /// Jerk of the filament.
     pub filament: MmPerSec,
 }
 
@@ -109,9 +113,9 @@ pub(super) struct Leg {
     /// Way of x, y, z and the filament for each mm of length.
     pub course: DVec4,
     pub length: Mm,
-    /// What it is run with.
+    /// Acceleration of the move.
     pub acceleration: MmPerSec2,
-    /// What the firmware has been told.
+    /// Acceleration that the firmware was told.
     pub told: MmPerSec2,
     pub prints: bool,
 }
@@ -129,8 +133,8 @@ impl Leg {
 }
 
 impl Planner {
-    /// The planner of a firmware whose right-angled corners are to have this
-    /// speed at this acceleration.
+    /// The planner of a firmware that takes right-angled corners at this speed
+    /// with this acceleration.
     pub fn new(
         flavour: Flavour,
         corner: MmPerSec,
@@ -154,7 +158,7 @@ impl Planner {
     }
 
     /// The junction deviation at which Marlin takes a right-angled corner at
-    /// this speed: v²·(√2 − 1)/a, as far as it takes that.
+    /// this speed: v²·(√2 − 1)/a, within the range that Marlin takes.
     pub fn deviation(corner: MmPerSec, acceleration: MmPerSec2) -> Mm {
         (corner * corner * (SQRT_2 - 1.0) / acceleration)
             .clamp(DEVIATION.0, DEVIATION.1)
@@ -174,11 +178,12 @@ impl Planner {
         matches!(self, Planner::Klipper { .. })
     }
 
-    /// That acceleration, where this one has been told.
+    /// The gentler acceleration if the firmware was told this one.
     pub(super) fn gentle(&self, told: MmPerSec2) -> MmPerSec2 {
-        match self.is_gentle() {
-            true => GENTLE * told,
-            false => told,
+        if self.is_gentle() {
+            GENTLE * told
+        } else {
+            told
         }
     }
 
@@ -196,14 +201,15 @@ impl Planner {
                 let alike = a.prints == b.prints
                     && a.in_plane() == b.in_plane()
                     && a.stands() == b.stands();
-                match alike {
-                    true => jerk_limit(
+                if alike {
+                    jerk_limit(
                         jerk,
                         a.course.to_array(),
                         b.course.to_array(),
                         false,
-                    ),
-                    false => 0.0,
+                    )
+                } else {
+                    0.0
                 }
             }
         }
@@ -217,7 +223,7 @@ fn klipper(a: &Leg, b: &Leg, square_corner: MmPerSec) -> f64 {
     let jump = FILAMENT_JUMP / (b.course.w - a.course.w).abs();
     let cos = a.course.truncate().dot(b.course.truncate());
     let (sin, cosine) = half_angle(cos);
-    // Straight on both limits are divisions by zero: infinite, no limit.
+    // Without a turn both limits would be divisions by zero, that is no limits.
     if cosine <= STRAIGHT {
         return jump * jump;
     }
@@ -231,7 +237,7 @@ fn klipper(a: &Leg, b: &Leg, square_corner: MmPerSec) -> f64 {
 fn marlin(a: &Leg, b: &Leg, deviation: Mm, limits: &Limits) -> f64 {
     /// Longest move that may be a part of an arc, mm.
     const SHORT: Mm = 1.0;
-    /// Least angle of turn that is told from none: Marlin's arc cosine.
+    /// Least angle of turn that Marlin's arc cosine tells from 0.
     const LEAST_TURN: f64 = 0.033;
     let (from, to) = (a.course.normalize(), b.course.normalize());
     let cos = from.dot(to);
@@ -245,20 +251,23 @@ fn marlin(a: &Leg, b: &Leg, deviation: Mm, limits: &Limits) -> f64 {
         .min(limits.acceleration_z / turn.z)
         .min(limits.filament_acceleration / turn.w);
     let arc = acceleration * deviation * sin / (1.0 - sin);
-    match b.length < SHORT && cos > FRAC_1_SQRT_2 {
-        true => arc.min(acceleration * b.length / cos.acos().max(LEAST_TURN)),
-        false => arc,
+    if b.length < SHORT && cos > FRAC_1_SQRT_2 {
+        arc.min(acceleration * b.length / cos.acos().max(LEAST_TURN))
+    } else {
+        arc
     }
 }
 
 /// Square of the speed at which no axis's speed jumps by more than its jerk.
-/// If an axis turns round, only the faster of its speeds may count.
+/// With `turns`, only the faster of its two speeds counts for an axis that
+/// turns round.
 fn jerk_limit(jerk: &Jerk, a: [f64; 4], b: [f64; 4], turns: bool) -> f64 {
     let jumps = a.into_iter().zip(b).map(|(from, to)| {
         let round = turns && from * to < 0.0;
-        match round {
-            true => from.abs().max(to.abs()),
-            false => (to - from).abs(),
+        if round {
+            from.abs().max(to.abs())
+        } else {
+            (to - from).abs()
         }
     });
     let limits = jerk.of_axes().to_array().into_iter().zip(jumps);

@@ -1,19 +1,19 @@
 //! Speeds along a chain of moves, and the time they take.
 //!
-//! In: segments, and what their corners allow. Out: the square of the speed
-//! at which each starts, cruises and ends. All speeds here are squares: along
-//! a move v² changes by 2·a·d.
+//! In: segments, and the speeds that their corners allow. Out: the squares of
+//! the speeds at which each starts, cruises and ends. This file has squares of
+//! speeds only, since v² changes by 2·a·d along a move.
 
 use super::{Planner, Segment};
 use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds};
 
-/// Speeds; kept to save the allocations.
+/// Buffers for speeds, kept to save allocations.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ramps {
     /// Squares of the speeds at the segments' starts and at the last one's
     /// end.
     joints: Vec<f64>,
-    /// The same with the gentler accelerations.
+    /// Squares of the speeds at the joints with the gentler accelerations.
     gentle: Vec<f64>,
     /// Squares of the segments' cruising speeds.
     peaks: Vec<f64>,
@@ -64,9 +64,9 @@ fn gentle_gain(s: &Segment) -> f64 {
 }
 
 /// Squares of the speeds at the joints of the chain, `joints[i]` at the start
-/// of segment i: as fast as corners and cruising speeds allow, reachable from
-/// the rest before and the rest after. The rest after is `ahead` segments
-/// away at most, if the firmware knows no more.
+/// of segment i: as fast as corners and cruising speeds allow, and reachable
+/// from rest at both ends of the chain. Firmware that knows only `ahead`
+/// segments plans to be at rest behind them.
 fn look_ahead(
     segments: &[Segment],
     corner: &[f64],
@@ -82,9 +82,8 @@ fn look_ahead(
         let limit = corner[i].min(peaks[i - 1]).min(peaks[i]);
         joints[i] = limit.min(joints[i + 1] + gain(&segments[i]));
     }
-    // What can be braked away on the segments that are known: the corners
-    // beyond them allow no more than that, so it is enough to lower the
-    // joints to it.
+    // The speed that can be braked away on the known segments limits the
+    // joints. Corners beyond them never allow less.
     let known = ahead.map_or(n, |ahead| ahead.min(n));
     let mut brake: f64 = segments.iter().take(known).map(&gain).sum();
     for i in 1..n {
@@ -99,10 +98,9 @@ fn look_ahead(
     }
 }
 
-/// Lowers the cruising speeds to what the gentler acceleration reaches: a run
-/// of moves that only speed up, and the run after it that only slow down,
-/// share the speed of the place where one turns into the other. Klipper's
-/// `LookAheadQueue.flush`.
+/// Lowers the cruising speeds to what the gentler acceleration reaches. A run
+/// of moves that only speed up and the run after it that only slow down share
+/// the speed between them, as in Klipper's `LookAheadQueue.flush`.
 fn calm(
     segments: &[Segment],
     joints: &[f64],
@@ -110,13 +108,13 @@ fn calm(
     peaks: &mut [f64],
 ) {
     let mut peak = 0.0;
-    // Moves behind `i` that only slow down and wait for their peak.
+    // Number of moves behind `i` that only slow down and wait for their peak.
     let mut slowing = 0;
     for i in (0..segments.len()).rev() {
         let (start, end) = (gentle[i], gentle[i + 1]);
         let gain = gentle_gain(&segments[i]);
         let reach = end + gain;
-        // Sums of the same numbers are a little off each other.
+        // Sums of equal numbers may differ by rounding.
         let slack = 1e-9 * (start + reach);
         if start >= reach - slack {
             slowing += 1;
@@ -129,7 +127,7 @@ fn calm(
         let top = 0.5 * (joints[i] + joints[i + 1] + full);
         let own = peaks[i].min(top).min(peak);
         peaks[i] = own;
-        // They cruise no faster than the one before them.
+        // Each of these moves cruises no faster than the one before it.
         let mut before = own;
         for j in i + 1..=i + slowing {
             before = before.min(joints[j]).min(peaks[j]);
@@ -142,8 +140,8 @@ fn calm(
 }
 
 /// Time of a move of `length` whose speeds at start, cruise and end have the
-/// squares `start`, `cruise` and `end`; a cruise that cannot be reached is cut
-/// to a peak.
+/// squares `start`, `cruise` and `end`. If the cruising speed cannot be
+/// reached, the move has a peak instead.
 fn trapezoid(
     length: Mm,
     acceleration: MmPerSec2,

@@ -1,4 +1,5 @@
-//! Heights and widths that a nozzle can print, and samples that see them.
+//! Checks that a nozzle can print heights and widths, and that samples are fine
+//! enough.
 
 use super::{Conflict, conflict, round};
 use crate::settings::Settings;
@@ -115,8 +116,8 @@ fn line_widths(
     own.into_iter().chain(given)
 }
 
-/// The lattice must be coarser than the accuracy asked of its vertices, and
-/// should be finer than what is printed.
+/// The lattice must be coarser than the accuracy, and should be finer than the
+/// beads.
 pub(super) fn sampling(
     s: &Settings,
     warnings: &mut Vec<String>,

@@ -1,8 +1,9 @@
-//! Heaters that are too cold to print, or hotter than the machine bears.
+//! Checks that temperatures are hot enough to print, and not hotter than the
+//! machine bears.
 //!
 //! In: settings. Out: the first temperature that would be a fault of the
-//! finished file, before anything is sliced for it. What a formula gives is
-//! known when its layer is written.
+//! finished file. The value of a formula is known only when its layer is
+//! written.
 
 use super::{Conflict, conflict};
 use crate::settings::Settings;
@@ -14,7 +15,7 @@ struct Set {
     value: Celsius,
     limit_key: &'static str,
     limit: Celsius,
-    /// What would be told that the printer bears more.
+    /// The heater whose limit is exceeded, in messages.
     part: &'static str,
 }
 

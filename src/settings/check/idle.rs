@@ -1,8 +1,9 @@
-//! Settings that were asked for and that others deprive of their effect.
+//! Finds settings that were asked for and that other settings deprive of their
+//! effect.
 
 use crate::settings::{InfillMode, Settings, Varying};
 
-/// Warns of them.
+/// Warns of settings without effect.
 pub(super) fn without_effect(
     s: &Settings,
     given: &dyn Fn(&str) -> bool,
@@ -99,7 +100,7 @@ pub(super) fn without_effect(
     infill_without_effect(s, &mut warn);
 }
 
-/// What is for patterns only, or for expressions only.
+/// Warns of settings for patterns if infill is an expression, and the reverse.
 fn infill_without_effect(
     s: &Settings,
     warn: &mut dyn FnMut(&str, bool, String),

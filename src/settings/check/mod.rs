@@ -1,8 +1,8 @@
 //! Settings that are each within their range but do not work together.
 //!
 //! In: settings, and where they were given. Out: the first contradiction, or
-//! warnings. What merely has no effect is only worth a warning if whoever
-//! prints asked for it: a profile may well limit what a default asks for.
+//! warnings. A setting without effect is worth a warning only if it was given
+//! for this print: a profile may limit what a default asks for.
 
 mod beads;
 mod heat;
@@ -11,7 +11,7 @@ mod speeds;
 
 pub(super) use speeds::{flow_note, speed_note};
 
-use super::read::Places;
+use super::error::Places;
 use super::{Flavour, Settings};
 use beads::{heights, sampling, widths};
 use heat::temperatures;
@@ -108,8 +108,8 @@ fn something_is_printed(s: &Settings) -> Result<(), Conflict> {
     Ok(())
 }
 
-/// What is pulled back must be pushed forward again, and lengths must leave
-/// something between never and always.
+/// Filament that is pulled back must be pushed forward again, and there must be
+/// lengths of travels between those that never and those that always retract.
 fn retraction(
     s: &Settings,
     warnings: &mut Vec<String>,
@@ -143,7 +143,7 @@ fn retraction(
     Ok(())
 }
 
-/// What Klipper's `SET_RETRACTION` refuses.
+/// Refuses what Klipper's `SET_RETRACTION` refuses.
 fn klipper_retraction(s: &Settings) -> Result<(), Conflict> {
     /// Least speed of the filament, mm/s.
     const SLOWEST: f64 = 1.0;
@@ -178,7 +178,7 @@ fn klipper_retraction(s: &Settings) -> Result<(), Conflict> {
     Ok(())
 }
 
-/// For messages: three decimals at most.
+/// Rounds to 3 decimals, for messages.
 fn round(x: f64) -> f64 {
     (x * 1000.0).round() / 1000.0
 }

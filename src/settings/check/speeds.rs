@@ -1,4 +1,4 @@
-//! Speeds that the hot end or the printer does not allow.
+//! Finds speeds that the hot end or the printer does not allow.
 
 use crate::settings::{Settings, Varying};
 use crate::units::{Mm, cross_section};
@@ -7,7 +7,7 @@ use crate::units::{Mm, cross_section};
 struct Limited {
     /// The speed's key.
     key: &'static str,
-    /// The speed as set, and as it will be, mm/s.
+    /// The speed as set, mm/s, and the speed that is reached.
     set: f64,
     possible: f64,
     /// Plastic that the set speed takes, mm³/s.
@@ -37,7 +37,8 @@ pub(super) fn too_fast(
     }
 }
 
-/// What `filament.max_flow` does to the speeds, if anything.
+/// A note about the speeds that `filament.max_flow` limits; nothing if there
+/// are none.
 pub(in crate::settings) fn flow_note(s: &Settings) -> Option<String> {
     let limited: Vec<String> = limited_speeds(s)
         .iter()
@@ -52,7 +53,8 @@ pub(in crate::settings) fn flow_note(s: &Settings) -> Option<String> {
     })
 }
 
-/// What `printer.max_speed` does to the speeds, if anything.
+/// A note about the speeds that `printer.max_speed` limits; nothing if there
+/// are none.
 pub(in crate::settings) fn speed_note(s: &Settings) -> Option<String> {
     let speed = &s.speed;
     let most = s.printer.max_speed;
@@ -97,7 +99,7 @@ fn limited_speeds(s: &Settings) -> Vec<Limited> {
     let limited = |(key, speed, width): (&'static str, &Varying, Mm)| {
         let speed = speed.constant()?;
         let area = flow * cross_section(width * widened, s.layer_height);
-        // To the tenth that is shown.
+        // Only differences that the shown decimal can tell count.
         (speed * area > most + 0.05).then(|| Limited {
             key,
             set: speed,

@@ -1,4 +1,4 @@
-//! Tight ways round rings, without trying them.
+//! Finds tight ways round rings from convex hulls.
 //!
 //! ```text
 //!               ·─────·          the hull of the ring's stretch between the
@@ -13,22 +13,21 @@ use crate::plane::path_length;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Greatest turn at a stop, radians (26°): the way is a few per cent longer
-/// than a round one then, and the stops are few.
+/// Greatest turn at a stop, radians (26°). It keeps stops few, and a way is a
+/// few per cent longer than a round one.
 const TURN: f64 = 0.45;
 
-/// Turns smaller than this are straight on, radians.
+/// Turn below which a way counts as straight, radians.
 const STRAIGHT: f64 = 1e-6;
 
-/// How much longer one side of a ring may be than the other before it is not
-/// looked at.
+/// How many times longer one side of a ring may be than the other to be tried.
 const ROUND_ABOUT: f64 = 1.5;
 
-/// How near to the straight way a point is on it, mm.
+/// Distance below which a point is on the straight way, mm.
 const ON_LINE: Mm = 1e-6;
 
-/// How much longer than the straight line a way past several rings has to be
-/// before it is worth being pulled once more.
+/// How many times longer than the straight line a way past several rings has to
+/// be to be pulled once more.
 const WORTH: f64 = 1.1;
 
 /// Shares of the clearance that are tried: narrow places have less room.
@@ -36,7 +35,8 @@ const SHARES: [f64; 3] = [1.0, 0.6, 0.3];
 
 /// The hull of a stretch of a ring beside a straight way.
 struct Hull {
-    /// In the coordinates of the way: along it, and to the stretch's side.
+    /// The hull's points in coordinates along the way and to the stretch's
+    /// side.
     points: Vec<DVec2>,
     along: DVec2,
     aside: DVec2,
@@ -45,8 +45,8 @@ struct Hull {
 }
 
 impl Comb<'_> {
-    /// The tight way past what the straight way from `a` to `b` meets, if
-    /// nothing else is in it.
+    /// The tight way past the rings that the straight way from `a` to `b`
+    /// meets; nothing if another ring is in the way.
     pub(super) fn hugging(
         &self,
         a: Stop,
@@ -73,9 +73,10 @@ impl Comb<'_> {
                 return self.clear_way(&way).then_some(way);
             }
             let way = self.pulled(&way)?;
-            match stops_length(&way) < WORTH * a.at.distance(b.at) {
-                true => Some(way),
-                false => Some(self.tightened(a, way)),
+            if stops_length(&way) < WORTH * a.at.distance(b.at) {
+                Some(way)
+            } else {
+                Some(self.tightened(a, way))
             }
         })
     }
@@ -93,7 +94,7 @@ impl Comb<'_> {
         })
     }
 
-    /// The hull of what of the border is near a straight way; nothing if it is
+    /// The hull of the border's points near a straight way; nothing if they are
     /// on both sides.
     fn hull_near(&self, a: DVec2, b: DVec2, reach: Mm) -> Option<Hull> {
         let length = a.distance(b);
@@ -131,7 +132,7 @@ impl Comb<'_> {
         })
     }
 
-    /// The shorter one of the hulls on both sides of a ring.
+    /// The shorter of the hulls on the two sides of a ring.
     fn hull(
         &self,
         a: DVec2,
@@ -165,16 +166,14 @@ impl Comb<'_> {
         best.map(|b| b.1)
     }
 
-    /// The ring from one mark to the other, in its own direction or against.
+    /// The part of a ring from one mark to the other, in the ring's direction
+    /// or against it.
     fn stretch(&self, from: Mark, to: Mark, ahead: bool) -> Vec<DVec2> {
         let rings = self.rings();
         let ring = rings.places.ring(from.edge);
         let first = rings.places.first(ring);
         let count = rings.places.of_ring(ring).len();
-        let (begin, end) = match ahead {
-            true => (from, to),
-            false => (to, from),
-        };
+        let (begin, end) = if ahead { (from, to) } else { (to, from) };
         let mut steps = (end.edge + count - begin.edge) % count;
         if steps == 0
             && rings.place(self.grid(), &end) < rings.place(self.grid(), &begin)
@@ -196,16 +195,17 @@ impl Comb<'_> {
 }
 
 impl Hull {
-    /// Of a stretch that begins and ends on the line from `a` to `b`. `ahead`
-    /// tells that it runs as its ring does, the area to its left. Nothing if
-    /// the stretch is on the wrong side, or winds back behind an end.
+    /// The hull of a stretch that begins and ends on the line from `a` to `b`;
+    /// nothing if the stretch is on the wrong side, or winds back behind an
+    /// end. With `ahead` the stretch runs as its ring does, with the area to
+    /// its left.
     fn new(a: DVec2, b: DVec2, stretch: &[DVec2], ahead: bool) -> Option<Hull> {
         let first = stretch.first()?;
         let twice: f64 = stretch
             .windows(2)
             .map(|p| (p[0] - first).perp_dot(p[1] - first))
             .sum();
-        // What is outside of the area lies to the right of its rings.
+        // The outside of the area lies to the right of its rings.
         let left = twice < 0.0;
         if left != ahead {
             return None;
@@ -230,7 +230,7 @@ impl Hull {
         })
     }
 
-    /// Appends the stops of the way round it, `far` away from it.
+    /// Appends the stops of the way round the hull, `far` away from it.
     fn push_stops(&self, a: Stop, far: Mm, way: &mut Vec<Stop>) {
         way.extend(self.stops(a.at, far).into_iter().map(|at| Stop {
             at,
@@ -239,7 +239,7 @@ impl Hull {
         }));
     }
 
-    /// The stops of the way round it, `far` away from it.
+    /// The stops of the way round the hull, `far` away from it.
     fn stops(&self, a: DVec2, far: Mm) -> Vec<DVec2> {
         let inside = |p: &DVec2| p.x > 0.0 && p.x < self.length;
         let corners = around(&self.points, far).into_iter().filter(inside);
@@ -266,9 +266,9 @@ fn upper(points: impl Iterator<Item = DVec2>) -> Vec<DVec2> {
     hull
 }
 
-/// Where the sides of an upper hull, moved away by `far`, meet; few places for
-/// many small turns, several for a sharp corner. It begins upwards and ends
-/// downwards, so that it is surrounded but for below.
+/// Points around an upper hull, `far` away from it: where its moved sides meet,
+/// few for many small turns, several for a sharp corner. They begin with an
+/// upward side and end with a downward one.
 fn around(hull: &[DVec2], far: Mm) -> Vec<DVec2> {
     // Lines that touch the hull: a point and a direction.
     let mut touching: Vec<(DVec2, DVec2)> = Vec::new();

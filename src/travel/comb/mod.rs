@@ -10,20 +10,21 @@
 //!                              ring; then the line is pulled tight
 //! ```
 //!
-//! Each part of the plane that is outside of an island is bounded by one of
-//! its rings only, so the straight way always returns by the ring by which it
-//! has left, and a way along that ring exists: if two points are in one
-//! island, a way between them is found (V. Lumelsky and A. Stepanov, *Path
-//! planning strategies for a point mobile automaton*, 1987). It is kept away
-//! from the outline as far as there is room, up to a clearance.
+//! Each part of the plane outside of an island is bounded by only one of the
+//! island's rings. So the straight way returns by the ring by which it has
+//! left, and a way along that ring exists: between any two points of an island
+//! a way is found (V. Lumelsky and A. Stepanov, *Path planning strategies for a
+//! point mobile automaton*, 1987). The way keeps away from the outline as far
+//! as there is room, up to a clearance.
 //!
-//! Mostly the tight way round a ring is known at once: it is the convex hull
-//! of the ring's stretch and of both ends ([`hug`]). Where something else is
-//! in that way, it follows the ring and is pulled tight from point to point
-//! ([`pull`]), which makes it the shortest of all that pass the same holes on
-//! the same sides, not of all that there are.
+//! In most cases the tight way round a ring is the convex hull of the ring's
+//! stretch and of both ends ([`hug`]). If something else is in that way, the
+//! way follows the ring and is pulled tight from point to point ([`pull`]).
+//! That makes it the shortest of the ways that pass these holes on these sides,
+//! not of all ways.
 //!
-//! Cost: that of the edges near the straight way and on the rings' stretches.
+//! Cost: in proportion to the edges near the straight way and on the rings'
+//! stretches.
 
 mod hug;
 mod pull;
@@ -41,41 +42,43 @@ use std::cell::OnceCell;
 pub struct Comb<'a> {
     solid: Cow<'a, Solid<'a>>,
     clearance: Mm,
-    /// Only layers with travels that need it pay for it.
+    /// The rings are made when the first travel needs them.
     rings: OnceCell<Rings>,
 }
 
-/// A point of a way, and how far from the outline it is known to be.
+/// A point of a way, and a distance that it keeps from the outline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
     pub at: DVec2,
     pub room: Mm,
-    /// The point of the outline that it was moved away from, or itself.
+    /// The point of the outline that it was moved away from; its own point if
+    /// it was not moved.
     pub base: DVec2,
 }
 
 /// Share of the room of two points that the line between them keeps.
 const KEPT: f64 = 0.9;
 
-/// The same where there is no other way.
+/// Share of the room of two points that the line between them keeps if there is
+/// no other way.
 const PASSED: f64 = 0.1;
 
-/// Distance between the points of a ring that are tried first, as a share of
-/// the clearance.
+/// First distance between the points of a ring on a way, as a share of the
+/// clearance.
 const SPACING: f64 = 0.7;
 
-/// How much longer than the longest way allowed a way along rings may be: as
-/// much as pulling it tight may gain.
+/// How many times longer than the longest way allowed a way along rings may be.
+/// Pulling it tight gains no more.
 const SLACK: f64 = 2.0;
 
-/// How often a way is pulled tight at most.
+/// Greatest number of times that a way is pulled tight.
 const ROUNDS: usize = 4;
 
-/// Gain in length below which it is tight.
+/// Gain in length, as a share, below which a way is tight.
 const GAIN: f64 = 0.01;
 
 impl<'a> Comb<'a> {
-    /// For travels inside `solid` that keep the distance `clearance` from its
+    /// Ways inside `solid` that keep the distance `clearance` from its
     /// border where they can.
     pub fn new(solid: Cow<'a, Solid<'a>>, clearance: Mm) -> Comb<'a> {
         Comb {
@@ -93,13 +96,14 @@ impl<'a> Comb<'a> {
         self.rings.get_or_init(|| Rings::new(self.solid.area()))
     }
 
-    /// The way points between `a` and `b`, none if the straight way is inside;
-    /// nothing if they are not in one island, or if the way along the rings is
-    /// so much longer than `longest` that pulling it tight cannot help.
+    /// The way points between `a` and `b`, without any if the straight way is
+    /// inside. Nothing if `a` and `b` are not in one island, or if the way
+    /// along the rings is so much longer than `longest` that pulling it tight
+    /// cannot help.
     pub fn way(&self, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
         crate::limits::check();
         let ends = [a, b];
-        // Off the walls first, which the ends may be on.
+        // The ends may be on walls, so they are moved off them first.
         let (a, b) = (self.off(a), self.off(b));
         if self.sees(a, b) {
             return Some(inner(&ends, &[a, b]));
@@ -117,30 +121,29 @@ impl<'a> Comb<'a> {
         }
         let around = |spacing: Mm| {
             let mut way = vec![a];
-            match marks.is_empty() {
-                // It stays inside, but comes too near to the outline.
-                true => way.extend(self.aside(a.at, b.at)),
-                false => {
-                    for pair in marks.chunks_exact(2) {
-                        self.along(pair[0], pair[1], spacing, &mut way);
-                    }
-                }
+            // Without a mark the travel stays inside, but comes too near to
+            // the outline.
+            if marks.is_empty() {
+                way.extend(self.aside(a.at, b.at));
+            }
+            for pair in marks.chunks_exact(2) {
+                self.along(pair[0], pair[1], spacing, &mut way);
             }
             way.push(b);
             self.pulled(&self.joined(&way)?)
         };
-        // A few points of the rings do, mostly.
+        // A few points of the rings are mostly enough.
         let sparse = around(SPACING * self.clearance);
         let mut way = sparse.or_else(|| around(0.0))?;
-        // Nearly straight is tight.
+        // A nearly straight way is tight.
         if stops_length(&way) > (1.0 + 2.0 * GAIN) * a.at.distance(b.at) {
             way = self.tightened(a, way);
         }
         Some(inner(&ends, &way))
     }
 
-    /// A way from `a` pulled tight from its other end, and from between, as
-    /// long as that makes it shorter.
+    /// A way from `a` that is pulled tight from its other end, and with points
+    /// between, as long as that makes it shorter.
     fn tightened(&self, a: Stop, mut way: Vec<Stop>) -> Vec<Stop> {
         let mut length = stops_length(&way);
         for _ in 0..ROUNDS {
@@ -161,7 +164,7 @@ impl<'a> Comb<'a> {
     }
 
     /// The place inside, off the border, at which a way from or to `p` begins;
-    /// nothing if it is outside by more than `reach`.
+    /// nothing if `p` is outside by more than `reach`.
     pub fn entry(&self, p: DVec2, reach: Mm) -> Option<DVec2> {
         if self.grid().contains(p) {
             return Some(self.off(p).at);
@@ -208,10 +211,10 @@ impl<'a> Comb<'a> {
         self.inwards(q, edge, t)
     }
 
-    /// A point with as much room as there is near `p`: away from all edges
-    /// that are about as near as the nearest one.
+    /// A point near `p` with more room: away from all edges that are about as
+    /// near as the nearest one.
     fn off(&self, p: DVec2) -> Stop {
-        /// How much farther these edges may be, mm.
+        /// How much farther than the nearest edge such edges may be, mm.
         const ABOUT: Mm = 0.1;
         let here = self.stop(p);
         if here.room >= self.clearance {
@@ -225,7 +228,8 @@ impl<'a> Comb<'a> {
             });
         let away = away.normalize_or_zero();
         let wanted = self.clearance - here.room;
-        // Out of a right-angled corner it is farther than off an edge.
+        // The way out of a right-angled corner is longer than the way off an
+        // edge.
         let trials = [1.5, 1.0, 0.5].map(|share| {
             let at = p + share * wanted * away;
             Stop {
@@ -258,7 +262,7 @@ impl<'a> Comb<'a> {
         self.grid().clear(a.at, b.at, KEPT * a.room.min(b.room))
     }
 
-    /// True if the line between two points is inside at all.
+    /// True if the line between two points is inside.
     fn passes(&self, a: Stop, b: Stop) -> bool {
         let room = a.room.min(b.room);
         room > 0.0 && self.grid().clear(a.at, b.at, PASSED * room)
@@ -289,9 +293,10 @@ impl<'a> Comb<'a> {
     /// A point of the outline, on an edge at `t`, moved into the part by the
     /// clearance, or as far as there is room.
     fn inwards(&self, p: DVec2, edge: usize, t: f64) -> Stop {
-        /// Trials before it counts as none.
+        /// Number of trials before there counts as no room.
         const TRIALS: usize = 6;
-        /// Where to begin to look, as a share of the distance: off the edge.
+        /// Where the search begins, as a share of the distance: just off the
+        /// edge.
         const START: f64 = 1e-3;
         let rings = self.rings();
         let ring = rings.places.ring(edge);
@@ -325,10 +330,11 @@ impl<'a> Comb<'a> {
             if !across && room > 0.9 * far {
                 break;
             }
-            // The middle between this side and the other one.
-            far = match across {
-                true => 0.5 * far,
-                false => 0.5 * (far + room),
+            // The point goes to the middle between this side and the other one.
+            far = if across {
+                0.5 * far
+            } else {
+                0.5 * (far + room)
             };
         }
         best

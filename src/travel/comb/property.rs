@@ -1,4 +1,4 @@
-//! Ways inside random areas, beside the shortest ones there are.
+//! Compares ways inside random areas with the shortest ones.
 
 use super::Comb;
 use crate::plane::grid::EdgeGrid;
@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 
 const CLEARANCE: f64 = 0.5;
 
-/// How much longer than the shortest way one may be. The way round each hole
-/// is chosen on its own: past several of them that may not be the best.
+/// How many times longer than the shortest way a way may be. The way round each
+/// hole is chosen on its own, which may not be best past several holes.
 const LONGER: f64 = 1.2;
 
 fn config() -> Config {
@@ -156,8 +156,8 @@ proptest! {
     }
 }
 
-/// How much longer than the shortest ones ways are: for whoever changes how
-/// they are found.
+/// Prints how much longer than the shortest ways the ways are, for those who
+/// change how they are found.
 ///
 ///     cargo test --release --lib comb -- --ignored --nocapture
 #[test]

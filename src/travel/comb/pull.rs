@@ -1,16 +1,15 @@
-//! Pulling ways tight: from each point straight to the farthest one in sight.
+//! Pulls ways tight: from each point straight to the farthest one in sight.
 
 use super::{Comb, Stop};
 
 impl Comb<'_> {
-    /// The way with every detour left out that can be: from each point
-    /// straight to the farthest one that it sees. Nothing if a point does not
-    /// see the next one.
+    /// The way without avoidable detours: from each point straight to the
+    /// farthest one that it sees. Nothing if a point does not see the next one.
     pub(super) fn pulled(&self, way: &[Stop]) -> Option<Vec<Stop>> {
         let mut out = vec![*way.first()?];
         let mut i = 0;
         while i + 1 < way.len() {
-            // Farther and farther, then back in halves.
+            // The strides double, then halve.
             let mut seen = i;
             let mut stride = 1;
             let mut unseen = way.len();
@@ -31,9 +30,10 @@ impl Comb<'_> {
             }
             while unseen > seen + 1 {
                 let middle = seen + (unseen - seen) / 2;
-                match self.sees(way[i], way[middle]) {
-                    true => seen = middle,
-                    false => unseen = middle,
+                if self.sees(way[i], way[middle]) {
+                    seen = middle
+                } else {
+                    unseen = middle
                 }
             }
             if seen == i && self.passes(way[i], way[i + 1]) {
@@ -48,9 +48,8 @@ impl Comb<'_> {
         Some(out)
     }
 
-    /// The way with points added where two that follow each other do not see
-    /// each other: down to the outline, along it, and up again. Nothing if
-    /// that does not help.
+    /// The way with added points where a point does not see the next one: down
+    /// to the outline, along it, and up again. Nothing if that does not help.
     pub(super) fn joined(&self, way: &[Stop]) -> Option<Vec<Stop>> {
         /// Halvings of the distance from the outline.
         const TRIALS: usize = 9;
@@ -74,7 +73,7 @@ impl Comb<'_> {
         Some(out)
     }
 
-    /// Half as far from the outline.
+    /// A stop half as far from the outline.
     fn stop_near(&self, stop: Stop) -> Stop {
         Stop {
             base: stop.base,

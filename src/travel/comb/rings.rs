@@ -8,7 +8,7 @@ use crate::plane::{Area, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
-/// What is known of the rings as a whole.
+/// The rings' islands and lengths.
 pub(super) struct Rings {
     pub nest: Nest,
     /// Island that each ring belongs to.
@@ -19,7 +19,7 @@ pub(super) struct Rings {
 /// A place on a ring.
 #[derive(Clone, Copy, Debug)]
 pub struct Mark {
-    /// How far along the straight way.
+    /// How far along the straight way the mark is.
     pub t: f64,
     pub edge: usize,
     pub at: DVec2,
@@ -40,7 +40,7 @@ impl Rings {
                 number += 1;
                 return Some(number - 1);
             }
-            // A hole's own points are in no island but its own.
+            // The points of a hole's border belong to the hole's island.
             ring.first().and_then(|p| nest.around(*p))
         });
         let island = island.collect();
@@ -67,8 +67,8 @@ impl Comb<'_> {
     /// Where the straight way leaves the island and comes back, in pairs;
     /// nothing if its ends are not in one island.
     pub(super) fn marks(&self, a: DVec2, b: DVec2) -> Option<Vec<Mark>> {
-        /// How far aside the way may be looked at instead, mm: through a
-        /// vertex, what it crosses may come in no order.
+        /// How far aside a way is tried instead, mm. Through a vertex, the
+        /// crossings may come out of order.
         const ASIDE: Mm = 1e-4;
         let island = self.island(a)?;
         if self.island(b) != Some(island) {
@@ -92,7 +92,7 @@ impl Comb<'_> {
         pairs.then_some(marks)
     }
 
-    /// The island that a point is in.
+    /// The island that a point is in, if any.
     pub fn island(&self, p: DVec2) -> Option<usize> {
         self.rings().nest.around(p)
     }
@@ -117,9 +117,10 @@ impl Comb<'_> {
         let way =
             rings.place(self.grid(), &to) - rings.place(self.grid(), &from);
         let forwards = way.rem_euclid(total);
-        match forwards <= 0.5 * total {
-            true => forwards,
-            false => forwards - total,
+        if forwards <= 0.5 * total {
+            forwards
+        } else {
+            forwards - total
         }
     }
 
@@ -150,7 +151,8 @@ impl Comb<'_> {
             }
         };
         if way_round >= 0.0 {
-            // Once round at most, also where both are on one edge.
+            // The way goes round at most once, also if both marks are on one
+            // edge.
             let mut left = count;
             while (edge != to.edge || (left == count && !ahead)) && left > 0 {
                 add(self.grid().edge(edge).1, edge, 1.0);

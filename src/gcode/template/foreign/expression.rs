@@ -1,5 +1,5 @@
-//! Expressions in the language of PrusaSlicer's templates, which OrcaSlicer's
-//! are in, too: `max(bed_temperature[0] - 5, 0)`. Cura's names are among them.
+//! Expressions in the template language of PrusaSlicer and OrcaSlicer:
+//! `max(bed_temperature[0] - 5, 0)`. Cura's names are understood, too.
 //!
 //! ```text
 //! choice  = either [ "?" choice ":" choice ]
@@ -13,27 +13,16 @@
 //!         | name "(" choice { "," choice } ")" | "(" choice ")"
 //! ```
 
-use super::names::{Ours, ours};
+use super::names::{Kind, Ours, ours};
 use crate::gcode::placeholders::{Scope, names};
 
-/// What an expression comes to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// A whole number: PrusaSlicer divides two of them without a rest.
-    Whole,
-    /// Any number.
-    Number,
-    /// Text, or true or false.
-    Other,
-}
-
-/// Why an expression is not understood: a sentence.
+/// Why an expression is not understood, as a sentence.
 pub(super) type Refused = String;
 
-/// Nesting of an expression.
+/// Greatest depth of nested expressions.
 const DEEPEST: usize = 32;
 
-/// Ways to name the only extruder.
+/// Indices that name the only extruder.
 const FIRST_TOOL: [&str; 6] = [
     "0",
     "initial_tool",
@@ -43,7 +32,7 @@ const FIRST_TOOL: [&str; 6] = [
     "current_tool",
 ];
 
-/// The expression of ours that does what theirs does.
+/// The minijinja expression that does what a foreign one does.
 pub(super) fn translated(text: &str, scope: Scope) -> Result<String, Refused> {
     let mut parser = Parser {
         tokens: tokens(text)?,
@@ -137,7 +126,7 @@ impl<'a> Parser<'a> {
         token
     }
 
-    /// Takes a sign, or a word, if it comes next.
+    /// Takes a sign or a word if it comes next.
     fn take(&mut self, word: &str) -> bool {
         let is = match self.tokens.get(self.at) {
             Some(Token::Sign(s) | Token::Name(s)) => *s == word,
@@ -156,9 +145,10 @@ impl<'a> Parser<'a> {
     }
 
     fn expect(&mut self, sign: &str) -> Result<(), Refused> {
-        match self.take(sign) {
-            true => Ok(()),
-            false => Err(format!("`{sign}` is missing")),
+        if self.take(sign) {
+            Ok(())
+        } else {
+            Err(format!("`{sign}` is missing"))
         }
     }
 
@@ -256,9 +246,10 @@ impl<'a> Parser<'a> {
     fn atom(&mut self) -> Parsed {
         match self.next() {
             Some(Token::Number(text)) => {
-                let kind = match text.contains('.') {
-                    true => Kind::Number,
-                    false => Kind::Whole,
+                let kind = if text.contains('.') {
+                    Kind::Number
+                } else {
+                    Kind::Whole
                 };
                 match text.parse::<f64>() {
                     Ok(_) => Ok((text.trim_end_matches('.').to_owned(), kind)),
@@ -308,16 +299,15 @@ impl<'a> Parser<'a> {
 
     /// A name, with its index if it has one.
     fn name(&mut self, name: &str) -> Parsed {
-        let index = match self.take("[") {
-            true => {
-                let index = match self.next() {
-                    Some(Token::Number(text) | Token::Name(text)) => text,
-                    _ => return Err(format!("{name}[…] is not understood")),
-                };
-                self.expect("]")?;
-                Some(index)
-            }
-            false => None,
+        let index = if self.take("[") {
+            let index = match self.next() {
+                Some(Token::Number(text) | Token::Name(text)) => text,
+                _ => return Err(format!("{name}[…] is not understood")),
+            };
+            self.expect("]")?;
+            Some(index)
+        } else {
+            None
         };
         let first = index.is_none_or(|i| FIRST_TOOL.contains(&i));
         let found = match (ours(name), index) {
@@ -343,7 +333,8 @@ impl<'a> Parser<'a> {
             (Some(Ours::ByScope(kind, _, other)), _) => {
                 (other.to_owned(), kind)
             }
-            // One of ours may have another meaning elsewhere.
+            // The name is one of this program's, but may mean something else in
+            // other slicers.
             _ if names(self.scope).any(|known| known == name) => {
                 (name.to_owned(), Kind::Number)
             }

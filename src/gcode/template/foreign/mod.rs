@@ -1,10 +1,10 @@
 //! Placeholders of other slicers: `[first_layer_temperature]`,
 //! `{bed_temperature[0]}`, `{if layer_num == 1}`.
 //!
-//! In: a template's text. Out: the same in our syntax, line for line. What
-//! looks like a placeholder outside of a comment and has no counterpart is an
-//! error, since it would reach the printer as it is. In a comment that does no
-//! harm, and it stays.
+//! In: a template's text. Out: the template in minijinja's syntax, line for
+//! line. Text outside comments that looks like a placeholder and has no
+//! counterpart is an error, since it would reach the printer unchanged. In a
+//! comment it does no harm and stays.
 
 mod expression;
 mod names;
@@ -18,14 +18,15 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::ops::Range;
 
-/// What there is to do about text that is meant as it is.
+/// What to write for text that only looks like a placeholder.
 const AS_IT_IS: &str = "text that is meant for the printer as it is stands \
                         between {% raw %} and {% endraw %}";
 
-/// Longest placeholder, bytes.
+/// Greatest length of a placeholder, bytes.
 const LONGEST: usize = 2048;
 
-/// A template in our syntax, or a place in bytes and what is wrong there.
+/// A template in minijinja's syntax; or a place in bytes and what is wrong
+/// there.
 pub(super) fn translated<'a>(
     source: &'a str,
     pieces: &[Piece],
@@ -56,14 +57,15 @@ struct Translation<'a> {
     source: &'a str,
     scope: Scope,
     out: String,
-    /// How much of the source is in `out`.
+    /// How many bytes of the source have been copied to `out`.
     copied: usize,
-    /// Conditions of theirs that are open.
+    /// Number of foreign conditions that are open.
     open: usize,
-    /// Up to where it was looked for comments, and whether one is open there.
+    /// Up to where the source has been searched for comments, and whether one
+    /// is open there.
     looked: usize,
     comment: bool,
-    /// The lines that `is_alone` was asked about last, and what it said.
+    /// The lines that `is_alone` was last asked about, and its answer.
     lines: Option<(Range<usize>, bool)>,
 }
 
@@ -95,7 +97,7 @@ impl Translation<'_> {
                     self.copied = end;
                     at = end;
                 }
-                // An inner one may be known.
+                // A placeholder inside this one may be known.
                 Ok(None) => at = start + 1,
                 Err(_) if comment => at = start + 1,
                 Err(why) => {
@@ -112,7 +114,8 @@ impl Translation<'_> {
         Ok(())
     }
 
-    /// A placeholder in our words; nothing if it is none.
+    /// A placeholder in minijinja's syntax; nothing if the text is no
+    /// placeholder.
     fn tag(
         &mut self,
         start: usize,
@@ -123,7 +126,7 @@ impl Translation<'_> {
             let ours = expression::translated(inside, self.scope)?;
             return Ok(Some(format!("{{{{ {ours} }}}}")));
         }
-        // What follows keeps its line.
+        // The text that follows keeps its line number.
         let lines = self.source[start..end].matches('\n').count();
         let lines = "\n".repeat(lines);
         let (word, rest) = match inside.find(|c: char| !c.is_alphabetic()) {
@@ -157,14 +160,16 @@ impl Translation<'_> {
                 return Ok(Some(format!("{{{{ {ours}{lines} }}}}")));
             }
         };
-        // A condition within a line takes nothing of what is round it.
-        Ok(Some(match self.is_alone(start, end) {
-            true => format!("{{% {condition}{lines} %}}"),
-            false => format!("{{%+ {condition}{lines} +%}}"),
+        // A condition within a line leaves the text around it alone.
+        Ok(Some(if self.is_alone(start, end) {
+            format!("{{% {condition}{lines} %}}")
+        } else {
+            format!("{{%+ {condition}{lines} +%}}")
         }))
     }
 
-    /// True if a place is in a comment; each place is behind the last one.
+    /// True if a place is in a comment. Each place must be behind the one asked
+    /// about before.
     fn is_comment(&mut self, at: usize) -> bool {
         for byte in &self.source.as_bytes()[self.looked..at] {
             match byte {
@@ -177,8 +182,8 @@ impl Translation<'_> {
         self.comment
     }
 
-    /// True if there are only conditions in these lines. They are looked at
-    /// once, however many conditions are in them.
+    /// True if there are only conditions in the lines of a range. The lines are
+    /// searched once, however many conditions are in them.
     fn is_alone(&mut self, start: usize, end: usize) -> bool {
         if let Some((lines, alone)) = &self.lines
             && lines.start <= start
@@ -195,7 +200,7 @@ impl Translation<'_> {
     }
 }
 
-/// True if there are only conditions in a text.
+/// True if a text has nothing but conditions.
 fn only_conditions(mut rest: &str) -> bool {
     loop {
         rest = rest.trim_start();
@@ -213,11 +218,11 @@ fn only_conditions(mut rest: &str) -> bool {
     }
 }
 
-/// How far the brackets go that a text begins with; nothing if they cannot
-/// hold a placeholder.
+/// Length of the bracketed text at the beginning of `text`; nothing if it
+/// cannot be a placeholder.
 fn extent(text: &str) -> Option<usize> {
-    // Without an end to the search, brackets by the hundred thousand that are
-    // never closed would take minutes.
+    // An unlimited search would take minutes for 100,000 brackets that are
+    // never closed.
     let text = &text[..text.floor_char_boundary(LONGEST)];
     if text.starts_with('[') {
         let length = text.find(']')? + 1;
@@ -233,9 +238,9 @@ fn extent(text: &str) -> Option<usize> {
     })
 }
 
-/// A block at the end of a line with other text does not take the line's end
-/// with it, as one does that is alone in its line: two commands would become
-/// one.
+/// Keeps the end of a line that has a block at its end and other text before
+/// it. minijinja drops the line's end after a block, which would make two
+/// commands one.
 fn with_line_ends(source: Cow<'_, str>) -> Cow<'_, str> {
     let eats = |line: &str| {
         line.ends_with("%}")
@@ -252,18 +257,17 @@ fn with_line_ends(source: Cow<'_, str>) -> Cow<'_, str> {
     }
     let mut out = String::with_capacity(source.len() + 16);
     for line in source.split_inclusive('\n') {
-        match line_of(line) {
-            true => {
-                let end = line.rfind("%}").unwrap_or(0);
-                let _ = write!(out, "{}+{}", &line[..end], &line[end..]);
-            }
-            false => out.push_str(line),
+        if line_of(line) {
+            let end = line.rfind("%}").unwrap_or(0);
+            let _ = write!(out, "{}+{}", &line[..end], &line[end..]);
+        } else {
+            out.push_str(line);
         }
     }
     Cow::Owned(out)
 }
 
-/// True if there is anything beside blocks and comments in a line.
+/// True if a line has text beside blocks and comments.
 fn has_text(mut line: &str) -> bool {
     loop {
         line = line.trim_start();
@@ -279,7 +283,7 @@ fn has_text(mut line: &str) -> bool {
     }
 }
 
-/// The byte of `source` that byte `at` of its translation is about.
+/// The byte of `source` that byte `at` of its translation comes from.
 pub(super) fn origin(source: &str, translated: &str, at: usize) -> usize {
     let before = translated.get(..at).unwrap_or(translated);
     let line = before.matches('\n').count();
@@ -293,7 +297,7 @@ pub(super) fn origin(source: &str, translated: &str, at: usize) -> usize {
     };
     let (of_ours, of_source) = (rest(translated, ours), rest(source, theirs));
     let column = at.saturating_sub(ours).min(of_ours.len());
-    // Where the lines begin to differ, and from where on they do not.
+    // Finds the range in which the lines differ.
     let same = |a: (char, char)| a.0 == a.1;
     let head: usize = of_ours
         .chars()
@@ -317,7 +321,7 @@ pub(super) fn origin(source: &str, translated: &str, at: usize) -> usize {
         }
 }
 
-/// What to say about a name that is not known.
+/// The message for an unknown name.
 fn unknown(name: &str, scope: Scope) -> String {
     if let Some(place) = known_elsewhere(name, scope) {
         return format!("{name} is known in {place} only");

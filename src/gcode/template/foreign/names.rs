@@ -1,25 +1,35 @@
-//! Other slicers' names for what templates ask for, and ours.
+//! Other slicers' names of placeholders, and this program's.
 //!
-//! PrusaSlicer's (and SuperSlicer's) are in its handbook, "List of
-//! placeholders"; OrcaSlicer's and Bambu Studio's in the wiki of the former,
-//! "Built in placeholders variables"; Cura's are the keys of its settings.
+//! Sources: for PrusaSlicer and SuperSlicer "List of placeholders" in
+//! PrusaSlicer's handbook; for OrcaSlicer and Bambu Studio "Built in
+//! placeholders variables" in OrcaSlicer's wiki; for Cura the keys of its
+//! settings.
 
-use super::expression::Kind;
-use super::expression::Kind::{Number, Other, Whole};
+/// The type of an expression's value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A whole number. PrusaSlicer drops the rest when it divides two of them.
+    Whole,
+    /// Any number.
+    Number,
+    /// Text or a truth value.
+    Other,
+}
 
 /// What stands for another slicer's name.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Ours {
-    /// An expression of ours.
+    /// An expression.
     Is(Kind, &'static str),
-    /// One along x and one along y.
+    /// One expression for x and one for y.
     Pair(&'static str, &'static str),
-    /// One in `gcode.layer`, the other elsewhere.
+    /// One expression in `gcode.layer`, the other elsewhere.
     ByScope(Kind, &'static str, &'static str),
-    /// Nothing, and why, or what to write.
+    /// No expression; why, or what to write instead.
     None(&'static str),
 }
 
+use Kind::{Number, Other, Whole};
 use Ours::{ByScope, Is, None, Pair};
 
 const NO_CHAMBER: &str =
@@ -33,7 +43,7 @@ const ONE_MATERIAL: &str = "isoslice prints one material with one extruder: \
 const AT_THE_END: &str = "it is known in gcode.end only, as {{ print_time }}, {{ filament_length \
      }} and {{ filament_mass }}";
 
-/// The names, in groups by what they mean.
+/// The foreign names, grouped by meaning.
 pub(super) const NAMES: &[(&str, Ours)] = &[
     // Heat.
     ("first_layer_temperature", FIRST_NOZZLE),
@@ -168,7 +178,7 @@ pub(super) const NAMES: &[(&str, Ours)] = &[
     ("fill_density", Is(Number, "infill_density")),
     ("sparse_infill_density", Is(Number, "infill_density")),
     ("infill_sparse_density", Is(Number, "infill_density")),
-    // Extruders: there is one.
+    // Extruders, of which there is one.
     ("initial_tool", FIRST_TOOL),
     ("initial_extruder", FIRST_TOOL),
     ("initial_extruder_nr", FIRST_TOOL),
@@ -186,7 +196,7 @@ pub(super) const NAMES: &[(&str, Ours)] = &[
     ("next_extruder", None(ONE_MATERIAL)),
     ("previous_extruder", None(ONE_MATERIAL)),
     ("toolchange_z", None(ONE_MATERIAL)),
-    // What is known when all is done.
+    // Values that are known at the end only.
     ("print_time", None(AT_THE_END)),
     ("normal_print_time", None(AT_THE_END)),
     ("used_filament", None(AT_THE_END)),
@@ -216,7 +226,7 @@ const MIDDLE: Ours = Pair(
     "((part_min_y + part_max_y) / 2)",
 );
 
-/// What stands for a name.
+/// What stands for a foreign name.
 pub(super) fn ours(name: &str) -> Option<Ours> {
     let found = NAMES.iter().find(|(theirs, _)| *theirs == name);
     found.map(|(_, ours)| *ours)
