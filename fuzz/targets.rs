@@ -8,7 +8,6 @@
 use glam::DVec3;
 use isocontour::{Cancel, find_bounds};
 use isoslice::check::{Rules, check};
-use isoslice::gcode::{Header, Writer};
 use isoslice::model::{
     Bounds, BuildVolume, LoadError, Placement, ScriptError, ScriptLimits,
     SearchOptions, Source, SourceKind, load_within, parse_vm, place,
@@ -120,23 +119,27 @@ pub fn template(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;
     };
-    let header = Header {
-        model_name: "fuzz".into(),
-        layer_count: 3,
-        layers: 0..3,
-        timestamp: None,
-        nozzle_temperature: 210.0,
-        part_min: DVec3::ZERO,
-        part_max: DVec3::splat(5.0),
-        outline: Vec::new(),
-        thumbnails: Vec::new(),
-        format: isoslice::gcode::Format::Text,
+    let source = Source::Text {
+        name: "fuzz".into(),
+        kind: SourceKind::Formula,
+        text: "max(abs(x), abs(y), abs(z)) - 0.6".into(),
+    };
+    let bed = BuildVolume {
+        x: 9.0,
+        y: 9.0,
+        z: 9.0,
     };
     let mut settings = Settings::default();
     settings.gcode.start = text.into();
+    let Ok(cube) = load_within(&source, &[], &ScriptLimits::default()) else {
+        return;
+    };
+    let Ok(cube) = place(&cube, &Placement::default(), bed) else {
+        return;
+    };
     // Refused or not: it must come back.
     let _ =
-        Writer::new(&mut Vec::new(), &settings, &header, &mut |_| {}).map(drop);
+        pipeline::slice(&cube, &settings, &Options::default(), &mut Vec::new());
 }
 
 /// A formula in a small box, sliced: whatever the field is, G-code or an

@@ -7,15 +7,15 @@
 
 mod common;
 
+use common::edges::Edges;
 use common::{
     Example, INNER_WALL, Kind, Layer, Move, OUTER_WALL, SKIRT, examples,
     formula, parse, settings, slice,
 };
 use glam::{DVec2, DVec3};
+use isocontour::Area;
 use isoslice::layers::LayerSpan;
 use isoslice::model::Model;
-use isoslice::plane::Area;
-use isoslice::plane::grid::EdgeGrid;
 use isoslice::settings::Settings;
 use isoslice::units::filament_area;
 use std::sync::LazyLock;
@@ -75,8 +75,8 @@ impl Print {
     }
 
     /// The layers with their outlines.
-    fn each_layer(&self) -> impl Iterator<Item = (&Layer, EdgeGrid)> + '_ {
-        let outlines = self.outlines.iter().map(|a| EdgeGrid::new(a, 0.5));
+    fn each_layer(&self) -> impl Iterator<Item = (&Layer, Edges)> + '_ {
+        let outlines = self.outlines.iter().map(|a| Edges::new(a));
         self.layers.iter().zip(outlines)
     }
 
@@ -258,7 +258,7 @@ fn travels_that_leave_the_part_are_retracted() {
         let own = 0.5 * print.settings.outer_wall_width + 0.01;
         let mut retracted = 0;
         for (layer, edges) in print.each_layer() {
-            let walls = EdgeGrid::new(&outer_walls(layer), 1.0);
+            let walls = Edges::new(&outer_walls(layer));
             // Travels by way points count as one, and so do hops on them.
             let runs = layer
                 .moves
@@ -331,7 +331,7 @@ fn outer_walls(layer: &Layer) -> Area {
 fn the_skirt_keeps_off_the_part() {
     for print in PRINTS.iter() {
         let (layer, area) = (&print.layers[0], &print.outlines[0]);
-        let edges = EdgeGrid::new(area, 10.0);
+        let edges = Edges::new(area);
         let skirt = layer.moves.iter().filter(|m| m.role == SKIRT);
         let skirt: Vec<&Move> = skirt.filter(|m| is_print(m)).collect();
         assert!(!skirt.is_empty(), "{}", print.name);

@@ -15,9 +15,9 @@ mod csg;
 
 use csg::{Solid, solid};
 use glam::DVec2;
+use isocontour::Rect;
 use isocontour::{Detail, Field, Outline, outlines};
 use isoslice::model::{Source, SourceKind, load};
-use isoslice::plane::Rect;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};

@@ -54,6 +54,8 @@ mod progress;
 mod scan;
 mod sink;
 mod template;
+#[cfg(test)]
+mod tests;
 mod thumbnail;
 mod time;
 

@@ -27,6 +27,8 @@
 //! | `exit` | what is done in order |
 //! | `tally` | counts over all layers, and warnings that follow from them |
 
+#[cfg(test)]
+mod estimates;
 mod exit;
 mod layer;
 mod stages;

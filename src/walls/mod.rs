@@ -1,6 +1,8 @@
 //! Beads of the walls.
 
 mod overhang;
+#[cfg(test)]
+mod tests;
 
 pub use overhang::Support;
 

@@ -7,7 +7,10 @@
 // Each test file is a crate of its own and uses its share of this.
 #![allow(dead_code, reason = "no test file uses everything")]
 
+pub mod edges;
+
 use glam::{DVec2, DVec3};
+use isocontour::Rect;
 use isocontour::SLAB;
 use isocontour::{Detail, Field, Outline, outlines};
 use isoslice::layers::{LayerRange, LayerSpan, plan};
@@ -15,8 +18,6 @@ use isoslice::model::{
     BuildVolume, Model, Placement, Source, SourceKind, load, place,
 };
 use isoslice::pipeline::{self, Options, Summary};
-use isoslice::plane::Rect;
-use isoslice::region::OUTLINE_SHARE;
 use isoslice::settings::{Builder, Settings};
 use std::path::Path;
 
@@ -107,7 +108,8 @@ pub fn layers(
     let field =
         Field::new(&model.tree, 0.0, rect, settings.sample_spacing).unwrap();
     let detail = Detail {
-        accuracy: OUTLINE_SHARE * settings.accuracy,
+        // What the program leaves to outlines.
+        accuracy: 0.7 * settings.accuracy,
         smallest: 0.25 * settings.outer_wall_width,
     };
     let found = spans

@@ -1,7 +1,7 @@
 //! What must hold of any outline, judged by the function itself.
 
 use glam::DVec2;
-use isoslice::plane::{Area, edges, ring_contains, signed_area};
+use isocontour::plane::{Area, edges, ring_contains, signed_area};
 use std::f64::consts::TAU;
 
 /// Everything wrong with an outline's rings as such.

@@ -1,18 +1,15 @@
 //! Pacing and the G-code writer together, on small jobs made by hand: the
 //! text itself, and what a machine that reads it would do.
 
-// A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
-
+use crate::bead::{Bead, Role, Stroke};
+use crate::gcode::{Header, Totals, WriteError, Writer};
+use crate::layers::LayerSpan;
+use crate::pace::rates::Rater;
+use crate::pace::{PacedLayer, PacedMove, Pacer};
+use crate::settings::{Flavour, Settings};
+use crate::travel::{LayerPath, Move, Travel};
+use crate::units::filament_area;
 use glam::{DVec2, DVec3};
-use isoslice::bead::{Bead, Role, Stroke};
-use isoslice::gcode::{Header, Totals, WriteError, Writer};
-use isoslice::layers::LayerSpan;
-use isoslice::pace::rates::Rater;
-use isoslice::pace::{PacedLayer, PacedMove, Pacer};
-use isoslice::settings::{Flavour, Settings};
-use isoslice::travel::{LayerPath, Move, Travel};
-use isoslice::units::filament_area;
 
 fn settings() -> Settings {
     Settings::default()
@@ -130,7 +127,7 @@ fn header(layer_count: usize) -> Header {
         part_max: DVec3::new(112.0, 110.0, 0.2 * layer_count as f64),
         outline: Vec::new(),
         thumbnails: Vec::new(),
-        format: isoslice::gcode::Format::Text,
+        format: crate::gcode::Format::Text,
     }
 }
 
@@ -241,7 +238,7 @@ impl Machine {
             self.primes += 1;
         } else if d >= 0.2 {
             assert!(self.waited.len() == 2, "cold: {line}");
-            let area = isoslice::bead::cross_section(self.width, self.height);
+            let area = crate::bead::cross_section(self.width, self.height);
             let error = step * filament_area(1.75) / d / area - 1.0;
             self.flow_error = self.flow_error.max(error.abs());
         }
@@ -560,7 +557,7 @@ fn the_end_knows_what_the_print_took() {
     s.gcode.end =
         "M117 {{ print_time }}, {{ filament_length | round }} mm".into();
     let (text, totals) = written(&s, tiny());
-    let time = isoslice::units::human_time(totals.time);
+    let time = crate::units::human_time(totals.time);
     let length = totals.filament_length.round();
     assert!(
         text.contains(&format!("\nM117 {time}, {length} mm\n")),
@@ -651,7 +648,7 @@ fn the_footer_says_what_the_print_takes() {
     let (text, totals) = written(&s, tiny());
     assert_eq!(totals.layers, 2);
     assert!(text.contains("; total layers count = 2\n"));
-    let time = isoslice::units::human_time(totals.time);
+    let time = crate::units::human_time(totals.time);
     assert!(text.contains(&format!(
         "; estimated printing time (normal mode) = {time}\n"
     )));

@@ -8,15 +8,10 @@
 //! `minimum_cruise_ratio: 0.5`, `instantaneous_corner_velocity: 1`). They are
 //! the sums of the moves' times, without homing.
 
-// A test that cannot go on should say so and stop.
-#![allow(clippy::unwrap_used)]
-
-use isoslice::model::{
-    BuildVolume, Placement, Source, SourceKind, load, place,
-};
-use isoslice::pace::clock::time_of;
-use isoslice::pipeline::{Options, slice};
-use isoslice::settings::{Flavour, Settings};
+use crate::model::{BuildVolume, Placement, Source, SourceKind, load, place};
+use crate::pace::clock::time_of;
+use crate::pipeline::{Options, slice};
+use crate::settings::{Flavour, Settings};
 use std::fmt::Write;
 
 /// What the printer does before each case.

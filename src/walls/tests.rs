@@ -1,13 +1,13 @@
 //! Walls of parts whose thickness is known: what they leave open, what they
 //! paint outside of the part, and how much they extrude.
 
+use crate::bead::Bead;
+use crate::plane::Area;
+use crate::plane::grid::EdgeGrid;
+use crate::region::walls;
+use crate::settings::Settings;
+use crate::walls::beads;
 use glam::DVec2;
-use isoslice::bead::Bead;
-use isoslice::plane::Area;
-use isoslice::plane::grid::EdgeGrid;
-use isoslice::region::walls;
-use isoslice::settings::Settings;
-use isoslice::walls::beads;
 use std::f64::consts::{PI, TAU};
 
 const HEIGHT: f64 = 0.2;
@@ -58,7 +58,7 @@ fn print(part: &Area) -> Print {
             for j in range(lo.y, hi.y, rows) {
                 for i in range(lo.x, hi.x, columns) {
                     let p = centre(i, j);
-                    let q = isoslice::plane::grid::nearest_on(p, a, b);
+                    let q = crate::plane::grid::nearest_on(p, a, b);
                     if p.distance(q) > r || covered[j * columns + i] {
                         continue;
                     }
