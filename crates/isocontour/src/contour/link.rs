@@ -80,15 +80,31 @@ struct Link {
 }
 
 /// One layer's vertices and how they follow each other.
+///
+/// What is missing is asked for again and again, each time after a little was
+/// added: so what is known of the vertices before is kept.
 #[derive(Default)]
 pub(super) struct Chains {
     links: Vec<Link>,
     leaves: Vec<(u32, u32)>,
     /// Cells that were divided, by column and row.
     divided: Vec<[usize; 2]>,
-    /// The loose ends and starts, in order, if nothing has changed since they
-    /// were looked for.
-    loose: Option<[Vec<Loose>; 2]>,
+    loose: LooseEnds,
+    /// Vertices on whole lattice edges, by edge, among the first so many.
+    whole: (Vec<(u32, u32)>, usize),
+}
+
+/// The vertices at which chains break off.
+#[derive(Default)]
+struct LooseEnds {
+    /// Those at which one ends and those at which one begins, in order.
+    lists: [Vec<Loose>; 2],
+    /// How many vertices they were looked for among.
+    among: usize,
+    /// Vertices before these that have lost what followed or came before.
+    cut: Vec<u32>,
+    /// With those lists, nothing was missing.
+    closed: bool,
 }
 
 impl Chains {
@@ -111,7 +127,6 @@ impl Chains {
         crossing: Crossing,
         fixed: bool,
     ) -> u32 {
-        self.loose = None;
         self.links.push(Link {
             point,
             crossing,
@@ -122,8 +137,8 @@ impl Chains {
         self.links.len() as u32 - 1
     }
 
-    /// Lets `to` follow `from`, at least one of which has been added since the
-    /// loose ends were last looked for.
+    /// Lets `to` follow `from`, both of which have been added since the loose
+    /// ends were last looked for.
     pub(super) fn connect(&mut self, from: u32, to: u32) {
         self.links[from as usize].next = to;
         self.links[to as usize].has_previous = true;
@@ -145,23 +160,38 @@ impl Chains {
         self.connect(last, to);
     }
 
-    /// Vertices at which a chain ends and those at which one begins, by
-    /// lattice edge.
-    fn loose(&mut self) -> [Vec<Loose>; 2] {
-        if let Some(known) = self.loose.take() {
-            return known;
+    /// Looks for the vertices at which a chain ends and those at which one
+    /// begins, by lattice edge; false if they are those of the last time.
+    fn find_loose(&mut self) -> bool {
+        let loose = &mut self.loose;
+        if loose.among == self.links.len() && loose.cut.is_empty() {
+            return false;
         }
-        let (mut ends, mut starts) = (Vec::new(), Vec::new());
-        for (link, i) in self.links.iter().zip(0..) {
-            match (link.has_previous, link.next != NONE) {
-                (true, false) => ends.push((link.crossing.key(), i)),
-                (false, true) => starts.push((link.crossing.key(), i)),
-                _ => {}
+        let role = |link: &Link| match (link.has_previous, link.next != NONE) {
+            (true, false) => Some(0),
+            (false, true) => Some(1),
+            _ => None,
+        };
+        if !loose.cut.is_empty() {
+            for (n, list) in loose.lists.iter_mut().enumerate() {
+                let links = &self.links;
+                list.retain(|l| role(&links[l.1 as usize]) == Some(n));
             }
         }
-        ends.sort_unstable();
-        starts.sort_unstable();
-        [ends, starts]
+        let new = loose.among as u32..self.links.len() as u32;
+        for i in loose.cut.drain(..).chain(new) {
+            let link = &self.links[i as usize];
+            if let Some(n) = role(link) {
+                loose.lists[n].push((link.crossing.key(), i));
+            }
+        }
+        for list in &mut loose.lists {
+            // The stable sort knows what is in order already.
+            list.sort();
+            list.dedup();
+        }
+        loose.among = self.links.len();
+        true
     }
 
     /// What must be sampled for the chains to close.
@@ -170,17 +200,15 @@ impl Chains {
         layer: usize,
         lattice: &Lattice,
     ) -> Missing {
-        let [ends, starts] = self.loose();
-        let mut lonely = without(&ends, &starts);
-        lonely.extend(without(&starts, &ends));
-        self.loose = Some([ends, starts]);
-        if lonely.is_empty() {
+        if !self.find_loose() && self.loose.closed {
             return Missing::default();
         }
-        let mut sampled = self.leaves.clone();
-        sampled.sort_unstable();
-        let mut divided = self.divided.clone();
-        divided.sort_unstable();
+        let [ends, starts] = &self.loose.lists;
+        let mut lonely = without(ends, starts);
+        lonely.extend(without(starts, ends));
+        self.leaves.sort();
+        self.divided.sort();
+        let (sampled, divided) = (&self.leaves, &self.divided);
         let mut leaves: Vec<(u32, u32)> = Vec::new();
         let mut cells: Vec<[usize; 2]> = Vec::new();
         for c in lonely {
@@ -200,6 +228,7 @@ impl Chains {
         leaves.dedup();
         cells.sort_unstable();
         cells.dedup();
+        self.loose.closed = leaves.is_empty() && cells.is_empty();
         let leaves = leaves.into_iter().map(|(i, j)| Leaf {
             layer,
             i: i as usize,
@@ -230,12 +259,23 @@ impl Chains {
             let own = owners[from..].iter().take_while(move |o| o.0 == c.edge);
             own.filter(move |_| c.part == Crossing::WHOLE).map(|o| o.1)
         };
-        self.loose = None;
-        for first in 0..self.links.len() {
-            let crossing = self.links[first].crossing;
-            if owners_of(crossing).next().is_none() {
-                continue;
+        let (whole, among) = &mut self.whole;
+        for (link, i) in self.links.iter().zip(0..).skip(*among) {
+            if link.crossing.part == Crossing::WHOLE {
+                whole.push((link.crossing.edge, i));
             }
+        }
+        whole.sort();
+        *among = self.links.len();
+        let mut edges: Vec<u32> = owners.iter().map(|o| o.0).collect();
+        edges.dedup();
+        let of = |edge: u32| {
+            let from = whole.partition_point(|w| w.0 < edge);
+            whole[from..].iter().take_while(move |w| w.0 == edge)
+        };
+        for &(_, first) in edges.into_iter().flat_map(of) {
+            let first = first as usize;
+            let crossing = self.links[first].crossing;
             // To where the outline leaves the cell it enters here.
             let mut path = vec![first];
             let mut at = self.links[first].next;
@@ -256,13 +296,15 @@ impl Chains {
             for pair in path.windows(2) {
                 self.links[pair[0]].next = NONE;
                 self.links[pair[1]].has_previous = false;
+                self.loose.cut.extend(pair.iter().map(|&i| i as u32));
             }
         }
     }
 
     /// The closed rings, and how many had to be closed by force.
     pub(super) fn into_rings(mut self) -> (Vec<Joined>, usize) {
-        let [ends, starts] = self.loose();
+        self.find_loose();
+        let [ends, starts] = std::mem::take(&mut self.loose.lists);
         for (crossing, end) in ends {
             let at = starts.partition_point(|s| s.0 < crossing);
             if let Some(&(c, start)) = starts.get(at)
