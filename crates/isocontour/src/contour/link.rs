@@ -10,6 +10,7 @@
 use crate::field::{LEAF, Lattice, Leaf};
 use crate::plane::Ring;
 use glam::DVec2;
+use std::collections::BTreeSet;
 
 /// No vertex.
 pub(super) const NONE: u32 = u32::MAX;
@@ -89,6 +90,8 @@ pub(super) struct Chains {
     leaves: Vec<(u32, u32)>,
     /// Cells that were divided, by column and row.
     divided: Vec<[usize; 2]>,
+    /// Leaves of which no more cells are to be divided.
+    left: BTreeSet<[usize; 2]>,
     loose: LooseEnds,
     /// Vertices on whole lattice edges, by edge, among the first so many.
     whole: (Vec<(u32, u32)>, usize),
@@ -111,6 +114,11 @@ impl Chains {
     /// Notes that a leaf has been sampled.
     pub(super) fn visited(&mut self, leaf: &Leaf) {
         self.leaves.push((leaf.i as u32, leaf.j as u32));
+    }
+
+    /// Notes that nothing more is to be found out of a leaf.
+    pub(super) fn leave(&mut self, leaf: &Leaf) {
+        self.left.insert([leaf.i, leaf.j]);
     }
 
     /// Notes that a cell has been divided.
@@ -213,12 +221,13 @@ impl Chains {
         let mut cells: Vec<[usize; 2]> = Vec::new();
         for c in lonely {
             for [i, j] in beside(c.edge, lattice) {
-                let leaf = (i / LEAF * LEAF, j / LEAF * LEAF);
-                let leaf = (leaf.0 as u32, leaf.1 as u32);
+                let [a, b] = [i, j].map(|k| k / LEAF * LEAF);
+                let leaf = (a as u32, b as u32);
                 if sampled.binary_search(&leaf).is_err() {
                     leaves.push(leaf);
                 } else if c.part != Crossing::WHOLE
                     && divided.binary_search(&[i, j]).is_err()
+                    && !self.left.contains(&[a, b])
                 {
                     cells.push([i, j]);
                 }
@@ -301,10 +310,27 @@ impl Chains {
         }
     }
 
+    /// A vertex at which a chain breaks off, with its place.
+    fn lonely(
+        &self,
+        crossing: u64,
+        vertex: u32,
+        ends: bool,
+    ) -> (u32, f64, u32, bool) {
+        let edge = Crossing::of_key(crossing).edge;
+        let dir = (edge % 2) as usize;
+        let along = self.links[vertex as usize].point[dir];
+        (edge, along, vertex, ends)
+    }
+
     /// The closed rings, and how many had to be closed by force.
     pub(super) fn into_rings(mut self) -> (Vec<Joined>, usize) {
         self.find_loose();
         let [ends, starts] = std::mem::take(&mut self.loose.lists);
+        // What is left of them on an edge: its number, the place along it,
+        // the vertex, and whether a chain ends there.
+        let mut lonely: Vec<(u32, f64, u32, bool)> = Vec::new();
+        let mut taken = vec![false; starts.len()];
         for (crossing, end) in ends {
             let at = starts.partition_point(|s| s.0 < crossing);
             if let Some(&(c, start)) = starts.get(at)
@@ -315,6 +341,29 @@ impl Chains {
                 self.links[start as usize].point =
                     self.links[end as usize].point;
                 self.connect(end, start);
+                taken[at] = true;
+            } else {
+                lonely.push(self.lonely(crossing, end, true));
+            }
+        }
+        for (&(crossing, start), taken) in starts.iter().zip(taken) {
+            if !taken {
+                lonely.push(self.lonely(crossing, start, false));
+            }
+        }
+        // Where the cells on both sides of an edge do not agree, and nothing
+        // more was to be found out: what only one of them holds to be inside
+        // ends at the edge.
+        lonely.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        for edge in lonely.chunk_by(|a, b| a.0 == b.0) {
+            for pair in edge.as_chunks::<2>().0 {
+                match *pair {
+                    [(_, _, end, true), (_, _, start, false)]
+                    | [(_, _, start, false), (_, _, end, true)] => {
+                        self.connect(end, start);
+                    }
+                    _ => {}
+                }
             }
         }
         let mut seen = vec![false; self.links.len()];

@@ -125,6 +125,7 @@ pub fn outlines_in_phases(
         begins(Phase::Sampling);
         Ok(())
     })?;
+    marcher.finish()?;
     begins(Phase::Closing);
     close(field, z, detail, layers, marcher)
 }
@@ -183,6 +184,7 @@ fn close(
             })?;
         }
     }
+    marcher.finish()?;
     let nan = marcher.nan_samples();
     layers
         .into_iter()
