@@ -17,9 +17,9 @@
 //! have nearly the distance of the nodes, which then see next to nothing of
 //! them.
 //!
-//! A slab is refused if such leaves are more than some mm² and a fifth of the
-//! leaves that hold some of its surface. Cells beside them that were divided in
-//! vain count as well: a rough skin is in no leaf but along its middle. A fifth,
+//! A slab is refused if such leaves are more than some mm² and a tenth of the
+//! leaves that hold some of its surface, or very many. Cells beside them that were divided in
+//! vain count as well: a rough skin is in no leaf but along its middle. A tenth,
 //! since what a leaf costs that is taken as its nodes say is bounded, so that
 //! the run takes little longer than the rest of the part does. A fan of n blades
 //! with the radius R is too fine up to r = n w / π, where w is the smallest
@@ -62,10 +62,10 @@ const CLOSE_PITCH: f64 = 1.0 / 16.0;
 /// forty blades of a fan meet there are 6 mm² in each.
 const LET_PASS: Content = 200.0;
 /// The share of the leaves beyond which a slab is refused.
-const SHARE: f64 = 0.2;
-/// With so much of it, the slab is refused as soon as it is more than its share
-/// of the leaves so far. Before, it may be that the walk began with it.
-const EARLY: Content = 1500.0;
+const SHARE: f64 = 0.1;
+/// What is never let pass: the rings that the nodes of such leaves make have to
+/// be filled and travelled to.
+const MOST: Content = 2000.0;
 /// A divided cell counts as so many cells: it costs as much as a quarter of a
 /// leaf.
 const CELL: f64 = 16.0;
@@ -227,7 +227,7 @@ impl Noise {
     ) -> Result<(), FieldError> {
         self.area += area;
         self.first.get_or_insert((at, width));
-        self.verdict(EARLY)
+        self.verdict(MOST)
     }
 
     /// To be asked when all leaves have been looked at.
@@ -235,18 +235,16 @@ impl Noise {
     /// # Errors
     /// If more of them is too fine than is let pass.
     pub(super) fn finish(&self) -> Result<(), FieldError> {
-        self.verdict(LET_PASS)
+        self.verdict(LET_PASS.max(SHARE * self.all))
     }
 
     fn verdict(&self, most: Content) -> Result<(), FieldError> {
         match self.first {
-            Some((at, width)) if self.area > most.max(SHARE * self.all) => {
-                Err(FieldError::TooFine {
-                    at,
-                    width,
-                    smallest: self.smallest,
-                })
-            }
+            Some((at, width)) if self.area > most => Err(FieldError::TooFine {
+                at,
+                width,
+                smallest: self.smallest,
+            }),
             _ => Ok(()),
         }
     }
