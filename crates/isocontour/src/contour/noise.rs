@@ -18,13 +18,13 @@
 //! them.
 //!
 //! A slab is refused if such leaves are more than some mm² and a tenth of the
-//! leaves that hold some of its surface, or very many. Cells beside them that were divided in
-//! vain count as well: a rough skin is in no leaf but along its middle. A tenth,
-//! since what a leaf costs that is taken as its nodes say is bounded, so that
-//! the run takes little longer than the rest of the part does. A fan of n blades
-//! with the radius R is too fine up to r = n w / π, where w is the smallest
-//! feature: (r / R)² of it, and the rest can be printed. What waves finely all
-//! over does so in nearly all of these leaves.
+//! leaves that hold some of its surface, or very many. Cells beside them that
+//! were divided in vain count as well: a rough skin is in no leaf but along its
+//! middle. A tenth, since what a leaf costs that is taken as its nodes say is
+//! bounded, so that the run takes little longer than the rest of the part does.
+//! A fan of n blades with the radius R is too fine up to r = n w / π, where w is
+//! the smallest feature: (r / R)² of it, and the rest can be printed. What waves
+//! finely all over does so in nearly all of these leaves.
 //!
 //! The verdict depends on the slab's layers and on nothing else. Not noticed:
 //! waves that the lattice's nodes all miss, which are as cheap as none.
