@@ -222,6 +222,12 @@ fn islands_without_number() {
     }
 }
 
+fn gyroid(k: &str) -> String {
+    format!(
+        "sin(x*{k})*cos(y*{k}) + sin(y*{k})*cos(z*{k}) + sin(z*{k})*cos(x*{k})"
+    )
+}
+
 /// A part whose field waves so finely that nothing of it could be printed is
 /// refused, with the place, before hours of work are done for it.
 #[test]
@@ -238,11 +244,20 @@ fn fields_that_oscillate_finer_than_can_be_printed() {
         &format!("max(sin(100*x)*sin(100*y)*sin(100*z), {CUBE})"),
         &format!("max((floor(x*50) + floor(y*50)) % 2 - 0.5, {CUBE})"),
         &format!("max({mods} - 0.8, {CUBE})"),
+        // Waves whose distance is nearly that of the samples, or of those in
+        // a divided cell.
+        "sin(60*x) + sqrt(x^2+y^2+z^2) - 15",
+        "sqrt(x^2+y^2+z^2) - 10 + 0.05*sin(1000*x)*sin(1000*y)",
+        "sqrt(x^2+y^2+z^2) - 10 + 0.05*sin(1e4*x)*sin(1e4*y)",
+        // Sheets that hardly any node meets.
+        &format!("max(abs({}) - 0.05, {CUBE})", gyroid("6")),
+        // Blades, most of whose area is too fine.
+        &format!("max(sin(400*atan2(y,x)), {CUBE})"),
         // A rough skin, no thicker than a hair.
         "sqrt(x^2+y^2+z^2) - 8 + 0.02*sin(300*x)*sin(300*y)*sin(300*z)",
     ] {
         let error = slice(text, None, &settings).unwrap_err();
-        assert!(error.contains("finer than"), "{text}: {error}");
+        assert!(error.contains("too finely"), "{text}: {error}");
         assert!(error.contains("near x ="), "{text}: {error}");
     }
     // The same whatever the lattice.
@@ -251,7 +266,7 @@ fn fields_that_oscillate_finer_than_can_be_printed() {
         let settings = common::settings(&[&spacing]);
         let text = format!("max(sin(97*x)*sin(97*y)*sin(97*z), {CUBE})");
         let error = slice(&text, None, &settings).unwrap_err();
-        assert!(error.contains("finer than"), "{spacing}: {error}");
+        assert!(error.contains("too finely"), "{spacing}: {error}");
     }
 }
 
@@ -259,22 +274,23 @@ fn fields_that_oscillate_finer_than_can_be_printed() {
 #[test]
 fn fine_lattices_are_printed() {
     let settings = common::settings(&["thin_min=10%"]);
-    let gyroid = |k: &str| {
-        format!(
-            "sin(x*{k})*cos(y*{k}) + sin(y*{k})*cos(z*{k}) \
-             + sin(z*{k})*cos(x*{k})"
-        )
-    };
     let cut = |f: &str| format!("max({f}, max(max(abs(x),abs(y)),abs(z)) - 3)");
     for text in [
         // Sheets of a gyroid with cells of 0.9 mm.
         cut(&format!("abs({}) - 0.6", gyroid("6.981"))),
+        // Half of it inside, with cells of 0.5 mm.
+        cut(&gyroid("12.566")),
+        // Pins of 0.2 mm, 0.3 mm apart: whole rows in line with the lattice.
+        cut("sqrt(((x+50)%0.3-0.15)^2 + ((y+50)%0.3-0.15)^2) - 0.1"),
         // Struts of 0.15 mm, 1 mm apart.
         cut("sqrt(((x+50)%1-0.5)^2 + ((y+50)%1-0.5)^2) - 0.075"),
         // Fins of 0.2 mm.
         cut("abs((x+50)%0.4 - 0.2) - 0.1"),
         // Forty blades that meet in the middle.
         "max(sin(40*atan2(y,x)), max(sqrt(x^2+y^2) - 6, abs(z) - 3))".into(),
+        // Sixty, and a hundred: what is too fine is a small share of them.
+        "max(sin(60*atan2(y,x)), max(sqrt(x^2+y^2) - 9, abs(z) - 3))".into(),
+        "max(sin(100*atan2(y,x)), max(sqrt(x^2+y^2) - 12, abs(z) - 1))".into(),
     ] {
         let gcode = slice(&text, None, &settings).unwrap();
         assert_valid(&gcode, &settings, &text);

@@ -70,6 +70,18 @@ pub(super) struct Fineness {
     pub smallest: Length,
 }
 
+/// Sign changes along a line, over the length of the smallest feature, beyond
+/// what can be printed: three whole pieces in between.
+const DENSE: usize = 4;
+/// The share of a cell's lines from which on it is too fine if they are like
+/// that.
+const DENSE_LINES: f64 = 1.0 / 6.0;
+
+/// Pieces of outline in a divided cell that the gradients at their ends
+/// contradict from which on it is too fine, if they are half of all: there is
+/// more of it between the nodes.
+const AGAINST: usize = 8;
+
 /// The field on a divided cell.
 struct Patch {
     x: Vec<f32>,
@@ -97,26 +109,49 @@ impl Patch {
         }
     }
 
+    /// Distance of its nodes.
+    fn step(&self) -> Length {
+        let last = self.x.len() - 1;
+        (f64::from(self.x[last]) - f64::from(self.x[0])) / last as f64
+    }
+
     /// How wide what is inside and what is outside is on average, as in
-    /// `noise`, if that is much less than the smallest feature: a third of it,
-    /// or less than it and so fine that every fourth edge has a sign change.
+    /// `noise`, if that is much less than the smallest feature: a third of it
+    /// all over or in some places, or less than it and so fine that every
+    /// fourth edge has a sign change.
     fn too_fine(&self, smallest: Length) -> Option<Length> {
-        let (n, all) = (self.x.len(), &self.inside);
-        let along_x = |k: &usize| !(k + 1).is_multiple_of(n);
-        let changes = (0..all.len() - 1)
-            .filter(along_x)
-            .filter(|&k| all[k] != all[k + 1])
-            .count()
-            + (n..all.len()).filter(|&k| all[k] != all[k - n]).count();
-        let side = f64::from(self.x[n - 1]) - f64::from(self.x[0]);
-        let length = 2.0 * n as f64 * side;
-        let density = FRAC_PI_2 * changes as f64 / length;
+        let n = self.x.len();
+        let step = self.step();
+        // Edges in a row that are as long as the smallest feature.
+        let span = ((smallest / step) as usize).max(DENSE);
+        let (mut changes, mut dense) = (0, 0);
+        let mut line = |at: &dyn Fn(usize) -> usize| {
+            let mut places = [0; DENSE];
+            let (mut count, mut found) = (0, false);
+            for k in 1..n {
+                if self.inside[at(k - 1)] != self.inside[at(k)] {
+                    places[count % DENSE] = k;
+                    count += 1;
+                    // The oldest of the last few is next to be overwritten.
+                    found |= count >= DENSE && k - places[count % DENSE] < span;
+                }
+            }
+            changes += count;
+            dense += usize::from(found);
+        };
+        for m in 0..n {
+            line(&|k| self.node(k, m));
+            line(&|k| self.node(m, k));
+        }
+        let density = FRAC_PI_2 * changes as f64
+            / (2.0 * n as f64 * step * (n as f64 - 1.0));
         let width = 1.0 / density;
         let most = match 2 * changes > n * (n - 1) {
             true => smallest,
             false => smallest / 3.0,
         };
-        (width < most).then_some(width)
+        let dense = dense as f64 >= DENSE_LINES * 2.0 * n as f64;
+        (width < most || (dense && smallest > 0.0)).then_some(width)
     }
 
     fn slot(&self, a: usize, b: usize, dir: usize) -> usize {
@@ -298,6 +333,13 @@ fn find_vertices(
     Ok(())
 }
 
+/// True if the field at one of its ends rises to the other side of a piece of
+/// outline than that on which its nodes are outside.
+fn is_against(from: End, to: End) -> bool {
+    let out = -(to.point - from.point).perp();
+    [from, to].iter().any(|end| end.gradient.dot(out) < 0.0)
+}
+
 /// True if a vertex lies on an edge of a patch.
 fn between(p: DVec2, patch: &Patch, a: usize, b: usize, dir: usize) -> bool {
     let (lo, hi) = (patch.point(a, b), patch.point(a + 1 - dir, b + dir));
@@ -342,6 +384,8 @@ fn connect(
     let mut owners: Vec<(usize, bool)> = Vec::new();
     for (n, (cell, p)) in cells.iter().zip(patches).enumerate() {
         let in_vain = out.widths[n].is_some();
+        let first = chords.len();
+        let (mut count, mut against) = (0, 0);
         for (a, b) in all() {
             let case = case(p, a, b);
             let mut list = CASES[case];
@@ -360,6 +404,8 @@ fn connect(
             for (n, &(from, to)) in list.iter().enumerate() {
                 let (from, to) = (vertex(from), vertex(to));
                 let ends = [from, to].map(|v| out.vertices[v as usize].end);
+                count += 1;
+                against += usize::from(is_against(ends[0], ends[1]));
                 let (near, far) = (fineness.tolerance, fineness.trusted);
                 // Both of a saddle, so that they can be compared.
                 if !in_vain
@@ -387,6 +433,11 @@ fn connect(
                     points: Vec::new(),
                 });
             }
+        }
+        if !in_vain && against >= AGAINST && 2 * against >= count {
+            out.widths[n] = Some(p.step());
+            chords.truncate(first);
+            owners.truncate(first);
         }
     }
     let (near, far) = (fineness.tolerance, fineness.trusted);

@@ -17,7 +17,7 @@
 //! from all of the nodes around it.
 
 use super::samples::Samples;
-use crate::cells::bits;
+use crate::cells::{Place, bits};
 use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use glam::{DVec2, Vec4};
 use pulp::{Arch, Simd, WithSimd};
@@ -192,8 +192,8 @@ struct Border {
     cells: [Option<[usize; 2]>; 2],
 }
 
-/// The doubtful cells of a batch: (leaf, column, row), in order. At most a
-/// few per leaf if `few`.
+/// The doubtful cells of a batch, in order, and if only a `few` are wanted per
+/// leaf, the leaves with more, which are left out.
 pub(super) fn doubts(
     leaves: &[Leaf],
     values: &[f32],
@@ -202,8 +202,8 @@ pub(super) fn doubts(
     few: bool,
     sampler: &mut dyn Sampler,
     scratch: &mut Samples,
-) -> Result<Vec<(usize, [usize; 2])>, FieldError> {
-    let mut found: Vec<(usize, [usize; 2])> = Vec::new();
+) -> Result<(Vec<Place>, Vec<usize>), FieldError> {
+    let mut found: Vec<Place> = Vec::new();
     let mut borders: Vec<Border> = Vec::new();
     let reach = if few { NEAR } else { FAR };
     scratch.clear();
@@ -289,16 +289,13 @@ pub(super) fn doubts(
     }
     found.sort_unstable();
     found.dedup();
+    let mut many = Vec::new();
     if few {
-        let counts = |n: usize| {
-            let from = found.partition_point(|f| f.0 < n);
-            found[from..].iter().take_while(|f| f.0 == n).count()
-        };
-        let noisy: Vec<bool> =
-            (0..leaves.len()).map(|n| counts(n) > MOST).collect();
-        found.retain(|f| !noisy[f.0]);
+        let of_leaf = found.chunk_by(|a, b| a.0 == b.0);
+        many.extend(of_leaf.filter(|f| f.len() > MOST).map(|f| f[0].0));
+        found.retain(|f| many.binary_search(&f.0).is_err());
     }
-    Ok(found)
+    Ok((found, many))
 }
 
 #[cfg(test)]

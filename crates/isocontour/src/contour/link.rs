@@ -10,6 +10,7 @@
 use crate::field::{LEAF, Lattice, Leaf};
 use crate::plane::Ring;
 use glam::DVec2;
+use std::collections::BTreeSet;
 
 /// No vertex.
 pub(super) const NONE: u32 = u32::MAX;
@@ -80,21 +81,44 @@ struct Link {
 }
 
 /// One layer's vertices and how they follow each other.
+///
+/// What is missing is asked for again and again, each time after a little was
+/// added: so what is known of the vertices before is kept.
 #[derive(Default)]
 pub(super) struct Chains {
     links: Vec<Link>,
     leaves: Vec<(u32, u32)>,
     /// Cells that were divided, by column and row.
     divided: Vec<[usize; 2]>,
-    /// The loose ends and starts, in order, if nothing has changed since they
-    /// were looked for.
-    loose: Option<[Vec<Loose>; 2]>,
+    /// Leaves of which no more cells are to be divided.
+    left: BTreeSet<[usize; 2]>,
+    loose: LooseEnds,
+    /// Vertices on whole lattice edges, by edge, among the first so many.
+    whole: (Vec<(u32, u32)>, usize),
+}
+
+/// The vertices at which chains break off.
+#[derive(Default)]
+struct LooseEnds {
+    /// Those at which one ends and those at which one begins, in order.
+    lists: [Vec<Loose>; 2],
+    /// How many vertices they were looked for among.
+    among: usize,
+    /// Vertices before these that have lost what followed or came before.
+    cut: Vec<u32>,
+    /// With those lists, nothing was missing.
+    closed: bool,
 }
 
 impl Chains {
     /// Notes that a leaf has been sampled.
     pub(super) fn visited(&mut self, leaf: &Leaf) {
         self.leaves.push((leaf.i as u32, leaf.j as u32));
+    }
+
+    /// Notes that nothing more is to be found out of a leaf.
+    pub(super) fn leave(&mut self, leaf: &Leaf) {
+        self.left.insert([leaf.i, leaf.j]);
     }
 
     /// Notes that a cell has been divided.
@@ -111,7 +135,6 @@ impl Chains {
         crossing: Crossing,
         fixed: bool,
     ) -> u32 {
-        self.loose = None;
         self.links.push(Link {
             point,
             crossing,
@@ -122,8 +145,8 @@ impl Chains {
         self.links.len() as u32 - 1
     }
 
-    /// Lets `to` follow `from`, at least one of which has been added since the
-    /// loose ends were last looked for.
+    /// Lets `to` follow `from`, both of which have been added since the loose
+    /// ends were last looked for.
     pub(super) fn connect(&mut self, from: u32, to: u32) {
         self.links[from as usize].next = to;
         self.links[to as usize].has_previous = true;
@@ -145,23 +168,38 @@ impl Chains {
         self.connect(last, to);
     }
 
-    /// Vertices at which a chain ends and those at which one begins, by
-    /// lattice edge.
-    fn loose(&mut self) -> [Vec<Loose>; 2] {
-        if let Some(known) = self.loose.take() {
-            return known;
+    /// Looks for the vertices at which a chain ends and those at which one
+    /// begins, by lattice edge; false if they are those of the last time.
+    fn find_loose(&mut self) -> bool {
+        let loose = &mut self.loose;
+        if loose.among == self.links.len() && loose.cut.is_empty() {
+            return false;
         }
-        let (mut ends, mut starts) = (Vec::new(), Vec::new());
-        for (link, i) in self.links.iter().zip(0..) {
-            match (link.has_previous, link.next != NONE) {
-                (true, false) => ends.push((link.crossing.key(), i)),
-                (false, true) => starts.push((link.crossing.key(), i)),
-                _ => {}
+        let role = |link: &Link| match (link.has_previous, link.next != NONE) {
+            (true, false) => Some(0),
+            (false, true) => Some(1),
+            _ => None,
+        };
+        if !loose.cut.is_empty() {
+            for (n, list) in loose.lists.iter_mut().enumerate() {
+                let links = &self.links;
+                list.retain(|l| role(&links[l.1 as usize]) == Some(n));
             }
         }
-        ends.sort_unstable();
-        starts.sort_unstable();
-        [ends, starts]
+        let new = loose.among as u32..self.links.len() as u32;
+        for i in loose.cut.drain(..).chain(new) {
+            let link = &self.links[i as usize];
+            if let Some(n) = role(link) {
+                loose.lists[n].push((link.crossing.key(), i));
+            }
+        }
+        for list in &mut loose.lists {
+            // The stable sort knows what is in order already.
+            list.sort();
+            list.dedup();
+        }
+        loose.among = self.links.len();
+        true
     }
 
     /// What must be sampled for the chains to close.
@@ -170,27 +208,26 @@ impl Chains {
         layer: usize,
         lattice: &Lattice,
     ) -> Missing {
-        let [ends, starts] = self.loose();
-        let mut lonely = without(&ends, &starts);
-        lonely.extend(without(&starts, &ends));
-        self.loose = Some([ends, starts]);
-        if lonely.is_empty() {
+        if !self.find_loose() && self.loose.closed {
             return Missing::default();
         }
-        let mut sampled = self.leaves.clone();
-        sampled.sort_unstable();
-        let mut divided = self.divided.clone();
-        divided.sort_unstable();
+        let [ends, starts] = &self.loose.lists;
+        let mut lonely = without(ends, starts);
+        lonely.extend(without(starts, ends));
+        self.leaves.sort();
+        self.divided.sort();
+        let (sampled, divided) = (&self.leaves, &self.divided);
         let mut leaves: Vec<(u32, u32)> = Vec::new();
         let mut cells: Vec<[usize; 2]> = Vec::new();
         for c in lonely {
             for [i, j] in beside(c.edge, lattice) {
-                let leaf = (i / LEAF * LEAF, j / LEAF * LEAF);
-                let leaf = (leaf.0 as u32, leaf.1 as u32);
+                let [a, b] = [i, j].map(|k| k / LEAF * LEAF);
+                let leaf = (a as u32, b as u32);
                 if sampled.binary_search(&leaf).is_err() {
                     leaves.push(leaf);
                 } else if c.part != Crossing::WHOLE
                     && divided.binary_search(&[i, j]).is_err()
+                    && !self.left.contains(&[a, b])
                 {
                     cells.push([i, j]);
                 }
@@ -200,6 +237,7 @@ impl Chains {
         leaves.dedup();
         cells.sort_unstable();
         cells.dedup();
+        self.loose.closed = leaves.is_empty() && cells.is_empty();
         let leaves = leaves.into_iter().map(|(i, j)| Leaf {
             layer,
             i: i as usize,
@@ -230,12 +268,23 @@ impl Chains {
             let own = owners[from..].iter().take_while(move |o| o.0 == c.edge);
             own.filter(move |_| c.part == Crossing::WHOLE).map(|o| o.1)
         };
-        self.loose = None;
-        for first in 0..self.links.len() {
-            let crossing = self.links[first].crossing;
-            if owners_of(crossing).next().is_none() {
-                continue;
+        let (whole, among) = &mut self.whole;
+        for (link, i) in self.links.iter().zip(0..).skip(*among) {
+            if link.crossing.part == Crossing::WHOLE {
+                whole.push((link.crossing.edge, i));
             }
+        }
+        whole.sort();
+        *among = self.links.len();
+        let mut edges: Vec<u32> = owners.iter().map(|o| o.0).collect();
+        edges.dedup();
+        let of = |edge: u32| {
+            let from = whole.partition_point(|w| w.0 < edge);
+            whole[from..].iter().take_while(move |w| w.0 == edge)
+        };
+        for &(_, first) in edges.into_iter().flat_map(of) {
+            let first = first as usize;
+            let crossing = self.links[first].crossing;
             // To where the outline leaves the cell it enters here.
             let mut path = vec![first];
             let mut at = self.links[first].next;
@@ -256,13 +305,32 @@ impl Chains {
             for pair in path.windows(2) {
                 self.links[pair[0]].next = NONE;
                 self.links[pair[1]].has_previous = false;
+                self.loose.cut.extend(pair.iter().map(|&i| i as u32));
             }
         }
     }
 
+    /// A vertex at which a chain breaks off, with its place.
+    fn lonely(
+        &self,
+        crossing: u64,
+        vertex: u32,
+        ends: bool,
+    ) -> (u32, f64, u32, bool) {
+        let edge = Crossing::of_key(crossing).edge;
+        let dir = (edge % 2) as usize;
+        let along = self.links[vertex as usize].point[dir];
+        (edge, along, vertex, ends)
+    }
+
     /// The closed rings, and how many had to be closed by force.
     pub(super) fn into_rings(mut self) -> (Vec<Joined>, usize) {
-        let [ends, starts] = self.loose();
+        self.find_loose();
+        let [ends, starts] = std::mem::take(&mut self.loose.lists);
+        // What is left of them on an edge: its number, the place along it,
+        // the vertex, and whether a chain ends there.
+        let mut lonely: Vec<(u32, f64, u32, bool)> = Vec::new();
+        let mut taken = vec![false; starts.len()];
         for (crossing, end) in ends {
             let at = starts.partition_point(|s| s.0 < crossing);
             if let Some(&(c, start)) = starts.get(at)
@@ -273,6 +341,29 @@ impl Chains {
                 self.links[start as usize].point =
                     self.links[end as usize].point;
                 self.connect(end, start);
+                taken[at] = true;
+            } else {
+                lonely.push(self.lonely(crossing, end, true));
+            }
+        }
+        for (&(crossing, start), taken) in starts.iter().zip(taken) {
+            if !taken {
+                lonely.push(self.lonely(crossing, start, false));
+            }
+        }
+        // Where the cells on both sides of an edge do not agree, and nothing
+        // more was to be found out: what only one of them holds to be inside
+        // ends at the edge.
+        lonely.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        for edge in lonely.chunk_by(|a, b| a.0 == b.0) {
+            for pair in edge.as_chunks::<2>().0 {
+                match *pair {
+                    [(_, _, end, true), (_, _, start, false)]
+                    | [(_, _, start, false), (_, _, end, true)] => {
+                        self.connect(end, start);
+                    }
+                    _ => {}
+                }
             }
         }
         let mut seen = vec![false; self.links.len()];

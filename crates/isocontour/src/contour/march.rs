@@ -14,7 +14,7 @@ use super::doubt::doubts;
 use super::edges::Edges;
 use super::hidden::hidden;
 use super::link::{Chains, Crossing, NONE};
-use super::noise::Noise;
+use super::noise::{Eyes, Noise};
 use super::samples::Samples;
 use super::settle::{Order, settle};
 use super::trace::{Chord, Look, Traced, Vertex, look, trace};
@@ -74,6 +74,11 @@ impl Precision {
         }
     }
 }
+
+/// How much steeper than from node to node the field is on the outline, and in
+/// how many cells of a leaf, where it may wave between the nodes.
+const STEEP: f64 = 4.0;
+const STEEP_PLACES: usize = 4;
 
 /// Samples for which cells are divided at a time, about: what becomes of them
 /// needs several times their memory.
@@ -136,17 +141,27 @@ impl<'a> Marcher<'a> {
             let nan = values.iter().filter(|f| f.is_nan()).count();
             self.nan[leaf.layer] += nan;
         }
-        self.noise.look(
-            batch.leaves,
-            batch.values,
-            &self.z,
-            self.lattice,
-            batch.sampler,
-            &mut self.scratch,
-        )?;
+        let mut eyes = Eyes {
+            z: &self.z,
+            lattice: self.lattice,
+            sampler: &mut *batch.sampler,
+            scratch: &mut self.scratch,
+        };
+        self.noise.look(batch.leaves, batch.values, &mut eyes)?;
         self.vertices(&mut batch)?;
+        let steep = self.too_steep();
+        let mut eyes = Eyes {
+            z: &self.z,
+            lattice: self.lattice,
+            sampler: &mut *batch.sampler,
+            scratch: &mut self.scratch,
+        };
+        for n in steep {
+            let leaf = &batch.leaves[n];
+            self.noise.look_into(n, leaf, true, &mut eyes)?;
+        }
         let (chords, traced) = self.trace(&mut *batch.sampler)?;
-        let mut divide = doubts(
+        let (mut divide, in_doubt) = doubts(
             batch.leaves,
             batch.values,
             &self.z,
@@ -165,9 +180,19 @@ impl<'a> Marcher<'a> {
             batch.sampler,
             &mut self.scratch,
         )?);
-        divide.retain(|&(leaf, _)| !self.noise.is_in(leaf));
+        let mut eyes = Eyes {
+            z: &self.z,
+            lattice: self.lattice,
+            sampler: &mut *batch.sampler,
+            scratch: &mut self.scratch,
+        };
+        for n in in_doubt {
+            let leaf = &batch.leaves[n];
+            self.noise.look_into(n, leaf, true, &mut eyes)?;
+        }
         let divided = self.divide(divide, true, &mut batch)?;
         self.append(layers, &chords, traced, &divided);
+        self.leave(batch.leaves, layers);
         Ok(())
     }
 
@@ -179,13 +204,33 @@ impl<'a> Marcher<'a> {
         cells: &[(usize, [usize; 2])],
         layers: &mut [Chains],
     ) -> Result<(), FieldError> {
+        self.noise.begin(batch.leaves);
         self.vertices(&mut batch)?;
         self.segments.clear();
         self.bends.clear();
         let divided = self.divide(cells.to_vec(), false, &mut batch)?;
         self.vertices.clear();
         self.append(layers, &[], Vec::new(), &divided);
+        self.leave(batch.leaves, layers);
         Ok(())
+    }
+
+    /// Tells the layers which of the leaves are too fine to be looked into any
+    /// further.
+    fn leave(&self, leaves: &[Leaf], layers: &mut [Chains]) {
+        for (n, leaf) in leaves.iter().enumerate() {
+            if self.noise.is_in(n) {
+                layers[leaf.layer].leave(leaf);
+            }
+        }
+    }
+
+    /// To be asked when the whole slab has been looked at.
+    ///
+    /// # Errors
+    /// If too much of it is too fine.
+    pub(super) fn finish(&self) -> Result<(), FieldError> {
+        self.noise.finish()
     }
 
     /// Finds the batch's vertices and how they are connected.
@@ -210,6 +255,23 @@ impl<'a> Marcher<'a> {
             crossing: Crossing::whole(edge.number),
         }));
         Ok(())
+    }
+
+    /// The leaves in which the field is much steeper on the outline than from
+    /// node to node, in many places: it may wave between them.
+    fn too_steep(&self) -> Vec<usize> {
+        let is_steep = |v: u32| {
+            let edge = &self.edges.all[v as usize];
+            let way = edge.outside - edge.inside;
+            let rise = self.vertices[v as usize].end.gradient.dot(way);
+            rise > STEEP * f64::from(edge.field[1] - edge.field[0])
+        };
+        let of_leaf = self.segments.chunk_by(|a, b| a.leaf == b.leaf);
+        let steep = of_leaf.filter(|segments| {
+            let steep = segments.iter().filter(|s| is_steep(s.from));
+            steep.count() >= STEEP_PLACES
+        });
+        steep.map(|segments| segments[0].leaf).collect()
     }
 
     /// Follows the outline where the segments are not within tolerance of it.
@@ -304,6 +366,15 @@ impl<'a> Marcher<'a> {
             wanted.sort_unstable();
             wanted.dedup();
             wanted.retain(|c| done.binary_search(c).is_err());
+            let mut eyes = Eyes {
+                z: &self.z,
+                lattice: self.lattice,
+                sampler: &mut *batch.sampler,
+                scratch: &mut self.scratch,
+            };
+            self.noise.dividing(batch.leaves, &wanted, &mut eyes)?;
+            // Those that are not found by spreading have no outline by now.
+            wanted.retain(|&(leaf, _)| !(spread && self.noise.is_in(leaf)));
             if wanted.is_empty() {
                 return Ok(rounds);
             }
@@ -320,8 +391,11 @@ impl<'a> Marcher<'a> {
                     &mut *batch.sampler,
                     &mut self.scratch,
                 )?;
-                for (cell, width) in cells.iter().zip(&divided.widths) {
-                    if let Some(width) = *width {
+                let places = wanted.iter().zip(&cells);
+                for ((place, cell), width) in places.zip(&divided.widths) {
+                    if let Some(width) = *width
+                        && !self.noise.is_in(place.0)
+                    {
                         let z = self.z[cell.layer];
                         self.noise.divided(cell.at, z, width, self.lattice)?;
                     }

@@ -125,6 +125,7 @@ pub fn outlines_in_phases(
         begins(Phase::Sampling);
         Ok(())
     })?;
+    marcher.finish()?;
     begins(Phase::Closing);
     close(field, z, detail, layers, marcher)
 }
@@ -166,25 +167,24 @@ fn close(
                 marcher.march(batch, &mut layers)
             })?;
         }
-        let mut leaves: Vec<Leaf> = cells.iter().map(|c| c.0).collect();
         let place = |l: &Leaf| (l.layer, l.j, l.i);
-        leaves.sort_unstable_by_key(place);
+        cells.sort_unstable_by_key(|(leaf, at)| (place(leaf), *at));
+        let mut leaves: Vec<Leaf> = cells.iter().map(|c| c.0).collect();
         leaves.dedup();
         for leaves in leaves.chunks(AT_ONCE) {
             field.leaves(z, leaves, &mut |batch: Batch<'_>| {
-                let own: Vec<(usize, [usize; 2])> = cells
-                    .iter()
-                    .filter_map(|(leaf, at)| {
-                        let all = batch.leaves;
-                        let key = place(leaf);
-                        let n = all.binary_search_by_key(&key, place).ok()?;
-                        Some((n, *at))
-                    })
-                    .collect();
+                let mut own = Vec::new();
+                for (n, leaf) in batch.leaves.iter().enumerate() {
+                    let key = place(leaf);
+                    let from = cells.partition_point(|c| place(&c.0) < key);
+                    let all = cells[from..].iter().take_while(|c| c.0 == *leaf);
+                    own.extend(all.map(|(_, at)| (n, *at)));
+                }
                 marcher.redivide(batch, &own, &mut layers)
             })?;
         }
     }
+    marcher.finish()?;
     let nan = marcher.nan_samples();
     layers
         .into_iter()

@@ -9,32 +9,63 @@
 //!   └──────────┘   between is on average as wide as the inverse of that.
 //! ```
 //!
-//! Where that is less than the smallest feature, next to nothing of the field
-//! is left in the print. Following its outline there would be hours of work for
-//! what is dropped at the end: such a leaf is taken as its nodes say, and a slab
-//! with more than some mm² of them is refused. So is one with too many cells
-//! beside such leaves that were divided in vain.
+//! Where that is less than the smallest feature, or what is inside (or outside)
+//! is so thin that there is no room in it for a disc of that size, next to
+//! nothing of the field is left in the print. Following its outline there would
+//! be hours of work for what is dropped at the end: such a leaf is taken as its
+//! nodes say. So is one of which many cells had to be divided for it: waves may
+//! have nearly the distance of the nodes, which then see next to nothing of
+//! them.
+//!
+//! A slab is refused if such leaves are more than some mm² and a tenth of the
+//! leaves that hold some of its surface, or very many. Cells beside them that
+//! were divided in vain count as well: a rough skin is in no leaf but along its
+//! middle. A tenth, since what a leaf costs that is taken as its nodes say is
+//! bounded, so that the run takes little longer than the rest of the part does.
+//! A fan of n blades with the radius R is too fine up to r = n w / π, where w is
+//! the smallest feature: (r / R)² of it, and the rest can be printed. What waves
+//! finely all over does so in nearly all of these leaves.
 //!
 //! The verdict depends on the slab's layers and on nothing else. Not noticed:
 //! waves that the lattice's nodes all miss, which are as cheap as none.
 
 use super::samples::Samples;
+use crate::cells::Place;
 use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use crate::{Content, Length};
 use glam::DVec2;
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
 
 /// Sign changes between the 144 pairs of neighbouring nodes of a leaf below
 /// which it is not looked at. A field without any order has 72, one that waves
 /// along one axis alone 36, a single outline across the leaf 16.
 const MANY: u32 = 20;
+/// Cells of a leaf, of 64, from which on it is looked at as well if they are to
+/// be divided.
+const DIVIDED: usize = 12;
 /// Lines across a leaf, each way.
-const LINES: usize = 3;
+const LINES: usize = 4;
+/// By how much a line's place in its own part of the leaf differs from the
+/// last one's: the golden section. Lines at even distances could all pass
+/// through a row of pins, or all between two.
+const UNEVEN: f64 = 0.618_033_988_749_895;
+/// What is inside and outside may be as wide as this many of the smallest
+/// features on average, if one of them is too thin: a single thin wall is none
+/// of our business.
+const SPARSE: f64 = 2.0;
 /// Distance of the points along them, as a share of the smallest feature.
 const PITCH: f64 = 0.25;
-/// What is let pass in a slab's layers, together: where forty blades of a fan
-/// meet there are 6 mm² in each. With much more than that, fields that wave
-/// finely take minutes before they are refused.
+/// The same where something that they do not show is between the nodes.
+const CLOSE_PITCH: f64 = 1.0 / 16.0;
+/// What is let pass in a slab's layers, together, whatever share it is: where
+/// forty blades of a fan meet there are 6 mm² in each.
 const LET_PASS: Content = 200.0;
+/// The share of the leaves beyond which a slab is refused.
+const SHARE: f64 = 0.1;
+/// What is never let pass: the rings that the nodes of such leaves make have to
+/// be filled and travelled to.
+const MOST: Content = 2000.0;
 /// A divided cell counts as so many cells: it costs as much as a quarter of a
 /// leaf.
 const CELL: f64 = 16.0;
@@ -43,10 +74,22 @@ const CELL: f64 = 16.0;
 pub(super) struct Noise {
     smallest: Length,
     area: Content,
+    /// Area of all leaves so far.
+    all: Content,
     /// Where it was first, and how wide what is there is on average.
     first: Option<([f64; 3], Length)>,
     /// By leaf of the batch, whether it is too fine.
     found: Vec<bool>,
+    /// By leaf, how many cells of it were to be divided so far.
+    divided: BTreeMap<[usize; 3], usize>,
+}
+
+/// Points of the field.
+pub(super) struct Eyes<'a> {
+    pub z: &'a [f32],
+    pub lattice: &'a Lattice,
+    pub sampler: &'a mut dyn Sampler,
+    pub scratch: &'a mut Samples,
 }
 
 /// Sign changes between neighbouring nodes.
@@ -69,8 +112,10 @@ impl Noise {
         Noise {
             smallest,
             area: 0.0,
+            all: 0.0,
             first: None,
             found: Vec::new(),
+            divided: BTreeMap::new(),
         }
     }
 
@@ -82,29 +127,74 @@ impl Noise {
         &mut self,
         leaves: &[Leaf],
         values: &[f32],
-        z: &[f32],
-        lattice: &Lattice,
-        sampler: &mut dyn Sampler,
-        scratch: &mut Samples,
+        eyes: &mut Eyes<'_>,
     ) -> Result<(), FieldError> {
-        self.found.clear();
+        self.begin(leaves);
+        let side = LEAF as f64 * eyes.lattice.spacing;
+        self.all += leaves.len() as f64 * side * side;
         let (values, _) = values.as_chunks();
-        for (leaf, values) in leaves.iter().zip(values) {
-            // Where nothing is too small, nothing is too fine.
-            if self.smallest <= 0.0 || changes(values) < MANY {
-                self.found.push(false);
-                continue;
-            }
-            let z = z[leaf.layer];
-            let width = self.width(leaf, z, lattice, sampler, scratch)?;
-            self.found.push(width < self.smallest);
-            if width < self.smallest {
-                let (x, y) = (lattice.x[leaf.i + 4], lattice.y[leaf.j + 4]);
-                let side = LEAF as f64 * lattice.spacing;
-                self.add([x, y, z].map(f64::from), width, side * side)?;
+        for (n, (leaf, values)) in leaves.iter().zip(values).enumerate() {
+            if changes(values) >= MANY {
+                self.look_into(n, leaf, false, eyes)?;
             }
         }
         Ok(())
+    }
+
+    /// Turns to another batch of leaves.
+    pub(super) fn begin(&mut self, leaves: &[Leaf]) {
+        self.found.clear();
+        self.found.resize(leaves.len(), false);
+    }
+
+    /// Notes that some cells of the batch are to be divided, in order, and
+    /// looks at those leaves that many are in.
+    ///
+    /// # Errors
+    /// As [`Noise::look`].
+    pub(super) fn dividing(
+        &mut self,
+        leaves: &[Leaf],
+        cells: &[Place],
+        eyes: &mut Eyes<'_>,
+    ) -> Result<(), FieldError> {
+        for cells in cells.chunk_by(|a, b| a.0 == b.0) {
+            let n = cells[0].0;
+            let Leaf { layer, i, j } = leaves[n];
+            let count = self.divided.entry([layer, i, j]).or_default();
+            let before = *count;
+            *count += cells.len();
+            if before < DIVIDED && *count >= DIVIDED {
+                self.look_into(n, &leaves[n], true, eyes)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks at the batch's `n`th leaf, unless it is known to be too fine.
+    ///
+    /// # Errors
+    /// As [`Noise::look`].
+    pub(super) fn look_into(
+        &mut self,
+        n: usize,
+        leaf: &Leaf,
+        closely: bool,
+        eyes: &mut Eyes<'_>,
+    ) -> Result<(), FieldError> {
+        // Where nothing is too small, nothing is too fine.
+        if self.smallest <= 0.0 || self.found[n] {
+            return Ok(());
+        }
+        let Some(width) = self.too_fine(leaf, closely, eyes)? else {
+            return Ok(());
+        };
+        self.found[n] = true;
+        let lattice = eyes.lattice;
+        let side = LEAF as f64 * lattice.spacing;
+        let (x, y) = (lattice.x[leaf.i + 4], lattice.y[leaf.j + 4]);
+        let at = [x, y, eyes.z[leaf.layer]].map(f64::from);
+        self.add(at, width, side * side)
     }
 
     /// True if a leaf of the batch that was last looked at is too fine.
@@ -136,45 +226,64 @@ impl Noise {
         area: Content,
     ) -> Result<(), FieldError> {
         self.area += area;
-        let (at, width) = *self.first.get_or_insert((at, width));
-        match self.area > LET_PASS {
-            true => Err(FieldError::TooFine {
+        self.first.get_or_insert((at, width));
+        self.verdict(MOST)
+    }
+
+    /// To be asked when all leaves have been looked at.
+    ///
+    /// # Errors
+    /// If more of them is too fine than is let pass.
+    pub(super) fn finish(&self) -> Result<(), FieldError> {
+        self.verdict(LET_PASS.max(SHARE * self.all))
+    }
+
+    fn verdict(&self, most: Content) -> Result<(), FieldError> {
+        match self.first {
+            Some((at, width)) if self.area > most => Err(FieldError::TooFine {
                 at,
                 width,
                 smallest: self.smallest,
             }),
-            false => Ok(()),
+            _ => Ok(()),
         }
     }
 
-    /// How wide what is inside and what is outside is in a leaf, on average.
-    fn width(
+    /// How wide what is inside and what is outside is in a leaf, on average, if
+    /// that is too fine.
+    fn too_fine(
         &self,
         leaf: &Leaf,
-        z: f32,
-        lattice: &Lattice,
-        sampler: &mut dyn Sampler,
-        scratch: &mut Samples,
-    ) -> Result<Length, FieldError> {
+        closely: bool,
+        eyes: &mut Eyes<'_>,
+    ) -> Result<Option<Length>, FieldError> {
+        let Eyes {
+            z,
+            lattice,
+            sampler,
+            scratch: s,
+        } = eyes;
         let node = |i: usize, j: usize| {
             let (x, y) = (lattice.x[leaf.i + i], lattice.y[leaf.j + j]);
             DVec2::new(f64::from(x), f64::from(y))
         };
         let (low, size) = (node(0, 0), node(LEAF, LEAF) - node(0, 0));
-        let steps = (size.x / (PITCH * self.smallest)).ceil().max(1.0);
+        let pitch = if closely { CLOSE_PITCH } else { PITCH };
+        let steps = (size.x / (pitch * self.smallest)).ceil().max(1.0);
         let count = steps as usize + 1;
-        scratch.clear();
+        s.clear();
+        let mut within = (leaf.i + 3 * leaf.j + leaf.layer) as f64 * UNEVEN;
         for along in [DVec2::X, DVec2::Y] {
             for line in 0..LINES {
-                let across = (line as f64 + 0.5) / LINES as f64;
+                within = (within + UNEVEN).fract();
+                let across = (line as f64 + within) / LINES as f64;
                 for k in 0..count {
                     let part = along * (k as f64 / steps)
                         + (DVec2::ONE - along) * across;
-                    scratch.push(low + part * size, z);
+                    s.push(low + part * size, z[leaf.layer]);
                 }
             }
         }
-        let s = scratch;
         sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
         let changed = |line: &[f32]| {
             let pairs = line.windows(2);
@@ -182,7 +291,16 @@ impl Noise {
         };
         let changes: usize = s.values.chunks_exact(count).map(changed).sum();
         let length = LINES as f64 * (size.x + size.y);
-        let density = std::f64::consts::FRAC_PI_2 * changes as f64 / length;
-        Ok(1.0 / density)
+        let density = FRAC_PI_2 * changes as f64 / length;
+        let width = 1.0 / density;
+        let inside = s.values.iter().filter(|f| **f < 0.0).count();
+        let inside = inside as f64 / s.values.len() as f64;
+        // Twice its area by its outline: the width of a stripe, and half of
+        // that of a disc.
+        let thinner = 2.0 * inside.min(1.0 - inside) * width;
+        let fine = width < self.smallest
+            || (width < SPARSE * self.smallest
+                && thinner < 0.5 * self.smallest);
+        Ok(fine.then_some(width))
     }
 }
