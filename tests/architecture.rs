@@ -74,19 +74,11 @@ const ORDER: &[&[&str]] = &[
 /// Files that import one another in a circle, by folder. No others may, and
 /// whoever opens a circle takes it off this list.
 const CIRCLES: &[(&str, &[&str])] = &[
-    (
-        "crates/isocontour/src/contour",
-        &[
-            "divide", "doubt", "edges", "hidden", "march", "noise", "refine",
-            "settle", "trace",
-        ],
-    ),
     ("src/hang", &["gap", "look"]),
     ("crates/isocontour/src/bounds", &["search", "undefined"]),
     ("src/model/script", &["error", "shapes", "suggest"]),
     // A table and its macro, which may stay.
     ("src/settings", &["rows", "table"]),
-    ("src/skin", &["roles", "short"]),
 ];
 
 /// Crates that only some modules may name.

@@ -198,28 +198,28 @@ impl Rules {
 pub fn check(input: impl Read, rules: &Rules) -> Result<Verdict, ReadError> {
     let mut reader =
         Reader::new(input).filament_diameter(rules.filament_diameter);
-    let mut state = State::new(rules);
+    let mut checker = Checker::new(rules);
     let nothing = loop {
         limits::check();
         match reader.next() {
-            Some(Ok(event)) => state.take(event, &reader),
+            Some(Ok(event)) => checker.take(event, &reader),
             Some(Err(ReadError::NoGcode(why))) => break Some(why),
             Some(Err(error)) => return Err(error),
             None => break None,
         }
     };
     match nothing {
-        Some(why) => state.no_gcode(&why.to_string()),
-        None => state.finish(&reader),
+        Some(why) => checker.no_gcode(&why.to_string()),
+        None => checker.finish(&reader),
     }
-    let mut verdict = state.verdict;
+    let mut verdict = checker.verdict;
     verdict.lines = reader.lines();
     verdict.generator = reader.info().generator.clone();
     Ok(verdict)
 }
 
 /// What the check knows after each line.
-struct State<'a> {
+struct Checker<'a> {
     rules: &'a Rules,
     verdict: Verdict,
     ground: Ground,
@@ -241,9 +241,9 @@ struct State<'a> {
     layer: u32,
 }
 
-impl<'a> State<'a> {
+impl<'a> Checker<'a> {
     fn new(rules: &'a Rules) -> Self {
-        State {
+        Checker {
             rules,
             verdict: Verdict::default(),
             ground: Ground::default(),

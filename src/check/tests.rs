@@ -133,14 +133,18 @@ fn beads_beyond_the_bed_take_no_memory() {
     assert!(!all.is_safe());
     assert!(all.counts[&Kind::OutOfReach] > 2000);
     let rules = Rules::new(&Settings::default());
-    let mut state = State::new(&rules);
+    let mut checker = Checker::new(&rules);
     let mut reader = Reader::new(text.as_bytes());
     while let Some(event) = reader.next() {
-        state.take(event.unwrap(), &reader);
+        checker.take(event.unwrap(), &reader);
     }
     // The bed and what is beside it, in tiles of 16 mm; these moves would
     // take a hundred thousand.
-    assert!(state.ground.tiles() <= 17 * 17, "{}", state.ground.tiles());
+    assert!(
+        checker.ground.tiles() <= 17 * 17,
+        "{}",
+        checker.ground.tiles()
+    );
 }
 
 #[test]

@@ -21,7 +21,7 @@ const SECTION: f64 = 4.0;
 
 /// The position of the head and of the filament.
 #[derive(Clone, Copy, Debug)]
-struct State {
+struct Position {
     at: DVec2,
     e: f64,
     relative: bool,
@@ -37,7 +37,7 @@ pub(super) fn warnings(
     if settings.gcode.flavour != Flavour::Klipper {
         return Vec::new();
     }
-    let mut state = State {
+    let mut state = Position {
         at: DVec2::NAN,
         e: 0.0,
         relative: false,
@@ -87,7 +87,11 @@ pub(super) fn thick_beads(settings: &Settings) -> Option<String> {
     })
 }
 
-fn step(state: &mut State, line: &str, settings: &Settings) -> Option<String> {
+fn step(
+    state: &mut Position,
+    line: &str,
+    settings: &Settings,
+) -> Option<String> {
     let code = line.split(';').next().unwrap_or("");
     let mut words = code.split_whitespace();
     let command = words.next()?.to_uppercase();
@@ -114,7 +118,7 @@ fn step(state: &mut State, line: &str, settings: &Settings) -> Option<String> {
 }
 
 fn extrusion(
-    state: &mut State,
+    state: &mut Position,
     settings: &Settings,
     number: impl Fn(char) -> Option<f64>,
 ) -> Option<String> {

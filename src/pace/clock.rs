@@ -5,7 +5,7 @@
 //! sets, or those of the settings.
 
 use super::motion::{Limits, Motion, Planner};
-use crate::reader::{Event, Move, Reader, State};
+use crate::reader::{Event, MachineState, Move, Reader};
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, MmPerSec2, Seconds};
 use glam::DVec3;
@@ -39,7 +39,7 @@ impl<T> Clock<T> {
     }
 
     /// Adds a move that is made in this state of the machine.
-    pub fn push(&mut self, step: &Move, state: &State, what: T) {
+    pub fn push(&mut self, step: &Move, state: &MachineState, what: T) {
         let before = self.motion.segments().len();
         let speed = match step.speed {
             speed if speed > 0.0 => speed,
@@ -70,7 +70,11 @@ impl<T> Clock<T> {
     }
 
     /// Comes to rest, and tells the time of every move since the last rest.
-    pub fn rest(&mut self, state: &State, mut tell: impl FnMut(T, Seconds)) {
+    pub fn rest(
+        &mut self,
+        state: &MachineState,
+        mut tell: impl FnMut(T, Seconds),
+    ) {
         let times = self.motion.times(|s| s.speed);
         for (what, time) in self.waiting.drain(..).zip(times) {
             tell(what, time);

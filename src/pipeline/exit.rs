@@ -54,7 +54,7 @@ pub(super) struct Exit<'a, 'w> {
     hanging: hang::Tracker,
     /// What the part stands on, if the first layer is written.
     foot: Option<Foot>,
-    figures: report::Tally,
+    figures: report::RunFigures,
 }
 
 /// What came of it.
@@ -72,7 +72,7 @@ pub(super) struct Done {
     /// What the print takes.
     pub totals: Totals,
     /// How far it is off.
-    pub figures: report::Tally,
+    pub figures: report::RunFigures,
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
@@ -110,7 +110,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             warnings: Vec::new(),
             hanging: hang::Tracker::default(),
             foot: None,
-            figures: report::Tally::default(),
+            figures: report::RunFigures::default(),
         }
     }
 

@@ -19,7 +19,7 @@ const INCH: Mm = 25.4;
 
 /// What the commands so far have set; nothing for what no command has set.
 #[derive(Clone, Debug, PartialEq)]
-pub struct State {
+pub struct MachineState {
     /// Where the head is, in the machine's coordinates, which G92 does not
     /// change, mm.
     pub position: DVec3,
@@ -50,7 +50,7 @@ pub struct State {
 /// The machine itself.
 #[derive(Clone, Debug)]
 pub(super) struct Machine {
-    pub state: State,
+    pub state: MachineState,
     /// Millimetres in a unit of the file.
     unit: Mm,
     /// What G92 has made of the machine's zero.
@@ -89,7 +89,7 @@ pub(super) struct Target {
 impl Machine {
     pub fn new() -> Self {
         Self {
-            state: State {
+            state: MachineState {
                 position: DVec3::ZERO,
                 speed: 0.0,
                 nozzle: None,

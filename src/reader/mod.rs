@@ -75,7 +75,7 @@ mod words;
 
 pub use event::{Event, Heater, Move};
 pub use info::Info;
-pub use machine::State;
+pub use machine::MachineState;
 pub use named::{Named, number};
 pub use nothing::{NoGcode, Tally};
 pub use problem::{Problem, Problems};
@@ -157,7 +157,7 @@ impl<R: Read> Reader<R> {
     }
 
     /// What the printer knows after the line of the last event.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &MachineState {
         &self.parser.machine.state
     }
 

@@ -139,7 +139,7 @@ impl<'a> Gauge<'a> {
 
 /// The figures of all layers so far.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
+pub struct RunFigures {
     outline: Spread,
     outer_wall: Spread,
     spacing: Spread,
@@ -153,7 +153,7 @@ pub struct Tally {
     uncertainty: Mm2,
 }
 
-impl Tally {
+impl RunFigures {
     /// Takes in a layer's figures. `listed` if each layer is to be listed.
     pub fn add(&mut self, found: &LayerFigures, listed: bool) {
         self.outline.merge(&found.outline);
@@ -176,7 +176,7 @@ impl Tally {
                 layer: found.index + 1,
                 z_mm: tidy(found.top, 4),
                 outline_um: found.outline.figures(),
-                worst_at: found.worst.map(|(um, p)| Place {
+                worst_at: found.worst.map(|(um, p)| WorstPlace {
                     um: tidy(um, 3),
                     x: tidy(p.x, 3),
                     y: tidy(p.y, 3),
@@ -386,7 +386,7 @@ pub struct Layer {
     /// Distance of the layer's outline from f = 0.
     pub outline_um: Option<Figures>,
     /// Where the distance is greatest.
-    pub worst_at: Option<Place>,
+    pub worst_at: Option<WorstPlace>,
     /// Area of the layer's outline.
     pub area_mm2: Mm2,
     /// Area by the field itself, if compared.
@@ -407,7 +407,7 @@ pub struct Layer {
 
 /// A place on a layer in a [`Report`], in the model's coordinates, mm.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Place {
+pub struct WorstPlace {
     /// The deviation, µm.
     pub um: f64,
     /// Where.

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// Where a setting was given.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum GivenIn {
     /// In a file.
     File {
         /// The file's name as it was given.
@@ -28,28 +28,28 @@ pub enum Place {
     Program,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for GivenIn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::File { name, line } | Place::Profile { name, line } => {
+            GivenIn::File { name, line } | GivenIn::Profile { name, line } => {
                 write!(f, "{name}:{line}")
             }
-            Place::Set => f.write_str("--set"),
-            Place::Program => f.write_str("settings"),
+            GivenIn::Set => f.write_str("--set"),
+            GivenIn::Program => f.write_str("settings"),
         }
     }
 }
 
-impl Place {
+impl GivenIn {
     /// True if the value was given for this print, and does not come from a
     /// profile.
     pub(super) fn is_given(&self) -> bool {
-        matches!(self, Place::File { .. } | Place::Set)
+        matches!(self, GivenIn::File { .. } | GivenIn::Set)
     }
 }
 
 /// The place of each setting that was given.
-pub(super) type Places = BTreeMap<&'static str, Place>;
+pub(super) type GivenPlaces = BTreeMap<&'static str, GivenIn>;
 
 /// Why there are no settings.
 #[derive(Debug, thiserror::Error)]
@@ -86,7 +86,7 @@ pub enum SettingsError {
     )]
     NotToml {
         /// Where.
-        place: Place,
+        place: GivenIn,
         /// What the parser says.
         message: String,
         /// What to write instead, if that is known.
@@ -102,7 +102,7 @@ pub enum SettingsError {
     #[error("{place}: there is no setting {key:?}; {hint}")]
     UnknownKey {
         /// Where.
-        place: Place,
+        place: GivenIn,
         /// The key.
         key: String,
         /// What to write instead.
@@ -115,7 +115,7 @@ pub enum SettingsError {
     )]
     Group {
         /// Where.
-        place: Place,
+        place: GivenIn,
         /// The group.
         key: String,
         /// The group's first key.
@@ -142,7 +142,7 @@ pub enum SettingsError {
     )]
     Circle {
         /// Where the circle is closed.
-        place: Place,
+        place: GivenIn,
         /// The profiles.
         names: String,
     },
@@ -153,7 +153,7 @@ pub enum SettingsError {
     )]
     TooDeep {
         /// Where the last of these profiles is named.
-        place: Place,
+        place: GivenIn,
         /// Greatest number of profiles in a row.
         most: usize,
         /// The first of these profiles, and what it inherits.
@@ -163,7 +163,7 @@ pub enum SettingsError {
     #[error("{place}: {key} = {value} is not understood; write {expected}")]
     WrongType {
         /// Where.
-        place: Place,
+        place: GivenIn,
         /// The key.
         key: String,
         /// The value.
@@ -175,7 +175,7 @@ pub enum SettingsError {
     #[error("{place}: {key} = {value} is out of range; use {allowed}")]
     OutOfRange {
         /// Where.
-        place: Place,
+        place: GivenIn,
         /// The key.
         key: String,
         /// The value.

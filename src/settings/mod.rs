@@ -48,7 +48,7 @@ mod value;
 mod words;
 mod write;
 
-pub use error::{Place, SettingsError};
+pub use error::{GivenIn, SettingsError};
 pub use infill::Infill;
 pub use profile::{Origin, Profile, Profiles};
 pub use read::Builder;

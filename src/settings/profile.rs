@@ -12,7 +12,7 @@
 //! Guaranteed: the result depends on the profiles' texts only. An unknown name,
 //! or profiles that inherit in a circle, are an error with its place.
 
-use super::error::{Place, SettingsError};
+use super::error::{GivenIn, SettingsError};
 use super::shipped::{ProfileKind, SHIPPED};
 use super::table::alternatives;
 use super::text;
@@ -47,7 +47,7 @@ pub struct Profile {
     /// The profile's text.
     pub text: String,
     /// The place of `inherits` in the profile.
-    inherits_at: Place,
+    inherits_at: GivenIn,
 }
 
 impl Profile {
@@ -63,7 +63,7 @@ impl Profile {
             kind,
             name: name.to_owned(),
             description: head.description.unwrap_or_default(),
-            inherits_at: Place::Profile {
+            inherits_at: GivenIn::Profile {
                 name: file,
                 line: head.inherits.as_ref().map_or(1, |(_, line)| *line),
             },

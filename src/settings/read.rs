@@ -1,10 +1,10 @@
 //! Reads settings from files and assignments, in the order given.
 //!
-//! In: TOML text or `key=value`. Out: [`Settings`], and the [`Place`] of each
+//! In: TOML text or `key=value`. Out: [`Settings`], and the [`GivenIn`] of each
 //! setting that was given, so that an error found at the end can point to it.
 
 use super::check::{self, Conflict};
-use super::error::{Place, Places, SettingsError};
+use super::error::{GivenIn, GivenPlaces, SettingsError};
 use super::profile::{Profile, Profiles};
 use super::shipped::ProfileKind;
 use super::table::{self, Key};
@@ -19,7 +19,7 @@ use toml::de::DeValue;
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     settings: Settings,
-    places: Places,
+    places: GivenPlaces,
     /// Warnings about old names of settings.
     renamed: Vec<String>,
 }
@@ -51,7 +51,7 @@ impl Builder {
         text: &str,
     ) -> Result<(), SettingsError> {
         let name = name.to_owned();
-        self.take_over(text, &[], |line| Place::File {
+        self.take_over(text, &[], |line| GivenIn::File {
             name: name.clone(),
             line,
         })
@@ -72,7 +72,7 @@ impl Builder {
         let chain = profiles.chain(kind, name)?;
         for profile in &chain {
             let name = profile.file();
-            self.take_over(&profile.text, &HEAD, |line| Place::Profile {
+            self.take_over(&profile.text, &HEAD, |line| GivenIn::Profile {
                 name: name.clone(),
                 line,
             })?;
@@ -86,7 +86,7 @@ impl Builder {
         &mut self,
         text: &str,
         skip: &[&str],
-        place: impl Fn(usize) -> Place,
+        place: impl Fn(usize) -> GivenIn,
     ) -> Result<(), SettingsError> {
         // Line ends of Windows in templates must not change the G-code.
         let text = &text.replace("\r\n", "\n");
@@ -138,9 +138,9 @@ impl Builder {
         if value.len() > 1 && value.starts_with('"') && value.ends_with('"') {
             let parsed =
                 DeValue::parse(value).map_err(|_| malformed())?.into_inner();
-            return self.assign(key, text::raw(&parsed), Place::Set);
+            return self.assign(key, text::raw(&parsed), GivenIn::Set);
         }
-        self.assign(key, Raw::Word(value), Place::Set)
+        self.assign(key, Raw::Word(value), GivenIn::Set)
     }
 
     /// The settings so far. Their combination has not been checked.
@@ -149,7 +149,7 @@ impl Builder {
     }
 
     /// Where a setting was given; nothing if it has its default.
-    pub fn place(&self, key: &Key) -> Option<&Place> {
+    pub fn place(&self, key: &Key) -> Option<&GivenIn> {
         self.places.get(key.name)
     }
 
@@ -170,7 +170,7 @@ impl Builder {
         &mut self,
         name: &str,
         raw: Raw<'_>,
-        place: Place,
+        place: GivenIn,
     ) -> Result<(), SettingsError> {
         let Some(key) = table::find(name) else {
             return Err(unknown(name, place));
@@ -200,18 +200,18 @@ impl Settings {
             };
             if key.range.is_some_and(|range| !range.contains(number)) {
                 let raw = Raw::Float(number);
-                let place = Place::Program;
+                let place = GivenIn::Program;
                 return Err(refusal(Refused::Range, key, raw, place));
             }
         }
-        let nowhere = Places::new();
+        let nowhere = GivenPlaces::new();
         check::conflicts(self, &nowhere)
             .map_err(|conflict| conflict.into_error(&nowhere))
     }
 }
 
 impl Conflict {
-    fn into_error(self, places: &Places) -> SettingsError {
+    fn into_error(self, places: &GivenPlaces) -> SettingsError {
         let known: Vec<String> = self
             .keys
             .iter()
@@ -230,7 +230,7 @@ impl Conflict {
     }
 }
 
-fn unknown(name: &str, place: Place) -> SettingsError {
+fn unknown(name: &str, place: GivenIn) -> SettingsError {
     if table::is_group(name) {
         let first = keys().iter().find(|key| key.group() == name);
         return SettingsError::Group {
@@ -267,7 +267,7 @@ fn refusal(
     refused: Refused,
     key: &Key,
     raw: Raw<'_>,
-    place: Place,
+    place: GivenIn,
 ) -> SettingsError {
     let value = raw.describe();
     match refused {

@@ -288,8 +288,8 @@ table::settings! {
         /// what hides their ooze (hidden), or cross a wall. If false, all
         /// travels of at least min_travel retract.
         when_crossing: bool = true;
-        /// Whether crossing a wall counts, also where a travel only comes
-        /// nearer to it than half a line's width.
+        /// Whether crossing a wall counts. A travel also crosses a wall if it
+        /// comes nearer to it than half a line's width.
         check_walls: bool = true;
         /// What hides the ooze of travels: sparse infill alone, or whatever
         /// is inside the part and no top skin. The latter retracts far less
@@ -303,8 +303,8 @@ table::settings! {
         prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
         /// Travels shorter than this never retract.
         min_travel: Mm = 1.5, in 0.0..=1000.0;
-        /// Travels longer than this ooze too much: even if it is hidden they
-        /// retract, or prime by ooze_prime.
+        /// Travels longer than this ooze too much: they retract even if the
+        /// ooze is hidden, or prime by ooze_prime.
         max_unretracted: Mm = 30.0, in 0.0..=10_000.0;
         /// Length of filament pushed forward after a hidden travel longer than
         /// max_unretracted, instead of a retraction; 0 retracts.
@@ -475,8 +475,8 @@ table::settings! {
         /// time.
         set_limits: bool = true;
         /// Whether layers tell how far the print has come, and the minutes left
-        /// (M73); auto tells Marlin and Prusa's firmware. Only files of a whole
-        /// part can tell.
+        /// (M73); auto does so for Marlin and Prusa's firmware. Only files of a
+        /// whole part can tell.
         progress: Emit = Emit::Auto;
         /// Whether the part has a label, by which hosts show and exclude it;
         /// auto labels it for firmware that always understands labels.

@@ -1,6 +1,6 @@
 //! A settings file as text: its TOML taken apart, with the line of each entry.
 
-use super::error::{Place, SettingsError};
+use super::error::{GivenIn, SettingsError};
 use super::table;
 use super::value::Raw;
 use crate::files::{self, FileError, MAX_SETTINGS_BYTES};
@@ -34,7 +34,7 @@ pub(super) struct Head {
 
 /// Reads what the profile `file` says about itself.
 pub(super) fn head(file: &str, text: &str) -> Result<Head, SettingsError> {
-    let place = |span: Range<usize>| Place::Profile {
+    let place = |span: Range<usize>| GivenIn::Profile {
         name: file.to_owned(),
         line: line_of(text, span.start),
     };
@@ -63,7 +63,7 @@ pub(super) fn head(file: &str, text: &str) -> Result<Head, SettingsError> {
 
 pub(super) fn parse<'a>(
     text: &'a str,
-    place: &dyn Fn(Range<usize>) -> Place,
+    place: &dyn Fn(Range<usize>) -> GivenIn,
 ) -> Result<Spanned<DeTable<'a>>, SettingsError> {
     DeTable::parse(text).map_err(|e| {
         // An error without a span is about the whole file.

@@ -29,7 +29,7 @@ const ROUNDS: usize = 2;
 
 /// A place on the border of an island.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct BorderPlace {
     at: DVec2,
     edge: usize,
 }
@@ -50,17 +50,18 @@ pub fn way(comb: &Comb, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
         return None;
     }
     let (mut exit, mut entry) = (
-        Place {
+        BorderPlace {
             at: marks[leaves].at,
             edge: marks[leaves].edge,
         },
-        Place {
+        BorderPlace {
             at: enters.at,
             edge: enters.edge,
         },
     );
     let along = (b - a).normalize_or_zero();
-    let square = |p: &Place| comb.normal(p.edge).dot(along).abs() >= SQUARE;
+    let square =
+        |p: &BorderPlace| comb.normal(p.edge).dot(along).abs() >= SQUARE;
     if marks.len() == 2 && square(&exit) && square(&entry) {
         return None;
     }
@@ -85,9 +86,14 @@ pub fn way(comb: &Comb, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
 
 /// The place of an island's border nearest to `p`, or `known` if that is
 /// nearer.
-fn nearest(comb: &Comb, p: DVec2, known: Place, island: usize) -> Place {
+fn nearest(
+    comb: &Comb,
+    p: DVec2,
+    known: BorderPlace,
+    island: usize,
+) -> BorderPlace {
     let reach = p.distance(known.at).min(REACH);
-    let mut best: Option<(Mm, Place)> = None;
+    let mut best: Option<(Mm, BorderPlace)> = None;
     comb.visit_border(p, reach, |edge, at| {
         let d = p.distance(at);
         // Of equally near places the first one counts, in whatever order edges
@@ -96,13 +102,13 @@ fn nearest(comb: &Comb, p: DVec2, known: Place, island: usize) -> Place {
             d < least || (d == least && edge < b.edge)
         });
         if nearer && comb.island_of_edge(edge) == Some(island) {
-            best = Some((d, Place { at, edge }));
+            best = Some((d, BorderPlace { at, edge }));
         }
     });
     best.map_or(known, |(_, place)| place)
 }
 
-fn inside(comb: &Comb, place: Place) -> Stop {
+fn inside(comb: &Comb, place: BorderPlace) -> Stop {
     comb.off_border(place.at, place.edge)
 }
 

@@ -11,7 +11,7 @@ mod speeds;
 
 pub(super) use speeds::{flow_note, speed_note};
 
-use super::error::Places;
+use super::error::GivenPlaces;
 use super::{Flavour, Settings};
 use beads::{heights, sampling, widths};
 use heat::temperatures;
@@ -40,7 +40,7 @@ fn conflict<const N: usize>(
 /// Checks the combinations; returns warnings about the unwise ones.
 pub(super) fn conflicts(
     s: &Settings,
-    places: &Places,
+    places: &GivenPlaces,
 ) -> Result<Vec<String>, Conflict> {
     let mut warnings = Vec::new();
     heights(s, &mut warnings)?;
