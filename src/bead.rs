@@ -196,7 +196,8 @@ impl Stroke {
 }
 
 /// One extruded line in a layer's plane: a stroke, in print order, with a
-/// height and a role.
+/// height and a role. It gives access to the stroke's fields and methods as if
+/// they were its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bead {
     /// What it is for.

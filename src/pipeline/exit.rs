@@ -142,10 +142,6 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
         self.follow_hanging(layer, look.as_ref(), written);
         let from = self.head.at;
-        // Not that of the walls, which layers share whose heights are the
-        // same but for rounding: ways that are equally long would be told
-        // apart by which of the layers has come first.
-        let height = layer.span.height();
         let solid = layer.outline.grid();
         let ended = self.timings.time(Stage::Order, || {
             let beads =
@@ -154,6 +150,10 @@ impl<'a, 'w> Exit<'a, 'w> {
         });
         self.head.at = ended.last().and_then(Ended::end).or(from);
         let path = self.timings.time(Stage::Travel, || {
+            // By the layer's own height. Walls are shared by layers whose
+            // heights are the same but for rounding, and that decides between
+            // ways that are equally long: a range of layers would differ.
+            let (_, border) = wall_depths(layer.span.height(), self.settings);
             let below = below.filter(|below| !layer.same_outline(below));
             let below = below.map(|below| below.top(self.settings));
             let support = below
@@ -177,7 +177,7 @@ impl<'a, 'w> Exit<'a, 'w> {
                 Ground {
                     outline: &layer.outline,
                     sparse: &sparse,
-                    border: wall_depths(height, self.settings).1,
+                    border,
                     above: above.map(Layer::area),
                 },
                 from,

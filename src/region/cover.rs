@@ -279,7 +279,7 @@ fn anything_matters(
     true
 }
 
-/// The same for some islands by one sweep of everything.
+/// What [`exposed`] tells, of some islands, by one sweep of everything.
 fn all_at_once(
     islands: &[Area],
     which: &[usize],

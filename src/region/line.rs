@@ -387,7 +387,7 @@ fn widen(
     if !changed {
         return line;
     }
-    // The same thinning as a ridge's: the width is a third coordinate.
+    // Thinned as ridges are: the width is a third coordinate.
     let mut ridge = Ridge {
         points,
         thickness: widths,
