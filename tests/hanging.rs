@@ -5,7 +5,7 @@
 mod common;
 
 use common::{formula, settings, slice_layers};
-use isoslice::hang::Hanging;
+use isoslice::Hanging;
 use isoslice::pipeline::Summary;
 
 fn run(text: &str, set: &[&str], layers: &str, threads: usize) -> Summary {

@@ -485,7 +485,7 @@ fn binary_files_hold_the_same_print() {
     let binary = |threads: usize| {
         let options = isoslice::pipeline::Options {
             threads: Some(threads),
-            format: isoslice::gcode::Format::Binary,
+            format: isoslice::Format::Binary,
             ..Default::default()
         };
         let mut file = Vec::new();
@@ -535,7 +535,7 @@ fn binary_files_hold_the_same_print() {
     has(2, "first_layer_height=0.2");
     // The text is that of a text file, between its head and its foot.
     let mut unpacked = String::new();
-    let mut reader = isoslice::bgcode::Unpacked::new(&file[..]);
+    let mut reader = isoslice::Unpacked::new(&file[..]);
     std::io::Read::read_to_string(&mut reader, &mut unpacked).unwrap();
     let lines = unpacked.lines().skip(reader.preface() as usize);
     let code: Vec<&str> = lines.collect();

@@ -2,7 +2,7 @@
 
 use super::output::is_stream;
 use anyhow::bail;
-use isoslice::gcode::Format;
+use isoslice::Format;
 use std::ffi::OsStr;
 use std::path::Path;
 

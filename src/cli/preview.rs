@@ -6,7 +6,7 @@ use super::output::Output;
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, FromArgMatches};
-use isoslice::gcode::Format;
+use isoslice::Format;
 use isoslice::layers::LayerRange;
 use isoslice::limits::{self, Watch};
 use isoslice::pipeline::{self, Options};

@@ -8,7 +8,7 @@ use super::summary::{Sums, describe};
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
-use isoslice::gcode::Format;
+use isoslice::Format;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};

@@ -59,10 +59,8 @@ mod tests;
 mod thumbnail;
 mod time;
 
-pub use comments::role_name;
-pub use flavour::{default_end, default_start};
 pub use label::needs_outline;
-pub use placeholders::{PLACEHOLDERS, Placeholder, Scope};
+pub use placeholders::PLACEHOLDERS;
 pub use template::TemplateError;
 pub use thumbnail::Thumbnail;
 

@@ -15,8 +15,6 @@ use std::collections::BTreeMap;
 pub struct Placeholder {
     /// The name.
     pub name: &'static str,
-    /// What the name stands for, with its unit.
-    pub description: &'static str,
     /// The templates that know it.
     pub scope: Scope,
     value: fn(&Known<'_>) -> Value,
@@ -63,12 +61,12 @@ pub(super) struct Known<'a> {
     pub totals: Totals,
 }
 
+// Rows: templates that know it, name, what it stands for, value.
 macro_rules! placeholders {
     ($($scope:ident $name:literal, $description:literal,
        |$k:pat_param| $value:expr;)*) => {
         &[$(Placeholder {
             name: $name,
-            description: $description,
             scope: Scope::$scope,
             value: |$k| $value,
         }),*]

@@ -88,6 +88,7 @@ impl<'a> Rater<'a> {
     ///
     /// # Errors
     /// If a setting is no expression.
+    #[cfg(test)]
     pub fn constant(settings: &'a Settings) -> Result<Rater<'a>, VaryError> {
         Self::with(settings, None)
     }

@@ -17,8 +17,8 @@ mod solid;
 mod trim;
 
 pub use isocontour::plane::{
-    Area, Rect, Ring, edges, nest, path_length, point_beside, ring_contains,
-    ring_length, signed_area, simplify,
+    Area, Rect, Ring, edges, nest, path_length, point_beside, ring_length,
+    signed_area, simplify,
 };
 pub use solid::Solid;
 

@@ -50,11 +50,6 @@ impl<'a> Solid<'a> {
             .get_or_init(|| EdgeGrid::new(&self.area, self.cell))
     }
 
-    /// The area alone.
-    pub fn into_area(self) -> Area {
-        self.area.into_owned()
-    }
-
     /// True if both are one solid. Layers with the same outline share theirs,
     /// so this tells at once whether two of them are the same.
     pub fn is(&self, other: &Solid<'_>) -> bool {

@@ -20,7 +20,7 @@ mod probe;
 mod spread;
 
 pub use layer::{Effort, LayerFigures, LayerParts, measure};
-pub use probe::{Probe, Spot};
+pub use probe::Probe;
 pub use spread::{Figures, Spread};
 
 use crate::model::Model;

@@ -31,7 +31,7 @@
 mod planner;
 mod ramps;
 
-pub use planner::{Jerk, Planner};
+pub use planner::Planner;
 
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds};
