@@ -22,7 +22,7 @@ const TOLERANCE: Mm = 0.01;
 
 /// Loops around everything that is printed: they show that the nozzle primes
 /// and the bed is level, and keep draughts off.
-pub struct Skirt {
+pub(crate) struct Skirt {
     /// The outermost first.
     loops: Vec<Ring>,
     width: Mm,
@@ -32,7 +32,7 @@ impl Skirt {
     /// The skirt of a print whose layers beside it have these outlines:
     /// `skirt.distance` away from the hull of them all, and of the brim. It is
     /// the same in all of these layers, lest it hang in the air.
-    pub fn new<'a>(
+    pub(crate) fn new<'a>(
         outlines: impl IntoIterator<Item = &'a Area>,
         settings: &Settings,
     ) -> Self {
@@ -71,7 +71,7 @@ impl Skirt {
     }
 
     /// Its beads in a layer of this height.
-    pub fn beads(&self, height: Mm) -> Vec<Bead> {
+    pub(crate) fn beads(&self, height: Mm) -> Vec<Bead> {
         let rings = self.loops.iter().cloned();
         rings
             .map(|points| around(Role::Skirt, points, self.width, height))
@@ -81,7 +81,7 @@ impl Skirt {
 
 /// A layer's loops: the skirt's and, in the first one, the brim's. `skirt` is
 /// there if it is not of the first layer alone.
-pub fn loops(
+pub(crate) fn loops(
     number: usize,
     outline: &Area,
     height: Mm,
@@ -101,7 +101,7 @@ pub fn loops(
 
 /// Leaves out loops that would leave the bed, and tells what to do about it.
 /// `offset` leads from the loops' coordinates to the bed's.
-pub fn keep_on_bed(
+pub(crate) fn keep_on_bed(
     loops: &mut Vec<Bead>,
     offset: DVec2,
     settings: &Settings,
@@ -141,7 +141,11 @@ pub fn keep_on_bed(
 /// and then side by side over `brim.width`: outside the part, in its holes, or
 /// both. The outermost come first, so that the print goes on at the part; in
 /// the holes each loop is followed by the nearest.
-pub fn brim(outline: &Area, height: Mm, settings: &Settings) -> Vec<Bead> {
+pub(crate) fn brim(
+    outline: &Area,
+    height: Mm,
+    settings: &Settings,
+) -> Vec<Bead> {
     let place = settings.brim.place;
     if place == BrimPlace::None || outline.is_empty() {
         return Vec::new();

@@ -13,7 +13,7 @@
 //! spacing is exactly h.
 
 use crate::plane::path_length;
-pub use crate::units::cross_section;
+pub(crate) use crate::units::cross_section;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
 use std::ops::{Deref, DerefMut};
@@ -300,7 +300,7 @@ impl Bead {
 
 /// Distance between the centre lines of two beads side by side that fill the
 /// plane between them: the mean width less h·(1 − π/4).
-pub fn spacing(width_a: Mm, width_b: Mm, height: Mm) -> Mm {
+pub(crate) fn spacing(width_a: Mm, width_b: Mm, height: Mm) -> Mm {
     0.5 * (width_a + width_b) - height * (1.0 - std::f64::consts::FRAC_PI_4)
 }
 

@@ -9,14 +9,14 @@ use crate::units::Mm;
 use fidget::context::Tree;
 use isocontour::{Phase, outlines_in_phases};
 
-pub use isocontour::{Detail, Field, FieldError, Outline};
+pub(crate) use isocontour::{Detail, Field, FieldError, Outline};
 
 /// The field `tree` + `depth` over a box in the plane, sampled every `spacing`
 /// millimetres, under the watch of the threads that will ask it.
 ///
 /// # Errors
 /// If the lattice would be too large, or fidget refuses the expression.
-pub fn field(
+pub(crate) fn field(
     tree: &Tree,
     depth: Mm,
     bounds: Rect,
@@ -32,7 +32,7 @@ pub fn field(
 /// # Errors
 /// If the field changes its sign finer than `smallest` over large parts of the
 /// slab; or if the evaluator fails, which is a bug.
-pub fn outlines(
+pub(crate) fn outlines(
     field: &Field,
     z: &[Mm],
     detail: Detail,
@@ -52,7 +52,7 @@ pub fn outlines(
 }
 
 /// What to do about a field that has no outlines.
-pub fn remedy(error: &FieldError) -> &'static str {
+pub(crate) fn remedy(error: &FieldError) -> &'static str {
     match error {
         FieldError::TooLarge { .. } => "; raise sample_spacing",
         FieldError::TooFine { .. } => {

@@ -46,7 +46,7 @@ pub(crate) fn unmarked(bytes: &[u8]) -> Result<&[u8], NotText> {
 ///
 /// # Errors
 /// If the bytes are not UTF-8.
-pub fn text(bytes: &[u8]) -> Result<&str, NotText> {
+pub(crate) fn text(bytes: &[u8]) -> Result<&str, NotText> {
     let bytes = unmarked(bytes)?;
     std::str::from_utf8(bytes).map_err(|e| {
         let before = bytes.get(..e.valid_up_to()).unwrap_or_default();

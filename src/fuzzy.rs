@@ -18,7 +18,7 @@ use glam::{DVec2, DVec3};
 const POINTS: f64 = 4.0;
 
 /// The texture of a run.
-pub struct Fuzzy<'a> {
+pub(crate) struct Fuzzy<'a> {
     settings: &'a Settings,
     thickness: Quantity,
     around: &'a Surroundings<'a>,
@@ -29,7 +29,7 @@ impl<'a> Fuzzy<'a> {
     ///
     /// # Errors
     /// If the expression of its thickness has a mistake.
-    pub fn new(
+    pub(crate) fn new(
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
     ) -> Result<Option<Fuzzy<'a>>, VaryError> {
@@ -47,7 +47,7 @@ impl<'a> Fuzzy<'a> {
     ///
     /// # Errors
     /// If the thickness has no value somewhere.
-    pub fn apply(
+    pub(crate) fn apply(
         &self,
         beads: &mut [Bead],
         layer: usize,

@@ -127,6 +127,7 @@
 
 // Failures are errors, not panics; only tests may panic. Indices are allowed,
 // since geometry is full of them; the fuzzer and the hostile models test those.
+#![warn(unreachable_pub)]
 #![cfg_attr(
     not(test),
     deny(

@@ -5,6 +5,7 @@
 //! before the end, which needs no message.
 
 // The program's code keeps to the library's rule.
+#![warn(unreachable_pub)]
 #![cfg_attr(
     not(test),
     deny(

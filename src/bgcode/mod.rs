@@ -26,13 +26,14 @@ mod meatpack;
 mod pack;
 mod unpack;
 
-pub use pack::{About, Key, Packer};
-pub use unpack::{Damaged, Unpacked};
+pub(crate) use pack::{About, Key, Packer};
+pub(crate) use unpack::Damaged;
+pub use unpack::Unpacked;
 
 use crate::settings::ImageFormat;
 
 /// The first bytes of a file.
-pub const MAGIC: [u8; 4] = *b"GCDE";
+pub(crate) const MAGIC: [u8; 4] = *b"GCDE";
 /// The version of the format.
 const VERSION: u32 = 1;
 /// Length of a block's text, bytes. Printers decompress it piece by piece, and

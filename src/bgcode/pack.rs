@@ -16,11 +16,11 @@ const PLAIN: u16 = 0;
 const CRC: u16 = 1;
 
 /// A key and its value.
-pub type Key = (String, String);
+pub(crate) type Key = (String, String);
 
 /// What a file has before the text.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct About {
+pub(crate) struct About {
     /// Who made the file.
     pub file: Vec<Key>,
     /// What the printer asks for.
@@ -36,7 +36,7 @@ pub struct About {
 /// Packs the text that is written to it. The tables before the text are known
 /// only after it, so the blocks wait in a temporary file.
 #[derive(Debug)]
-pub struct Packer<W> {
+pub(crate) struct Packer<W> {
     out: W,
     blocks: BufWriter<File>,
     /// Text that is not yet in a block.
@@ -48,7 +48,7 @@ impl<W: Write> Packer<W> {
     ///
     /// # Errors
     /// If there can be no temporary file.
-    pub fn new(out: W) -> io::Result<Self> {
+    pub(crate) fn new(out: W) -> io::Result<Self> {
         Ok(Packer {
             out,
             blocks: BufWriter::with_capacity(BLOCK, tempfile::tempfile()?),
@@ -60,7 +60,7 @@ impl<W: Write> Packer<W> {
     ///
     /// # Errors
     /// If the output or the temporary file cannot be written.
-    pub fn finish(mut self, about: &About) -> io::Result<()> {
+    pub(crate) fn finish(mut self, about: &About) -> io::Result<()> {
         if !self.text.is_empty() {
             write_text(&mut self.blocks, &self.text)?;
         }

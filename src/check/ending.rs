@@ -33,12 +33,12 @@ pub(super) struct Ending {
 
 impl Ending {
     /// True if something of the part has been printed.
-    pub fn has_printed(&self) -> bool {
+    pub(super) fn has_printed(&self) -> bool {
         self.printed
     }
 
     /// Takes in a move.
-    pub fn step(&mut self, step: &Move) {
+    pub(super) fn step(&mut self, step: &Move) {
         self.last = Last::Move;
         if step.prints() && step.layer > 0 && step.role != Role::Custom {
             *self = Ending {
@@ -50,25 +50,25 @@ impl Ending {
     }
 
     /// Takes in a command that is neither a move nor of the following kinds.
-    pub fn other(&mut self) {
+    pub(super) fn other(&mut self) {
         self.last = Last::Other;
     }
 
     /// Takes in that a nozzle is turned off.
-    pub fn off(&mut self) {
+    pub(super) fn off(&mut self) {
         self.last = Last::Other;
         self.ended = true;
     }
 
     /// Takes in the call of a macro, which may turn everything off.
-    pub fn macro_called(&mut self) {
+    pub(super) fn macro_called(&mut self) {
         self.off();
         self.by_macro = true;
     }
 
     /// What shows that the file was cut off; nothing if it was not.
     /// `unfinished` is true if the last line of the file has no end.
-    pub fn cut_off(
+    pub(super) fn cut_off(
         &self,
         info: &Info,
         unfinished: bool,

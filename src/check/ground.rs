@@ -148,13 +148,13 @@ pub(super) struct Ground {
 impl Ground {
     /// Tiles that the layer being printed takes.
     #[cfg(test)]
-    pub fn tiles(&self) -> usize {
+    pub(super) fn tiles(&self) -> usize {
         self.here.bits.len()
     }
 
     /// Takes in a bead from `a` to `b`, as seen from above, in the layer being
     /// printed.
-    pub fn bead(&mut self, a: DVec2, b: DVec2, z: Mm) {
+    pub(super) fn bead(&mut self, a: DVec2, b: DVec2, z: Mm) {
         self.z = z;
         let way = b - a;
         let length = way.length();
@@ -169,7 +169,7 @@ impl Ground {
     }
 
     /// Ends a layer; `found` is told where islands begin in the air.
-    pub fn next_layer(&mut self, mut found: impl FnMut(DVec3)) {
+    pub(super) fn next_layer(&mut self, mut found: impl FnMut(DVec3)) {
         if self.here.is_empty() {
             return;
         }

@@ -90,7 +90,7 @@ pub(super) struct Heat {
 }
 
 impl Heat {
-    pub fn new(least: Celsius) -> Self {
+    pub(super) fn new(least: Celsius) -> Self {
         Heat {
             least,
             nozzles: [Nozzle::default(); SHARED + 1],
@@ -102,7 +102,13 @@ impl Heat {
     }
 
     /// Takes in that a heater is told a temperature. `tool` is the tool in use.
-    pub fn set(&mut self, heater: Heater, tool: u32, to: Celsius, wait: bool) {
+    pub(super) fn set(
+        &mut self,
+        heater: Heater,
+        tool: u32,
+        to: Celsius,
+        wait: bool,
+    ) {
         let of = match heater {
             Heater::Bed => return self.bed = to,
             Heater::Chamber => return self.chamber = to,
@@ -135,7 +141,7 @@ impl Heat {
     }
 
     /// Takes in that all heaters are turned off.
-    pub fn off(&mut self) {
+    pub(super) fn off(&mut self) {
         let cold = Nozzle {
             target: Some(0.0),
             ..Nozzle::default()
@@ -148,7 +154,11 @@ impl Heat {
     }
 
     /// Takes in that the printer waits for a heater, or for all.
-    pub fn wait(&mut self, heater: Option<Heater>, least: Option<Celsius>) {
+    pub(super) fn wait(
+        &mut self,
+        heater: Option<Heater>,
+        least: Option<Celsius>,
+    ) {
         let one = match heater {
             None => None,
             Some(Heater::Nozzle(tool)) => Some(place(tool.unwrap_or(0))),
@@ -167,7 +177,7 @@ impl Heat {
     }
 
     /// Takes in the call of a macro, which may heat.
-    pub fn macro_called(&mut self, named: &Named) {
+    pub(super) fn macro_called(&mut self, named: &Named) {
         for nozzle in &mut self.nozzles {
             nozzle.unknown = true;
             nozzle.target = nozzle.target.filter(|to| *to >= self.least);
@@ -180,7 +190,7 @@ impl Heat {
     }
 
     /// Whether a tool can push filament.
-    pub fn readiness(&self, tool: u32) -> Readiness {
+    pub(super) fn readiness(&self, tool: u32) -> Readiness {
         let nozzle = self.nozzle(tool);
         match nozzle.target {
             Some(to) if to < self.least => Readiness::Told(to),
@@ -195,14 +205,14 @@ impl Heat {
     }
 
     /// Takes a tool for hot until it is told otherwise.
-    pub fn trust(&mut self, tool: u32) {
+    pub(super) fn trust(&mut self, tool: u32) {
         for i in [place(tool), SHARED] {
             self.nozzles[i].reached = f64::INFINITY;
         }
     }
 
     /// The heaters that are on, with the temperatures that they were told.
-    pub fn on(&self) -> impl Iterator<Item = (&'static str, Celsius)> {
+    pub(super) fn on(&self) -> impl Iterator<Item = (&'static str, Celsius)> {
         let there = if self.apart {
             &self.nozzles[..SHARED]
         } else {

@@ -30,7 +30,7 @@ pub(super) const WIPE_START: &str = ";WIPE_START";
 pub(super) const WIPE_END: &str = ";WIPE_END";
 
 /// The role's name in a dialect; nothing if the dialect does not name roles.
-pub fn role_name(dialect: Comments, role: Role) -> Option<&'static str> {
+pub(super) fn role_name(dialect: Comments, role: Role) -> Option<&'static str> {
     match dialect {
         Comments::Prusa => Some(prusa(role)),
         Comments::Orca => Some(orca(role)),

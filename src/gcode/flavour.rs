@@ -48,7 +48,7 @@ const COARSE: u32 = 1;
 
 /// The start template of a firmware, used if the settings' is empty. The
 /// writer adds the heating before and after it.
-pub fn default_start(flavour: Flavour) -> &'static str {
+pub(super) fn default_start(flavour: Flavour) -> &'static str {
     match flavour {
         Flavour::Marlin | Flavour::Klipper | Flavour::Rrf | Flavour::Prusa => {
             START
@@ -57,7 +57,7 @@ pub fn default_start(flavour: Flavour) -> &'static str {
 }
 
 /// The end template of a firmware, used if the settings' is empty.
-pub fn default_end(flavour: Flavour) -> &'static str {
+pub(super) fn default_end(flavour: Flavour) -> &'static str {
     match flavour {
         Flavour::Marlin | Flavour::Klipper | Flavour::Rrf | Flavour::Prusa => {
             END

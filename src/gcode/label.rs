@@ -63,7 +63,7 @@ impl Label {
 }
 
 /// True if the part's label needs the part's outline, as Klipper's does.
-pub fn needs_outline(settings: &Settings) -> bool {
+pub(crate) fn needs_outline(settings: &Settings) -> bool {
     settings.gcode.flavour == Flavour::Klipper && wanted(settings)
 }
 

@@ -59,10 +59,10 @@ mod tests;
 mod thumbnail;
 mod time;
 
-pub use label::needs_outline;
-pub use placeholders::PLACEHOLDERS;
-pub use template::TemplateError;
-pub use thumbnail::Thumbnail;
+pub(crate) use label::needs_outline;
+pub(crate) use placeholders::PLACEHOLDERS;
+pub(crate) use template::TemplateError;
+pub(crate) use thumbnail::Thumbnail;
 
 use crate::bead::Role;
 use crate::pace::PacedLayer;
@@ -104,7 +104,7 @@ pub enum Format {
 
 /// What the file's start says about the print.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Header {
+pub(crate) struct Header {
     /// Name of the model, without folder and extension.
     pub model_name: String,
     /// Number of the part's layers.
@@ -131,7 +131,7 @@ pub struct Header {
 
 /// What a print takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Totals {
+pub(crate) struct Totals {
     /// Length of filament fed.
     pub filament_length: Mm,
     /// Volume of filament fed.
@@ -172,7 +172,7 @@ pub enum WriteError {
 }
 
 /// Writes a print, layer by layer.
-pub struct Writer<'a, W: Write> {
+pub(crate) struct Writer<'a, W: Write> {
     out: Sink<W>,
     /// What the head says of the file. The binary form has it in tables.
     said: Option<ends::Said>,
@@ -219,7 +219,7 @@ impl<'a, W: Write> Writer<'a, W> {
     ///
     /// # Errors
     /// If a template is wrong or the output cannot be written.
-    pub fn new(
+    pub(crate) fn new(
         out: W,
         settings: &'a Settings,
         header: &Header,
@@ -271,7 +271,7 @@ impl<'a, W: Write> Writer<'a, W> {
     }
 
     /// What the user should know about the templates.
-    pub fn warnings(&self) -> &[String] {
+    pub(crate) fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
@@ -279,7 +279,10 @@ impl<'a, W: Write> Writer<'a, W> {
     ///
     /// # Errors
     /// If the output cannot be written, or a number is not finite.
-    pub fn layer(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
+    pub(crate) fn layer(
+        &mut self,
+        layer: &PacedLayer,
+    ) -> Result<(), WriteError> {
         let before = self.filament.exact + self.extra;
         if self.totals.layers == 0 {
             self.catch_up();
@@ -299,7 +302,10 @@ impl<'a, W: Write> Writer<'a, W> {
     ///
     /// # Errors
     /// If a number is not finite.
-    pub fn rehearse(&mut self, layer: &PacedLayer) -> Result<(), WriteError> {
+    pub(crate) fn rehearse(
+        &mut self,
+        layer: &PacedLayer,
+    ) -> Result<(), WriteError> {
         let forget = |writer: &mut Self| {
             writer.buffer.clear();
             Ok(())
@@ -311,7 +317,7 @@ impl<'a, W: Write> Writer<'a, W> {
     /// Forgets what the machine has been told, as if the next layer were
     /// written by a run of its own. The filament must be primed. The filament's
     /// position loses up to half a unit of its last decimal.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.xy = None;
         self.z = None;
         self.feed = None;
@@ -331,7 +337,7 @@ impl<'a, W: Write> Writer<'a, W> {
     ///
     /// # Errors
     /// If the output cannot be written.
-    pub fn finish(mut self) -> Result<Totals, WriteError> {
+    pub(crate) fn finish(mut self) -> Result<Totals, WriteError> {
         let before = self.place();
         if self.settings.gcode.comments != Comments::None {
             self.line(comments::END_OF_LAYERS);

@@ -11,7 +11,7 @@ const MAX_COUNT: f64 = 1e15;
 
 /// `value` as a count of units of its last decimal, rounded to nearest; nothing
 /// if `value` is not finite or the count above [`MAX_COUNT`].
-pub fn scaled(value: f64, decimals: u32) -> Option<i64> {
+pub(super) fn scaled(value: f64, decimals: u32) -> Option<i64> {
     let count = (value * 10f64.powi(decimals as i32)).round();
     // The comparison is false for NaN.
     (count.abs() <= MAX_COUNT).then_some(count as i64)
@@ -19,7 +19,7 @@ pub fn scaled(value: f64, decimals: u32) -> Option<i64> {
 
 /// Appends a number of `decimals` decimals (at most 17) that is `count` units
 /// of the last one.
-pub fn push_scaled(buffer: &mut Vec<u8>, count: i64, decimals: u32) {
+pub(super) fn push_scaled(buffer: &mut Vec<u8>, count: i64, decimals: u32) {
     if count == 0 {
         buffer.push(b'0');
         return;
@@ -44,7 +44,7 @@ pub fn push_scaled(buffer: &mut Vec<u8>, count: i64, decimals: u32) {
 }
 
 /// Appends a whole number.
-pub fn push_integer(buffer: &mut Vec<u8>, mut n: u64) {
+pub(super) fn push_integer(buffer: &mut Vec<u8>, mut n: u64) {
     // u64::MAX has 20 digits.
     let mut digits = [0u8; 20];
     let mut at = digits.len();
@@ -61,7 +61,7 @@ pub fn push_integer(buffer: &mut Vec<u8>, mut n: u64) {
 
 /// `value` with up to `decimals` decimals, as a string, for headers and
 /// templates. A value that is not finite becomes `0`, which is never dangerous.
-pub fn text(value: f64, decimals: u32) -> String {
+pub(super) fn text(value: f64, decimals: u32) -> String {
     let mut buffer = Vec::new();
     push_scaled(&mut buffer, scaled(value, decimals).unwrap_or(0), decimals);
     buffer.into_iter().map(char::from).collect()

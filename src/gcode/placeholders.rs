@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// A name that a template may use.
 #[derive(Clone, Copy, Debug)]
-pub struct Placeholder {
+pub(crate) struct Placeholder {
     /// The name.
     pub name: &'static str,
     /// The templates that know it.
@@ -22,7 +22,7 @@ pub struct Placeholder {
 
 /// Which templates know a placeholder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scope {
+pub(crate) enum Scope {
     /// Every template.
     All,
     /// Only `gcode.layer`.
@@ -77,7 +77,7 @@ macro_rules! placeholders {
 const PARK_LIFT: f64 = 10.0;
 
 /// Every placeholder, in the order documentation lists them.
-pub const PLACEHOLDERS: &[Placeholder] = placeholders![
+pub(crate) const PLACEHOLDERS: &[Placeholder] = placeholders![
     All "nozzle_temperature", "nozzle temperature, °C",
         |k| {
             // An expression of the temperature holds above the first layer

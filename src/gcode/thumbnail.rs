@@ -11,7 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 
 /// A picture for the file's head.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Thumbnail {
+pub(crate) struct Thumbnail {
     /// Width, height and format.
     pub size: PictureSize,
     /// The picture, as a file of that format.

@@ -26,7 +26,7 @@ pub(super) struct Limits {
 
 /// A layer over the one below.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub(crate) struct Look {
     pub(super) limits: Limits,
     /// Height of the layer.
     pub(super) height: Mm,
@@ -86,7 +86,7 @@ const SLACK: Mm = 0.01;
 
 impl Limits {
     /// Of a layer of this height.
-    pub fn new(height: Mm, settings: &Settings) -> Limits {
+    pub(super) fn new(height: Mm, settings: &Settings) -> Limits {
         Limits {
             held: height * settings.support.angle.to_radians().tan() + SLACK,
             lip: LIP * settings.outer_wall_width,
@@ -96,7 +96,7 @@ impl Limits {
 
 impl Look {
     /// Looks at layer `number` of some height, `here`, over `below`.
-    pub fn new(
+    pub(crate) fn new(
         here: &Solid<'_>,
         below: &Solid<'_>,
         number: usize,

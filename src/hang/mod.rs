@@ -38,15 +38,15 @@
 //! tells of a layer must not depend on every layer below it. Nothing is known
 //! of the material, either: the settings say how far a bridge or a slope holds.
 
-pub mod foot;
+pub(crate) mod foot;
 mod gap;
 mod look;
 mod tip;
 mod track;
 mod words;
 
-pub use look::Look;
-pub use track::Tracker;
+pub(crate) use look::Look;
+pub(crate) use track::Tracker;
 
 use crate::units::{Mm, Mm2};
 use glam::DVec3;

@@ -48,7 +48,7 @@ pub(super) struct Tips(Vec<Island>);
 
 impl Tips {
     /// Takes the next layer, `here`; gives the islands that count from now on.
-    pub fn layer(
+    pub(super) fn layer(
         &mut self,
         look: &Look,
         here: &EdgeGrid,
@@ -110,13 +110,13 @@ impl Tips {
     }
 
     /// A layer of this height that is the same as the one below.
-    pub fn same(&mut self, height: Mm, limits: Limits) -> Vec<Island> {
+    pub(super) fn same(&mut self, height: Mm, limits: Limits) -> Vec<Island> {
         self.0.iter_mut().for_each(|i| i.height += height);
         self.0.extract_if(.., |i| i.counts(limits)).collect()
     }
 
     /// Those of which nothing more will be known.
-    pub fn rest(&mut self, limits: Limits) -> Vec<Island> {
+    pub(super) fn rest(&mut self, limits: Limits) -> Vec<Island> {
         let mut rest = std::mem::take(&mut self.0);
         rest.retain(|i| i.most >= speck(limits));
         rest

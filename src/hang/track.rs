@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 
 /// Follows the rims up the part.
 #[derive(Debug, Default)]
-pub struct Tracker {
+pub(crate) struct Tracker {
     /// What is known of the layer below, place by place; nothing, if all of
     /// it is held.
     rim: Vec<(Place, State)>,
@@ -43,7 +43,7 @@ struct Slope {
 impl Tracker {
     /// Forgets all layers so far: what follows is taken to be held. If `count`
     /// says so, islands count that have not met anything yet.
-    pub fn restart(&mut self, count: bool, settings: &Settings) {
+    pub(crate) fn restart(&mut self, count: bool, settings: &Settings) {
         let limits = Limits::new(settings.layer_height, settings);
         let begins = self.tips.rest(limits);
         if count {
@@ -54,7 +54,7 @@ impl Tracker {
 
     /// Takes the next layer, `here`. Counts what hangs in it if `count` says
     /// so; `place` turns a point of the layer into one on the bed.
-    pub fn layer(
+    pub(crate) fn layer(
         &mut self,
         look: &Look,
         here: &EdgeGrid,
@@ -214,7 +214,12 @@ impl Tracker {
 
     /// Takes a layer of this height that is the same as the one below: what
     /// hung there comes nearer to being held.
-    pub fn same(&mut self, height: Mm, count: bool, settings: &Settings) {
+    pub(crate) fn same(
+        &mut self,
+        height: Mm,
+        count: bool,
+        settings: &Settings,
+    ) {
         let limits = Limits::new(height, settings);
         let begins = self.tips.same(height, limits);
         if count {
@@ -232,7 +237,7 @@ impl Tracker {
     }
 
     /// What hangs in the layers that were counted.
-    pub fn finish(self) -> Hanging {
+    pub(crate) fn finish(self) -> Hanging {
         self.sums
     }
 }

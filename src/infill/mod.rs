@@ -28,7 +28,7 @@ mod rectilinear;
 mod schwarz_p;
 mod shape;
 mod sheet;
-pub mod standing;
+pub(crate) mod standing;
 mod triangles;
 
 use crate::bead::{Bead, Role, Stroke, spacing};
@@ -50,7 +50,7 @@ use sheet::Sheet;
 
 /// Which layer is to be filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub(crate) struct Place {
     /// Its number, from 0.
     pub number: usize,
     /// Height of its sample plane above the bed.
@@ -196,7 +196,7 @@ enum Kind {
 
 /// Where the part is, in the layers' coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Site {
+pub(crate) struct Site {
     /// The box around it.
     pub part: Rect,
     /// How high it is.
@@ -208,7 +208,7 @@ pub struct Site {
 }
 
 /// A part's sparse infill.
-pub struct Infill<'a> {
+pub(crate) struct Infill<'a> {
     settings: &'a Settings,
     around: &'a Surroundings<'a>,
     kind: Kind,
@@ -222,7 +222,7 @@ impl<'a> Infill<'a> {
     /// # Errors
     /// If an expression is none, a script cannot be run, or the pattern
     /// cannot have the density.
-    pub fn new(
+    pub(crate) fn new(
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
         site: Site,
@@ -270,7 +270,7 @@ impl<'a> Infill<'a> {
     /// # Errors
     /// If the density has no value somewhere, or an expression cannot be
     /// evaluated.
-    pub fn beads(
+    pub(crate) fn beads(
         &self,
         sparse: &Area,
         place: Place,

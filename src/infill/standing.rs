@@ -24,7 +24,7 @@ use crate::units::Mm;
 const HELD: f64 = 0.75;
 
 /// What a layer's infill may stand on.
-pub struct Standing {
+pub(crate) struct Standing {
     reach: Mm,
     /// The beads of the layer below, if it is known.
     below: Option<EdgeGrid>,
@@ -36,7 +36,7 @@ pub struct Standing {
 
 impl Standing {
     /// For infill that needs to be looked at.
-    pub fn new(settings: &Settings) -> Option<Standing> {
+    pub(crate) fn new(settings: &Settings) -> Option<Standing> {
         let own = !matches!(settings.infill, settings::Infill::Pattern(_));
         let graded = settings.infill_density.constant().is_none();
         (own || graded).then(|| Standing {
@@ -48,14 +48,14 @@ impl Standing {
     }
 
     /// Forgets the layer below: everything stands on the next one.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.below = None;
     }
 
     /// Takes the next layer, and leaves out what of its infill stands on
     /// nothing. `others` are its other beads; `counts` tells whether it is to
     /// be counted.
-    pub fn kept<'a>(
+    pub(crate) fn kept<'a>(
         &mut self,
         mut infill: Vec<Bead>,
         others: impl Iterator<Item = &'a Bead>,
@@ -100,7 +100,7 @@ impl Standing {
     }
 
     /// What the user should know: patterns are not to blame.
-    pub fn warning(&self) -> Option<String> {
+    pub(crate) fn warning(&self) -> Option<String> {
         (self.own && self.left_out > 0).then(|| {
             format!(
                 "beads of the infill's shape that lie on nothing and touch \

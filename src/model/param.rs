@@ -134,7 +134,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    pub fn new(defines: &[(String, String)]) -> Self {
+    pub(super) fn new(defines: &[(String, String)]) -> Self {
         Self {
             defines: defines.to_vec(),
             declared: Vec::new(),
@@ -142,7 +142,7 @@ impl Table {
     }
 
     /// The value of `param(name, default, description)`.
-    pub fn declare(
+    pub(super) fn declare(
         &mut self,
         name: &str,
         default: Value,
@@ -202,7 +202,7 @@ impl Table {
     }
 
     /// The list of parameters, if every definition was for one of them.
-    pub fn finish(self) -> Result<Vec<Parameter>, ParamError> {
+    pub(super) fn finish(self) -> Result<Vec<Parameter>, ParamError> {
         let parameters: Vec<Parameter> =
             self.declared.into_iter().map(|p| p.0).collect();
         for (name, _) in &self.defines {

@@ -26,7 +26,7 @@ pub(super) enum Job {
 
 impl Job {
     /// A bead that may begin at either end, or anywhere if it is closed.
-    pub fn of(bead: Bead) -> Job {
+    pub(super) fn of(bead: Bead) -> Job {
         if bead.closed {
             Job::rings(vec![bead], 0)
         } else {
@@ -35,7 +35,7 @@ impl Job {
     }
 
     /// Beads that may begin anywhere, but all near one place.
-    pub fn rings(beads: Vec<Bead>, leader: usize) -> Job {
+    pub(super) fn rings(beads: Vec<Bead>, leader: usize) -> Job {
         Job::Rings {
             beads,
             leader,
@@ -44,7 +44,7 @@ impl Job {
     }
 
     /// Where the job begins and ends; nothing if that is not known yet.
-    pub fn ends(&self) -> Option<(DVec2, DVec2)> {
+    pub(super) fn ends(&self) -> Option<(DVec2, DVec2)> {
         match self {
             Job::Line(bead) => Some((*bead.points.first()?, end(bead)?)),
             Job::Rings {

@@ -39,7 +39,7 @@ use tour::{Stop, tour};
 
 /// The beads of a layer.
 #[derive(Clone, Debug, Default)]
-pub struct LayerBeads {
+pub(crate) struct LayerBeads {
     /// Loops around the part, in order.
     pub skirt: Vec<Bead>,
     /// Closed beads of the walls.
@@ -54,7 +54,7 @@ pub struct LayerBeads {
 
 impl LayerBeads {
     /// The beads of walls and skin.
-    pub fn shell(&self) -> impl Iterator<Item = &Bead> {
+    pub(crate) fn shell(&self) -> impl Iterator<Item = &Bead> {
         let patches = self.skin.iter().flat_map(|patch| {
             let fills = patch.fills.iter().flat_map(|f| &f.lines);
             patch.rings.iter().chain(fills)
@@ -65,7 +65,7 @@ impl LayerBeads {
 
 /// What one layer hands to the next.
 #[derive(Clone, Debug, Default)]
-pub struct Head {
+pub(crate) struct Head {
     /// Where the nozzle stands; nothing if it has not printed yet.
     pub at: Option<DVec2>,
     /// Seams of the layer below.
@@ -77,7 +77,7 @@ pub struct Head {
 const SEAM_REACH: Mm = 2.0;
 
 /// Puts a layer's beads in order. `outline` is the layer's solid.
-pub fn order(
+pub(crate) fn order(
     mut beads: LayerBeads,
     outline: &Area,
     head: &mut Head,

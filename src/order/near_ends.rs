@@ -27,7 +27,7 @@ const FAR: usize = 8;
 
 impl NearEnds {
     /// A grid of the points, which are numbered in their order.
-    pub fn new(points: impl Iterator<Item = DVec2>) -> NearEnds {
+    pub(super) fn new(points: impl Iterator<Item = DVec2>) -> NearEnds {
         let points: Vec<DVec2> = points.collect();
         let bounds = Rect::around(&points);
         let size = (bounds.max - bounds.min).max(DVec2::ZERO);
@@ -78,7 +78,7 @@ impl NearEnds {
     /// The `count` points nearest to `p`, nearest first, with the squares of
     /// their distances. Points farther than `reach` or [`FAR`] cells are left
     /// out.
-    pub fn near(
+    pub(super) fn near(
         &self,
         p: DVec2,
         reach: Mm,

@@ -11,7 +11,7 @@ pub(super) struct Nearest {
 
 impl Nearest {
     /// Points and their numbers.
-    pub fn new(points: impl Iterator<Item = (DVec2, usize)>) -> Nearest {
+    pub(super) fn new(points: impl Iterator<Item = (DVec2, usize)>) -> Nearest {
         let all = points
             .map(|(p, i)| GeomWithData::new(p.to_array(), i))
             .collect();
@@ -21,14 +21,14 @@ impl Nearest {
     }
 
     /// Adds a point.
-    pub fn push(&mut self, at: DVec2, number: usize) {
+    pub(super) fn push(&mut self, at: DVec2, number: usize) {
         self.tree.insert(GeomWithData::new(at.to_array(), number));
     }
 
     /// Takes the point nearest to `from`. Without `from` it takes the point
     /// nearest to the origin, so that the order does not depend on the tree's
     /// shape.
-    pub fn pop(&mut self, from: Option<DVec2>) -> Option<usize> {
+    pub(super) fn pop(&mut self, from: Option<DVec2>) -> Option<usize> {
         let at = from.unwrap_or(DVec2::ZERO).to_array();
         self.tree.pop_nearest_neighbor(&at).map(|g| g.data)
     }

@@ -18,7 +18,7 @@ const LONGEST_CHAIN: usize = 1 << 17;
 
 /// Moves that wait for their times. `T` says what a move is.
 #[derive(Debug)]
-pub struct Clock<T> {
+pub(crate) struct Clock<T> {
     motion: Motion,
     limits: Limits,
     acceleration: MmPerSec2,
@@ -27,7 +27,7 @@ pub struct Clock<T> {
 
 impl<T> Clock<T> {
     /// A clock for the printer in the settings.
-    pub fn new(settings: &Settings) -> Self {
+    pub(crate) fn new(settings: &Settings) -> Self {
         let limits = Limits::new(settings);
         let acceleration = settings.printer.acceleration;
         Self {
@@ -39,7 +39,7 @@ impl<T> Clock<T> {
     }
 
     /// Adds a move that is made in this state of the machine.
-    pub fn push(&mut self, step: &Move, state: &MachineState, what: T) {
+    pub(crate) fn push(&mut self, step: &Move, state: &MachineState, what: T) {
         let before = self.motion.segments().len();
         let speed = match step.speed {
             speed if speed > 0.0 => speed,
@@ -65,12 +65,12 @@ impl<T> Clock<T> {
     }
 
     /// True if it is time for [`Clock::rest`].
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.waiting.len() >= LONGEST_CHAIN
     }
 
     /// Comes to rest, and tells the time of every move since the last rest.
-    pub fn rest(
+    pub(crate) fn rest(
         &mut self,
         state: &MachineState,
         mut tell: impl FnMut(T, Seconds),
@@ -98,7 +98,7 @@ impl<T> Clock<T> {
 /// How long a text takes on the printer in the settings, from rest to rest, and
 /// where the head is in the end. Moves and pauses count, heating and homing do
 /// not.
-pub fn time_of(text: &[u8], settings: &Settings) -> (Seconds, DVec3) {
+pub(crate) fn time_of(text: &[u8], settings: &Settings) -> (Seconds, DVec3) {
     let mut clock = Clock::new(settings);
     let mut reader = Reader::new(text);
     let mut total = 0.0;

@@ -30,14 +30,14 @@
 //! anyway. The `clock` reads the time of everything else from the text.
 
 mod bounds;
-pub mod clock;
+pub(crate) mod clock;
 mod fan;
-pub mod motion;
+pub(crate) mod motion;
 mod moves;
-pub mod rates;
+pub(crate) mod rates;
 mod slowing;
 
-pub use moves::{PacedLayer, PacedMove};
+pub(crate) use moves::{PacedLayer, PacedMove};
 
 use crate::bead::Bead;
 use crate::layers::LayerSpan;
@@ -68,7 +68,7 @@ const WIPE_SPEED: f64 = 0.8;
 
 /// Gives speeds to one layer after another. Between two layers it knows where
 /// the head stands.
-pub struct Pacer<'a> {
+pub(crate) struct Pacer<'a> {
     settings: &'a Settings,
     rater: Rater<'a>,
     motion: Motion,
@@ -87,7 +87,7 @@ pub struct Pacer<'a> {
 
 impl<'a> Pacer<'a> {
     /// A pacer for a print from the bed up.
-    pub fn new(settings: &'a Settings, rater: Rater<'a>) -> Self {
+    pub(crate) fn new(settings: &'a Settings, rater: Rater<'a>) -> Self {
         Self {
             settings,
             rater,
@@ -106,7 +106,7 @@ impl<'a> Pacer<'a> {
 
     /// Forgets where the head is in the plane. It is at height `z`. The way to
     /// the next layer's first point is in no layer's time.
-    pub fn restart(&mut self, z: Mm) {
+    pub(crate) fn restart(&mut self, z: Mm) {
         self.xy = None;
         self.z = Some(z);
         self.lifted = false;
@@ -119,7 +119,7 @@ impl<'a> Pacer<'a> {
     ///
     /// # Errors
     /// If a setting that is an expression has no value somewhere.
-    pub fn layer(
+    pub(crate) fn layer(
         &mut self,
         path: LayerPath,
         solid: Option<&EdgeGrid>,
@@ -178,7 +178,7 @@ impl<'a> Pacer<'a> {
     }
 
     /// The settings of the print.
-    pub fn settings(&self) -> &'a Settings {
+    pub(crate) fn settings(&self) -> &'a Settings {
         self.settings
     }
 

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 /// One step of the machine, with its speed.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PacedMove {
+pub(crate) enum PacedMove {
     /// Pull filament back.
     Retract {
         /// Length of filament.
@@ -65,7 +65,7 @@ pub enum PacedMove {
 
 /// A layer ready to be written.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PacedLayer {
+pub(crate) struct PacedLayer {
     /// The layer.
     pub span: LayerSpan,
     /// The layer's moves in order.

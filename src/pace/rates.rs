@@ -23,7 +23,7 @@ const CHANGE: f64 = 0.01;
 
 /// How a bead is printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates {
+pub(crate) struct Rates {
     /// Speed that the bead's role asks for.
     pub speed: MmPerSec,
     /// Material extruded, as a factor on the bead's volume. It includes
@@ -34,7 +34,7 @@ pub struct Rates {
 }
 
 /// The rates of a run's beads.
-pub struct Rater<'a> {
+pub(crate) struct Rater<'a> {
     settings: &'a Settings,
     /// What expressions know of the model; nothing if all settings are
     /// constant.
@@ -75,7 +75,7 @@ impl<'a> Rater<'a> {
     ///
     /// # Errors
     /// If a setting is no expression.
-    pub fn new(
+    pub(crate) fn new(
         settings: &'a Settings,
         model: &Model,
         around: &'a Surroundings<'a>,
@@ -89,7 +89,7 @@ impl<'a> Rater<'a> {
     /// # Errors
     /// If a setting is no expression.
     #[cfg(test)]
-    pub fn constant(settings: &'a Settings) -> Result<Rater<'a>, VaryError> {
+    pub(crate) fn constant(settings: &'a Settings) -> Result<Rater<'a>, VaryError> {
         Self::with(settings, None)
     }
 
@@ -134,7 +134,10 @@ impl<'a> Rater<'a> {
     /// # Errors
     /// If an expression has no value there, or one at which plastic does not
     /// melt or that the printer does not bear.
-    pub fn temperature(&self, span: &LayerSpan) -> Result<Celsius, VaryError> {
+    pub(crate) fn temperature(
+        &self,
+        span: &LayerSpan,
+    ) -> Result<Celsius, VaryError> {
         if span.index == 0 {
             return Ok(self.settings.filament.first_layer_nozzle_temperature);
         }
@@ -156,7 +159,7 @@ impl<'a> Rater<'a> {
 
     /// Speed of the fan at a layer's beginning; nothing if the first bead sets
     /// it.
-    pub fn fan(&self, span: &LayerSpan) -> Option<Percent> {
+    pub(crate) fn fan(&self, span: &LayerSpan) -> Option<Percent> {
         if span.index < self.settings.cooling.fan_off_layers as usize {
             Some(0.0)
         } else {
@@ -174,7 +177,7 @@ impl<'a> Rater<'a> {
     ///
     /// # Errors
     /// If a setting has no value somewhere along the bead.
-    pub fn pieces(
+    pub(crate) fn pieces(
         &self,
         bead: Bead,
         span: &LayerSpan,

@@ -82,7 +82,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         clippy::too_many_arguments,
         reason = "each is a part that the caller has made, and is used once"
     )]
-    pub fn new(
+    pub(super) fn new(
         timings: &'a Timings,
         offset: DVec2,
         layers: Range<usize>,
@@ -115,7 +115,7 @@ impl<'a, 'w> Exit<'a, 'w> {
     }
 
     /// Takes the next layer.
-    pub fn layer(&mut self, ready: Ready) -> Result<(), SliceError> {
+    pub(super) fn layer(&mut self, ready: Ready) -> Result<(), SliceError> {
         let (layer, above) = (&ready.layer, ready.above.as_ref());
         let below = ready.below.as_ref();
         let Filled {
@@ -254,7 +254,7 @@ impl<'a, 'w> Exit<'a, 'w> {
     }
 
     /// Ends the file.
-    pub fn finish(mut self) -> Result<Done, SliceError> {
+    pub(super) fn finish(mut self) -> Result<Done, SliceError> {
         let standing = self.standing.as_ref();
         self.warnings.extend(standing.and_then(Standing::warning));
         Ok(Done {

@@ -45,7 +45,7 @@ pub(super) struct Inside {
 
 impl Layer {
     /// The outline to print.
-    pub fn area(&self) -> &Area {
+    pub(super) fn area(&self) -> &Area {
         self.outline.area()
     }
 
@@ -59,7 +59,7 @@ impl Layer {
 
     /// What the layer above stands on: where an elephant's foot was taken
     /// from the outline, the plastic goes there again.
-    pub fn top(&self, settings: &Settings) -> Cow<'_, Solid<'static>> {
+    pub(super) fn top(&self, settings: &Settings) -> Cow<'_, Solid<'static>> {
         let moved = Compensation::new(&self.span, settings);
         match moved.squeezed(&self.found.area) {
             Some(area) => Cow::Owned(Solid::new(area)),
@@ -68,7 +68,7 @@ impl Layer {
     }
 
     /// Shares with the layer below what is the same.
-    pub fn share(&mut self, below: &Layer) {
+    pub(super) fn share(&mut self, below: &Layer) {
         if below.area() == self.area() {
             self.outline = below.outline.clone();
             self.rough = below.rough.clone();
@@ -76,12 +76,12 @@ impl Layer {
     }
 
     /// True if the layer below has the same outline.
-    pub fn same_outline(&self, below: &Layer) -> bool {
+    pub(super) fn same_outline(&self, below: &Layer) -> bool {
         self.outline.is(&below.outline)
     }
 
     /// True if the layer below has the same walls.
-    pub fn same(&self, below: &Layer) -> bool {
+    pub(super) fn same(&self, below: &Layer) -> bool {
         let dh = below.span.height() - self.span.height();
         dh.abs() < SAME_HEIGHT
             && self.same_outline(below)

@@ -62,7 +62,7 @@ pub(super) struct Stages<'a> {
 }
 
 impl<'a> Stages<'a> {
-    pub fn new(
+    pub(super) fn new(
         model: &Model,
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
@@ -132,30 +132,34 @@ impl<'a> Stages<'a> {
     }
 
     /// Layers whose field is walked at a time.
-    pub fn slab_layers(&self) -> usize {
+    pub(super) fn slab_layers(&self) -> usize {
         self.field.slab_layers()
     }
 
     /// The layers whose outlines a run needs that writes `layers` of `count`:
     /// those to be rehearsed, and the neighbours of all of these.
-    pub fn needed(&self, layers: &Range<usize>, count: usize) -> Range<usize> {
+    pub(super) fn needed(
+        &self,
+        layers: &Range<usize>,
+        count: usize,
+    ) -> Range<usize> {
         let first = layers.start - layers.start % BLOCK;
         let below = first.saturating_sub(self.reach_below());
         below..(layers.end + self.reach_above()).min(count)
     }
 
     /// How many layers above a layer it has to know.
-    pub fn reach_above(&self) -> usize {
+    pub(super) fn reach_above(&self) -> usize {
         self.exposure.reach_above()
     }
 
     /// How many layers below a layer it has to know.
-    pub fn reach_below(&self) -> usize {
+    pub(super) fn reach_below(&self) -> usize {
         self.exposure.reach_below()
     }
 
     /// Outlines of a slab's layers, as far as they are needed.
-    pub fn layers(
+    pub(super) fn layers(
         &self,
         spans: &[LayerSpan],
         needed: &Range<usize>,
@@ -226,7 +230,7 @@ impl<'a> Stages<'a> {
     }
 
     /// A layer's walls and what they leave.
-    pub fn inside(&self, layer: &Layer) -> Inside {
+    pub(super) fn inside(&self, layer: &Layer) -> Inside {
         let height = layer.span.height();
         let walls = self.timings.time(Stage::Walls, || {
             let outline = layer.area();
@@ -245,7 +249,7 @@ impl<'a> Stages<'a> {
     }
 
     /// How far the `k`th layer of the run is off, if it is to be measured.
-    pub fn figures(
+    pub(super) fn figures(
         &self,
         layer: &Layer,
         walls: &Walls,
@@ -264,7 +268,11 @@ impl<'a> Stages<'a> {
 
     /// How layer `i` of the window lies over the one below, unless they are
     /// the same or it is the first.
-    pub fn look(&self, layers: &VecDeque<Layer>, i: usize) -> Option<Look> {
+    pub(super) fn look(
+        &self,
+        layers: &VecDeque<Layer>,
+        i: usize,
+    ) -> Option<Look> {
         let (here, below) = (&layers[i], layers.get(i.checked_sub(1)?)?);
         if here.same_outline(below) {
             return None;
@@ -283,7 +291,7 @@ impl<'a> Stages<'a> {
 
     /// Everything there is to print in layer `i` of the window, and where it
     /// has sparse infill.
-    pub fn beads(
+    pub(super) fn beads(
         &self,
         layers: &VecDeque<Layer>,
         i: usize,
@@ -340,7 +348,7 @@ impl<'a> Stages<'a> {
     /// How many of the part's layers there are up to the highest one that
     /// has something to print. The bounds may reach higher than the part, and
     /// what is thinner than any line is left out.
-    pub fn printed(
+    pub(super) fn printed(
         &self,
         pool: &ThreadPool,
         spans: &[LayerSpan],

@@ -42,7 +42,7 @@ pub(super) struct Supply<'a> {
 impl<'a> Supply<'a> {
     /// Of the part's `spans`, `layers`, and those of the same block before
     /// them.
-    pub fn new(
+    pub(super) fn new(
         stages: &'a Stages<'a>,
         pool: &'a ThreadPool,
         spans: &'a [LayerSpan],
@@ -70,7 +70,7 @@ impl<'a> Supply<'a> {
     ///
     /// # Errors
     /// The first one of either.
-    pub fn each(
+    pub(super) fn each(
         self,
         mut write: impl FnMut(Ready) -> Result<(), SliceError>,
     ) -> Result<(), SliceError> {

@@ -23,7 +23,7 @@ pub(super) struct Tally {
 impl Tally {
     /// Counts a layer with gaps of this area; `empty` if nothing of the part
     /// is printed in it.
-    pub fn add(&mut self, layer: &Layer, gap: Mm2, empty: bool) {
+    pub(super) fn add(&mut self, layer: &Layer, gap: Mm2, empty: bool) {
         let outline = &layer.found;
         self.gap += gap;
         self.solid += layer.area().content();
@@ -39,7 +39,7 @@ impl Tally {
         }
     }
 
-    pub fn warn(&self, warnings: &mut Vec<String>) {
+    pub(super) fn warn(&self, warnings: &mut Vec<String>) {
         if self.bridged > 0 {
             warnings.push(format!(
                 "{} of {} layers have nothing to print and others follow \

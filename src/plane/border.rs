@@ -16,7 +16,7 @@ use glam::DVec2;
 
 /// A place on an area's border.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foot {
+pub(crate) struct Foot {
     /// Number of the ring.
     pub ring: usize,
     /// Way along the ring from its first point.
@@ -25,7 +25,7 @@ pub struct Foot {
 
 /// What an area has of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub(crate) struct Piece {
     /// Its points; the first is not repeated at the end of a closed one.
     pub points: Vec<DVec2>,
     /// The whole of a line that returns to its first point.
@@ -38,7 +38,7 @@ pub struct Piece {
 
 /// An area's border.
 #[derive(Clone, Debug)]
-pub struct Border<'a> {
+pub(crate) struct Border<'a> {
     area: &'a Area,
     grid: EdgeGrid,
     places: Places,
@@ -55,7 +55,7 @@ const SAME: f64 = 1e-12;
 
 impl<'a> Border<'a> {
     /// The border of `area`.
-    pub fn new(area: &'a Area) -> Border<'a> {
+    pub(crate) fn new(area: &'a Area) -> Border<'a> {
         Border {
             area,
             grid: EdgeGrid::new(area, CELL),
@@ -65,22 +65,22 @@ impl<'a> Border<'a> {
     }
 
     /// The area inside.
-    pub fn area(&self) -> &'a Area {
+    pub(crate) fn area(&self) -> &'a Area {
         self.area
     }
 
     /// The box around it.
-    pub fn bounds(&self) -> Rect {
+    pub(crate) fn bounds(&self) -> Rect {
         self.bounds
     }
 
     /// True if the point is inside.
-    pub fn contains(&self, p: DVec2) -> bool {
+    pub(crate) fn contains(&self, p: DVec2) -> bool {
         self.grid.contains(p)
     }
 
     /// True if some of the box is inside, or nearly so.
-    pub fn touches(&self, rect: Rect) -> bool {
+    pub(crate) fn touches(&self, rect: Rect) -> bool {
         self.grid.meets(rect) || self.contains(rect.min.midpoint(rect.max))
     }
 
@@ -92,7 +92,7 @@ impl<'a> Border<'a> {
     }
 
     /// The way along the ring from one place on it to another.
-    pub fn way(&self, from: Foot, to: Foot) -> Mm {
+    pub(crate) fn way(&self, from: Foot, to: Foot) -> Mm {
         let way = to.at - from.at;
         match way < 0.0 {
             true => way + self.places.length(from.ring),
@@ -101,7 +101,7 @@ impl<'a> Border<'a> {
     }
 
     /// The ring's points between two places on it, in its direction.
-    pub fn between(&self, from: Foot, to: Foot) -> Vec<DVec2> {
+    pub(crate) fn between(&self, from: Foot, to: Foot) -> Vec<DVec2> {
         let ring = &self.area.rings[from.ring];
         let before = self.places.of_ring(from.ring);
         // The first points behind the two places.
@@ -117,7 +117,7 @@ impl<'a> Border<'a> {
 
 /// Cuts lines, given point by point, at a border.
 #[derive(Debug)]
-pub struct Cutter<'b, 'a> {
+pub(crate) struct Cutter<'b, 'a> {
     border: &'b Border<'a>,
     pieces: Vec<Piece>,
     /// The end of the line so far, if one has begun.
@@ -141,7 +141,7 @@ struct Hit {
 
 impl<'b, 'a> Cutter<'b, 'a> {
     /// A cutter without a line.
-    pub fn new(border: &'b Border<'a>) -> Self {
+    pub(crate) fn new(border: &'b Border<'a>) -> Self {
         Cutter {
             border,
             pieces: Vec::new(),
@@ -154,13 +154,13 @@ impl<'b, 'a> Cutter<'b, 'a> {
     }
 
     /// The pieces of all lines.
-    pub fn finish(mut self) -> Vec<Piece> {
+    pub(crate) fn finish(mut self) -> Vec<Piece> {
         self.end();
         self.pieces
     }
 
     /// A whole line.
-    pub fn line(&mut self, points: &[DVec2], closed: bool) {
+    pub(crate) fn line(&mut self, points: &[DVec2], closed: bool) {
         let Some(&start) = points.first() else {
             return;
         };
@@ -191,7 +191,7 @@ impl<'b, 'a> Cutter<'b, 'a> {
     }
 
     /// A line that returns to its first point and lies within `bounds`.
-    pub fn ring(&mut self, points: &[DVec2], bounds: Rect) {
+    pub(crate) fn ring(&mut self, points: &[DVec2], bounds: Rect) {
         if self.border.grid.meets(bounds) {
             return self.line(points, true);
         }
@@ -207,7 +207,7 @@ impl<'b, 'a> Cutter<'b, 'a> {
     }
 
     /// Several points of the line at a time, which lie within `bounds`.
-    pub fn run(&mut self, points: &[DVec2], bounds: Rect) {
+    pub(crate) fn run(&mut self, points: &[DVec2], bounds: Rect) {
         let mut points = points.iter();
         if self.at.is_none()
             && let Some(&p) = points.next()
@@ -226,7 +226,7 @@ impl<'b, 'a> Cutter<'b, 'a> {
     }
 
     /// The line goes on to `p`, or begins there.
-    pub fn to(&mut self, p: DVec2) {
+    pub(crate) fn to(&mut self, p: DVec2) {
         let Some(from) = self.at.replace(p) else {
             self.inside = self.border.contains(p);
             if self.inside {
@@ -257,7 +257,7 @@ impl<'b, 'a> Cutter<'b, 'a> {
     }
 
     /// The line ends where it is.
-    pub fn end(&mut self) {
+    pub(crate) fn end(&mut self) {
         self.cut(None);
         self.at = None;
         self.inside = false;

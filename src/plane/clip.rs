@@ -20,7 +20,7 @@ const GRID: f64 = 1e5;
 type Contour = Vec<IntPoint<i32>>;
 
 /// What is in either area.
-pub fn union(a: &Area, b: &Area) -> Area {
+pub(crate) fn union(a: &Area, b: &Area) -> Area {
     if a.is_empty() {
         return b.clone();
     }
@@ -31,7 +31,7 @@ pub fn union(a: &Area, b: &Area) -> Area {
 }
 
 /// What is in the first but not in the second area.
-pub fn difference(a: &Area, b: &Area) -> Area {
+pub(crate) fn difference(a: &Area, b: &Area) -> Area {
     if a.is_empty() || b.is_empty() {
         return a.clone();
     }
@@ -39,7 +39,7 @@ pub fn difference(a: &Area, b: &Area) -> Area {
 }
 
 /// What is in both areas.
-pub fn intersection(a: &Area, b: &Area) -> Area {
+pub(crate) fn intersection(a: &Area, b: &Area) -> Area {
     if a.is_empty() || b.is_empty() {
         return Area::EMPTY;
     }
@@ -50,7 +50,7 @@ pub fn intersection(a: &Area, b: &Area) -> Area {
 /// one of them leaves open. One sweep for any number of covers, unless they
 /// have so many edges that it is cut into parts: islands of the result may
 /// then touch each other along the cuts.
-pub fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
+pub(crate) fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
     if a.is_empty() || covers.is_empty() {
         return Area::EMPTY;
     }
@@ -122,7 +122,10 @@ fn open(a: &Area, covers: &[&Area]) -> Area {
 /// What some rings have within a box, up to its border: rings that leave the box run
 /// along its sides, perhaps to and fro, with the same winding inside. Much
 /// cheaper than an intersection. (Sutherland and Hodgman 1974.)
-pub fn crop<'a>(all: impl IntoIterator<Item = &'a Ring>, to: Rect) -> Area {
+pub(crate) fn crop<'a>(
+    all: impl IntoIterator<Item = &'a Ring>,
+    to: Rect,
+) -> Area {
     let mut rings = Vec::new();
     for ring in all {
         let bounds = Rect::around(ring);
@@ -166,7 +169,7 @@ fn cut(ring: &[DVec2], normal: DVec2, limit: f64) -> Ring {
 }
 
 /// The rings' union, whatever their winding.
-pub fn unite(area: &Area) -> Area {
+pub(crate) fn unite(area: &Area) -> Area {
     sweep(area, FillRule::NonZero)
 }
 

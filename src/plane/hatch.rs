@@ -17,7 +17,7 @@ use glam::DVec2;
 
 /// Where the lines run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lines {
+pub(crate) struct Lines {
     /// Direction of the lines.
     pub angle: Degrees,
     /// Distance between neighbouring lines.
@@ -28,7 +28,7 @@ pub struct Lines {
 
 /// A line's piece inside an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
+pub(crate) struct Segment {
     /// Which line: its distance from the origin is phase + row · spacing.
     pub row: i64,
     /// The end with the smaller coordinate along the line.
@@ -39,7 +39,7 @@ pub struct Segment {
 
 /// The pieces of the lines inside the area, row by row, each row in the
 /// lines' direction. Pieces shorter than `shortest` are left out.
-pub fn hatch(area: &Area, lines: Lines, shortest: Mm) -> Vec<Segment> {
+pub(crate) fn hatch(area: &Area, lines: Lines, shortest: Mm) -> Vec<Segment> {
     let hits = hits(area, lines);
     let pieces = pairs(&hits, shortest);
     pieces.map(|(from, to)| lines.segment(from, to)).collect()
@@ -47,7 +47,7 @@ pub fn hatch(area: &Area, lines: Lines, shortest: Mm) -> Vec<Segment> {
 
 /// The same, as pieces that know where on the border they end, each with the
 /// number of its row.
-pub fn hatch_border(
+pub(crate) fn hatch_border(
     border: &Border<'_>,
     lines: Lines,
     shortest: Mm,

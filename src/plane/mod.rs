@@ -7,20 +7,20 @@
 //! [`grid`] answers what is where and [`nest`] which ring is around a point;
 //! a [`Solid`] is an area with its grid.
 
-pub mod border;
-pub mod clip;
-pub mod grid;
-pub mod hatch;
-pub mod offset;
-pub mod places;
+pub(crate) mod border;
+pub(crate) mod clip;
+pub(crate) mod grid;
+pub(crate) mod hatch;
+pub(crate) mod offset;
+pub(crate) mod places;
 mod solid;
 mod trim;
 
-pub use isocontour::plane::{
+pub(crate) use isocontour::plane::{
     Area, Rect, Ring, edges, nest, path_length, point_beside, ring_length,
     signed_area, simplify,
 };
-pub use solid::Solid;
+pub(crate) use solid::Solid;
 
 /// A rectangle, for tests.
 #[cfg(test)]

@@ -21,7 +21,7 @@ use glam::DVec2;
 /// The area grown by `distance` (shrunk, if negative). Corners that the
 /// border moves away from become arcs around the corner, within `tolerance`
 /// of the true distance; corners it moves into stay sharp.
-pub fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
+pub(crate) fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     let solid = Solid::of(area, distance.abs());
     offset_within(&solid, None, distance, tolerance)
 }
@@ -30,7 +30,7 @@ pub fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
 /// for each of them, numbered as in a grid, from where to where that is. An
 /// edge that nothing is known of has it from 0 to infinity.
 #[derive(Clone, Debug, Default)]
-pub struct Room {
+pub(crate) struct Room {
     /// The least along the edge and those beside it.
     pub least: Vec<Mm>,
     /// The most.
@@ -56,7 +56,7 @@ impl Room {
 }
 
 /// [`offset`] where it may be known how far the edges can move inwards.
-pub fn offset_within(
+pub(crate) fn offset_within(
     solid: &Solid<'_>,
     room: Option<&Room>,
     distance: Mm,

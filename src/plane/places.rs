@@ -8,7 +8,7 @@ use crate::units::Mm;
 
 /// How far along its ring each edge begins.
 #[derive(Clone, Debug)]
-pub struct Places {
+pub(crate) struct Places {
     /// Number of each ring's first edge; one more than rings.
     first: Vec<usize>,
     /// Way along its ring to each number's beginning.
@@ -17,7 +17,7 @@ pub struct Places {
 
 impl Places {
     /// Of an area's rings.
-    pub fn new(area: &Area) -> Places {
+    pub(crate) fn new(area: &Area) -> Places {
         let mut first = vec![0];
         let mut before = Vec::new();
         for ring in &area.rings {
@@ -35,28 +35,28 @@ impl Places {
     }
 
     /// The ring of an edge.
-    pub fn ring(&self, edge: usize) -> usize {
+    pub(crate) fn ring(&self, edge: usize) -> usize {
         self.first.partition_point(|&f| f <= edge) - 1
     }
 
     /// Number of a ring's first edge.
-    pub fn first(&self, ring: usize) -> usize {
+    pub(crate) fn first(&self, ring: usize) -> usize {
         self.first[ring]
     }
 
     /// The ways along a ring to its points, in order.
-    pub fn of_ring(&self, ring: usize) -> &[Mm] {
+    pub(crate) fn of_ring(&self, ring: usize) -> &[Mm] {
         let all = &self.before[self.first[ring]..self.first[ring + 1]];
         &all[..all.len().saturating_sub(1)]
     }
 
     /// Way along its ring to where an edge begins.
-    pub fn begin(&self, edge: usize) -> Mm {
+    pub(crate) fn begin(&self, edge: usize) -> Mm {
         self.before[edge]
     }
 
     /// Length of a ring.
-    pub fn length(&self, ring: usize) -> Mm {
+    pub(crate) fn length(&self, ring: usize) -> Mm {
         let all = &self.before[self.first[ring]..self.first[ring + 1]];
         all.last().copied().unwrap_or(0.0)
     }

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 /// An area and a grid of its edges. The grid is made when it is first asked
 /// for: many areas are never asked.
 #[derive(Clone, Debug)]
-pub struct Solid<'a> {
+pub(crate) struct Solid<'a> {
     area: Cow<'a, Area>,
     cell: Mm,
     grid: OnceLock<EdgeGrid>,
@@ -21,7 +21,7 @@ const CELL: Mm = 1.0;
 
 impl<'a> Solid<'a> {
     /// A solid of its own.
-    pub fn new(area: Area) -> Solid<'static> {
+    pub(crate) fn new(area: Area) -> Solid<'static> {
         Solid {
             area: Cow::Owned(area),
             cell: CELL,
@@ -31,7 +31,7 @@ impl<'a> Solid<'a> {
 
     /// A solid of an area that is elsewhere, for questions about the distance
     /// `reach`.
-    pub fn of(area: &'a Area, reach: Mm) -> Solid<'a> {
+    pub(crate) fn of(area: &'a Area, reach: Mm) -> Solid<'a> {
         Solid {
             area: Cow::Borrowed(area),
             cell: reach,
@@ -40,19 +40,19 @@ impl<'a> Solid<'a> {
     }
 
     /// What it covers.
-    pub fn area(&self) -> &Area {
+    pub(crate) fn area(&self) -> &Area {
         &self.area
     }
 
     /// Its edges, for asking what is where.
-    pub fn grid(&self) -> &EdgeGrid {
+    pub(crate) fn grid(&self) -> &EdgeGrid {
         self.grid
             .get_or_init(|| EdgeGrid::new(&self.area, self.cell))
     }
 
     /// True if both are one solid. Layers with the same outline share theirs,
     /// so this tells at once whether two of them are the same.
-    pub fn is(&self, other: &Solid<'_>) -> bool {
+    pub(crate) fn is(&self, other: &Solid<'_>) -> bool {
         std::ptr::eq(self.area(), other.area())
     }
 }

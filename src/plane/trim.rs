@@ -143,7 +143,7 @@ struct Event {
 
 impl Moved<'_> {
     /// What is left of the rings; nothing if that does not close.
-    pub fn trim(mut self) -> Option<Vec<Ring>> {
+    pub(super) fn trim(mut self) -> Option<Vec<Ring>> {
         let mut marked = self.marked();
         let loose = match self.cut_back(&marked) {
             Ok(rings) => return Some(rings),

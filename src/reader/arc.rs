@@ -33,7 +33,7 @@ pub(super) struct Arc {
 impl Arc {
     /// The arc from `from` to `to` round the centre at `from + offset`; nothing
     /// if there is none.
-    pub fn around(
+    pub(super) fn around(
         from: DVec3,
         to: DVec3,
         offset: DVec2,
@@ -74,7 +74,7 @@ impl Arc {
 
     /// The arc from `from` to `to` with a radius; if the radius is negative,
     /// the long way round.
-    pub fn with_radius(
+    pub(super) fn with_radius(
         from: DVec3,
         to: DVec3,
         radius: f64,
@@ -98,7 +98,7 @@ impl Arc {
     }
 
     /// Share of each chord in the whole arc.
-    pub fn share(&self) -> f64 {
+    pub(super) fn share(&self) -> f64 {
         1.0 / f64::from(self.count)
     }
 }

@@ -38,7 +38,7 @@ pub(super) struct Layering {
 }
 
 impl Layering {
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             number: 0,
             marked: false,
@@ -52,7 +52,7 @@ impl Layering {
     }
 
     /// Takes in a comment. True if a layer begins.
-    pub fn tag(&mut self, tag: Tag) -> bool {
+    pub(super) fn tag(&mut self, tag: Tag) -> bool {
         match tag {
             Tag::Width(width) => self.said_width = Some(width),
             Tag::Height(height) => self.said_height = Some(height),
@@ -75,7 +75,7 @@ impl Layering {
     }
 
     /// Takes in a move that prints. True if a layer begins with it.
-    pub fn print(&mut self, from: DVec3, to: DVec3) -> bool {
+    pub(super) fn print(&mut self, from: DVec3, to: DVec3) -> bool {
         // In a spiral the height changes while it prints.
         let lifted = (from.z - self.last).abs() > SAME;
         self.last = to.z;
@@ -106,12 +106,12 @@ impl Layering {
     }
 
     /// Height of a bead printed now.
-    pub fn height(&self) -> Mm {
+    pub(super) fn height(&self) -> Mm {
         self.said_height.unwrap_or(self.height)
     }
 
     /// Width of a bead printed now, whose cross-section is `area`.
-    pub fn width(&self, area: Mm2) -> Mm {
+    pub(super) fn width(&self, area: Mm2) -> Mm {
         self.said_width
             .unwrap_or_else(|| bead_width(area, self.height()))
     }

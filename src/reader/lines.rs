@@ -62,7 +62,7 @@ pub(super) enum LineEnd {
 }
 
 impl<R: Read> Lines<R> {
-    pub fn new(input: R) -> Self {
+    pub(super) fn new(input: R) -> Self {
         Self {
             input: Unpacked::new(input),
             buffer: vec![0; LONGEST],
@@ -79,12 +79,12 @@ impl<R: Read> Lines<R> {
 
     /// Number of the line handed out last, from 1. Lines that binary G-code has
     /// before its text do not count.
-    pub fn number(&self) -> u64 {
+    pub(super) fn number(&self) -> u64 {
         self.number.saturating_sub(self.input.preface())
     }
 
     /// Bytes of text read so far.
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.read
     }
 
@@ -92,7 +92,7 @@ impl<R: Read> Lines<R> {
     ///
     /// # Errors
     /// If the input fails, or a line has no end.
-    pub fn next(&mut self) -> io::Result<Option<Line<'_>>> {
+    pub(super) fn next(&mut self) -> io::Result<Option<Line<'_>>> {
         // Number of bytes from `start` that hold no line's end.
         let mut searched = 0;
         loop {

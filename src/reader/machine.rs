@@ -87,7 +87,7 @@ pub(super) struct Target {
 }
 
 impl Machine {
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             state: MachineState {
                 position: DVec3::ZERO,
@@ -114,28 +114,28 @@ impl Machine {
         }
     }
 
-    pub fn set_inches(&mut self, inches: bool) {
+    pub(super) fn set_inches(&mut self, inches: bool) {
         self.unit = if inches { INCH } else { 1.0 };
     }
 
-    pub fn set_relative(&mut self, relative: bool) {
+    pub(super) fn set_relative(&mut self, relative: bool) {
         self.state.relative = relative;
         self.state.relative_e = relative || self.e_mode_relative;
     }
 
-    pub fn set_relative_e(&mut self, relative: bool) {
+    pub(super) fn set_relative_e(&mut self, relative: bool) {
         self.e_mode_relative = relative;
         self.state.relative_e = relative || self.state.relative;
     }
 
     /// A length of the file in millimetres.
-    pub fn length(&self, words: &Words, letter: u8) -> Option<Mm> {
+    pub(super) fn length(&self, words: &Words, letter: u8) -> Option<Mm> {
         words.get(letter).map(|n| n * self.unit)
     }
 
     /// M200: E is a volume of filament of this diameter, or a length if the
     /// diameter is 0.
-    pub fn set_volumetric(&mut self, diameter: Mm) {
+    pub(super) fn set_volumetric(&mut self, diameter: Mm) {
         let area = filament_area(diameter);
         self.volumetric = (area > 1e-3).then_some(area);
     }
@@ -150,14 +150,14 @@ impl Machine {
 
     /// Takes in a move's feed rate, and tells where the move leads; nothing if
     /// no machine reaches it. Then only the speed has changed.
-    pub fn aim(&mut self, words: &Words) -> Option<Target> {
+    pub(super) fn aim(&mut self, words: &Words) -> Option<Target> {
         let (relative, offset) = (self.state.relative, self.offset);
         self.aim_from(words, relative, offset)
     }
 
     /// As [`Machine::aim`], for a line that counts from the machine's own zero
     /// (G53).
-    pub fn aim_from_zero(&mut self, words: &Words) -> Option<Target> {
+    pub(super) fn aim_from_zero(&mut self, words: &Words) -> Option<Target> {
         self.aim_from(words, false, DVec3::ZERO)
     }
 
@@ -196,13 +196,13 @@ impl Machine {
     }
 
     /// Speed of a move made now.
-    pub fn speed(&self) -> MmPerSec {
+    pub(super) fn speed(&self) -> MmPerSec {
         self.state.speed * self.speed_factor[0]
     }
 
     /// M220: percentage of every speed. Marlin and Prusa save it with B and
     /// restore it with R.
-    pub fn set_speed_factor(&mut self, words: &Words) {
+    pub(super) fn set_speed_factor(&mut self, words: &Words) {
         if words.has(b'B') {
             self.speed_factor[1] = self.speed_factor[0];
         }
@@ -216,7 +216,7 @@ impl Machine {
 
     /// M221: percentage of all filament of a tool: that of Marlin's T, of
     /// RepRapFirmware's D, or the tool in use.
-    pub fn set_flow_factor(&mut self, words: &Words) {
+    pub(super) fn set_flow_factor(&mut self, words: &Words) {
         let tool = words.get(b'T').or_else(|| words.get(b'D'));
         let tool = tool.map_or(self.state.tool, |tool| tool as u32);
         if let Some(percent) = words.get(b'S').filter(|s| *s >= 0.0) {
@@ -226,7 +226,7 @@ impl Machine {
 
     /// Klipper's SET_GCODE_OFFSET: an offset added to positions from now on.
     /// With MOVE=1 the head moves by it at once; then the target is returned.
-    pub fn set_gcode_offset(&mut self, named: &Named) -> Option<DVec3> {
+    pub(super) fn set_gcode_offset(&mut self, named: &Named) -> Option<DVec3> {
         let mut by = DVec3::ZERO;
         for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
             let adjust = named.number(&format!("{axis}_ADJUST"));
@@ -245,7 +245,7 @@ impl Machine {
 
     /// G92: the head's position gets these coordinates; without any, it is
     /// zero.
-    pub fn set_position(&mut self, words: &Words) {
+    pub(super) fn set_position(&mut self, words: &Words) {
         if !b"XYZE".iter().any(|l| words.has(*l)) {
             self.e = 0.0;
             self.offset = self.state.position;
@@ -266,7 +266,7 @@ impl Machine {
     }
 
     /// G28: the named axes, or all, go to zero.
-    pub fn home(&mut self, words: &Words) {
+    pub(super) fn home(&mut self, words: &Words) {
         let all = ![b'X', b'Y', b'Z'].iter().any(|l| words.has(*l));
         for (i, letter) in b"XYZ".iter().enumerate() {
             if all || words.has(*letter) {
@@ -277,7 +277,7 @@ impl Machine {
     }
 
     /// M204: Marlin's S for all, P for printing, T for travels.
-    pub fn set_acceleration(&mut self, words: &Words) {
+    pub(super) fn set_acceleration(&mut self, words: &Words) {
         let word = |l| words.get(l).filter(|a| *a > 0.0);
         let (all, state) = (word(b'S'), &mut self.state);
         state.acceleration = word(b'P').or(all).or(state.acceleration);
@@ -286,7 +286,7 @@ impl Machine {
     }
 
     /// Klipper's SET_VELOCITY_LIMIT.
-    pub fn set_velocity_limit(&mut self, named: &Named) {
+    pub(super) fn set_velocity_limit(&mut self, named: &Named) {
         let number = |key| named.number(key).filter(|n| *n > 0.0);
         if let Some(limit) = number("ACCEL") {
             self.state.acceleration = Some(limit);
@@ -298,7 +298,7 @@ impl Machine {
     }
 
     /// M106: 0 to 255, or 0 to 1 in RepRapFirmware.
-    pub fn fan_speed(words: &Words) -> Percent {
+    pub(super) fn fan_speed(words: &Words) -> Percent {
         let speed = words.get(b'S').unwrap_or(255.0);
         let share = match speed {
             s if s > 0.0 && s <= 1.0 => s,

@@ -119,7 +119,7 @@ struct Grown {
 
 impl<'a> Border<'a> {
     /// The border of an area.
-    pub fn new(solid: &'a Solid<'_>, radius: Mm) -> Border<'a> {
+    pub(super) fn new(solid: &'a Solid<'_>, radius: Mm) -> Border<'a> {
         let area = solid.area();
         let numbers = EdgeGrid::numbers(&area.rings);
         let mut border = Border {
@@ -146,7 +146,7 @@ impl<'a> Border<'a> {
     /// Balls of points all along a ring, in order; none where the area is
     /// thick, and none where another ball has come from the other side. The
     /// ring's edges are numbered from `first_edge`, as in the grid.
-    pub fn balls(
+    pub(super) fn balls(
         &mut self,
         ring: &[DVec2],
         first_edge: usize,
@@ -359,7 +359,7 @@ impl<'a> Border<'a> {
     }
 
     /// How far the edges can move inwards until they meet others.
-    pub fn room(self) -> Room {
+    pub(super) fn room(self) -> Room {
         let all = |edge: usize| {
             let (last, next) = (self.last[edge], self.next[edge]);
             let near = [last as usize, edge, next as usize];
@@ -496,7 +496,7 @@ impl<'a> Border<'a> {
 
 impl Ball {
     /// True if the two can follow each other on a ridge.
-    pub fn near(&self, other: &Ball) -> bool {
+    pub(super) fn near(&self, other: &Ball) -> bool {
         let apart = self.centre.distance_squared(other.centre);
         apart
             < (2.0 * STEP + 0.25 * self.thickness.min(other.thickness)).powi(2)

@@ -16,7 +16,7 @@ use crate::units::Mm;
 /// What is done to the outline of a layer: its slits are filled, it is moved
 /// outwards everywhere, and then inwards where it is not too thin for that.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compensation {
+pub(crate) struct Compensation {
     /// Slits narrower than this are filled.
     slit: Mm,
     grow: Mm,
@@ -28,7 +28,7 @@ pub struct Compensation {
 
 impl Compensation {
     /// What the settings want for a layer.
-    pub fn new(span: &LayerSpan, settings: &Settings) -> Self {
+    pub(crate) fn new(span: &LayerSpan, settings: &Settings) -> Self {
         let layers = settings.elephant_foot_layers as usize;
         let left = layers.saturating_sub(span.index) as f64;
         Compensation {
@@ -42,14 +42,14 @@ impl Compensation {
 
     /// The outline as the print will have it, if the plastic does what it is
     /// drawn in for; `None` if it is not drawn in.
-    pub fn squeezed(&self, outline: &Area) -> Option<Area> {
+    pub(crate) fn squeezed(&self, outline: &Area) -> Option<Area> {
         let grown = || self.grown(&Solid::of(outline, CELL), &mut []);
         (self.draw_in > 0.0).then(|| grown().unwrap_or_else(|| outline.clone()))
     }
 
     /// The outline to print, unless it is the one there is. `walls` are areas
     /// that lie so deep in it, and are changed as it is.
-    pub fn apply(
+    pub(crate) fn apply(
         &self,
         outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],

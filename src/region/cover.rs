@@ -26,7 +26,7 @@ pub(super) const TOLERANCE: Mm = 0.02;
 /// them, and points are what each of them pays for. It is exact if there are
 /// no walls, as then the fill itself ends at the outline, and would not be
 /// covered by a rough one.
-pub fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
+pub(crate) fn rough(outline: &Area, settings: &Settings) -> Solid<'static> {
     let rings = outline.rings.iter().map(|r| match settings.walls {
         0 => r.clone(),
         _ => simplify(r, TOLERANCE),
@@ -49,7 +49,7 @@ pub(super) enum Exposed {
 
 /// How much of an island one cover covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Covered {
+pub(crate) enum Covered {
     /// All of it.
     Wholly,
     /// Some of it, or all but a touch.
@@ -59,7 +59,7 @@ pub enum Covered {
 }
 
 /// Connected areas, to be asked what covers touch or cover of them.
-pub struct Islands<'a> {
+pub(crate) struct Islands<'a> {
     all: &'a [Area],
     /// Their edges.
     grid: EdgeGrid,
@@ -74,7 +74,7 @@ const CELL: Mm = 1.0;
 
 impl<'a> Islands<'a> {
     /// Islands, each an outer ring followed by its holes.
-    pub fn new(all: &'a [Area]) -> Islands<'a> {
+    pub(crate) fn new(all: &'a [Area]) -> Islands<'a> {
         let edges = all.iter().enumerate().flat_map(|(i, island)| {
             let all = island.rings.iter().flat_map(|r| edges(r));
             all.map(move |e| (i, e))
@@ -88,7 +88,7 @@ impl<'a> Islands<'a> {
     }
 
     /// How much of each island a cover covers.
-    pub fn covered(&self, cover: &Solid<'_>) -> Vec<Covered> {
+    pub(crate) fn covered(&self, cover: &Solid<'_>) -> Vec<Covered> {
         let of = |(island, touched): (&Area, bool)| {
             let p = island.rings.first().and_then(|r| r.first());
             match p {
@@ -158,7 +158,7 @@ impl Islands<'_> {
 }
 
 /// What a cover leaves open of an area; see [`not_covered_by_all`].
-pub fn open(area: &Area, cover: &Area) -> Area {
+pub(crate) fn open(area: &Area, cover: &Area) -> Area {
     not_covered_by_all(area, &[&near(area, cover)])
 }
 

@@ -33,7 +33,7 @@ use crate::units::Mm;
 
 /// The fill, split.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct FillAreas {
+pub(crate) struct FillAreas {
     /// To be filled solid.
     pub skin: Area,
     /// To be filled at the infill's density.
@@ -43,7 +43,7 @@ pub struct FillAreas {
 /// A layer and those around it, each as its outline, as exact as skin needs
 /// it. Layers that are the same share one.
 #[derive(Clone, Debug)]
-pub struct Window<'a> {
+pub(crate) struct Window<'a> {
     /// Number of the layer.
     pub number: usize,
     /// Its height.
@@ -76,7 +76,7 @@ fn slope_layers(layers: usize) -> usize {
 /// The part of a fill that sparse infill fits into, whatever covers it. In
 /// lattices that is next to nothing: the rest is skin, exposed or not, and
 /// need not be looked at again.
-pub fn roomy(fill: &Area, settings: &Settings) -> Area {
+pub(crate) fn roomy(fill: &Area, settings: &Settings) -> Area {
     match settings.is_solid() {
         true => Area::EMPTY,
         false => printable(fill, settings),
@@ -85,7 +85,7 @@ pub fn roomy(fill: &Area, settings: &Settings) -> Area {
 
 /// Tells a part's skin from its sparse infill.
 #[derive(Clone, Copy, Debug)]
-pub struct Exposure<'a> {
+pub(crate) struct Exposure<'a> {
     settings: &'a Settings,
     /// Layers that have to cover a layer from above, lest it get skin.
     above: usize,
@@ -97,7 +97,10 @@ pub struct Exposure<'a> {
 
 impl<'a> Exposure<'a> {
     /// For a part of so many layers.
-    pub fn new(settings: &'a Settings, layer_count: usize) -> Exposure<'a> {
+    pub(crate) fn new(
+        settings: &'a Settings,
+        layer_count: usize,
+    ) -> Exposure<'a> {
         let covering = |layers: u32| match settings.skin_where {
             SkinWhere::Exposed => layers as usize,
             SkinWhere::Ends => 0,
@@ -112,12 +115,12 @@ impl<'a> Exposure<'a> {
 
     /// How many layers above a layer it has to know: the next one, whose
     /// outline tells roles, in any case.
-    pub fn reach_above(&self) -> usize {
+    pub(crate) fn reach_above(&self) -> usize {
         slope_layers(self.above).max(1)
     }
 
     /// How many layers below a layer it has to know.
-    pub fn reach_below(&self) -> usize {
+    pub(crate) fn reach_below(&self) -> usize {
         slope_layers(self.below).max(1)
     }
 
@@ -130,7 +133,7 @@ impl<'a> Exposure<'a> {
     }
 
     /// Splits a layer's fill, of which `roomy` is what [`roomy()`] found.
-    pub fn split(
+    pub(crate) fn split(
         &self,
         fill: &Area,
         roomy: &Area,

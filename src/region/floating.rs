@@ -14,7 +14,7 @@ use glam::DVec2;
 
 /// An island that begins in the air.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Floating {
+pub(crate) struct Floating {
     /// Its outer ring and its holes.
     pub island: Area,
     /// A point of it.
@@ -24,7 +24,7 @@ pub struct Floating {
 }
 
 /// A layer's islands that begin in the air over `below`.
-pub fn floating(outline: &Area, below: &Solid<'_>) -> Vec<Floating> {
+pub(crate) fn floating(outline: &Area, below: &Solid<'_>) -> Vec<Floating> {
     let mut free = outline.islands();
     free.retain(|island| {
         // Nearly always the first point tells.

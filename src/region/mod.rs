@@ -15,16 +15,16 @@
 //! walls beside it ([`mod@line`]). Extruded area per area of part stays the same.
 
 mod ball;
-pub mod compensate;
-pub mod cover;
-pub mod exposure;
-pub mod floating;
-pub mod line;
-pub mod neighbour;
+pub(crate) mod compensate;
+pub(crate) mod cover;
+pub(crate) mod exposure;
+pub(crate) mod floating;
+pub(crate) mod line;
+pub(crate) mod neighbour;
 pub(crate) mod patch;
-pub mod ridge;
+pub(crate) mod ridge;
 mod run;
-pub mod slit;
+pub(crate) mod slit;
 mod thin;
 mod tip;
 
@@ -38,11 +38,11 @@ use line::{absorb, along, cut};
 use ridge::{Ridge, ridges};
 
 /// Share of `accuracy` left to the outline; the offsets get the rest.
-pub const OUTLINE_SHARE: f64 = 0.7;
+pub(crate) const OUTLINE_SHARE: f64 = 0.7;
 
 /// A layer's walls and the area inside them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Walls {
+pub(crate) struct Walls {
     /// Centre lines by wall, the outermost first.
     pub lines: Vec<Vec<Stroke>>,
     /// Beads in the middle of places too thin for walls: of the part first,
@@ -212,7 +212,7 @@ impl<'a> Skeleton<'a> {
 
 /// Depths of the walls' centre lines below the outline, outermost first, and
 /// that of the border of the fill.
-pub fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
+pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
     let (outer, inner) = (settings.outer_wall_width, settings.inner_wall_width);
     let mut depths = Vec::new();
     let mut depth = 0.5 * outer;
@@ -232,7 +232,7 @@ pub fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
 ///
 /// Two walls at a time, and what they leave, are made from the same border: a
 /// grid of its edges and its ridges serve for all of them.
-pub fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
+pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
     let tolerance = 0.5 * (1.0 - OUTLINE_SHARE) * settings.accuracy;
     let last = Lay::inside(settings.skin_width, height, settings);
     let away = 0.5 * spacing_to_inner(height, settings);
@@ -333,7 +333,7 @@ fn spacing_to_inner(height: Mm, settings: &Settings) -> Mm {
 /// Walls whose centre lines are outlines of the expression offset by their
 /// depths: `areas`, outermost first, the fill's border last. In-plane
 /// millimetres only where the field is an in-plane distance.
-pub fn field_walls(
+pub(crate) fn field_walls(
     outline: &Area,
     mut areas: Vec<Area>,
     height: Mm,

@@ -20,7 +20,7 @@ use rstar::{AABB, RTree};
 
 /// A neighbouring layer's solid, its rings sorted by place.
 #[derive(Debug)]
-pub struct Neighbour<'a> {
+pub(crate) struct Neighbour<'a> {
     area: &'a Area,
     boxes: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
     /// By ring.
@@ -42,7 +42,7 @@ const MARGIN: Mm = 1.0;
 
 impl<'a> Neighbour<'a> {
     /// Sorts a layer's rings.
-    pub fn new(area: &'a Area) -> Neighbour<'a> {
+    pub(crate) fn new(area: &'a Area) -> Neighbour<'a> {
         let runs: Vec<Runs> = area.rings.iter().map(Runs::new).collect();
         let boxes = runs.iter().enumerate().filter_map(|(i, runs)| {
             let b = runs.all()?;
@@ -59,7 +59,7 @@ impl<'a> Neighbour<'a> {
 
     /// What the layer has around an area, enough to tell what it covers of
     /// it.
-    pub fn near(&self, area: &Area) -> Area {
+    pub(crate) fn near(&self, area: &Area) -> Area {
         if area.is_empty() {
             return Area::EMPTY;
         }
@@ -81,7 +81,7 @@ impl<'a> Neighbour<'a> {
     }
 
     /// What the layer leaves open of an area.
-    pub fn open(&self, area: &Area) -> Area {
+    pub(crate) fn open(&self, area: &Area) -> Area {
         difference(area, &self.near(area))
     }
 }

@@ -61,12 +61,12 @@ pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
 
 impl Patch {
     /// What lies more than `distance` inside the ring's centre line.
-    pub fn inside(&self, distance: Mm, tolerance: Mm) -> Area {
+    pub(crate) fn inside(&self, distance: Mm, tolerance: Mm) -> Area {
         shrink(&self.whole, distance, tolerance)
     }
 
     /// Where lines are not under the beads in thin places.
-    pub fn free(&self) -> Free<'_> {
+    pub(crate) fn free(&self) -> Free<'_> {
         let thickest =
             self.core.iter().map(Ridge::thickest).fold(0.0, f64::max);
         let reach = 0.5 * thickest + SLACK;
@@ -86,7 +86,7 @@ pub(crate) struct Free<'a> {
 impl Free<'_> {
     /// The pieces of each line that are free, as ranges of its length from 0
     /// to 1.
-    pub fn of(&self, lines: &[(DVec2, DVec2)]) -> Vec<Vec<(f64, f64)>> {
+    pub(crate) fn of(&self, lines: &[(DVec2, DVec2)]) -> Vec<Vec<(f64, f64)>> {
         let Some(index) = &self.index else {
             return vec![vec![(0.0, 1.0)]; lines.len()];
         };

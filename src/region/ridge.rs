@@ -26,7 +26,7 @@ use glam::DVec2;
 
 /// A line along the middle of a thin place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ridge {
+pub(crate) struct Ridge {
     /// Points of the line.
     pub points: Vec<DVec2>,
     /// Thickness of the area at each point.
@@ -37,7 +37,7 @@ pub struct Ridge {
 
 /// The ridges of an area where it is thinner than `limit`, and how far its
 /// edges can move. Lines are thinned to `tolerance`, in place and thickness.
-pub fn ridges(
+pub(crate) fn ridges(
     solid: &Solid<'_>,
     limit: Mm,
     tolerance: Mm,

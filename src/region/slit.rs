@@ -42,7 +42,7 @@ const HARDLY: f64 = 10.0;
 /// The places in which an outline's slits are filled, each a little larger
 /// than the slit: what is narrower than `width` between facing edges. They
 /// reach into the area by `tolerance` at most.
-pub fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
+pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
     let grid = outline.grid();
     let mut found: Vec<Ring> = Vec::new();
     let mut facing: Vec<usize> = Vec::new();
@@ -129,7 +129,12 @@ fn between(
 }
 
 /// The area with its slits filled, as [`slits`] has found them.
-pub fn filled(area: &Area, slits: &Area, width: Mm, tolerance: Mm) -> Area {
+pub(crate) fn filled(
+    area: &Area,
+    slits: &Area,
+    width: Mm,
+    tolerance: Mm,
+) -> Area {
     let places = Solid::of(slits, width);
     let islands = area.islands();
     let covered = Islands::new(&islands).covered(&places);

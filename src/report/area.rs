@@ -70,7 +70,7 @@ fn mean_of_groups(groups: &[f64]) -> (f64, f64) {
 ///
 /// # Errors
 /// If the evaluator fails, which is a bug.
-pub fn content(
+pub(super) fn content(
     probe: &Probe,
     frame: Rect,
     z: Mm,
@@ -94,7 +94,7 @@ pub fn content(
 ///
 /// # Errors
 /// If the evaluator fails, which is a bug.
-pub fn volume(
+pub(super) fn volume(
     probe: &Probe,
     low: DVec3,
     high: DVec3,

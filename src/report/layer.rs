@@ -39,7 +39,7 @@ const NEIGHBOURS: f64 = 1.5;
 
 /// A layer as it will be printed.
 #[derive(Clone, Copy)]
-pub struct LayerParts<'a> {
+pub(crate) struct LayerParts<'a> {
     /// The layer.
     pub span: LayerSpan,
     /// The layer's sample plane in the model's frame.
@@ -54,7 +54,7 @@ pub struct LayerParts<'a> {
 
 /// How thoroughly a layer is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Effort {
+pub(crate) enum Effort {
     /// About this many points of the outline and of the walls, nothing else.
     Points(usize),
     /// Every vertex and points between them, and the area.
@@ -66,7 +66,7 @@ pub enum Effort {
 
 /// What was measured on a layer.
 #[derive(Clone, Debug, Default)]
-pub struct LayerFigures {
+pub(crate) struct LayerFigures {
     /// Number of the layer, from 0.
     pub index: usize,
     /// Height of the layer's upper face.
@@ -105,7 +105,7 @@ pub struct LayerFigures {
 ///
 /// # Errors
 /// If the field cannot be evaluated, which is a bug.
-pub fn measure(
+pub(crate) fn measure(
     layer: LayerParts<'_>,
     probe: &Probe,
     frame: Rect,

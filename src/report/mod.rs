@@ -19,9 +19,10 @@ mod layer;
 mod probe;
 mod spread;
 
-pub use layer::{Effort, LayerFigures, LayerParts, measure};
-pub use probe::Probe;
-pub use spread::{Figures, Spread};
+pub(crate) use layer::{Effort, LayerFigures, LayerParts, measure};
+pub(crate) use probe::Probe;
+pub use spread::Figures;
+pub(crate) use spread::Spread;
 
 use crate::model::Model;
 use crate::plane::Rect;
@@ -54,7 +55,7 @@ const VOLUME_LINES: usize = 4000;
 const WORST: usize = 10;
 
 /// Measures the layers of one run.
-pub struct Gauge<'a> {
+pub(crate) struct Gauge<'a> {
     model: &'a Model,
     settings: &'a Settings,
     probe: Probe,
@@ -68,7 +69,7 @@ impl<'a> Gauge<'a> {
     ///
     /// # Errors
     /// If fidget refuses the expression.
-    pub fn new(
+    pub(crate) fn new(
         model: &'a Model,
         settings: &'a Settings,
         count: usize,
@@ -88,7 +89,7 @@ impl<'a> Gauge<'a> {
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
-    pub fn layer(
+    pub(crate) fn layer(
         &self,
         parts: LayerParts<'_>,
         k: usize,
@@ -124,7 +125,7 @@ impl<'a> Gauge<'a> {
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
-    pub fn volume(
+    pub(crate) fn volume(
         &self,
         z: [f64; 2],
         timings: &Timings,
@@ -139,7 +140,7 @@ impl<'a> Gauge<'a> {
 
 /// The figures of all layers so far.
 #[derive(Clone, Debug, Default)]
-pub struct RunFigures {
+pub(crate) struct RunFigures {
     outline: Spread,
     outer_wall: Spread,
     spacing: Spread,
@@ -155,7 +156,7 @@ pub struct RunFigures {
 
 impl RunFigures {
     /// Takes in a layer's figures. `listed` if each layer is to be listed.
-    pub fn add(&mut self, found: &LayerFigures, listed: bool) {
+    pub(crate) fn add(&mut self, found: &LayerFigures, listed: bool) {
         self.outline.merge(&found.outline);
         self.outer_wall.merge(&found.outer_wall);
         self.spacing.merge(&found.spacing);
@@ -195,7 +196,7 @@ impl RunFigures {
 
     /// Deviations of the outlines, and of the outer edges of outer beads, µm,
     /// if there are any.
-    pub fn accuracy(&self) -> (Option<Figures>, Option<Figures>) {
+    pub(crate) fn accuracy(&self) -> (Option<Figures>, Option<Figures>) {
         let mut edges = self.outer_wall.clone();
         edges.merge(&self.varying);
         (self.outline.figures(), edges.figures())
@@ -203,7 +204,7 @@ impl RunFigures {
 
     /// The whole report. `volume` is the volume by the field and its
     /// uncertainty, `extruded` the printed volume with the skirt.
-    pub fn report(
+    pub(crate) fn report(
         self,
         gauge: &Gauge<'_>,
         layer_count: usize,

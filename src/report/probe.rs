@@ -22,12 +22,12 @@ use std::cell::RefCell;
 const RADII: [Mm; 8] = [0.0005, 0.002, 0.008, 0.02, 0.05, 0.15, 0.4, 1.0];
 
 /// Width of the bracket at which the search ends, mm.
-pub const FINEST: Mm = 2e-5;
+pub(super) const FINEST: Mm = 2e-5;
 
 type Eval = <VmFunction as Function>::FloatSliceEval;
 
 /// A model's expression.
-pub struct Probe {
+pub(crate) struct Probe {
     tape: <Eval as BulkEvaluator>::Tape,
     /// The indices of x, y and z among the expression's variables.
     slots: [Option<usize>; 3],
@@ -36,7 +36,7 @@ pub struct Probe {
 
 /// A point and the direction in which f = 0 is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
+pub(crate) struct Spot {
     /// The point, mm.
     pub at: DVec2,
     /// The direction out of the part, of length 1.
@@ -57,7 +57,7 @@ impl Probe {
     ///
     /// # Errors
     /// If fidget refuses the expression.
-    pub fn new(tree: &Tree) -> Result<Probe, ReportError> {
+    pub(crate) fn new(tree: &Tree) -> Result<Probe, ReportError> {
         let mut ctx = Context::new();
         let root = ctx.import(tree);
         let f = VmFunction::new(&ctx, &[root])
@@ -74,7 +74,7 @@ impl Probe {
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
-    pub fn values(
+    pub(crate) fn values(
         &self,
         x: &[f32],
         y: &[f32],
@@ -109,7 +109,7 @@ impl Probe {
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
-    pub fn distances(
+    pub(crate) fn distances(
         &self,
         spots: &[Spot],
         z: Mm,

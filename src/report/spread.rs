@@ -15,7 +15,7 @@ const RATIO: f64 = 1.02;
 
 /// Signed values and the quantiles of their size.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spread {
+pub(crate) struct Spread {
     count: u64,
     sum: f64,
     least: f64,
@@ -46,7 +46,7 @@ pub struct Figures {
 
 impl Spread {
     /// Counts a value; NaN is left out.
-    pub fn add(&mut self, value: f64) {
+    pub(crate) fn add(&mut self, value: f64) {
         if !value.is_finite() {
             return;
         }
@@ -65,7 +65,7 @@ impl Spread {
     }
 
     /// Adds the values that another spread has counted.
-    pub fn merge(&mut self, other: &Spread) {
+    pub(crate) fn merge(&mut self, other: &Spread) {
         if other.count == 0 {
             return;
         }
@@ -88,7 +88,7 @@ impl Spread {
     }
 
     /// The greatest size, 0 if there is none.
-    pub fn worst(&self) -> f64 {
+    pub(crate) fn worst(&self) -> f64 {
         self.greatest.abs().max(self.least.abs())
     }
 
@@ -107,7 +107,7 @@ impl Spread {
     }
 
     /// The figures for the report, if there are any values.
-    pub fn figures(&self) -> Option<Figures> {
+    pub(crate) fn figures(&self) -> Option<Figures> {
         (self.count > 0).then(|| Figures {
             points: self.count,
             min: tidy(self.least, 3),

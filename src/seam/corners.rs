@@ -50,7 +50,7 @@ pub(super) struct Corners<'a> {
 impl<'a> Corners<'a> {
     /// The corners of a ring that lies within `accuracy` of the curve that it
     /// stands for.
-    pub fn new(ring: &'a [DVec2], accuracy: Mm) -> Corners<'a> {
+    pub(super) fn new(ring: &'a [DVec2], accuracy: Mm) -> Corners<'a> {
         let n = ring.len();
         let turns: Vec<f64> = (0..n)
             .map(|i| {
@@ -72,12 +72,12 @@ impl<'a> Corners<'a> {
     }
 
     /// Corners that point into the part, which lies to the left.
-    pub fn concave(&self) -> Vec<Corner> {
+    pub(super) fn concave(&self) -> Vec<Corner> {
         self.find(-1.0, CONCAVE, WAY.max(self.facet))
     }
 
     /// Corners that point out of the part.
-    pub fn convex(&self) -> Vec<Corner> {
+    pub(super) fn convex(&self) -> Vec<Corner> {
         self.find(1.0, CONVEX, SHARP_WAY.max(0.5 * self.facet))
     }
 

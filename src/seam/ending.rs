@@ -19,7 +19,7 @@ use glam::DVec2;
 
 /// A bead, and what follows it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ended {
+pub(crate) struct Ended {
     /// The bead.
     pub bead: Bead,
     /// Where the nozzle goes right after the bead.
@@ -34,7 +34,7 @@ impl From<Bead> for Ended {
 
 impl Ended {
     /// Where the nozzle is afterwards.
-    pub fn end(&self) -> Option<DVec2> {
+    pub(crate) fn end(&self) -> Option<DVec2> {
         let end = if self.bead.closed {
             self.bead.points.first()
         } else {
@@ -48,7 +48,7 @@ impl Ended {
 const STEPS: usize = 8;
 
 /// The beads with their ends. `solid` is the layer's outline.
-pub fn endings(
+pub(crate) fn endings(
     beads: Vec<Bead>,
     solid: &EdgeGrid,
     settings: &Settings,
@@ -79,7 +79,7 @@ pub fn endings(
 
 /// The beads, walls cut where they begin or cease to hang over what holds
 /// them.
-pub fn cut(all: Vec<Ended>, support: &Support<'_>) -> Vec<Ended> {
+pub(crate) fn cut(all: Vec<Ended>, support: &Support<'_>) -> Vec<Ended> {
     let mut out = Vec::with_capacity(all.len());
     for Ended { bead, wipe } in all {
         out.extend(support.cut(bead).into_iter().map(Ended::from));

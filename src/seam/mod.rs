@@ -21,7 +21,7 @@
 //! corner to the next.
 
 mod corners;
-pub mod ending;
+pub(crate) mod ending;
 mod lowest;
 
 use crate::bead::{Bead, Role};
@@ -37,7 +37,7 @@ use lowest::lowest;
 
 /// Where the seam of a wall may be.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Site {
+pub(crate) struct Site {
     /// Where the seam is if nothing is known of the layer below; nothing if it
     /// may be anywhere.
     pub at: Option<DVec2>,
@@ -57,7 +57,7 @@ const REACH: Mm = 2.0;
 const PULL: Mm = 0.1;
 
 /// The rule for a run's seams.
-pub struct Seams<'a> {
+pub(crate) struct Seams<'a> {
     rule: Seam,
     expression: Option<Quantity>,
     around: &'a Surroundings<'a>,
@@ -69,7 +69,7 @@ impl<'a> Seams<'a> {
     ///
     /// # Errors
     /// If the rule is an expression with a mistake.
-    pub fn new(
+    pub(crate) fn new(
         settings: &Settings,
         around: &'a Surroundings<'a>,
     ) -> Result<Seams<'a>, VaryError> {
@@ -94,7 +94,7 @@ impl<'a> Seams<'a> {
     ///
     /// # Errors
     /// If an expression has no value somewhere.
-    pub fn sites(
+    pub(crate) fn sites(
         &self,
         walls: &[Bead],
         layer: usize,
@@ -233,7 +233,7 @@ fn along(ring: &[DVec2], length: Mm) -> Option<DVec2> {
 
 /// Where the seam of a ring is, given the point of it nearest to the seam of
 /// the layer below, if there is one.
-pub fn follow(
+pub(crate) fn follow(
     site: &Site,
     ring: &[DVec2],
     below: Option<DVec2>,

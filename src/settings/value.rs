@@ -22,7 +22,7 @@ impl Range {
 
 /// What a number is measured by.
 #[derive(Clone, Copy, Debug)]
-pub struct Measure {
+pub(super) struct Measure {
     /// Its unit; empty if it has none.
     pub unit: &'static str,
     /// The allowed values, if only some are.

@@ -48,7 +48,7 @@ pub(super) struct Side<'a> {
 
 impl<'a> Side<'a> {
     /// For the layer there, if there is one.
-    pub fn new(face: Option<Face<'a>>) -> Side<'a> {
+    pub(super) fn new(face: Option<Face<'a>>) -> Side<'a> {
         Side {
             face,
             sorted: OnceCell::new(),
@@ -63,7 +63,11 @@ impl<'a> Side<'a> {
 
 impl Filler<'_> {
     /// The beads of an island; nothing if it is too small for any.
-    pub fn patch(&self, island: &Area, sides: Sides<'_>) -> Option<Patch> {
+    pub(super) fn patch(
+        &self,
+        island: &Area,
+        sides: Sides<'_>,
+    ) -> Option<Patch> {
         crate::limits::check();
         let settings = self.settings;
         let width = settings.skin_width;

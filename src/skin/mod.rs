@@ -30,7 +30,7 @@ use roles::Sides;
 
 /// A connected skin area's beads.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Patch {
+pub(crate) struct Patch {
     /// Beads around the area and its holes, and those in the middle of
     /// places too thin for lines.
     pub rings: Vec<Bead>,
@@ -40,7 +40,7 @@ pub struct Patch {
 
 /// Beads of one role inside a skin's rings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fill {
+pub(crate) struct Fill {
     /// The beads.
     pub lines: Vec<Bead>,
     /// For each bead those that have to be printed before it; empty if any
@@ -50,7 +50,7 @@ pub struct Fill {
 
 /// The layers directly above and below a layer, if there are any.
 #[derive(Clone, Copy, Debug)]
-pub struct Faces<'a> {
+pub(crate) struct Faces<'a> {
     /// The next layer.
     pub above: Option<Face<'a>>,
     /// The layer below.
@@ -59,7 +59,7 @@ pub struct Faces<'a> {
 
 /// A neighbouring layer.
 #[derive(Clone, Copy, Debug)]
-pub struct Face<'a> {
+pub(crate) struct Face<'a> {
     /// Its outline: right at its edge lines change their role.
     pub outline: &'a Solid<'a>,
     /// The outline as exact as areas need it.
@@ -68,7 +68,7 @@ pub struct Face<'a> {
 
 /// The beads of a layer's skin. Even layers get lines at `skin_angle`, odd
 /// ones at right angles to it.
-pub fn patches(
+pub(crate) fn patches(
     skin: &Area,
     faces: Faces<'_>,
     layer: usize,

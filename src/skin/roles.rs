@@ -21,7 +21,7 @@ pub(super) struct Sides<'a> {
 
 impl Sides<'_> {
     /// The role at a point.
-    pub fn role(&self, p: DVec2) -> Role {
+    pub(super) fn role(&self, p: DVec2) -> Role {
         let open = |side: (Covered, Option<&EdgeGrid>)| match side.0 {
             Covered::Wholly => false,
             Covered::Partly => side.1.is_none_or(|grid| !grid.contains(p)),
@@ -35,7 +35,7 @@ impl Sides<'_> {
     }
 
     /// The role of all of the island, if it is the same everywhere.
-    pub fn only(&self) -> Option<Role> {
+    pub(super) fn only(&self) -> Option<Role> {
         match (self.below.0, self.above.0) {
             (Covered::Not, _) => Some(Role::BottomSkin),
             (Covered::Wholly, Covered::Not) => Some(Role::TopSkin),
@@ -45,7 +45,7 @@ impl Sides<'_> {
     }
 
     /// The role of most of a path.
-    pub fn most(&self, stroke: &Stroke) -> Role {
+    pub(super) fn most(&self, stroke: &Stroke) -> Role {
         if let Some(role) = self.only() {
             return role;
         }
@@ -67,7 +67,7 @@ impl Sides<'_> {
     }
 
     /// An open stroke in pieces of one role each.
-    pub fn cut(&self, path: Stroke) -> Vec<(Role, Stroke)> {
+    pub(super) fn cut(&self, path: Stroke) -> Vec<(Role, Stroke)> {
         if let Some(role) = self.only() {
             return vec![(role, path)];
         }

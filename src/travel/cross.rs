@@ -16,7 +16,7 @@ use glam::DVec2;
 const LOOK: Mm = 1e-6;
 
 /// True if the segments a–b and c–d have a point in common.
-pub fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
+pub(super) fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
     let apart = a.min(b).cmpgt(c.max(d)) | c.min(d).cmpgt(a.max(b));
     if apart.any() {
         return false;
@@ -40,7 +40,7 @@ fn side(a: DVec2, b: DVec2, p: DVec2) -> f64 {
 }
 
 /// True if an edge of the grid meets the way through `points`.
-pub fn meets(grid: &EdgeGrid, points: &[DVec2]) -> bool {
+pub(super) fn meets(grid: &EdgeGrid, points: &[DVec2]) -> bool {
     points.windows(2).any(|p| {
         let mut found = false;
         grid.visit_edges_near(p[0], p[1], LOOK, |edge| {

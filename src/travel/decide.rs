@@ -33,7 +33,7 @@ use glam::DVec2;
 use std::cell::OnceCell;
 
 /// What a travel may cross in a layer.
-pub struct Obstacles<'a> {
+pub(super) struct Obstacles<'a> {
     ground: Ground<'a>,
     beads: &'a [Bead],
     /// Box around the sparse infill; nothing if there is none, or if it is
@@ -60,7 +60,7 @@ const CELL: Mm = 1.0;
 
 impl<'a> Obstacles<'a> {
     /// The obstacles of a layer with these beads, in print order.
-    pub fn new(
+    pub(super) fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
         settings: &Settings,
@@ -82,7 +82,7 @@ impl<'a> Obstacles<'a> {
     /// True if every part of the way through `points` lies over sparse infill,
     /// except for a line's width at either end. It is true for no points, and
     /// for one point over sparse infill.
-    pub fn within_infill(&self, points: &[DVec2]) -> bool {
+    pub(super) fn within_infill(&self, points: &[DVec2]) -> bool {
         let Some(bounds) = self.infill else {
             return false;
         };
@@ -103,7 +103,7 @@ impl<'a> Obstacles<'a> {
     /// True if the way crosses a wall: if it meets one, except for half a
     /// line's width at either end, or comes nearer to a wall's middle than half
     /// a width, except for a whole width at either end.
-    pub fn wall(&self, points: &[DVec2]) -> bool {
+    pub(super) fn wall(&self, points: &[DVec2]) -> bool {
         let grid = self.walls.get_or_init(|| {
             self.grid(|b| {
                 use Role::{InnerWall, OuterWall, Overhang};
@@ -140,7 +140,7 @@ impl<'a> Obstacles<'a> {
 
     /// True if the way through `points` leaves the part, or touches its
     /// border.
-    pub fn air(&self, points: &[DVec2]) -> bool {
+    pub(super) fn air(&self, points: &[DVec2]) -> bool {
         meets(self.ground.outline.grid(), points)
     }
 
@@ -148,7 +148,7 @@ impl<'a> Obstacles<'a> {
     /// near to the outline, half a line's width inside which the walls lie. The
     /// ways' ends may be on walls, but may not lead over them. `next` is the
     /// number of the bead that the way leads to.
-    pub fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
+    pub(super) fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
         let middle = 0.5 * self.width;
         let near = middle + NEAR * self.width;
         let along = trimmed(points, self.width);
@@ -220,7 +220,7 @@ impl<'a> Obstacles<'a> {
 
     /// True if the way crosses an inner wall. Leaving a wall towards the fill,
     /// or coming from there, is no crossing.
-    pub fn inner_wall(&self, points: &[DVec2]) -> bool {
+    pub(super) fn inner_wall(&self, points: &[DVec2]) -> bool {
         let grid = self.inner.get_or_init(|| {
             self.grid(|b| {
                 b.role == Role::InnerWall
@@ -235,7 +235,7 @@ impl<'a> Obstacles<'a> {
 
     /// True if the way passes over a top skin printed before the `next`th
     /// bead; the bead that it comes from does not count.
-    pub fn top_skin(&self, points: &[DVec2], next: usize) -> bool {
+    pub(super) fn top_skin(&self, points: &[DVec2], next: usize) -> bool {
         let grid = self
             .tops
             .get_or_init(|| self.grid(|b| b.role == Role::TopSkin));

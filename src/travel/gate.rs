@@ -36,7 +36,12 @@ struct BorderPlace {
 
 /// A way from `a` to `b` in different islands, with both points; nothing if the
 /// straight way is as good, or if there is none.
-pub fn way(comb: &Comb, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
+pub(super) fn way(
+    comb: &Comb,
+    a: DVec2,
+    b: DVec2,
+    longest: Mm,
+) -> Option<Vec<DVec2>> {
     let from = comb.island(a)?;
     let to = comb.island(b)?;
     if from == to {

@@ -68,7 +68,7 @@ pub struct LayerPath {
 
 /// What a layer is made of, in the model's coordinates.
 #[derive(Clone, Copy, Debug)]
-pub struct Ground<'a> {
+pub(crate) struct Ground<'a> {
     /// The layer's outline.
     pub outline: &'a Solid<'a>,
     /// Where the layer has sparse infill.
@@ -82,7 +82,7 @@ pub struct Ground<'a> {
 /// Connects the beads of a layer. `from` is where the head stands, in the
 /// model's coordinates. `offset` leads from the model's coordinates to the
 /// printer's.
-pub fn connect(
+pub(crate) fn connect(
     span: LayerSpan,
     beads: Vec<Ended>,
     ground: Ground<'_>,

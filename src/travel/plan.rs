@@ -27,7 +27,7 @@ use std::cell::OnceCell;
 const OFF_BORDER: f64 = 0.25;
 
 /// Finds the travels of a layer.
-pub struct Planner<'a> {
+pub(super) struct Planner<'a> {
     ground: Ground<'a>,
     obstacles: Obstacles<'a>,
     comb: Comb<'a>,
@@ -44,7 +44,7 @@ pub struct Planner<'a> {
 
 impl<'a> Planner<'a> {
     /// A planner for a layer with these beads, in print order.
-    pub fn new(
+    pub(super) fn new(
         beads: &'a [Bead],
         ground: Ground<'a>,
         settings: &'a Settings,
@@ -63,7 +63,7 @@ impl<'a> Planner<'a> {
 
     /// The travel from `a`, where the bead `before` has ended, to `b`, where
     /// the `next`th one begins.
-    pub fn travel(
+    pub(super) fn travel(
         &self,
         a: DVec2,
         b: DVec2,

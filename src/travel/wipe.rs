@@ -11,7 +11,10 @@ use glam::DVec2;
 
 /// The way of the wipe after a bead, without the bead's end, and the way's last
 /// point; nothing if there is no wipe.
-pub fn path(bead: &Bead, settings: &Settings) -> Option<(Vec<DVec2>, DVec2)> {
+pub(super) fn path(
+    bead: &Bead,
+    settings: &Settings,
+) -> Option<(Vec<DVec2>, DVec2)> {
     let retract = &settings.retract;
     if retract.wipe <= 0.0 || retract.length <= 0.0 {
         return None;

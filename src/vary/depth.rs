@@ -31,7 +31,7 @@ const HALVINGS: usize = 10;
 
 /// Signed distances on a lattice, positive inside.
 #[derive(Clone, Debug)]
-pub struct DepthMap {
+pub(crate) struct DepthMap {
     origin: DVec3,
     step: Mm,
     size: [usize; 3],
@@ -51,7 +51,7 @@ impl DepthMap {
     ///
     /// # Errors
     /// If the field cannot be evaluated.
-    pub fn new(model: &Model) -> Result<DepthMap, ExpressionError> {
+    pub(crate) fn new(model: &Model) -> Result<DepthMap, ExpressionError> {
         let bed = -model.offset.z;
         let solid = model.tree.max(Tree::from(bed as f32) - Tree::z());
         let field = Expression::of_shape(&solid)?;
@@ -262,7 +262,7 @@ impl DepthMap {
 
     /// Distance of a point in the model's coordinates from the nearest
     /// surface, positive inside.
-    pub fn at(&self, p: DVec3) -> Mm {
+    pub(crate) fn at(&self, p: DVec3) -> Mm {
         let q = (p - self.origin) / self.step;
         let last = DVec3::new(
             (self.size[0] - 2) as f64,
@@ -284,7 +284,7 @@ impl DepthMap {
     }
 
     /// Distance between neighbouring nodes, mm.
-    pub fn step(&self) -> Mm {
+    pub(crate) fn step(&self) -> Mm {
         self.step
     }
 }

@@ -8,7 +8,7 @@
 //! for a temperature it is an error. NaN is always an error. Both errors tell
 //! the place.
 
-pub mod depth;
+pub(crate) mod depth;
 
 use crate::model::{Expression, ExpressionError, Model, Place};
 use crate::plane::grid::EdgeGrid;
@@ -87,7 +87,7 @@ pub enum VaryError {
 
 /// A setting's value at any place.
 #[derive(Clone)]
-pub struct Quantity {
+pub(crate) struct Quantity {
     key: &'static str,
     range: Option<Range>,
     value: Value,
@@ -107,7 +107,7 @@ impl Quantity {
     ///
     /// # Errors
     /// If the setting is an expression with a mistake.
-    pub fn new(
+    pub(crate) fn new(
         key: &'static str,
         value: &Varying,
     ) -> Result<Quantity, VaryError> {
@@ -136,7 +136,7 @@ impl Quantity {
     ///
     /// # Errors
     /// If the expression differs within a layer or has a mistake.
-    pub fn level(
+    pub(crate) fn level(
         key: &'static str,
         value: &Varying,
     ) -> Result<Quantity, VaryError> {
@@ -153,7 +153,7 @@ impl Quantity {
     }
 
     /// The value, if it is a constant.
-    pub fn constant(&self) -> Option<f64> {
+    pub(crate) fn constant(&self) -> Option<f64> {
         match self.value {
             Value::Constant(value) => Some(value),
             Value::Varying { .. } => None,
@@ -161,7 +161,7 @@ impl Quantity {
     }
 
     /// True if the distance to the surface matters.
-    pub fn uses_depth(&self) -> bool {
+    pub(crate) fn uses_depth(&self) -> bool {
         match &self.value {
             Value::Constant(_) => false,
             Value::Varying { expression, .. } => expression.uses_depth(),
@@ -172,7 +172,7 @@ impl Quantity {
     ///
     /// # Errors
     /// If one of the places has no value.
-    pub fn evaluate(
+    pub(crate) fn evaluate(
         &self,
         places: &[Place],
         out: &mut Vec<f64>,
@@ -207,7 +207,11 @@ impl Quantity {
     ///
     /// # Errors
     /// If there is none.
-    pub fn at_height(&self, z: Mm, range: Range) -> Result<f64, VaryError> {
+    pub(crate) fn at_height(
+        &self,
+        z: Mm,
+        range: Range,
+    ) -> Result<f64, VaryError> {
         let (text, expression) = match &self.value {
             Value::Constant(value) => return Ok(*value),
             Value::Varying { text, expression } => (text, expression),
@@ -244,7 +248,7 @@ impl Quantity {
     ///
     /// # Errors
     /// If there is none.
-    pub fn at(&self, place: Place) -> Result<f64, VaryError> {
+    pub(crate) fn at(&self, place: Place) -> Result<f64, VaryError> {
         let mut value = Vec::with_capacity(1);
         self.evaluate(&[place], &mut value)?;
         Ok(value[0])
@@ -252,7 +256,7 @@ impl Quantity {
 }
 
 /// What expressions know of a place besides its coordinates.
-pub struct Surroundings<'a> {
+pub(crate) struct Surroundings<'a> {
     model: &'a Model,
     /// The distances, which are measured when they are first asked for.
     depth: OnceLock<Result<DepthMap, VaryError>>,
@@ -260,7 +264,7 @@ pub struct Surroundings<'a> {
 
 impl<'a> Surroundings<'a> {
     /// The surroundings in a placed model.
-    pub fn new(model: &'a Model) -> Self {
+    pub(crate) fn new(model: &'a Model) -> Self {
         Surroundings {
             model,
             depth: OnceLock::new(),
@@ -273,7 +277,7 @@ impl<'a> Surroundings<'a> {
     ///
     /// # Errors
     /// If the part cannot be measured.
-    pub fn places(
+    pub(crate) fn places(
         &self,
         points: impl IntoIterator<Item = DVec2>,
         z: Mm,

@@ -4,7 +4,7 @@ mod overhang;
 #[cfg(test)]
 mod tests;
 
-pub use overhang::Support;
+pub(crate) use overhang::Support;
 
 use crate::bead::{Bead, Role, Stroke};
 use crate::region::Walls;
@@ -13,7 +13,7 @@ use crate::units::Mm;
 /// The walls' lines as beads, the outer wall's first. A part too thin for
 /// walls is an outer wall, what is too thin between walls a gap. Rings shorter
 /// than `small` are marked: later they may be opened, or cut.
-pub fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
+pub(crate) fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
     let rings = walls.lines.iter().enumerate().flat_map(|(depth, lines)| {
         let role = match depth {
             0 => Role::OuterWall,

@@ -23,7 +23,7 @@ use crate::units::Mm;
 use glam::DVec2;
 
 /// What holds a layer's walls.
-pub struct Support<'a> {
+pub(crate) struct Support<'a> {
     below: &'a EdgeGrid,
     /// The solid shrunk or grown for outer and for inner walls, if not half
     /// of a wall may hang over.
@@ -48,7 +48,7 @@ const TOLERANCE: Mm = 0.01;
 impl<'a> Support<'a> {
     /// The solid of the layer below for the walls of a layer whose own solid
     /// is `own`; nothing if no wall is to be an overhang.
-    pub fn new(
+    pub(crate) fn new(
         below: &'a Solid<'_>,
         own: &'a Solid<'_>,
         settings: &Settings,
@@ -71,7 +71,7 @@ impl<'a> Support<'a> {
     }
 
     /// The bead, cut where it begins or ceases to hang, if it is a wall.
-    pub fn cut(&self, bead: Bead) -> Vec<Bead> {
+    pub(crate) fn cut(&self, bead: Bead) -> Vec<Bead> {
         crate::limits::check();
         match bead.role {
             Role::OuterWall | Role::InnerWall => self.pieces(bead),

@@ -8,17 +8,17 @@ pub(super) struct Cell {
 }
 
 impl Cell {
-    pub fn width(&self, axis: usize) -> f64 {
+    pub(crate) fn width(&self, axis: usize) -> f64 {
         self.hi[axis] - self.lo[axis]
     }
 
-    pub fn centre(&self) -> [f64; 3] {
+    pub(crate) fn centre(&self) -> [f64; 3] {
         // Halved before the sum: no overflow, whatever the box.
         std::array::from_fn(|i| 0.5 * self.lo[i] + 0.5 * self.hi[i])
     }
 
     /// Cuts in two across `axis`.
-    pub fn split(&self, axis: usize) -> [Self; 2] {
+    pub(crate) fn split(&self, axis: usize) -> [Self; 2] {
         let (mut a, mut b) = (*self, *self);
         let middle = self.centre()[axis];
         a.hi[axis] = middle;
@@ -27,7 +27,7 @@ impl Cell {
     }
 
     /// The box of two boxes.
-    pub fn joined(&self, other: &Self) -> Self {
+    pub(crate) fn joined(&self, other: &Self) -> Self {
         Self {
             lo: std::array::from_fn(|i| self.lo[i].min(other.lo[i])),
             hi: std::array::from_fn(|i| self.hi[i].max(other.hi[i])),
@@ -35,7 +35,7 @@ impl Cell {
     }
 
     /// The axis along which it is widest.
-    pub fn widest_axis(&self) -> usize {
+    pub(crate) fn widest_axis(&self) -> usize {
         (0..3).fold(0, |best, i| match self.width(i) > self.width(best) {
             true => i,
             false => best,
@@ -43,13 +43,13 @@ impl Cell {
     }
 
     /// Its extent along that axis.
-    pub fn largest_side(&self) -> f64 {
+    pub(crate) fn largest_side(&self) -> f64 {
         self.width(self.widest_axis())
     }
 
     /// What it has in common with another one; perhaps nothing: then an upper
     /// end is below its lower one.
-    pub fn common(&self, other: &Self) -> Self {
+    pub(crate) fn common(&self, other: &Self) -> Self {
         Self {
             lo: std::array::from_fn(|i| self.lo[i].max(other.lo[i])),
             hi: std::array::from_fn(|i| self.hi[i].min(other.hi[i])),

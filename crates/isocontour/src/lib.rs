@@ -42,6 +42,7 @@
 //!
 //! Lengths are in whatever unit the coordinates are.
 
+#![warn(unreachable_pub)]
 #![cfg_attr(
     not(test),
     deny(

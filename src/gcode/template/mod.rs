@@ -20,7 +20,7 @@ mod pieces;
 #[cfg(test)]
 mod tests;
 
-pub use error::TemplateError;
+pub(crate) use error::TemplateError;
 
 use super::Header;
 use super::placeholders::{self, Known, Moment, Scope};

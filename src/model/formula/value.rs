@@ -10,7 +10,7 @@ pub(super) enum Value {
 }
 
 impl Value {
-    pub fn tree(self) -> Tree {
+    pub(super) fn tree(self) -> Tree {
         match self {
             Self::Number(v) => Tree::constant(v as f32),
             Self::Field(t) => t,
@@ -18,7 +18,7 @@ impl Value {
     }
 
     /// A function of this part: computed at once if that is constant.
-    pub fn map(
+    pub(super) fn map(
         self,
         number: impl Fn(f64) -> f64,
         field: impl Fn(&Tree) -> Tree,
@@ -31,7 +31,7 @@ impl Value {
 
     /// A function of this part and another: computed at once if both are
     /// constant.
-    pub fn with(
+    pub(super) fn with(
         self,
         other: Self,
         number: impl Fn(f64, f64) -> f64,
@@ -44,12 +44,12 @@ impl Value {
     }
 
     /// The remainder, which is not negative.
-    pub fn modulo(self, other: Self) -> Self {
+    pub(super) fn modulo(self, other: Self) -> Self {
         self.with(other, f64::rem_euclid, |a, b| a.modulo(b))
     }
 
     /// This part to the power of another.
-    pub fn raised(self, exponent: Self) -> Self {
+    pub(super) fn raised(self, exponent: Self) -> Self {
         match (self, exponent) {
             (Self::Number(a), Self::Number(b)) => Self::Number(a.powf(b)),
             (Self::Field(a), Self::Number(b)) => Self::Field(power(&a, b)),

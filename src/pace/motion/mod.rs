@@ -31,7 +31,7 @@
 mod planner;
 mod ramps;
 
-pub use planner::Planner;
+pub(crate) use planner::Planner;
 
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds};
@@ -45,7 +45,7 @@ const MIN_LENGTH: Mm = 1e-6;
 
 /// What the machine can do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// The firmware's rules.
     pub planner: Planner,
     /// Greatest speed of the z axis.
@@ -58,7 +58,7 @@ pub struct Limits {
 
 impl Limits {
     /// The limits of the printer in the settings.
-    pub fn new(settings: &Settings) -> Self {
+    pub(crate) fn new(settings: &Settings) -> Self {
         let printer = &settings.printer;
         Self {
             planner: Planner::new(
@@ -75,7 +75,7 @@ impl Limits {
 
 /// One straight move at one nominal speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
+pub(crate) struct Segment {
     /// Length of the move, or of filament if nothing else moves.
     pub length: Mm,
     /// Cruising speed that is asked for.
@@ -91,7 +91,7 @@ pub struct Segment {
 
 /// A chain of moves from rest to rest.
 #[derive(Clone, Debug)]
-pub struct Motion {
+pub(crate) struct Motion {
     limits: Limits,
     segments: Vec<Segment>,
     /// Square of the greatest speed that the corner at each segment's start
@@ -107,7 +107,7 @@ pub struct Motion {
 impl Motion {
     /// An empty chain for a machine with these limits that was told this
     /// acceleration.
-    pub fn new(limits: Limits, told: MmPerSec2) -> Self {
+    pub(crate) fn new(limits: Limits, told: MmPerSec2) -> Self {
         Self {
             limits,
             segments: Vec::new(),
@@ -119,26 +119,26 @@ impl Motion {
     }
 
     /// Forgets all moves.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.segments.clear();
         self.corner.clear();
         self.last = None;
     }
 
     /// Tells the firmware an acceleration.
-    pub fn tell(&mut self, acceleration: MmPerSec2) {
+    pub(crate) fn tell(&mut self, acceleration: MmPerSec2) {
         self.told = acceleration;
     }
 
     /// The moves so far.
-    pub fn segments(&self) -> &[Segment] {
+    pub(crate) fn segments(&self) -> &[Segment] {
         &self.segments
     }
 
     /// Adds a move of the head by `step` that feeds `filament` mm of filament
     /// for each mm, at an acceleration that the firmware is told. The limits of
     /// z and of the filament hold, too.
-    pub fn push(
+    pub(crate) fn push(
         &mut self,
         step: DVec3,
         speed: MmPerSec,
@@ -179,7 +179,7 @@ impl Motion {
     }
 
     /// Adds a move of the filament alone, in or out.
-    pub fn push_filament(&mut self, length: Mm, speed: MmPerSec) {
+    pub(crate) fn push_filament(&mut self, length: Mm, speed: MmPerSec) {
         if length.is_nan() || length.abs() < MIN_LENGTH {
             return;
         }
@@ -211,12 +211,15 @@ impl Motion {
     }
 
     /// Time of the chain if each segment cruises at `speed(segment)`.
-    pub fn time(&mut self, speed: impl Fn(&Segment) -> MmPerSec) -> Seconds {
+    pub(crate) fn time(
+        &mut self,
+        speed: impl Fn(&Segment) -> MmPerSec,
+    ) -> Seconds {
         self.times(speed).sum()
     }
 
     /// Times of the segments if each cruises at `speed(segment)`.
-    pub fn times(
+    pub(crate) fn times(
         &mut self,
         speed: impl Fn(&Segment) -> MmPerSec,
     ) -> impl Iterator<Item = Seconds> + '_ {

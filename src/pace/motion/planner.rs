@@ -73,7 +73,7 @@ const RRF_JERK: (MmPerSec, MmPerSec) = (10.0, 5.0);
 
 /// How a firmware plans.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Planner {
+pub(crate) enum Planner {
     /// Klipper.
     Klipper {
         /// Speed through a right-angled corner.
@@ -92,7 +92,7 @@ pub enum Planner {
 
 /// Greatest sudden changes of speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Jerk {
+pub(crate) struct Jerk {
     /// Jerk of x and of y.
     pub plane: MmPerSec,
     /// Jerk of z.
@@ -135,7 +135,7 @@ impl Leg {
 impl Planner {
     /// The planner of a firmware that takes right-angled corners at this speed
     /// with this acceleration.
-    pub fn new(
+    pub(crate) fn new(
         flavour: Flavour,
         corner: MmPerSec,
         acceleration: MmPerSec2,
@@ -159,7 +159,7 @@ impl Planner {
 
     /// The junction deviation at which Marlin takes a right-angled corner at
     /// this speed: v²·(√2 − 1)/a, within the range that Marlin takes.
-    pub fn deviation(corner: MmPerSec, acceleration: MmPerSec2) -> Mm {
+    pub(crate) fn deviation(corner: MmPerSec, acceleration: MmPerSec2) -> Mm {
         (corner * corner * (SQRT_2 - 1.0) / acceleration)
             .clamp(DEVIATION.0, DEVIATION.1)
     }

@@ -17,7 +17,7 @@ mod nearest;
 mod segment;
 mod sieve;
 
-pub use isocontour::plane::nearest_on;
+pub(crate) use isocontour::plane::nearest_on;
 
 use super::{Area, Rect, Ring};
 use crate::units::Mm;
@@ -31,7 +31,7 @@ use std::sync::OnceLock;
 /// Edges are numbered in the order of their rings, and so that each ring has
 /// one number more than edges: [`EdgeGrid::numbers`].
 #[derive(Clone, Debug)]
-pub struct EdgeGrid {
+pub(crate) struct EdgeGrid {
     /// Ring by ring, the first point again at the end: an edge runs from the
     /// point with its number to the next. Half the memory of pairs of points.
     points: Vec<DVec2>,
@@ -57,7 +57,7 @@ const CELLS_PER_EDGE: f64 = 4.0;
 
 impl EdgeGrid {
     /// A grid of the area's edges for questions about the distance `reach`.
-    pub fn new(area: &Area, reach: Mm) -> EdgeGrid {
+    pub(crate) fn new(area: &Area, reach: Mm) -> EdgeGrid {
         let mut points = Vec::with_capacity(EdgeGrid::numbers(&area.rings));
         let mut chains = Vec::with_capacity(area.rings.len());
         for (i, ring) in area.rings.iter().enumerate() {
@@ -70,7 +70,7 @@ impl EdgeGrid {
     }
 
     /// A grid of any segments, each with the number of what it belongs to.
-    pub fn of(
+    pub(crate) fn of(
         segments: impl Iterator<Item = (usize, (DVec2, DVec2))>,
         reach: Mm,
     ) -> EdgeGrid {
@@ -91,7 +91,7 @@ impl EdgeGrid {
     /// A grid of lines' edges, each with the number of its line. As with
     /// rings, a line takes one number more than it has edges; one without
     /// points takes none.
-    pub fn of_lines<L: IntoIterator<Item = DVec2>>(
+    pub(crate) fn of_lines<L: IntoIterator<Item = DVec2>>(
         lines: impl Iterator<Item = L>,
         reach: Mm,
     ) -> EdgeGrid {
@@ -108,7 +108,7 @@ impl EdgeGrid {
     }
 
     /// How many numbers the edges of some rings take.
-    pub fn numbers(rings: &[Ring]) -> usize {
+    pub(crate) fn numbers(rings: &[Ring]) -> usize {
         let of_ring = |r: &Ring| r.len() + usize::from(!r.is_empty());
         rings.iter().map(of_ring).sum()
     }
@@ -184,13 +184,13 @@ impl EdgeGrid {
     }
 
     /// The number of what an edge belongs to.
-    pub fn owner(&self, edge: usize) -> usize {
+    pub(crate) fn owner(&self, edge: usize) -> usize {
         let chain = self.chains.partition_point(|c| c.0 as usize <= edge);
         self.chains[chain - 1].1 as usize
     }
 
     /// The ends of an edge.
-    pub fn edge(&self, number: usize) -> (DVec2, DVec2) {
+    pub(crate) fn edge(&self, number: usize) -> (DVec2, DVec2) {
         (self.points[number], self.points[number + 1])
     }
 
@@ -254,7 +254,7 @@ impl EdgeGrid {
 
     /// True if the point is inside the area (even–odd rule; points on the
     /// border may count either way).
-    pub fn contains(&self, p: DVec2) -> bool {
+    pub(crate) fn contains(&self, p: DVec2) -> bool {
         let top = self.origin.y + self.rows as f64 * self.cell;
         if self.members.is_empty() || p.y < self.origin.y || p.y > top {
             return false;
@@ -279,7 +279,7 @@ impl EdgeGrid {
     /// The places at which the segment from `a` to `b` crosses or touches
     /// edges, as fractions of its length, in no particular order; one may
     /// come more than once.
-    pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<f64> {
+    pub(crate) fn crossings(&self, a: DVec2, b: DVec2) -> Vec<f64> {
         let mut found = Vec::new();
         if self.members.is_empty() {
             return found;
@@ -297,7 +297,7 @@ impl EdgeGrid {
     /// and where, as a fraction of its length; the same one may come more than
     /// once. An end of an edge that is on the segment counts as to the right
     /// of it, so that a ring is crossed as often inwards as outwards.
-    pub fn visit_crossed(
+    pub(crate) fn visit_crossed(
         &self,
         a: DVec2,
         b: DVec2,

@@ -10,7 +10,7 @@ use glam::DVec2;
 impl EdgeGrid {
     /// Calls `visit` with the number of every edge that comes closer than
     /// `distance` to the segment; the same one may come more than once.
-    pub fn visit_edges_near(
+    pub(crate) fn visit_edges_near(
         &self,
         a: DVec2,
         b: DVec2,
@@ -91,7 +91,7 @@ impl EdgeGrid {
 
     /// Calls `visit` with the ring's number of every edge that comes closer
     /// than `distance` to the segment; the same one may come more than once.
-    pub fn visit_near(
+    pub(crate) fn visit_near(
         &self,
         a: DVec2,
         b: DVec2,
@@ -102,13 +102,13 @@ impl EdgeGrid {
     }
 
     /// True if the box around some edge meets the box.
-    pub fn meets(&self, rect: Rect) -> bool {
+    pub(crate) fn meets(&self, rect: Rect) -> bool {
         self.any_in_box(rect.min, rect.max, |_| true)
     }
 
     /// Calls `visit` with the number of every edge whose box meets that from
     /// `lo` to `hi`; the same one may come more than once.
-    pub fn visit_box(
+    pub(crate) fn visit_box(
         &self,
         lo: DVec2,
         hi: DVec2,
@@ -157,7 +157,7 @@ impl EdgeGrid {
     }
 
     /// True if no edge comes closer than `distance` to the segment.
-    pub fn clear(&self, a: DVec2, b: DVec2, distance: Mm) -> bool {
+    pub(crate) fn clear(&self, a: DVec2, b: DVec2, distance: Mm) -> bool {
         let mut clear = true;
         self.near(a, b, distance, |_| {
             clear = false;

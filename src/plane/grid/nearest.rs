@@ -8,14 +8,14 @@ use glam::DVec2;
 
 impl EdgeGrid {
     /// The point of the edges nearest to `p` and the number of its ring.
-    pub fn nearest(&self, p: DVec2) -> Option<(usize, DVec2)> {
+    pub(crate) fn nearest(&self, p: DVec2) -> Option<(usize, DVec2)> {
         let (edge, q) = self.foot(p)?;
         Some((self.owner(edge), q))
     }
 
     /// The point of the edges nearest to `p`, however far away, and the
     /// number of its edge.
-    pub fn foot(&self, p: DVec2) -> Option<(usize, DVec2)> {
+    pub(crate) fn foot(&self, p: DVec2) -> Option<(usize, DVec2)> {
         // No point of the grid is farther away than this.
         let size = DVec2::new(self.columns as f64, self.rows as f64);
         let middle = self.origin + 0.5 * self.cell * size;
@@ -32,7 +32,7 @@ impl EdgeGrid {
 
     /// The point of the edges nearest to `p` and the number of its ring, if
     /// it is within `reach`.
-    pub fn nearest_within(
+    pub(crate) fn nearest_within(
         &self,
         p: DVec2,
         reach: Mm,
@@ -43,7 +43,11 @@ impl EdgeGrid {
 
     /// The point of the edges nearest to `p` and the number of its edge, if
     /// it is within `reach`.
-    pub fn nearest_edge(&self, p: DVec2, reach: Mm) -> Option<(usize, DVec2)> {
+    pub(crate) fn nearest_edge(
+        &self,
+        p: DVec2,
+        reach: Mm,
+    ) -> Option<(usize, DVec2)> {
         if self.members.is_empty() {
             return None;
         }
@@ -73,7 +77,7 @@ impl EdgeGrid {
     }
 
     /// The same among some edges, all those that there may be within `reach`.
-    pub fn nearest_of(
+    pub(crate) fn nearest_of(
         &self,
         edges: &[u32],
         p: DVec2,

@@ -70,7 +70,7 @@ pub(super) fn each(
 
 impl Sieve {
     /// The sieve of `count` edges that lie within `size` of `origin`.
-    pub fn new(
+    pub(super) fn new(
         edges: impl Iterator<Item = (DVec2, DVec2)>,
         count: usize,
         origin: DVec2,
@@ -104,7 +104,7 @@ impl Sieve {
     }
 
     /// Prepares to ask what is in the box from `lo` to `hi`.
-    pub fn frame(&self, lo: DVec2, hi: DVec2) -> Frame {
+    pub(super) fn frame(&self, lo: DVec2, hi: DVec2) -> Frame {
         let (lo, hi) = (lo - self.origin, hi - self.origin);
         let blur = self.blur(lo).max(self.blur(hi));
         let lanes = |x: Mm| Vec4::splat(x as f32);
@@ -117,7 +117,7 @@ impl Sieve {
     /// Those of the edges from the `k`th on whose boxes may meet another: a
     /// bit for each of up to [`LANES`], the first the lowest.
     #[inline(always)]
-    pub fn meets(&self, k: usize, frame: &Frame) -> u32 {
+    pub(super) fn meets(&self, k: usize, frame: &Frame) -> u32 {
         let lanes = |all: &[f32]| Vec4::from_slice(&all[k..k + LANES]);
         let beside = |a: Vec4, b: Vec4, lo: Vec4, hi: Vec4| {
             // Not by the lesser and the greater of them: what is no number
@@ -131,7 +131,7 @@ impl Sieve {
     }
 
     /// Prepares to ask what is within `reach`, or less, of `p`.
-    pub fn place(&self, p: DVec2, reach: Mm) -> Place {
+    pub(super) fn place(&self, p: DVec2, reach: Mm) -> Place {
         let p = p - self.origin;
         let blur = self.blur(p);
         Place {
@@ -145,7 +145,7 @@ impl Sieve {
     /// `limit` of a place: a bit for each of up to [`LANES`], the first the
     /// lowest.
     #[inline(always)]
-    pub fn near(&self, k: usize, place: &Place, limit: f64) -> u32 {
+    pub(super) fn near(&self, k: usize, place: &Place, limit: f64) -> u32 {
         let lanes = |all: &[f32]| Vec4::from_slice(&all[k..k + LANES]);
         let (ax, ay) = (lanes(&self.ax), lanes(&self.ay));
         let (u, v) = (lanes(&self.bx) - ax, lanes(&self.by) - ay);

@@ -39,7 +39,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 
 /// Ways inside an area.
-pub struct Comb<'a> {
+pub(super) struct Comb<'a> {
     solid: Cow<'a, Solid<'a>>,
     clearance: Mm,
     /// The rings are made when the first travel needs them.
@@ -80,7 +80,7 @@ const GAIN: f64 = 0.01;
 impl<'a> Comb<'a> {
     /// Ways inside `solid` that keep the distance `clearance` from its
     /// border where they can.
-    pub fn new(solid: Cow<'a, Solid<'a>>, clearance: Mm) -> Comb<'a> {
+    pub(super) fn new(solid: Cow<'a, Solid<'a>>, clearance: Mm) -> Comb<'a> {
         Comb {
             solid,
             clearance,
@@ -100,7 +100,12 @@ impl<'a> Comb<'a> {
     /// inside. Nothing if `a` and `b` are not in one island, or if the way
     /// along the rings is so much longer than `longest` that pulling it tight
     /// cannot help.
-    pub fn way(&self, a: DVec2, b: DVec2, longest: Mm) -> Option<Vec<DVec2>> {
+    pub(super) fn way(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        longest: Mm,
+    ) -> Option<Vec<DVec2>> {
         crate::limits::check();
         let ends = [a, b];
         // The ends may be on walls, so they are moved off them first.
@@ -165,7 +170,7 @@ impl<'a> Comb<'a> {
 
     /// The place inside, off the border, at which a way from or to `p` begins;
     /// nothing if `p` is outside by more than `reach`.
-    pub fn entry(&self, p: DVec2, reach: Mm) -> Option<DVec2> {
+    pub(super) fn entry(&self, p: DVec2, reach: Mm) -> Option<DVec2> {
         if self.grid().contains(p) {
             return Some(self.off(p).at);
         }

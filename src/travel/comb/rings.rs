@@ -18,7 +18,7 @@ pub(super) struct Rings {
 
 /// A place on a ring.
 #[derive(Clone, Copy, Debug)]
-pub struct Mark {
+pub(crate) struct Mark {
     /// How far along the straight way the mark is.
     pub t: f64,
     pub edge: usize,
@@ -26,7 +26,7 @@ pub struct Mark {
 }
 
 impl Rings {
-    pub fn new(outline: &Area) -> Rings {
+    pub(super) fn new(outline: &Area) -> Rings {
         let outer: Vec<bool> =
             outline.rings.iter().map(|r| signed_area(r) > 0.0).collect();
         let outers = || {
@@ -52,12 +52,12 @@ impl Rings {
     }
 
     /// The island that an edge belongs to.
-    pub fn of_edge(&self, edge: usize) -> Option<usize> {
+    pub(super) fn of_edge(&self, edge: usize) -> Option<usize> {
         self.island[self.places.ring(edge)]
     }
 
     /// How far along its ring a mark is.
-    pub fn place(&self, grid: &EdgeGrid, mark: &Mark) -> Mm {
+    pub(super) fn place(&self, grid: &EdgeGrid, mark: &Mark) -> Mm {
         let (p, _) = grid.edge(mark.edge);
         self.places.begin(mark.edge) + p.distance(mark.at)
     }
@@ -93,12 +93,12 @@ impl Comb<'_> {
     }
 
     /// The island that a point is in, if any.
-    pub fn island(&self, p: DVec2) -> Option<usize> {
+    pub(crate) fn island(&self, p: DVec2) -> Option<usize> {
         self.rings().nest.around(p)
     }
 
     /// Where a line crosses the border, in order.
-    pub fn crossed(&self, a: DVec2, b: DVec2) -> Vec<Mark> {
+    pub(crate) fn crossed(&self, a: DVec2, b: DVec2) -> Vec<Mark> {
         let mut marks: Vec<Mark> = Vec::new();
         self.grid().visit_crossed(a, b, |t, edge| {
             let at = a.lerp(b, t);

@@ -12,7 +12,7 @@ pub(super) struct Side {
 }
 
 impl Side {
-    pub fn all() -> [Self; 6] {
+    pub(super) fn all() -> [Self; 6] {
         std::array::from_fn(|i| Self {
             // z first: it is the side the part stands on.
             axis: 2 - i / 2,
@@ -20,18 +20,18 @@ impl Side {
         })
     }
 
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         [["-x", "+x"], ["-y", "+y"], ["-z", "+z"]][self.axis]
             [usize::from(self.up)]
     }
 
     /// Turns a coordinate into "how far out", and back.
-    pub fn outward(self, v: f64) -> f64 {
+    pub(super) fn outward(self, v: f64) -> f64 {
         if self.up { v } else { -v }
     }
 
     /// How far out a cell reaches.
-    pub fn reach(self, cell: &Cell) -> f64 {
+    pub(super) fn reach(self, cell: &Cell) -> f64 {
         if self.up {
             cell.hi[self.axis]
         } else {
@@ -40,7 +40,7 @@ impl Side {
     }
 
     /// Coordinate of a cell's face opposite to this side.
-    pub fn inner_face(self, cell: &Cell) -> f64 {
+    pub(super) fn inner_face(self, cell: &Cell) -> f64 {
         if self.up {
             cell.lo[self.axis]
         } else {
@@ -49,7 +49,7 @@ impl Side {
     }
 
     /// Removes what is less far out than `from`.
-    pub fn clip(self, cell: &mut Cell, from: f64) {
+    pub(super) fn clip(self, cell: &mut Cell, from: f64) {
         if self.up {
             cell.lo[self.axis] = cell.lo[self.axis].max(from);
         } else {
@@ -58,7 +58,7 @@ impl Side {
     }
 
     /// Moves a cell's face on this side.
-    pub fn set_reach(self, cell: &mut Cell, reach: f64) {
+    pub(super) fn set_reach(self, cell: &mut Cell, reach: f64) {
         if self.up {
             cell.hi[self.axis] = reach;
         } else {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 impl Interval {
     #[inline]
-    pub fn add(self, o: Self) -> Self {
+    pub(crate) fn add(self, o: Self) -> Self {
         let (lo, hi) = (self.lo + o.lo, self.hi + o.hi);
         // Nearly always: then no end is infinite, and neither is empty.
         if lo.is_finite() && hi.is_finite() {
@@ -31,7 +31,7 @@ impl Interval {
         )
     }
 
-    pub fn sub(self, o: Self) -> Self {
+    pub(crate) fn sub(self, o: Self) -> Self {
         self.add(o.neg())
     }
 
@@ -59,7 +59,7 @@ impl Interval {
     }
 
     #[inline]
-    pub fn mul(self, o: Self) -> Self {
+    pub(crate) fn mul(self, o: Self) -> Self {
         let p = [
             self.lo * o.lo,
             self.lo * o.hi,
@@ -93,7 +93,7 @@ impl Interval {
         Self::around(p, nan)
     }
 
-    pub fn div(self, o: Self) -> Self {
+    pub(crate) fn div(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
@@ -118,7 +118,7 @@ impl Interval {
         q.or_nan(undefined)
     }
 
-    pub fn min(self, o: Self) -> Self {
+    pub(crate) fn min(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
@@ -129,7 +129,7 @@ impl Interval {
         }
     }
 
-    pub fn max(self, o: Self) -> Self {
+    pub(crate) fn max(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
@@ -141,7 +141,7 @@ impl Interval {
     }
 
     /// Angle of (x = `x`, y = `self`).
-    pub fn atan2(self, x: Self) -> Self {
+    pub(crate) fn atan2(self, x: Self) -> Self {
         if self.is_empty() || x.is_empty() {
             return Self::EMPTY;
         }
@@ -160,7 +160,7 @@ impl Interval {
     }
 
     /// Euclidean remainder, as fidget's `modulo`.
-    pub fn modulo(self, o: Self) -> Self {
+    pub(crate) fn modulo(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
@@ -177,7 +177,7 @@ impl Interval {
 
     /// Whether all of `self` lies in one period of the constant `o`, so
     /// that the remainder is continuous.
-    pub fn same_period(self, o: Self) -> bool {
+    pub(crate) fn same_period(self, o: Self) -> bool {
         o.lo == o.hi
             && o.lo != 0.0
             && o.is_finite()
@@ -188,7 +188,7 @@ impl Interval {
     }
 
     /// -1, 0 or 1.
-    pub fn compare(self, o: Self) -> Self {
+    pub(crate) fn compare(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
@@ -203,7 +203,7 @@ impl Interval {
     }
 
     /// `a` where `a` is 0, else `b`.
-    pub fn and(self, o: Self) -> Self {
+    pub(crate) fn and(self, o: Self) -> Self {
         let nan = self.nan || o.nan;
         if self.is_empty() || (o.is_empty() && !self.contains(0.0)) {
             Self::ANYTHING
@@ -217,7 +217,7 @@ impl Interval {
     }
 
     /// `a` where `a` is not 0, else `b`.
-    pub fn or(self, o: Self) -> Self {
+    pub(crate) fn or(self, o: Self) -> Self {
         let nan = self.nan || o.nan;
         if self.is_empty() {
             Self::ANYTHING

@@ -29,33 +29,33 @@ pub(crate) struct Interval {
 
 impl Interval {
     /// Every number, and NaN: nothing is known.
-    pub const ANYTHING: Self = Self {
+    pub(crate) const ANYTHING: Self = Self {
         lo: f64::NEG_INFINITY,
         hi: f64::INFINITY,
         nan: true,
     };
 
     /// No number: certainly NaN.
-    pub const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         lo: f64::INFINITY,
         hi: f64::NEG_INFINITY,
         nan: true,
     };
 
     /// Every number, but never NaN.
-    pub const REALS: Self = Self {
+    pub(crate) const REALS: Self = Self {
         lo: f64::NEG_INFINITY,
         hi: f64::INFINITY,
         nan: false,
     };
 
-    pub const ZERO: Self = Self {
+    pub(crate) const ZERO: Self = Self {
         lo: 0.0,
         hi: 0.0,
         nan: false,
     };
 
-    pub fn point(v: f64) -> Self {
+    pub(crate) fn point(v: f64) -> Self {
         if v.is_nan() {
             return Self::EMPTY;
         }
@@ -66,7 +66,7 @@ impl Interval {
         }
     }
 
-    pub fn new(lo: f64, hi: f64) -> Self {
+    pub(crate) fn new(lo: f64, hi: f64) -> Self {
         Self { lo, hi, nan: false }
     }
 
@@ -80,24 +80,24 @@ impl Interval {
         }
     }
 
-    pub fn is_empty(self) -> bool {
+    pub(crate) fn is_empty(self) -> bool {
         self.lo > self.hi
     }
 
-    pub fn is_finite(self) -> bool {
+    pub(crate) fn is_finite(self) -> bool {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
-    pub fn contains(self, v: f64) -> bool {
+    pub(crate) fn contains(self, v: f64) -> bool {
         self.lo <= v && v <= self.hi
     }
 
     /// Largest absolute value.
-    pub fn magnitude(self) -> f64 {
+    pub(crate) fn magnitude(self) -> f64 {
         self.lo.abs().max(self.hi.abs())
     }
 
-    pub fn hull(self, other: Self) -> Self {
+    pub(crate) fn hull(self, other: Self) -> Self {
         Self {
             lo: self.lo.min(other.lo),
             hi: self.hi.max(other.hi),
@@ -105,7 +105,7 @@ impl Interval {
         }
     }
 
-    pub fn or_nan(self, nan: bool) -> Self {
+    pub(crate) fn or_nan(self, nan: bool) -> Self {
         Self {
             nan: self.nan || nan,
             ..self

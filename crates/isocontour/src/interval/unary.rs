@@ -12,7 +12,7 @@ impl Interval {
         Self::sane(f(self.lo), f(self.hi), self.nan)
     }
 
-    pub fn neg(self) -> Self {
+    pub(crate) fn neg(self) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
         }
@@ -23,7 +23,7 @@ impl Interval {
         }
     }
 
-    pub fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         if self.is_empty() || self.lo >= 0.0 {
             self
         } else if self.hi <= 0.0 {
@@ -37,12 +37,12 @@ impl Interval {
         }
     }
 
-    pub fn square(self) -> Self {
+    pub(crate) fn square(self) -> Self {
         let a = self.abs();
         a.rising(|v| v * v)
     }
 
-    pub fn recip(self) -> Self {
+    pub(crate) fn recip(self) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
         }
@@ -59,7 +59,7 @@ impl Interval {
         }
     }
 
-    pub fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         if self.hi < 0.0 || self.is_empty() {
             return Self::EMPTY;
         }
@@ -70,7 +70,7 @@ impl Interval {
         )
     }
 
-    pub fn ln(self) -> Self {
+    pub(crate) fn ln(self) -> Self {
         if self.hi < 0.0 || self.is_empty() {
             return Self::EMPTY;
         }
@@ -81,23 +81,23 @@ impl Interval {
         )
     }
 
-    pub fn exp(self) -> Self {
+    pub(crate) fn exp(self) -> Self {
         self.rising(f64::exp)
     }
 
-    pub fn atan(self) -> Self {
+    pub(crate) fn atan(self) -> Self {
         self.rising(f64::atan)
     }
 
-    pub fn floor(self) -> Self {
+    pub(crate) fn floor(self) -> Self {
         self.rising(f64::floor)
     }
 
-    pub fn ceil(self) -> Self {
+    pub(crate) fn ceil(self) -> Self {
         self.rising(f64::ceil)
     }
 
-    pub fn round(self) -> Self {
+    pub(crate) fn round(self) -> Self {
         self.rising(f64::round)
     }
 
@@ -113,11 +113,11 @@ impl Interval {
         }
     }
 
-    pub fn asin(self) -> Self {
+    pub(crate) fn asin(self) -> Self {
         self.unit_domain().rising(f64::asin)
     }
 
-    pub fn acos(self) -> Self {
+    pub(crate) fn acos(self) -> Self {
         // acos falls: negate the argument, and pi - acos(-v) = acos(v).
         let d = self.unit_domain();
         if d.is_empty() {
@@ -126,7 +126,7 @@ impl Interval {
         Self::sane(d.hi.acos(), d.lo.acos(), d.nan)
     }
 
-    pub fn sin(self) -> Self {
+    pub(crate) fn sin(self) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
         }
@@ -148,11 +148,11 @@ impl Interval {
         Self::sane(lo, hi, nan)
     }
 
-    pub fn cos(self) -> Self {
+    pub(crate) fn cos(self) -> Self {
         self.add(Self::point(FRAC_PI_2)).sin()
     }
 
-    pub fn tan(self) -> Self {
+    pub(crate) fn tan(self) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
         }
@@ -166,7 +166,7 @@ impl Interval {
         Self::REALS.or_nan(self.nan || !self.is_finite())
     }
 
-    pub fn not(self) -> Self {
+    pub(crate) fn not(self) -> Self {
         if self.is_empty() || self.nan {
             // fidget's `not` of NaN is 0.
             return Self::new(0.0, 1.0);

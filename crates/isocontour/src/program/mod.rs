@@ -104,7 +104,7 @@ impl Program {
     /// Flattens the part of `context` that `root` depends on.
     ///
     /// `Err` holds a variable other than x, y, z.
-    pub fn new(context: &Context, root: Node) -> Result<Self, Var> {
+    pub(crate) fn new(context: &Context, root: Node) -> Result<Self, Var> {
         let mut steps: Vec<Step> = Vec::with_capacity(context.len());
         let mut index: HashMap<Node, u32> = HashMap::new();
         // (node, whether its operands are done)
@@ -146,12 +146,12 @@ impl Program {
     }
 
     /// Number of operations.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.steps.len()
     }
 
     /// The program of -f.
-    pub fn negated(&self) -> Self {
+    pub(crate) fn negated(&self) -> Self {
         let root = self.steps.len().saturating_sub(1) as u32;
         let mut steps = self.steps.to_vec();
         steps.push(Step::Unary(UnaryOpcode::Neg, root));
@@ -162,14 +162,14 @@ impl Program {
     }
 
     /// Whether the field may depend on x (0), y (1) or z (2).
-    pub fn depends_on(&self, axis: usize) -> bool {
+    pub(crate) fn depends_on(&self, axis: usize) -> bool {
         let is_it = |s: &Step| matches!(s, Step::Axis(a) if *a == axis);
         self.steps.iter().any(is_it)
     }
 
     /// Which operation makes the field NaN at a point, and of what, as in
     /// "the square root of -4".
-    pub fn why_nan(
+    pub(crate) fn why_nan(
         &self,
         point: [f64; 3],
         scratch: &mut Scratch,
@@ -191,7 +191,7 @@ impl Program {
 
     /// Value at a point, perhaps NaN; it is NaN where another piece is the
     /// true one.
-    pub fn value(&self, point: [f64; 3], scratch: &mut Scratch) -> f64 {
+    pub(crate) fn value(&self, point: [f64; 3], scratch: &mut Scratch) -> f64 {
         scratch.work += self.steps.len() as u64 / 8 + 1;
         let v = &mut scratch.values;
         v.clear();
@@ -220,7 +220,11 @@ impl Program {
 
     /// Range, centre value and slope over a box. The range is empty where no
     /// point of the box is in the program's pieces.
-    pub fn enclose(&self, cell: &Cell, scratch: &mut Scratch) -> Enclosure {
+    pub(crate) fn enclose(
+        &self,
+        cell: &Cell,
+        scratch: &mut Scratch,
+    ) -> Enclosure {
         scratch.work += self.steps.len() as u64 + BOX_WORK;
         let centre = cell.centre();
         let half: [f64; 3] = std::array::from_fn(|i| 0.5 * cell.width(i));
@@ -271,7 +275,7 @@ impl Program {
     /// The program once for each piece of its first step that jumps in the
     /// box of the last `enclose` (of this program, with this scratch); empty
     /// if there is none, or none with few pieces.
-    pub fn by_pieces(&self, scratch: &Scratch) -> Vec<Self> {
+    pub(crate) fn by_pieces(&self, scratch: &Scratch) -> Vec<Self> {
         let s = &scratch.slots;
         if s.len() != self.steps.len() || self.pieces.len() >= MOST_PIECES {
             return Vec::new();
@@ -309,7 +313,7 @@ impl Program {
     /// The part of the box of the last `enclose` (of this program, with this
     /// scratch) that the program's pieces leave of it, as far as slopes tell.
     /// Perhaps none: then an upper end is below its lower one.
-    pub fn contracted(&self, whole: &Cell, scratch: &Scratch) -> Cell {
+    pub(crate) fn contracted(&self, whole: &Cell, scratch: &Scratch) -> Cell {
         let s = &scratch.slots;
         let mut cell = *whole;
         if s.len() == self.steps.len() {

@@ -119,7 +119,7 @@ impl Program {
     /// The result has the program's sign everywhere in that box, except that
     /// a dropped branch's NaN, were it possible, would be lost: such branches
     /// are kept.
-    pub fn simplify(&self, scratch: &Scratch) -> Option<Self> {
+    pub(crate) fn simplify(&self, scratch: &Scratch) -> Option<Self> {
         let s = &scratch.slots;
         let n = self.steps.len();
         if s.len() != n || n == 0 {
