@@ -41,6 +41,7 @@
 pub mod foot;
 mod gap;
 mod look;
+mod reach;
 mod tip;
 mod track;
 mod words;
