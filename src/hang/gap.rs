@@ -3,7 +3,7 @@
 //! In: boxes of a layer in which something does, and the layer below. Out: the
 //! gaps below it, and what hangs over each.
 
-use super::look::Limits;
+use super::reach::Limits;
 use crate::plane::clip::{crop, difference, intersection};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::Lines;

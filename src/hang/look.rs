@@ -7,6 +7,7 @@
 //! may lie under a lid. Areas are made only where these tell of a ledge.
 
 use super::gap::{Gap, gaps};
+use super::reach::Limits;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, Ring, Solid, edges, signed_area};
 use crate::region::floating::{Floating, floating};
@@ -14,15 +15,6 @@ use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
 use std::collections::HashSet;
-
-/// How far a layer may stick out.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    /// What the layer below holds beyond its rim.
-    pub held: Mm,
-    /// What hangs beyond that without harm.
-    pub lip: Mm,
-}
 
 /// A layer over the one below.
 #[derive(Clone, Debug)]
@@ -79,20 +71,6 @@ const STEP: Mm = 0.5;
 const STRAIGHT: Mm = 1.0;
 /// How far apart they are on the rim of the layer below: lids are wide, mm.
 const WIDE_STEP: Mm = 2.0;
-/// Lip that hangs without harm, in widths of the outer wall.
-const LIP: f64 = 2.0;
-/// Rims are known so well, mm.
-const SLACK: Mm = 0.01;
-
-impl Limits {
-    /// Of a layer of this height.
-    pub(super) fn new(height: Mm, settings: &Settings) -> Limits {
-        Limits {
-            held: height * settings.support.angle.to_radians().tan() + SLACK,
-            lip: LIP * settings.outer_wall_width,
-        }
-    }
-}
 
 impl Look {
     /// Looks at layer `number` of some height, `here`, over `below`.

@@ -41,6 +41,7 @@
 pub(crate) mod foot;
 mod gap;
 mod look;
+mod reach;
 mod tip;
 mod track;
 mod words;

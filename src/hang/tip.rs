@@ -13,7 +13,8 @@
 //!
 //! In: the rims of layers, from below. Out: the islands that count.
 
-use super::look::{Limits, Look, Name, Place, name};
+use super::look::{Look, Name, Place, name};
+use super::reach::Limits;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::signed_area;
 use crate::units::{Mm, Mm2};

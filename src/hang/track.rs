@@ -1,7 +1,8 @@
 //! What hangs, added up from layer to layer.
 
 use super::Hanging;
-use super::look::{Ledge, Limits, Look, Place};
+use super::look::{Ledge, Look, Place};
+use super::reach::Limits;
 use super::tip::{Island, Tips};
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;

@@ -89,7 +89,9 @@ impl<'a> Rater<'a> {
     /// # Errors
     /// If a setting is no expression.
     #[cfg(test)]
-    pub(crate) fn constant(settings: &'a Settings) -> Result<Rater<'a>, VaryError> {
+    pub(crate) fn constant(
+        settings: &'a Settings,
+    ) -> Result<Rater<'a>, VaryError> {
         Self::with(settings, None)
     }
 
