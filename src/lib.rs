@@ -39,7 +39,7 @@
 //! 9. [`pace`] gives every move its speed: by role, and slower where the hot
 //!    end or the cooling could not follow. It adds up the time.
 //! 10. [`gcode`] writes the G-code, and [`bgcode`] packs it for Prusa's
-//!     printers. [`reader`] reads G-code of any slicer, and [`check`] tells
+//!     printers. [`reader`] reads G-code of any slicer, and [`mod@check`] tells
 //!     whether it is safe to run. [`preview`] draws it. [`report`] measures how
 //!     far outlines and walls are from f = 0.
 //!
@@ -125,9 +125,11 @@
 //! | wipe | going on along a bead while retracting |
 //! | z-hop | lifting the nozzle on a travel |
 
+#![warn(unreachable_pub)]
+// Links to private modules lead somewhere in the documentation of private items.
+#![allow(rustdoc::private_intra_doc_links)]
 // Failures are errors, not panics; only tests may panic. Indices are allowed,
 // since geometry is full of them; the fuzzer and the hostile models test those.
-#![warn(unreachable_pub)]
 #![cfg_attr(
     not(test),
     deny(
@@ -166,14 +168,13 @@ mod report;
 mod seam;
 pub mod settings;
 mod skin;
-pub mod timings;
+mod timings;
 mod travel;
-pub mod units;
+mod units;
 mod vary;
 mod walls;
 
 pub use bgcode::Unpacked;
-pub use check::check;
 pub use gcode::Format;
 pub use hang::{Hanging, Sum};
 pub use model::{Model, load, place};
@@ -181,3 +182,5 @@ pub use pipeline::{Options, SliceError, Summary, slice};
 pub use reader::Reader;
 pub use report::Figures;
 pub use settings::Settings;
+pub use timings::Stage;
+pub use units::{filament_area, human_time};

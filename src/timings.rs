@@ -13,17 +13,17 @@ use std::time::Duration;
 /// Processor time of one thread. The thread that starts the watch has to read
 /// it.
 #[derive(Clone, Copy, Debug)]
-pub struct Stopwatch(Option<ThreadTime>);
+pub(crate) struct Stopwatch(Option<ThreadTime>);
 
 impl Stopwatch {
     /// Starts a watch. It stays at 0 on a system that does not tell processor
     /// time.
-    pub fn start() -> Stopwatch {
+    pub(crate) fn start() -> Stopwatch {
         Stopwatch(ThreadTime::try_now().ok())
     }
 
     /// Time since the start.
-    pub fn elapsed(&self) -> Duration {
+    pub(crate) fn elapsed(&self) -> Duration {
         self.0
             .and_then(|start| start.try_elapsed().ok())
             .unwrap_or_default()
@@ -101,19 +101,19 @@ impl Stage {
 
 /// Nanoseconds per stage; shared between threads.
 #[derive(Debug, Default)]
-pub struct Timings {
+pub(crate) struct Timings {
     nanos: [AtomicU64; Stage::ALL.len()],
 }
 
 impl Timings {
     /// Runs `work` and adds its time to the stage's.
-    pub fn time<T>(&self, stage: Stage, work: impl FnOnce() -> T) -> T {
+    pub(crate) fn time<T>(&self, stage: Stage, work: impl FnOnce() -> T) -> T {
         let _lap = self.begin(stage);
         work()
     }
 
     /// Begins work whose time is added to the stage's when the lap is dropped.
-    pub fn begin(&self, stage: Stage) -> Lap<'_> {
+    pub(crate) fn begin(&self, stage: Stage) -> Lap<'_> {
         Lap {
             start: Stopwatch::start(),
             nanos: &self.nanos[stage as usize],
@@ -122,20 +122,20 @@ impl Timings {
     }
 
     /// Time of a stage so far.
-    pub fn seconds(&self, stage: Stage) -> Seconds {
+    pub(crate) fn seconds(&self, stage: Stage) -> Seconds {
         let nanos = self.nanos[stage as usize].load(Ordering::Relaxed);
         nanos as f64 * 1e-9
     }
 
     /// All stages with their times, in the order of the pipeline.
-    pub fn report(&self) -> Vec<(Stage, Seconds)> {
+    pub(crate) fn report(&self) -> Vec<(Stage, Seconds)> {
         Stage::ALL.map(|s| (s, self.seconds(s))).to_vec()
     }
 }
 
 /// Work of a stage, from [`Timings::begin`] until this is dropped.
 #[derive(Debug)]
-pub struct Lap<'a> {
+pub(crate) struct Lap<'a> {
     start: Stopwatch,
     nanos: &'a AtomicU64,
     _doing: limits::Doing,

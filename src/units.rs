@@ -5,35 +5,35 @@
 //! and from other units live here and nowhere else.
 
 /// Length in millimetres.
-pub type Mm = f64;
+pub(crate) type Mm = f64;
 /// Area in square millimetres.
-pub type Mm2 = f64;
+pub(crate) type Mm2 = f64;
 /// Volume in cubic millimetres.
-pub type Mm3 = f64;
+pub(crate) type Mm3 = f64;
 /// Speed in millimetres per second.
-pub type MmPerSec = f64;
+pub(crate) type MmPerSec = f64;
 /// Acceleration in millimetres per second squared.
-pub type MmPerSec2 = f64;
+pub(crate) type MmPerSec2 = f64;
 /// Volumetric flow in cubic millimetres per second.
-pub type Mm3PerSec = f64;
+pub(crate) type Mm3PerSec = f64;
 /// Time in seconds.
-pub type Seconds = f64;
+pub(crate) type Seconds = f64;
 /// Angle in degrees, counter-clockwise from the x axis.
-pub type Degrees = f64;
+pub(crate) type Degrees = f64;
 /// Density in grams per cubic centimetre.
-pub type GramsPerCm3 = f64;
+pub(crate) type GramsPerCm3 = f64;
 /// Price of a kilogram, in the user's currency.
-pub type PricePerKg = f64;
+pub(crate) type PricePerKg = f64;
 /// Temperature in degrees Celsius.
-pub type Celsius = f64;
+pub(crate) type Celsius = f64;
 /// Share in percent (100 is the whole).
-pub type Percent = f64;
+pub(crate) type Percent = f64;
 
 /// A unit of the last decimal of the coordinates in G-code.
-pub const MICRON: Mm = 1e-3;
+pub(crate) const MICRON: Mm = 1e-3;
 
 /// Feed rate of a `G1` word, mm/min, from a speed in mm/s.
-pub fn feed_rate(speed: MmPerSec) -> f64 {
+pub(crate) fn feed_rate(speed: MmPerSec) -> f64 {
     speed * 60.0
 }
 
@@ -44,7 +44,7 @@ pub fn filament_area(diameter: Mm) -> Mm2 {
 
 /// Cross-section (w − h)·h + π(h/2)² of a bead `width` wide and `height` high.
 /// A bead narrower than it is high is taken as an ellipse, π/4·w·h.
-pub fn cross_section(width: Mm, height: Mm) -> Mm2 {
+pub(crate) fn cross_section(width: Mm, height: Mm) -> Mm2 {
     use std::f64::consts::FRAC_PI_4;
     if width <= height {
         return FRAC_PI_4 * width * height;

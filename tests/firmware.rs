@@ -7,8 +7,8 @@ mod common;
 
 use common::{examples, slice, slice_layers};
 use glam::DVec2;
+use isoslice::filament_area;
 use isoslice::settings::{Flavour, Settings};
-use isoslice::units::filament_area;
 use std::collections::BTreeSet;
 
 /// Coarse enough to be quick, with all that a firmware can be told.

@@ -14,10 +14,10 @@ use common::{
 };
 use glam::{DVec2, DVec3};
 use isocontour::Area;
+use isoslice::filament_area;
 use isoslice::layers::LayerSpan;
 use isoslice::model::Model;
 use isoslice::settings::Settings;
-use isoslice::units::filament_area;
 use std::sync::LazyLock;
 
 const COARSE: &[&str] = &[

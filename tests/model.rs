@@ -41,6 +41,11 @@ fn find_bounds(
     isocontour::find_bounds(tree, options, &Cancel::NEVER)
 }
 
+/// What a user is told.
+fn advice(e: BoundsError) -> String {
+    PlaceError::from(e).to_string()
+}
+
 fn bounds_of(tree: &Tree) -> Result<FoundBounds, BoundsError> {
     find_bounds(tree, &SearchOptions::default())
 }
@@ -301,8 +306,9 @@ fn unbounded_models() {
     assert!(!direction(gyroid).1);
     // A ball inside out.
     let e = bounds_of(&formula("15 - sqrt(x^2+y^2+z^2)").tree).unwrap_err();
-    assert!(e.to_string().contains("is the sign flipped?"), "{e}");
-    assert!(e.to_string().contains("--bounds x0,y0,z0:x1,y1,z1"), "{e}");
+    let e = advice(e);
+    assert!(e.contains("is the sign flipped?"), "{e}");
+    assert!(e.contains("--bounds x0,y0,z0:x1,y1,z1"), "{e}");
 }
 
 #[test]
@@ -329,7 +335,7 @@ fn hopeless_fields_end_with_advice() {
         ..SearchOptions::default()
     };
     let e = find_bounds(&tree, &options).unwrap_err();
-    let e = PlaceError::from(e).to_string();
+    let e = advice(e);
     assert!(e.contains("--bounds"), "{e}");
 }
 
@@ -768,7 +774,7 @@ fn drawings_are_told_of_a_height_and_get_one() {
     let disc = formula("sqrt(x^2 + y^2) - 10");
     let e = bounds_of(&disc.tree).unwrap_err();
     assert_eq!(e, BoundsError::Flat { size: [20.0, 20.0] });
-    let words = e.to_string();
+    let words = advice(e);
     for part in ["--height 3", "max(f, abs(z - 1.5) - 1.5)"] {
         assert!(words.contains(part), "{words}");
     }
@@ -837,15 +843,15 @@ fn what_is_no_number_anywhere_says_so_and_why() {
     ] {
         let error = e(text);
         assert!(matches!(error, BoundsError::NotANumber { .. }), "{text}");
-        let words = error.to_string();
+        let words = advice(error);
         assert!(words.contains(why), "{text}: {words}");
         assert!(words.contains("NaN"), "{text}: {words}");
     }
     // In places only: it may be why there is nothing.
-    let half = e("sqrt(x) + y^2 + z^2 + 1").to_string();
+    let half = advice(e("sqrt(x) + y^2 + z^2 + 1"));
     assert!(half.contains("nowhere negative"), "{half}");
     assert!(half.contains("the square root of -"), "{half}");
-    let none = e("x^2 + y^2 + z^2 + 1").to_string();
+    let none = advice(e("x^2 + y^2 + z^2 + 1"));
     assert!(!none.contains("NaN"), "{none}");
 }
 

@@ -7,9 +7,9 @@
 #![allow(clippy::unwrap_used)]
 
 use assert_cmd::Command;
+use isoslice::filament_area;
 use isoslice::preview::{Toolpath, write_html};
 use isoslice::reader::{Event, Reader, Role};
-use isoslice::units::filament_area;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use std::f64::consts::PI;

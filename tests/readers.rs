@@ -257,7 +257,7 @@ fn the_foot_has_the_keys_hosts_read() {
     assert!((grams - summary.filament_mass_g).abs() < 0.01);
     assert_eq!(
         value("estimated printing time (normal mode)"),
-        isoslice::units::human_time(summary.time)
+        isoslice::human_time(summary.time)
     );
 }
 
@@ -528,7 +528,7 @@ fn binary_files_hold_the_same_print() {
     has(3, "printer_model=MK4");
     has(3, "filament_type=PLA");
     has(3, "max_layer_z=2.4");
-    let time = isoslice::units::human_time(summary.time);
+    let time = isoslice::human_time(summary.time);
     let time = format!("estimated printing time (normal mode)={time}");
     has(3, &time);
     has(4, &time);

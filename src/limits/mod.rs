@@ -286,7 +286,7 @@ fn is_stopped() -> bool {
 /// that may take longer than some tenths of a second; it costs a few
 /// nanoseconds.
 #[inline]
-pub fn check() {
+pub(crate) fn check() {
     // Values that are dropped while unwinding may call this, too.
     if is_stopped() && !std::thread::panicking() {
         resume_unwind(Box::new(Unwinding));
@@ -295,12 +295,12 @@ pub fn check() {
 
 /// For a library that is not to be unwound through: stops its work when the
 /// watch of the thread that works says so.
-pub fn cancel() -> Cancel {
+pub(crate) fn cancel() -> Cancel {
     Cancel::when(is_stopped)
 }
 
 /// The result of work that may have been stopped by [`cancel`].
-pub trait Watched {
+pub(crate) trait Watched {
     /// The result, if the watch did not stop the work.
     fn watched(self) -> Self;
 }
@@ -312,19 +312,21 @@ impl<T, E> Watched for Result<T, E> {
 }
 
 /// The watch of this thread, to hand it to other threads.
-pub fn current() -> Option<Watch> {
+pub(crate) fn current() -> Option<Watch> {
     CURRENT.with(|current| current.borrow().clone().map(Watch))
 }
 
 /// Puts this thread under a watch for good. Unwinding has to reach
 /// [`Watch::run`] through the thread that waits for this one.
-pub fn work_under(watch: Option<&Watch>) {
+pub(crate) fn work_under(watch: Option<&Watch>) {
     CURRENT.set(watch.map(|watch| watch.0.clone()));
 }
 
 /// A stage that this thread is in until this is dropped.
 #[derive(Debug)]
-pub struct Doing(Option<(Arc<Shared>, &'static str, Option<&'static str>)>);
+pub(crate) struct Doing(
+    Option<(Arc<Shared>, &'static str, Option<&'static str>)>,
+);
 
 impl Drop for Doing {
     fn drop(&mut self) {
@@ -337,7 +339,7 @@ impl Drop for Doing {
 }
 
 /// Lets the watch know what this thread does from now on.
-pub fn begin(stage: &'static str) -> Doing {
+pub(crate) fn begin(stage: &'static str) -> Doing {
     let shared = CURRENT.with(|current| current.borrow().clone());
     let Some(shared) = shared else {
         return Doing(None);
@@ -350,13 +352,13 @@ pub fn begin(stage: &'static str) -> Doing {
 }
 
 /// Does `work`, and tells the watch the name of its stage.
-pub fn doing<T>(stage: &'static str, work: impl FnOnce() -> T) -> T {
+pub(crate) fn doing<T>(stage: &'static str, work: impl FnOnce() -> T) -> T {
     let _doing = begin(stage);
     work()
 }
 
 /// Tells the watch how many layers are done, of how many.
-pub fn layers_done(done: usize, all: usize) {
+pub(crate) fn layers_done(done: usize, all: usize) {
     CURRENT.with(|current| {
         if let Some(shared) = &*current.borrow() {
             shared.lock().layers = Some((done, all));

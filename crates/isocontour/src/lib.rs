@@ -43,6 +43,8 @@
 //! Lengths are in whatever unit the coordinates are.
 
 #![warn(unreachable_pub)]
+// Links to private modules lead somewhere in the documentation of private items.
+#![allow(rustdoc::private_intra_doc_links)]
 #![cfg_attr(
     not(test),
     deny(

@@ -47,16 +47,17 @@ impl Slot {
     }
 }
 
+// By the trait: f64 has a `min` and a `max` of its own, which lose NaN.
 macro_rules! both {
     ($($name:ident)*) => {
         $(fn $name(self) -> Self {
-            Slot::of(self.dual().$name(), self.centre.$name())
+            Slot::of(self.dual().$name(), Number::$name(self.centre))
         })*
     };
     ($($name:ident($o:ident))*) => {
         $(fn $name(self, $o: Self) -> Self {
             let dual = self.dual().$name($o.dual());
-            Slot::of(dual, self.centre.$name($o.centre))
+            Slot::of(dual, Number::$name(self.centre, $o.centre))
         })*
     };
 }
