@@ -312,13 +312,13 @@ impl<T, E> Watched for Result<T, E> {
 }
 
 /// The watch of this thread, to hand it to other threads.
-pub(crate) fn current() -> Option<Watch> {
+pub fn current() -> Option<Watch> {
     CURRENT.with(|current| current.borrow().clone().map(Watch))
 }
 
 /// Puts this thread under a watch for good. Unwinding has to reach
 /// [`Watch::run`] through the thread that waits for this one.
-pub(crate) fn work_under(watch: Option<&Watch>) {
+pub fn work_under(watch: Option<&Watch>) {
     CURRENT.set(watch.map(|watch| watch.0.clone()));
 }
 
@@ -352,7 +352,7 @@ pub(crate) fn begin(stage: &'static str) -> Doing {
 }
 
 /// Does `work`, and tells the watch the name of its stage.
-pub(crate) fn doing<T>(stage: &'static str, work: impl FnOnce() -> T) -> T {
+pub fn doing<T>(stage: &'static str, work: impl FnOnce() -> T) -> T {
     let _doing = begin(stage);
     work()
 }
