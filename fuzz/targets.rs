@@ -6,11 +6,11 @@
 //! `tests/fuzz_replay.rs`, which runs each function over its seeds.
 
 use glam::DVec3;
-use isocontour::{Cancel, find_bounds};
+use isocontour::{Cancel, SearchOptions, find_bounds};
 use isoslice::check::{Rules, check};
 use isoslice::model::{
     Bounds, BuildVolume, LoadError, Placement, ScriptError, ScriptLimits,
-    SearchOptions, Source, SourceKind, load_within, parse_vm, place,
+    Source, SourceKind, load_within, parse_vm, place,
 };
 use isoslice::pipeline::{self, Options};
 use isoslice::preview::{Toolpath, write_html};

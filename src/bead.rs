@@ -20,7 +20,7 @@ use std::ops::{Deref, DerefMut};
 
 /// What a bead is for. The G-code dialect translates it to its reader's word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Role {
+pub(crate) enum Role {
     /// Loop around the part on the lowest layers, not touching it.
     Skirt,
     /// Loops on the bed beside the part's first layer that hold it down.
@@ -49,7 +49,7 @@ pub enum Role {
 
 impl Role {
     /// Every role, in the order summaries list them.
-    pub const ALL: [Role; 12] = [
+    pub(crate) const ALL: [Role; 12] = [
         Role::OuterWall,
         Role::InnerWall,
         Role::Overhang,
@@ -63,29 +63,11 @@ impl Role {
         Role::Skirt,
         Role::Brim,
     ];
-
-    /// Plain name for summaries, pictures and tests.
-    pub fn name(self) -> &'static str {
-        match self {
-            Role::Skirt => "skirt",
-            Role::Brim => "brim",
-            Role::OuterWall => "outer wall",
-            Role::InnerWall => "inner wall",
-            Role::Overhang => "overhang",
-            Role::GapFill => "gap fill",
-            Role::SparseInfill => "sparse infill",
-            Role::InternalSkin => "internal skin",
-            Role::TopSkin => "top skin",
-            Role::BottomSkin => "bottom skin",
-            Role::Bridge => "bridge",
-            Role::Ironing => "ironing",
-        }
-    }
 }
 
 /// A line in the plane that is as wide as its bead.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stroke {
+pub(crate) struct Stroke {
     /// Centre line, mm; a closed stroke does not repeat its first point.
     pub points: Vec<DVec2>,
     /// True if the stroke returns to its first point.
@@ -98,7 +80,7 @@ pub struct Stroke {
 
 impl Stroke {
     /// A stroke of one width.
-    pub fn new(points: Vec<DVec2>, closed: bool, width: Mm) -> Stroke {
+    pub(crate) fn new(points: Vec<DVec2>, closed: bool, width: Mm) -> Stroke {
         Stroke {
             points,
             closed,
@@ -108,30 +90,30 @@ impl Stroke {
     }
 
     /// Length of the centre line, with the closing segment of a closed stroke.
-    pub fn length(&self) -> Mm {
+    pub(crate) fn length(&self) -> Mm {
         path_length(&self.points, self.closed)
     }
 
     /// The points in order, the first one repeated at the end of a closed
     /// stroke.
-    pub fn path(&self) -> impl Iterator<Item = DVec2> + '_ {
+    pub(crate) fn path(&self) -> impl Iterator<Item = DVec2> + '_ {
         let back = self.closed.then(|| self.points.first().copied()).flatten();
         self.points.iter().copied().chain(back)
     }
 
     /// The segments of the centre line, the closing one included.
-    pub fn segments(&self) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+    pub(crate) fn segments(&self) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
         self.path().zip(self.path().skip(1))
     }
 
     /// The width at point `i`, counted round a closed stroke.
-    pub fn width_at(&self, i: usize) -> Mm {
+    pub(crate) fn width_at(&self, i: usize) -> Mm {
         let varying = self.widths.get(i % self.widths.len().max(1));
         varying.copied().unwrap_or(self.width)
     }
 
     /// Lets a closed stroke begin at its point `i`.
-    pub fn begin_at(&mut self, i: usize) {
+    pub(crate) fn begin_at(&mut self, i: usize) {
         if i < self.points.len() {
             self.points.rotate_left(i);
         }
@@ -141,13 +123,13 @@ impl Stroke {
     }
 
     /// Turns the stroke round.
-    pub fn reverse(&mut self) {
+    pub(crate) fn reverse(&mut self) {
         self.points.reverse();
         self.widths.reverse();
     }
 
     /// The stroke as an open one, which ends where a closed one closes.
-    pub fn opened(&self) -> Stroke {
+    pub(crate) fn opened(&self) -> Stroke {
         let mut open = self.clone();
         if self.closed {
             open.points.extend(self.points.first());
@@ -158,13 +140,13 @@ impl Stroke {
     }
 
     /// Goes on with an open stroke that begins where this one ends.
-    pub fn append(&mut self, after: &Stroke) {
+    pub(crate) fn append(&mut self, after: &Stroke) {
         self.points.extend(after.points.iter().skip(1));
         self.widths.extend(after.widths.iter().skip(1));
     }
 
     /// The part of an open stroke between two shares of its length.
-    pub fn part(&self, from: f64, to: f64) -> Stroke {
+    pub(crate) fn part(&self, from: f64, to: f64) -> Stroke {
         if from <= 0.0 && to >= 1.0 {
             return self.clone();
         }
@@ -199,7 +181,7 @@ impl Stroke {
 /// height and a role. It gives access to the stroke's fields and methods as if
 /// they were its own.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bead {
+pub(crate) struct Bead {
     /// What it is for.
     pub role: Role,
     /// Where it lies.
@@ -227,7 +209,7 @@ impl DerefMut for Bead {
 
 impl Bead {
     /// A bead that goes round nothing small.
-    pub fn new(role: Role, stroke: Stroke, height: Mm) -> Bead {
+    pub(crate) fn new(role: Role, stroke: Stroke, height: Mm) -> Bead {
         Bead {
             role,
             stroke,
@@ -240,7 +222,7 @@ impl Bead {
     /// before ends. Where the width changes between two points the segment is
     /// cut so short that no piece is more than 10 µm wider to a side than the
     /// bead is meant to be there.
-    pub fn pieces(self) -> Vec<Bead> {
+    pub(crate) fn pieces(self) -> Vec<Bead> {
         /// Widths closer than this are the same, mm.
         const SAME: Mm = 1e-3;
         /// By how much the width may change along a piece, whose own is the
@@ -293,7 +275,7 @@ impl Bead {
     }
 
     /// Cross-section of the bead.
-    pub fn area(&self) -> Mm2 {
+    pub(crate) fn area(&self) -> Mm2 {
         cross_section(self.width, self.height)
     }
 }

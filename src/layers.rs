@@ -134,7 +134,7 @@ impl FromStr for LayerRange {
 
 /// Greatest number of layers: 1 m of the thinnest ones that anybody prints
 /// (0.02 mm).
-pub const MAX_LAYERS: usize = 50_000;
+pub(crate) const MAX_LAYERS: usize = 50_000;
 
 /// Plans the layers of a part `height` high that stands on the bed: one of
 /// height `first`, then as many of height `layer` as bring the top nearest to

@@ -5,10 +5,10 @@
 
 use fidget::context::Tree;
 use glam::DVec3;
-use isocontour::Cancel;
+use isocontour::{BoundsError, Cancel, FoundBounds, SearchOptions};
 use isoslice::model::{
-    Bounds, BoundsError, BuildVolume, FoundBounds, LoadError, Loaded, Model,
-    PlaceError, Placement, SearchOptions, Source, SourceKind, load, place,
+    Bounds, BuildVolume, LoadError, Loaded, Model, PlaceError, Placement,
+    Source, SourceKind, load, place,
 };
 use std::time::Instant;
 

@@ -19,7 +19,7 @@ const CHUNK: usize = 1 << 16;
 const WAITING: usize = 8;
 
 /// Checks text on a thread of its own while it is written.
-pub struct Alongside {
+pub(crate) struct Alongside {
     chunk: Vec<u8>,
     chunks: SyncSender<Vec<u8>>,
     checker: JoinHandle<(Result<Verdict, ReadError>, Seconds)>,
@@ -30,7 +30,7 @@ impl Alongside {
     ///
     /// # Errors
     /// If no thread can be started.
-    pub fn new(rules: Rules) -> io::Result<Self> {
+    pub(crate) fn new(rules: Rules) -> io::Result<Self> {
         let (chunks, written) = sync_channel(WAITING);
         let checker = Builder::new().name("check".into()).spawn(move || {
             let clock = Stopwatch::start();
@@ -45,7 +45,7 @@ impl Alongside {
     }
 
     /// Takes more of the text.
-    pub fn read(&mut self, text: &[u8]) {
+    pub(crate) fn read(&mut self, text: &[u8]) {
         self.chunk.extend_from_slice(text);
         if self.chunk.len() >= CHUNK {
             self.hand_over();
@@ -57,7 +57,7 @@ impl Alongside {
     ///
     /// # Errors
     /// If the text is not G-code.
-    pub fn finish(mut self) -> Result<(Verdict, Seconds), ReadError> {
+    pub(crate) fn finish(mut self) -> Result<(Verdict, Seconds), ReadError> {
         self.hand_over();
         // Without a sender the checker sees the end of the text.
         drop(self.chunks);

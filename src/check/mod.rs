@@ -44,7 +44,7 @@ mod heat;
 mod verdict;
 mod words;
 
-pub use alongside::Alongside;
+pub(crate) use alongside::Alongside;
 pub use heat::HeatLimit;
 pub use verdict::{Finding, Kind, Severity, Verdict};
 

@@ -29,10 +29,7 @@ mod vm;
 pub use error::LoadError;
 pub use expression::{Expression, ExpressionError, Place};
 pub use formula::{FormulaError, parse_formula};
-pub use isocontour::{
-    Bounds, BoundsError, ExpandError, FoundBounds, MAX_EXPANDED_NODES,
-    SearchOptions,
-};
+pub use isocontour::Bounds;
 pub use param::{ParamError, Parameter};
 pub use placement::{BuildVolume, Model, PlaceError, Placement, place};
 pub use script::{ScriptError, ScriptLimits};

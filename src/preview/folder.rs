@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// The pictures of a run.
 #[derive(Clone, Debug)]
-pub struct Pictures {
+pub(crate) struct Pictures {
     folder: PathBuf,
     frame: Rect,
 }
@@ -28,7 +28,7 @@ impl Pictures {
     ///
     /// # Errors
     /// If the folder cannot be made or read, or a picture cannot be removed.
-    pub fn new(
+    pub(crate) fn new(
         folder: &Path,
         frame: Rect,
         layers: &Range<usize>,
@@ -53,7 +53,7 @@ impl Pictures {
     }
 
     /// The folder's path.
-    pub fn folder(&self) -> &Path {
+    pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
 
@@ -61,7 +61,7 @@ impl Pictures {
     ///
     /// # Errors
     /// If the picture cannot be written.
-    pub fn draw(&self, path: &LayerPath) -> io::Result<()> {
+    pub(crate) fn draw(&self, path: &LayerPath) -> io::Result<()> {
         // The picture is drawn first, so that the half-written file is there
         // for a moment only.
         let picture = layer_svg(path, self.frame);

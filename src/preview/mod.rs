@@ -16,10 +16,12 @@ mod shade;
 mod svg;
 mod toolpath;
 
-pub use folder::Pictures;
+pub(crate) use folder::Pictures;
 pub use html::write_html;
 pub use image::Picture;
-pub use picture::{draw, thumbnails};
-pub use raster::{PictureError, View, outline_from_above};
-pub use svg::layer_svg;
-pub use toolpath::{Share, Statistics, Toolpath};
+pub use picture::draw;
+pub(crate) use picture::thumbnails;
+pub(crate) use raster::outline_from_above;
+pub use raster::{PictureError, View};
+pub(crate) use svg::layer_svg;
+pub use toolpath::Toolpath;

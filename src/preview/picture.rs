@@ -68,7 +68,7 @@ fn drawn(
 ///
 /// # Errors
 /// If fidget refuses the model's expression.
-pub fn thumbnails(
+pub(crate) fn thumbnails(
     model: &Model,
     sizes: &[PictureSize],
 ) -> Result<Option<Vec<Vec<u8>>>, PictureError> {

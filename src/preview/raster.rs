@@ -346,7 +346,9 @@ fn depth_limit(longest: usize) -> usize {
 ///
 /// # Errors
 /// If fidget refuses the expression.
-pub fn outline_from_above(model: &Model) -> Result<Vec<DVec2>, PictureError> {
+pub(crate) fn outline_from_above(
+    model: &Model,
+) -> Result<Vec<DVec2>, PictureError> {
     // The ring is half a pixel outside.
     const PIXELS: usize = 100;
     let view = View::of(-90.0, 90.0);

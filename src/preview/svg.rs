@@ -29,7 +29,7 @@ fn colour(role: Role) -> &'static str {
 
 /// The layer as a picture, in print coordinates. `frame` is the part's box,
 /// which all layers share, so that pictures can be compared.
-pub fn layer_svg(path: &LayerPath, frame: Rect) -> String {
+pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
     let frame = path
         .moves
         .iter()

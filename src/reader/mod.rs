@@ -76,11 +76,12 @@ mod words;
 pub use event::{Event, Heater, Move};
 pub use info::Info;
 pub use machine::MachineState;
-pub use named::{Named, number};
-pub use nothing::{NoGcode, Tally};
+pub use named::Named;
+pub(crate) use named::number;
+pub(crate) use nothing::{NoGcode, Tally};
 pub use problem::{Problem, Problems};
 pub use role::Role;
-pub use words::Words;
+pub(crate) use words::Words;
 
 use crate::bgcode::Damaged;
 use crate::units::Mm;

@@ -156,7 +156,7 @@ fn unquoted(text: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
 }
 
 /// The value as a number; nothing if it is none, or too large to compute with.
-pub fn number(value: &[u8]) -> Option<f64> {
+pub(crate) fn number(value: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(value.trim_ascii()).ok()?;
     text.parse::<f64>().ok().filter(|n| n.abs() < 1e9)
 }

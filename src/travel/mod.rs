@@ -33,7 +33,7 @@ use plan::Planner;
 
 /// One step of a layer's tool path, in print order.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Move {
+pub(crate) enum Move {
     /// Go somewhere without printing.
     Travel(Travel),
     /// Print a bead; the head stands at its first point.
@@ -42,7 +42,7 @@ pub enum Move {
 
 /// A way from bead to bead, in print coordinates.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Travel {
+pub(crate) struct Travel {
     /// Way points of the wipe, before the travel; empty for no wipe.
     pub wipe: Vec<DVec2>,
     /// Way points. The last one is the destination, and the first one is not
@@ -59,7 +59,7 @@ pub struct Travel {
 
 /// The ordered moves of one layer, in print coordinates.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LayerPath {
+pub(crate) struct LayerPath {
     /// The layer.
     pub span: LayerSpan,
     /// The layer's moves.
@@ -143,7 +143,7 @@ fn of_part(bead: &Bead) -> bool {
 
 impl Travel {
     /// A travel straight to a point.
-    pub fn straight(to: DVec2, retract: bool) -> Travel {
+    pub(crate) fn straight(to: DVec2, retract: bool) -> Travel {
         Travel {
             points: vec![to],
             retract,
