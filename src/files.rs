@@ -15,7 +15,7 @@ use std::time::Duration;
 
 /// Greatest length of a settings file, profile or script, bytes. The longest in
 /// use have some 10 kB.
-pub const MAX_SETTINGS_BYTES: u64 = 1 << 20;
+pub(crate) const MAX_SETTINGS_BYTES: u64 = 1 << 20;
 
 /// Time between checks of the limits while a pipe is waited for.
 const EVERY: Duration = Duration::from_millis(20);

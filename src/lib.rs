@@ -183,4 +183,4 @@ pub use reader::Reader;
 pub use report::Figures;
 pub use settings::Settings;
 pub use timings::Stage;
-pub use units::{filament_area, human_time};
+pub use units::human_time;

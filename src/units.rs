@@ -38,7 +38,7 @@ pub(crate) fn feed_rate(speed: MmPerSec) -> f64 {
 }
 
 /// Cross-section of round filament, mm².
-pub fn filament_area(diameter: Mm) -> Mm2 {
+pub(crate) fn filament_area(diameter: Mm) -> Mm2 {
     std::f64::consts::FRAC_PI_4 * diameter * diameter
 }
 

@@ -5,9 +5,9 @@
 
 mod common;
 
+use common::filament_area;
 use common::{examples, slice, slice_layers};
 use glam::DVec2;
-use isoslice::filament_area;
 use isoslice::settings::{Flavour, Settings};
 use std::collections::BTreeSet;
 

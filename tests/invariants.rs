@@ -8,13 +8,13 @@
 mod common;
 
 use common::edges::Edges;
+use common::filament_area;
 use common::{
     Example, INNER_WALL, Kind, Layer, Move, OUTER_WALL, SKIRT, examples,
     formula, parse, settings, slice,
 };
 use glam::{DVec2, DVec3};
 use isocontour::Area;
-use isoslice::filament_area;
 use isoslice::layers::LayerSpan;
 use isoslice::model::Model;
 use isoslice::settings::Settings;

@@ -7,7 +7,6 @@
 #![allow(clippy::unwrap_used)]
 
 use assert_cmd::Command;
-use isoslice::filament_area;
 use isoslice::preview::{Toolpath, write_html};
 use isoslice::reader::{Event, Reader, Role};
 use predicates::prelude::*;
@@ -238,4 +237,9 @@ fn mistakes_are_explained_and_leave_nothing_behind() {
             contains("odd.gcode:1: X without a number")
                 .and(contains("odd.gcode:3: signs that are no command")),
         );
+}
+
+/// Cross-section of a filament.
+fn filament_area(diameter: f64) -> f64 {
+    0.25 * std::f64::consts::PI * diameter * diameter
 }

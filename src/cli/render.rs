@@ -134,10 +134,10 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
         azimuth: args.azimuth.unwrap_or(args.view.azimuth),
         elevation: args.elevation.unwrap_or(args.view.elevation),
     };
-    let watch = limits::current();
+    let watch = limits::Watch::current();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or(0, usize::from))
-        .start_handler(move |_| limits::work_under(watch.as_ref()))
+        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
         .build()
         .context("cannot start the worker threads; try --threads 1")?;
     let picture = pool

@@ -94,7 +94,7 @@ thread_local! {
 struct Unwinding;
 
 /// What to do when stopped work does not end; most likely the program ends.
-pub type LastResort<'a> = &'a (dyn Fn(&Stopped) + Sync);
+type LastResort<'a> = &'a (dyn Fn(&Stopped) + Sync);
 
 impl Watch {
     /// A watch whose clock starts now.
@@ -106,6 +106,17 @@ impl Watch {
             state: Mutex::new(State::default()),
             done: Condvar::new(),
         }))
+    }
+
+    /// The watch of this thread, to hand it to other threads.
+    pub fn current() -> Option<Watch> {
+        CURRENT.with(|current| current.borrow().clone().map(Watch))
+    }
+
+    /// Puts this thread under a watch for good. Unwinding has to reach
+    /// [`Watch::run`] through the thread that waits for this one.
+    pub fn adopt(watch: Option<&Watch>) {
+        CURRENT.set(watch.map(|watch| watch.0.clone()));
     }
 
     /// Stops the work, from any thread.
@@ -309,17 +320,6 @@ impl<T, E> Watched for Result<T, E> {
     fn watched(self) -> Self {
         self.inspect_err(|_| check())
     }
-}
-
-/// The watch of this thread, to hand it to other threads.
-pub fn current() -> Option<Watch> {
-    CURRENT.with(|current| current.borrow().clone().map(Watch))
-}
-
-/// Puts this thread under a watch for good. Unwinding has to reach
-/// [`Watch::run`] through the thread that waits for this one.
-pub fn work_under(watch: Option<&Watch>) {
-    CURRENT.set(watch.map(|watch| watch.0.clone()));
 }
 
 /// A stage that this thread is in until this is dropped.

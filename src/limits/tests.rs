@@ -20,7 +20,7 @@ fn work_that_is_done_in_time_has_its_result() {
     assert_eq!(within(60_000).run(|| 7), Ok(7));
     // Nothing is left of the watch.
     check();
-    assert!(current().is_none());
+    assert!(Watch::current().is_none());
 }
 
 #[test]
@@ -46,10 +46,10 @@ fn work_without_end_is_stopped_and_says_what_it_was_at() {
 fn threads_of_a_pool_stop_with_it() {
     use rayon::prelude::*;
     let stopped = within(100).run(|| {
-        let watch = current();
+        let watch = Watch::current();
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(3)
-            .start_handler(move |_| work_under(watch.as_ref()))
+            .start_handler(move |_| Watch::adopt(watch.as_ref()))
             .build()
             .unwrap();
         pool.install(|| {

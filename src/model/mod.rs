@@ -27,7 +27,8 @@ mod source;
 mod vm;
 
 pub use error::LoadError;
-pub use expression::{Expression, ExpressionError, Place};
+pub(crate) use expression::Place;
+pub use expression::{Expression, ExpressionError};
 pub use formula::{FormulaError, parse_formula};
 pub use isocontour::Bounds;
 pub use param::{ParamError, Parameter};

@@ -310,10 +310,10 @@ fn write(
     let reach = DVec3::new(settings.reach(), settings.reach(), 0.0);
     let low = bounds.min + model.offset - reach;
     let high = bounds.max + model.offset + reach;
-    let watch = limits::current();
+    let watch = limits::Watch::current();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads.unwrap_or(0))
-        .start_handler(move |_| limits::work_under(watch.as_ref()))
+        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
         .build()?;
     let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
     let around = Surroundings::new(model);

@@ -84,14 +84,14 @@ impl<'a> Supply<'a> {
             let mut batches = self;
             return write_all(&mut batches);
         }
-        let watch = limits::current();
+        let watch = limits::Watch::current();
         thread::scope(|scope| {
             // As many as are written wait meanwhile, and no more.
             let (hand, batches) = sync_channel(0);
             let supply = thread::Builder::new().name("layers".into());
             let supply = supply
                 .spawn_scoped(scope, move || {
-                    limits::work_under(watch.as_ref());
+                    limits::Watch::adopt(watch.as_ref());
                     for batch in self {
                         let failed = batch.is_err();
                         // Nobody takes it where writing has failed.

@@ -90,7 +90,7 @@ use parser::Parser;
 use std::io::{self, Read};
 
 /// Diameter of the filament if neither the file nor the caller names one.
-pub const USUAL_FILAMENT: Mm = 1.75;
+pub(crate) const USUAL_FILAMENT: Mm = 1.75;
 
 /// Why a file cannot be read.
 #[derive(Debug, thiserror::Error)]
