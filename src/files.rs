@@ -22,6 +22,7 @@ const EVERY: Duration = Duration::from_millis(20);
 
 /// Why a file cannot be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FileError {
     /// The system refuses it.
     #[error(transparent)]

@@ -35,6 +35,7 @@ impl LayerSpan {
 
 /// Why layers cannot be planned.
 #[derive(Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
 pub enum PlanError {
     /// The part is thinner than half its first layer.
     #[error(

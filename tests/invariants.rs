@@ -76,7 +76,7 @@ impl Print {
 
     /// The layers with their outlines.
     fn each_layer(&self) -> impl Iterator<Item = (&Layer, Edges)> + '_ {
-        let outlines = self.outlines.iter().map(|a| Edges::new(a));
+        let outlines = self.outlines.iter().map(Edges::new);
         self.layers.iter().zip(outlines)
     }
 

@@ -17,7 +17,7 @@ const WARM: Celsius = 20.0;
 
 /// How hot a heater may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeatLimit {
+pub(crate) struct HeatLimit {
     /// A higher temperature is a warning.
     pub usual: Celsius,
     /// A higher temperature is a fault.

@@ -45,7 +45,7 @@ mod verdict;
 mod words;
 
 pub(crate) use alongside::Alongside;
-pub use heat::HeatLimit;
+pub(crate) use heat::HeatLimit;
 pub use verdict::{Finding, Kind, Severity, Verdict};
 
 use crate::limits;
@@ -114,11 +114,11 @@ pub struct Rules {
     /// Least temperature of a nozzle that filament is pushed through.
     pub least_heat: Celsius,
     /// How hot the nozzle may be.
-    pub nozzle_heat: HeatLimit,
+    pub(crate) nozzle_heat: HeatLimit,
     /// How hot the bed may be.
-    pub bed_heat: HeatLimit,
+    pub(crate) bed_heat: HeatLimit,
     /// How hot the chamber may be.
-    pub chamber_heat: HeatLimit,
+    pub(crate) chamber_heat: HeatLimit,
 }
 
 impl Rules {

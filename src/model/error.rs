@@ -10,6 +10,7 @@ use isocontour::{BoundsError, ExpandError};
 /// Why a model cannot be loaded. All are the user's to mend, except
 /// `ScriptError::Bug`.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LoadError {
     /// The file cannot be read.
     #[error(
@@ -154,8 +155,6 @@ pub(super) fn of_bounds(error: &BoundsError) -> String {
             "the given bounds are no box: every lower number must be finite \
              and less than its upper one ({CUT}), got {min}:{max}"
         ),
-        BoundsError::Cancelled(_) | BoundsError::Expression(_) => {
-            error.to_string()
-        }
+        other => other.to_string(),
     }
 }

@@ -30,6 +30,7 @@ pub struct Place {
 
 /// Why a text is no expression.
 #[derive(Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
 pub enum ExpressionError {
     /// It is not a formula.
     #[error(transparent)]

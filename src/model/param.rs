@@ -22,6 +22,7 @@ pub struct Parameter {
 
 /// Why a parameter has no value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ParamError {
     /// A value of the wrong type.
     #[error(

@@ -110,6 +110,7 @@ impl Model {
 
 /// Why a model cannot be placed.
 #[derive(Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
 pub enum PlaceError {
     /// The model has no usable extent.
     #[error("{}", super::error::of_bounds(.0))]

@@ -106,6 +106,7 @@ impl Default for Options<'_> {
 
 /// What came of a run.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Summary {
     /// Extent of the part.
     pub size: DVec3,
@@ -145,6 +146,7 @@ pub struct Summary {
 
 /// Why a run failed.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SliceError {
     /// No layers can be made of the part.
     #[error(transparent)]

@@ -86,6 +86,7 @@ fn sin_cos(degrees: Degrees) -> (f64, f64) {
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PictureError {
     /// The field cannot be evaluated.
     #[error("the part cannot be drawn")]

@@ -94,6 +94,7 @@ pub(crate) const USUAL_FILAMENT: Mm = 1.75;
 
 /// Why a file cannot be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReadError {
     /// The input failed.
     #[error("cannot read on after line {line}")]

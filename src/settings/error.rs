@@ -53,6 +53,7 @@ pub(super) type GivenPlaces = BTreeMap<&'static str, GivenIn>;
 
 /// Why there are no settings.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// A file cannot be read.
     #[error(

@@ -9,6 +9,7 @@ use rhai::{EvalAltResult, Position};
 
 /// Why a script gives no model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScriptError {
     /// rhai's own errors, and those of functions called.
     #[error("{}{message}", place(*.line, *.column))]

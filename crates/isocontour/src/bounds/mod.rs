@@ -100,6 +100,7 @@ pub struct FoundBounds {
 
 /// Why there are no bounds.
 #[derive(Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
 pub enum BoundsError {
     /// The inside goes on to the edge of the search.
     #[error("it goes on along {direction} at {at_mm}")]

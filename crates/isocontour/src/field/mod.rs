@@ -65,6 +65,7 @@ const SLAB_CELLS: usize = 16_000_000;
 
 /// Why a field cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FieldError {
     /// The lattice would have more nodes than can be numbered.
     #[error("{x:.0} × {y:.0} is too large for samples every {spacing}")]
