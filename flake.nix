@@ -16,7 +16,9 @@
       forAllSystems =
         f: nixpkgs.lib.genAttrs systems (system: f nixpkgs.legacyPackages.${system});
 
-      manifest = (builtins.fromTOML (builtins.readFile ./Cargo.toml)).package;
+      cargo = builtins.fromTOML (builtins.readFile ./Cargo.toml);
+      manifest = cargo.package;
+      rustVersion = cargo.workspace.package.rust-version;
 
       isoslice =
         pkgs:
@@ -25,8 +27,8 @@
           version = manifest.version;
           # Says so before anything is built, if a pinned nixpkgs is too old.
           src =
-            assert pkgs.lib.assertMsg (pkgs.lib.versionAtLeast pkgs.rustc.version manifest.rust-version)
-              "isoslice needs Rust ${manifest.rust-version}, and this nixpkgs has ${pkgs.rustc.version}: nix flake update";
+            assert pkgs.lib.assertMsg (pkgs.lib.versionAtLeast pkgs.rustc.version rustVersion)
+              "isoslice needs Rust ${rustVersion}, and this nixpkgs has ${pkgs.rustc.version}: nix flake update";
             self;
           # Every crate comes from the lock file with its checksum: the build
           # itself needs no network.
