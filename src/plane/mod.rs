@@ -12,6 +12,8 @@ pub(crate) mod clip;
 pub(crate) mod grid;
 pub(crate) mod hatch;
 pub(crate) mod offset;
+#[cfg(test)]
+mod oracle;
 pub(crate) mod places;
 mod solid;
 mod trim;

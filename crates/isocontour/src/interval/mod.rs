@@ -14,6 +14,8 @@
 
 mod binary;
 #[cfg(test)]
+mod oracle;
+#[cfg(test)]
 mod tests;
 mod unary;
 
