@@ -116,7 +116,7 @@ fn booleans_of_random_areas_are_those_of_geo() {
             all.flatten().collect::<Vec<Polygon>>()
         });
         // geo is given each operand united, ours is given what overlaps.
-        let judged = [&in_a, &in_b].map(|all| unary_union(all));
+        let judged = [&in_a, &in_b].map(unary_union);
         let [a, b] = [a, b].map(together);
         // Corners are rounded to the grid, which moves an edge by less than
         // a step: on both sides, since geo has a grid of its own.
