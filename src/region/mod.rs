@@ -79,9 +79,10 @@ pub(crate) struct Lay {
 impl Lay {
     /// The outermost wall.
     fn outer(height: Mm, settings: &Settings) -> Lay {
-        let (outer, inner) =
-            (settings.outer_wall_width, settings.inner_wall_width);
-        let half = 0.5 * spacing(outer, inner, height);
+        let outer = settings.outer_wall_width;
+        // As if walls of the same width followed: those that do follow begin
+        // half of their own spacing farther in.
+        let half = 0.5 * spacing(outer, outer, height);
         let share = |percent: f64| outer * percent / 100.0;
         Lay {
             centre: 0.5 * outer,
@@ -215,16 +216,14 @@ impl<'a> Skeleton<'a> {
 pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
     let (outer, inner) = (settings.outer_wall_width, settings.inner_wall_width);
     let mut depths = Vec::new();
+    let mut border = 0.0;
     let mut depth = 0.5 * outer;
     for i in 0..settings.walls {
         depths.push(depth);
         let here = if i == 0 { outer } else { inner };
+        border = depth + 0.5 * spacing(here, here, height);
         depth += spacing(here, inner, height);
     }
-    let border = match depths.last() {
-        Some(last) => last + 0.5 * (depth - last),
-        None => 0.0,
-    };
     (depths, border)
 }
 

@@ -4,7 +4,7 @@
 use crate::bead::Bead;
 use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
-use crate::region::walls;
+use crate::region::{wall_depths, walls};
 use crate::settings::Settings;
 use crate::walls::beads;
 use glam::DVec2;
@@ -316,5 +316,30 @@ fn no_post_vanishes() {
             &format!("{d:.2} mm"),
             &p,
         );
+    }
+}
+
+#[test]
+fn walls_of_two_widths_lie_a_spacing_apart() {
+    const HALF: f64 = 15.0;
+    let settings = Settings {
+        outer_wall_width: 0.45,
+        inner_wall_width: 0.6,
+        walls: 3,
+        ..Settings::default()
+    };
+    let square = crate::plane::rect(-HALF, -HALF, HALF, HALF);
+    let laid = walls(&square, HEIGHT, &settings);
+    let depth = |bead: &Bead| {
+        let middles = bead.segments().map(|(a, b)| a.midpoint(b));
+        let depths = middles.map(|p| HALF - p.abs().max_element());
+        depths.fold(f64::INFINITY, f64::min)
+    };
+    let mut found: Vec<f64> =
+        beads(&laid, HEIGHT, 0.0).iter().map(depth).collect();
+    found.sort_by(f64::total_cmp);
+    assert_eq!(found.len(), 3);
+    for (found, meant) in found.iter().zip(wall_depths(HEIGHT, &settings).0) {
+        assert!((found - meant).abs() < 1e-3, "{found} for {meant}");
     }
 }
