@@ -216,14 +216,18 @@ impl<'a> Skeleton<'a> {
 pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
     let (outer, inner) = (settings.outer_wall_width, settings.inner_wall_width);
     let mut depths = Vec::new();
-    let mut border = 0.0;
     let mut depth = 0.5 * outer;
     for i in 0..settings.walls {
         depths.push(depth);
         let here = if i == 0 { outer } else { inner };
-        border = depth + 0.5 * spacing(here, here, height);
-        depth += spacing(here, inner, height);
+        // What is filled begins half of the last wall's own spacing farther in.
+        let next = if i + 1 < settings.walls { inner } else { here };
+        depth += spacing(here, next, height);
     }
+    let border = match depths.last() {
+        Some(last) => last + 0.5 * (depth - last),
+        None => 0.0,
+    };
     (depths, border)
 }
 
