@@ -30,8 +30,9 @@ pub(crate) fn field(
 /// they take goes to `timings`.
 ///
 /// # Errors
-/// If the field changes its sign finer than `smallest` over large parts of the
-/// slab; or if the evaluator fails, which is a bug.
+/// If the field changes its sign finer than `detail.smallest` over large parts
+/// of the slab, or if fidget fails, which is a bug. Work that the watch stops
+/// unwinds.
 pub(crate) fn outlines(
     field: &Field,
     z: &[Mm],
@@ -56,8 +57,8 @@ pub(crate) fn remedy(error: &FieldError) -> &'static str {
     match error {
         FieldError::TooLarge { .. } => "; raise sample_spacing",
         FieldError::TooFine { .. } => {
-            " (mm, in the model's coordinates as it is turned and scaled). \
-             That is a quarter of a line, so it cannot be printed: let the \
+            " (lengths are mm in the model's coordinates, as it is turned and \
+             scaled; the limit is a quarter of a line's width). Let the \
              expression oscillate less, or scale the part up (--scale)"
         }
         FieldError::Evaluator(_) => {

@@ -266,7 +266,7 @@ pub fn digits(tree: &Tree, within: &Bounds, cancel: &Cancel) -> Option<f64> {
     errors.get(errors.len() / 2).copied()
 }
 
-/// How far f32 puts the surface beside a point of it, mm.
+/// How far f32 puts the surface beside a point of it.
 fn error_at(
     context: &Context,
     root: fidget::context::Node,
@@ -274,7 +274,7 @@ fn error_at(
     p: [f64; 3],
     scratch: &mut Scratch,
 ) -> Option<f64> {
-    /// Step of the differences that make the gradient, mm.
+    /// Step of the differences that make the gradient.
     const STEP: f64 = 1e-4;
     let mut squared = 0.0;
     for i in 0..3 {

@@ -39,7 +39,7 @@ use glam::DVec3;
 use search::Search;
 use std::rc::Rc;
 
-/// An axis-aligned box, in millimetres of the model's own frame.
+/// An axis-aligned box, in the model's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Lower corner.
@@ -63,8 +63,8 @@ impl Bounds {
 /// How to search.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchOptions {
-    /// The model must lie within ± this. Default: 10⁶ mm, beyond which f32
-    /// coordinates are coarser than a nozzle.
+    /// The part must lie within ± this. Default: 10⁶, beyond which f32
+    /// coordinates are coarser than 0.06.
     pub limit_mm: f64,
     /// Look only within this box; the part is what of f lies inside it.
     /// Default: none.
@@ -131,7 +131,7 @@ pub enum BoundsError {
     /// f does not depend on z.
     #[error("f does not depend on z")]
     Flat {
-        /// Its extent along x and y, mm.
+        /// Its extent along x and y.
         size: [f64; 2],
     },
     /// f is negative everywhere.

@@ -14,7 +14,7 @@ pub(super) struct Undefined {
 impl Search<'_> {
     /// Looks at points all over what is searched, near the origin and far.
     pub(super) fn undefined(&mut self, program: &Program) -> Undefined {
-        /// How far out the points are, mm, if the search has no bounds.
+        /// How far out the points are, if the search has no bounds.
         const FAR: [f64; 4] = [0.9, 11.0, 130.0, 7_000.0];
         /// Points along each axis, as shares of the way; none of them on a
         /// plane of symmetry.

@@ -70,8 +70,8 @@ pub(super) struct Fineness {
     pub smallest: Length,
 }
 
-/// Sign changes along a line, over the length of the smallest feature, beyond
-/// what can be printed: three whole pieces in between.
+/// Sign changes along a line, over the length of the smallest feature, from
+/// which on the field is too fine: three whole pieces lie in between.
 const DENSE: usize = 4;
 /// The share of a cell's lines from which on it is too fine if they are like
 /// that.

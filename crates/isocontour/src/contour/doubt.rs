@@ -29,7 +29,7 @@ use pulp::{Arch, Simd, WithSimd};
 const NEAR: f32 = 1.0;
 const FAR: f32 = 1.6;
 /// Doubtful cells of a leaf that are looked into, where the lattice is as
-/// fine as what can be printed: where more are in doubt the field is noise.
+/// fine as the smallest feature: where more are in doubt the field is noise.
 const MOST: usize = 16;
 
 /// Where the field may pass zero between two neighbouring nodes with values

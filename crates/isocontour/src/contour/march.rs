@@ -43,7 +43,7 @@ struct Segment {
     saddle: bool,
 }
 
-/// How outlines are found; lengths in mm.
+/// How outlines are found.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Precision {
     /// Greatest distance of a chord from the outline.

@@ -63,9 +63,9 @@ pub struct Outline {
 /// What is asked of outlines.
 #[derive(Clone, Copy, Debug)]
 pub struct Detail {
-    /// Greatest distance from f = 0, mm.
+    /// Greatest distance from f = 0.
     pub accuracy: Length,
-    /// Extent below which islands and holes are left out, mm.
+    /// Extent below which islands and holes are left out.
     pub smallest: Length,
 }
 

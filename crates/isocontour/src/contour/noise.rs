@@ -1,4 +1,5 @@
-//! Notices a field that changes its sign finer than anything can be printed.
+//! Notices a field that changes its sign finer than the smallest feature that
+//! is asked for.
 //!
 //! ```text
 //!   ┌──────────┐   A leaf with many sign changes between its nodes is looked
@@ -11,7 +12,7 @@
 //!
 //! Where that is less than the smallest feature, or what is inside (or outside)
 //! is so thin that there is no room in it for a disc of that size, next to
-//! nothing of the field is left in the print. Following its outline there would
+//! nothing of the field is left in the outline. Following its outline there would
 //! be hours of work for what is dropped at the end: such a leaf is taken as its
 //! nodes say. So is one of which many cells had to be divided for it: waves may
 //! have nearly the distance of the nodes, which then see next to nothing of
@@ -23,7 +24,7 @@
 //! middle. A tenth, since what a leaf costs that is taken as its nodes say is
 //! bounded, so that the run takes little longer than the rest of the part does.
 //! A fan of n blades with the radius R is too fine up to r = n w / π, where w is
-//! the smallest feature: (r / R)² of it, and the rest can be printed. What waves
+//! the smallest feature: (r / R)² of it, and the rest is coarse enough. What waves
 //! finely all over does so in nearly all of these leaves.
 //!
 //! The verdict depends on the slab's layers and on nothing else. Not noticed:

@@ -27,7 +27,7 @@ pub(super) struct Bracket {
     ends: [f64; 2],
     /// |f| at both ends of the whole, together.
     whole: f64,
-    /// Distance from the inside node to the outside one, mm.
+    /// Distance from the inside node to the outside one.
     length: Length,
     /// Best estimate so far, and the one before.
     t: f64,
@@ -42,13 +42,13 @@ pub(super) struct Bracket {
 const MAX_STEPS: usize = 30;
 /// Steps by interpolation before the bracket is halved instead.
 const FREE_STEPS: usize = 6;
-/// A vertex has arrived when it moves by less than this, mm: ten times less
-/// than G-code can say.
+/// A vertex has arrived when it moves by less than this: far
+/// below any accuracy that is asked for.
 const ARRIVED: f64 = 1e-6;
-/// A last step below this, mm, need not be checked when the field fell so
+/// A last step below this, need not be checked when the field fell so
 /// steeply before it that the next one would arrive.
 const NEAR: f64 = 3e-4;
-/// A first step up to this, mm, is the last one if chord and slope agree on
+/// A first step up to this, is the last one if chord and slope agree on
 /// it within a tenth: on a lattice edge that leaves an error of nanometres.
 const CLOSE: f64 = 3e-3;
 /// Where the field jumps, its ends still differ by this share of what they

@@ -12,8 +12,7 @@
 //! and where they do not, the field is asked.
 //!
 //! Not guaranteed: that a dent is found that leaves no trace at any node, nor
-//! at `a` and `b`. It is narrower than the lattice, and less than can be
-//! printed.
+//! at `a` and `b`. Such a dent is narrower than a cell of the lattice.
 //!
 //! What is on the border of the batch is always brought onto f = 0: other
 //! batches have it, too, and have to come to the same.

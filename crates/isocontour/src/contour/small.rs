@@ -7,9 +7,9 @@
 //!   |___________/   ·· · — ·· ·  crack  are apart, only some pieces are found.
 //! ```
 //!
-//! A ring is too small if it is shorter than what can be printed, or if it is
-//! thinner than the accuracy: without it the outline is as accurate, and what
-//! is known of it is where the samples happened to be. Pieces that lie
+//! A ring is too small if it is shorter than the smallest feature, or if it is
+//! thinner than the accuracy: without such a ring the outline is as accurate,
+//! and the ring only tells where the samples happened to be. Pieces that lie
 //! together count as one.
 
 use super::Detail;

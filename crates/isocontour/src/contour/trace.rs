@@ -57,7 +57,7 @@ const DEPTH: u8 = 12;
 /// An end of a chord.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct End {
-    /// Place, mm.
+    /// Place.
     pub point: DVec2,
     /// In-plane gradient of the field; zero or not finite if it says nothing.
     pub gradient: DVec2,
@@ -118,7 +118,7 @@ pub(super) enum Look {
 /// What is to be asked about a chord.
 #[derive(Clone, Copy)]
 pub(super) struct Question {
-    /// How far off the outline may be, mm.
+    /// How far off the outline may be.
     reach: Length,
     /// The field in the chord's middle up to which it is straight after all.
     flat: f64,
@@ -206,7 +206,7 @@ pub(super) fn look(p: End, q: End, tolerance: Length, trusted: Length) -> Look {
 const AT_ONCE: usize = 256;
 
 /// Follows chords to within `tolerance`; gradients are believed along chords
-/// of up to `trusted` mm.
+/// of up to `trusted`.
 pub(super) fn trace(
     chords: &[Chord],
     tolerance: Length,
@@ -222,7 +222,7 @@ pub(super) fn trace(
     Ok(traced)
 }
 
-/// The same, for so many chords that it may be done for all at once.
+/// Follows the outline for at most [`AT_ONCE`] chords, all at once.
 fn follow(
     chords: &[Chord],
     tolerance: Length,

@@ -28,7 +28,7 @@ struct Care {
 /// An edge that crossed another, and the points it stood for.
 struct Knot {
     edge: (DVec2, DVec2),
-    /// How far from the edge those points are, at most, mm.
+    /// How far from the edge those points are, at most.
     reach: Length,
     step: u8,
 }

@@ -113,7 +113,7 @@ impl Axis {
         }
     }
 
-    /// Box `b`'s extent, mm.
+    /// Box `b`'s extent.
     pub(super) fn extent(&self, level: Level, b: usize) -> Interval {
         let [lo, hi] = self.groupings[level as usize].ends(b, self.nodes.len());
         Interval::new(self.nodes[lo].into(), self.nodes[hi].into())

@@ -14,7 +14,7 @@ pub struct Lattice {
     pub x: Vec<f32>,
     /// y of the node rows.
     pub y: Vec<f32>,
-    /// Distance between neighbouring nodes, mm.
+    /// Distance between neighbouring nodes.
     pub spacing: Length,
 }
 

@@ -60,7 +60,7 @@ pub const NODES: usize = LEAF + 1;
 /// Layers that share one walk over the tiles, at most.
 pub const SLAB: usize = 32;
 /// Cells in a slab of a large lattice, at most: what its layers' outlines need of
-/// memory is then bounded by the bed and not by the part's height.
+/// memory is then bounded by the extent in the plane, and not by the height.
 const SLAB_CELLS: usize = 16_000_000;
 
 /// Why a field cannot be evaluated.
@@ -70,11 +70,11 @@ pub enum FieldError {
     /// The lattice would have more nodes than can be numbered.
     #[error("{x:.0} × {y:.0} is too large for samples every {spacing}")]
     TooLarge {
-        /// Extent in x, mm.
+        /// Extent in x.
         x: Length,
-        /// Extent in y, mm.
+        /// Extent in y.
         y: Length,
-        /// Distance of the samples, mm.
+        /// Distance of the samples.
         spacing: Length,
     },
     /// It changes its sign finer than what is asked for, over large parts.
@@ -87,9 +87,9 @@ pub enum FieldError {
     TooFine {
         /// Where it does, for one.
         at: [Length; 3],
-        /// How wide what is there is on average, mm.
+        /// How wide what is there is on average.
         width: Length,
-        /// Size of what is left out, mm.
+        /// Size of what is left out.
         smallest: Length,
     },
     /// Looking at it takes more operations than were allowed for it.

@@ -57,13 +57,13 @@ struct Points<'a> {
     steps: &'a [Length],
 }
 
-/// The ring with as few points as the tolerance (mm) permits; empty if less
+/// The ring with as few points as the tolerance permits; empty if less
 /// than a triangle would be left.
 pub fn simplify(ring: &[DVec2], tolerance: Length) -> Ring {
     simplify_but(ring, tolerance, |_| false)
 }
 
-/// The same, but for the points that are to stay as they are.
+/// As [`simplify`], but keeps the points for which `stays` is true as they are.
 pub fn simplify_but(
     ring: &[DVec2],
     tolerance: Length,
@@ -299,7 +299,7 @@ fn halve_misfits(
 }
 
 /// Distance from the line between its neighbours below which a point says
-/// nothing, mm.
+/// nothing.
 const STRAIGHT: f64 = 1e-7;
 
 /// Takes out the points at which a ring goes on straight, or straight back.

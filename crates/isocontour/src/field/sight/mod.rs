@@ -38,9 +38,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// towards the viewer.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
-    /// The first sample of the first column and row: the farthest one, mm.
+    /// The first sample of the first column and row: the farthest one.
     pub origin: DVec3,
-    /// From one column, row or sample to the next, mm.
+    /// From one column, row or sample to the next.
     pub steps: [DVec3; 3],
     /// Columns, rows, samples along a line.
     pub size: [usize; 3],
