@@ -89,7 +89,7 @@ fn word(
     }
     let remedy = activity.remedy();
     text += &format!(
-        ". Ctrl-C ends it and leaves no file; --time-limit is its end. To have \
+        ". Ctrl-C ends it and leaves no file; --time-limit bounds it. To have \
          it sooner: {remedy}"
     );
     text
