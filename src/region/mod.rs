@@ -36,6 +36,7 @@ use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use line::{absorb, along, cut};
 use ridge::{Ridge, ridges};
+use thin::Counts;
 
 /// Share of `accuracy` left to the outline; the offsets get the rest.
 pub(crate) const OUTLINE_SHARE: f64 = 0.7;
@@ -118,16 +119,23 @@ pub(crate) struct Laid {
     pub thin: Vec<Stroke>,
     /// The rings, whole.
     pub rings: Area,
-    /// The ridges of these beads.
-    ridges: Vec<Ridge>,
     /// Ridges of places too thin for any bead.
     slivers: Vec<Ridge>,
 }
 
 /// Lays one wall along the border of an area.
 pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
-    let skeleton = Skeleton::new(area, lay.limit, tolerance);
-    skeleton.lay(skeleton.shrunk(lay.centre, tolerance), 0.0, lay)
+    let counts = Counts::new(&[lay], None);
+    let skeleton = Skeleton::new(area, counts.limit(), tolerance);
+    let thin = skeleton.thin_places(&counts);
+    let rings = skeleton.shrunk(lay.centre, tolerance);
+    let beads = thin.beads(1, 0.0);
+    Laid {
+        lines: cut(&rings, &beads, lay.centre, lay.width),
+        thin: beads.iter().map(|r| along(r, lay.extra)).collect(),
+        rings,
+        slivers: thin.beads(0, 0.0),
+    }
 }
 
 /// Size of a grid's cells: three times the mean length of the edges, within bounds
@@ -175,39 +183,28 @@ impl<'a> Skeleton<'a> {
         )
     }
 
-    /// Cuts the rings of a wall of what is left at `depth`, and lays the
-    /// beads of places too thin for it.
-    fn lay(&self, rings: Area, depth: Mm, lay: Lay) -> Laid {
-        let (beads, slivers) = self.thin_places(depth, lay.limit, lay.least);
-        Laid {
-            lines: cut(&rings, &beads, lay.centre, lay.width),
-            thin: beads.iter().map(|r| along(r, lay.extra)).collect(),
-            rings,
-            ridges: beads,
-            slivers,
-        }
+    /// The ridges where there are fewer beads than the walls have.
+    fn thin_places(&self, counts: &Counts) -> ThinPlaces {
+        let parts = self.ridges.iter().flat_map(|r| counts.split(r));
+        ThinPlaces(parts.collect())
     }
+}
 
-    /// Ridges, where what is left at `depth` is thinner than `limit`: apart
-    /// in those of at least the thickness `least`, which get a bead, and
-    /// those below it.
-    fn thin_places(
-        &self,
-        depth: Mm,
-        limit: Mm,
-        least: Mm,
-    ) -> (Vec<Ridge>, Vec<Ridge>) {
-        let mut beads = Vec::new();
-        let mut slivers = Vec::new();
-        for ridge in &self.ridges {
-            for (part, fits) in thin::parts(ridge, 2.0 * depth, least, limit) {
-                match fits {
-                    true => beads.push(part),
-                    false => slivers.push(part),
-                }
-            }
-        }
-        (beads, slivers)
+/// Parts of an area's ridges, and how many beads lie side by side there.
+struct ThinPlaces(Vec<(usize, Ridge)>);
+
+impl ThinPlaces {
+    /// Where there are so many beads, with what walls up to `depth` on both
+    /// sides leave of the thickness.
+    fn beads(&self, number: usize, depth: Mm) -> Vec<Ridge> {
+        let parts = self.0.iter().filter(|part| part.0 == number);
+        parts
+            .map(|(_, ridge)| {
+                let mut left = ridge.clone();
+                left.thickness.iter_mut().for_each(|t| *t -= 2.0 * depth);
+                left
+            })
+            .collect()
     }
 }
 
@@ -234,73 +231,58 @@ pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
 /// The walls of an outline, as offsets in the plane.
 ///
 /// Two walls at a time, and what they leave, are made from the same border: a
-/// grid of its edges and its ridges serve for all of them.
+/// grid of its edges and its ridges serve for all of them. For more of them
+/// the search would have to look too far around.
 pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
     let tolerance = 0.5 * (1.0 - OUTLINE_SHARE) * settings.accuracy;
-    let last = Lay::inside(settings.skin_width, height, settings);
-    let away = 0.5 * spacing_to_inner(height, settings);
-    let mut area = outline.clone();
-    let mut lines: Vec<Vec<Stroke>> = Vec::new();
-    let mut thin = Vec::new();
-    let plans: Vec<Lay> = (0..settings.walls)
+    let mut plans: Vec<Lay> = (0..settings.walls)
         .map(|k| match k {
             0 => Lay::outer(height, settings),
             _ => Lay::inside(settings.inner_wall_width, height, settings),
         })
         .collect();
-    for pair in plans.chunks(2) {
-        // One search for two walls and what they leave: for more of them it
-        // would have to look too far around.
-        let mut depth = 0.0;
-        let mut limit: Mm = 0.0;
-        for plan in pair {
-            limit = limit.max(2.0 * depth + plan.limit);
-            depth += plan.inner;
-        }
-        limit = limit.max(2.0 * depth + last.least);
-        let skeleton = Skeleton::new(&area, limit, settings.accuracy);
+    let count = plans.len();
+    plans.push(Lay::inside(settings.skin_width, height, settings));
+    let mut area = outline.clone();
+    let mut lines: Vec<Vec<Stroke>> = Vec::new();
+    let mut thin = Vec::new();
+    for first in (0..count).step_by(2) {
+        let next = count.min(first + 2);
+        let counts = Counts::new(&plans[first..next], Some(plans[next]));
+        let skeleton = Skeleton::new(&area, counts.limit(), settings.accuracy);
         let solid = &skeleton.solid;
-        depth = 0.0;
-        for &plan in pair {
+        let places = skeleton.thin_places(&counts);
+        let mut depth = 0.0;
+        for (k, plan) in plans[first..next].iter().enumerate() {
             // The outer wall is seen.
-            let tolerance = match lines.is_empty() {
+            let outer = lines.is_empty();
+            let tolerance = match outer {
                 true => tolerance,
                 false => 2.0 * tolerance,
             };
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
-            let mut laid = skeleton.lay(rings, depth, plan);
-            laid.thin = laid
-                .ridges
-                .drain(..)
+            let beads = places.beads(2 * k + 1, depth);
+            let mut walls = cut(&rings, &beads, plan.centre, plan.width);
+            let beads: Vec<Stroke> = beads
+                .into_iter()
                 .map(|r| tip::square_ends(r, solid.grid(), depth, plan.least))
                 .map(|r| along(&r, plan.extra))
                 .collect();
-            if lines.is_empty() {
-                tip::fill_posts(&mut laid, solid, plan, tolerance);
-            }
-            if let Some(before) = lines.last_mut() {
-                let wide = std::mem::take(before);
-                *before = absorb(wide, &laid.slivers, away, settings.accuracy);
+            if outer {
+                tip::fill_posts(&mut walls, &beads, solid, *plan, tolerance);
             }
             depth += plan.inner;
-            lines.push(laid.lines);
-            thin.push(laid.thin);
+            let slivers = places.beads(2 * k + 2, depth);
+            let away = plan.inner - plan.centre;
+            lines.push(absorb(walls, &slivers, away, settings.accuracy));
+            thin.push(beads);
         }
         // Nobody sees the border of what is filled.
-        let left = match lines.len() == plans.len() {
-            true => skeleton.shrunk(depth, settings.accuracy),
-            false => skeleton.shrunk(depth, tolerance),
+        let left = match next == count {
+            true => settings.accuracy,
+            false => tolerance,
         };
-        // What the last walls leave and no bead can fill is theirs as well.
-        if lines.len() == plans.len()
-            && let Some(before) = lines.last_mut()
-        {
-            let (_, slivers) =
-                skeleton.thin_places(depth, last.least, last.least);
-            let wide = std::mem::take(before);
-            *before = absorb(wide, &slivers, away, settings.accuracy);
-        }
-        area = left;
+        area = skeleton.shrunk(depth, left);
     }
     Walls::of(outline, lines, thin, area, height, settings)
 }
@@ -325,12 +307,6 @@ impl Walls {
         walls.gap = gap(outline, &walls, height, settings);
         walls
     }
-}
-
-/// Distance between the centre lines of two inner walls.
-fn spacing_to_inner(height: Mm, settings: &Settings) -> Mm {
-    let inner = settings.inner_wall_width;
-    spacing(inner, inner, height)
 }
 
 /// Walls whose centre lines are outlines of the expression offset by their

@@ -12,8 +12,9 @@
 //! left for lines. Together they leave nothing open that is wider than the
 //! thinnest bead.
 
-use super::line::{RidgeIndex, absorb, along};
+use super::line::{RidgeIndex, absorb, along, cut};
 use super::ridge::Ridge;
+use super::thin::Counts;
 use super::{Lay, Skeleton, lay, shrink};
 use crate::bead::Stroke;
 use crate::plane::Area;
@@ -42,19 +43,20 @@ const SLACK: Mm = 0.02;
 
 /// Lays the beads around a solid area.
 pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
-    let limit = 2.0 * plan.inner + plan.limit;
-    let skeleton = Skeleton::new(area, limit, tolerance);
-    let rings = skeleton.shrunk(plan.centre, tolerance);
-    let laid = skeleton.lay(rings, 0.0, plan);
-    let (core, slivers) =
-        skeleton.thin_places(plan.inner, plan.limit, plan.least);
+    let counts = Counts::new(&[plan, plan], None);
+    let skeleton = Skeleton::new(area, counts.limit(), tolerance);
+    let places = skeleton.thin_places(&counts);
+    let whole = skeleton.shrunk(plan.centre, tolerance);
+    let single = places.beads(1, 0.0);
+    let rings = cut(&whole, &single, plan.centre, plan.width);
+    let slivers = places.beads(2, plan.inner);
+    let core = places.beads(3, plan.inner);
     let away = plan.inner - plan.centre;
-    let mut thin = laid.thin;
-    thin.extend(core.iter().map(|r| along(r, plan.extra)));
+    let thin = single.iter().chain(&core);
     Patch {
-        rings: absorb(laid.lines, &slivers, away, tolerance),
-        thin,
-        whole: laid.rings,
+        rings: absorb(rings, &slivers, away, tolerance),
+        thin: thin.map(|r| along(r, plan.extra)).collect(),
+        whole,
         core,
     }
 }

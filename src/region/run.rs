@@ -181,6 +181,18 @@ impl Run {
             .sum()
     }
 
+    /// True if a ball lies beside the run's last balls and does not continue
+    /// the run.
+    fn is_beside_end(&self, ball: &Ball) -> bool {
+        behind(self.balls.iter().rev(), ball)
+    }
+
+    /// True if a ball lies beside the run's first balls and does not lead to
+    /// them.
+    fn is_beside_beginning(&self, ball: &Ball) -> bool {
+        behind(self.balls.iter(), ball)
+    }
+
     fn meets(&self, other: &Run, grid: &EdgeGrid) -> Option<Meeting> {
         if self.closed || other.closed {
             return None;
@@ -193,16 +205,29 @@ impl Run {
                 turn_other,
             })
         };
-        if mine.1.meets(theirs.0, grid) {
+        let last = |ball: &Ball| !self.is_beside_end(ball);
+        let first = |ball: &Ball| !self.is_beside_beginning(ball);
+        if mine.1.meets(theirs.0, grid) && last(theirs.0) {
             turned(false, false)
-        } else if mine.1.meets(theirs.1, grid) {
+        } else if mine.1.meets(theirs.1, grid) && last(theirs.1) {
             turned(false, true)
-        } else if mine.0.meets(theirs.0, grid) {
+        } else if mine.0.meets(theirs.0, grid) && first(theirs.0) {
             turned(true, false)
-        } else if mine.0.meets(theirs.1, grid) {
+        } else if mine.0.meets(theirs.1, grid) && first(theirs.1) {
             turned(true, true)
         } else {
             None
         }
     }
+}
+
+/// True if a ball lies behind the first of some balls in a row, where the
+/// others are.
+fn behind<'a>(mut row: impl Iterator<Item = &'a Ball>, ball: &Ball) -> bool {
+    let (Some(first), Some(second)) = (row.next(), row.next()) else {
+        return false;
+    };
+    let away = ball.centre - first.centre;
+    away.dot(second.centre - first.centre) > 0.0
+        && away.length_squared() > (0.5 * STEP).powi(2)
 }

@@ -1,112 +1,207 @@
-//! Where along a ridge which beads go.
+//! How many beads lie side by side along a ridge.
 //!
-//! The thickness along a ridge decides: up to `least` there is no room for a
-//! bead, up to `limit` for one, and beyond for two walls side by side. In: a
-//! ridge. Out: its parts up to `limit`, each below or above `least` all along.
+//! The thickness along a ridge decides: nothing fits up to the first bound,
+//! one bead up to the second, then two walls, two walls with a bead between
+//! them, and so on. In: a ridge. Out: its parts, each with its number of
+//! beads.
 //!
 //! A thickness that wavers around a bound would chop beads and walls into
-//! pieces too short to print. Where a part is shorter than a bead is wide,
-//! and the bound is not passed by much, the parts beside it go on.
+//! pieces too short to print, and each change of number is a place where beads
+//! end. A number of beads therefore goes on for a while beyond its bounds: the
+//! beads become a little wider or narrower there. It is the hysteresis that
+//! Kuipers and others describe in *A framework for adaptive width control of
+//! dense contour-parallel toolpaths* (2020), decided for whole parts at a time.
 
+use super::Lay;
 use super::ridge::Ridge;
 use crate::units::Mm;
 
-/// By how much a bound may be passed for a short while.
+/// By how much a single bead may pass its bounds for a while.
 const STRETCH: f64 = 1.25;
+/// Share of their nominal thickness down to which two walls can stay side by
+/// side for a while.
+const SQUEEZE: f64 = 0.75;
+/// By how much the sliver between two walls may pass its bound for a while.
+const WIDEN: f64 = 1.5;
+/// Parts shorter than this take the number of a neighbour, if its beads can
+/// be made to fit, mm.
+const SHORT: Mm = 4.0;
+/// Parts are merged in so many rounds, the shortest ones first.
+const ROUNDS: u32 = 5;
 
-/// What is there room for?
-#[derive(Clone, Copy, PartialEq)]
-enum Room {
-    None,
-    Sliver,
-    Bead,
-    Walls,
+/// Thicknesses for which there is one number of beads.
+#[derive(Clone, Copy, Debug)]
+struct Count {
+    /// The nominal upper bound; the lower one is that of the count before.
+    upto: Mm,
+    /// What it can be stretched to.
+    range: (Mm, Mm),
 }
 
-/// The parts of a ridge that are thinner than `limit` once `less` has been
-/// taken from their thickness, and whether there is room for a bead.
-pub(super) fn parts(
-    ridge: &Ridge,
-    less: Mm,
-    least: Mm,
-    limit: Mm,
-) -> Vec<(Ridge, bool)> {
-    // Most ridges have room for walls all along, or for nothing.
-    let most = limit.max(least).max(0.0);
-    let mut all = ridge.thickness.iter().map(|t| t - less);
-    if all.clone().all(|t| t > most) || all.all(|t| t <= 0.0) {
-        return Vec::new();
-    }
-    let mut rest = ridge.clone();
-    rest.thickness.iter_mut().for_each(|t| *t -= less);
-    let room = |r: &Ridge| {
-        let t = r.middle_thickness();
-        match () {
-            () if t <= 0.0 => Room::None,
-            () if t <= least => Room::Sliver,
-            () if t <= limit => Room::Bead,
-            () => Room::Walls,
-        }
-    };
-    let mut parts = vec![rest];
-    for bound in [0.0, least, limit] {
-        parts = parts.into_iter().flat_map(|p| p.split_at(bound)).collect();
-    }
-    let mut rooms: Vec<(Room, Ridge)> =
-        parts.into_iter().map(|p| (room(&p), p)).collect();
-    if !ridge.closed || rooms.len() > 1 {
-        let n = rooms.len();
-        for i in 0..n {
-            let (own, part) = &rooms[i];
-            let short = part.length() < 1.2 * part.thickest();
-            let beads =
-                |k: usize| rooms.get(k).is_some_and(|r| r.0 == Room::Bead);
-            let between = i > 0 && beads(i - 1) && beads(i + 1);
-            let fits = match own {
-                Room::Walls => part.thickest() <= STRETCH * limit,
-                Room::Sliver => part.thinnest() * STRETCH >= least,
-                _ => false,
+/// The numbers of beads that thicknesses get.
+#[derive(Debug)]
+pub(super) struct Counts {
+    /// By number of beads. Thicker places have these walls and more inside.
+    counts: Vec<Count>,
+}
+
+impl Counts {
+    /// Those of walls laid one inside the other, of which each can be a bead
+    /// in the middle instead; `inside` follows them, if anything does.
+    pub(super) fn new(walls: &[Lay], inside: Option<Lay>) -> Counts {
+        let mut counts = Vec::new();
+        let mut depth = 0.0;
+        // Narrowest place that the walls so far can be squeezed into.
+        let mut squeezed = 0.0;
+        for wall in walls.iter().copied().chain(inside) {
+            let least = depth + wall.least;
+            let sliver = match depth > 0.0 {
+                true => WIDEN * wall.least,
+                false => wall.least,
             };
-            if short && between && fits {
-                rooms[i].0 = Room::Bead;
+            counts.push(Count {
+                upto: least,
+                range: (squeezed, depth + sliver),
+            });
+            counts.push(Count {
+                upto: depth + wall.limit,
+                range: (
+                    depth + wall.least / STRETCH,
+                    depth + wall.limit * STRETCH,
+                ),
+            });
+            squeezed = depth + SQUEEZE * 2.0 * wall.inner;
+            depth += 2.0 * wall.inner;
+        }
+        if inside.is_some() {
+            // What is inside has a bead of its own: only its bound counts.
+            counts.pop();
+            if let Some(last) = counts.last_mut() {
+                last.range.1 = last.upto;
             }
         }
-        // A bead needs some length, or it is but a widening of the walls.
-        for (room, part) in &mut rooms {
-            let alone = part.length() < 0.5 * part.thickest();
-            if *room == Room::Bead && !part.closed && alone {
-                *room = Room::Sliver;
-            }
+        let mut bound: Mm = 0.0;
+        for count in &mut counts {
+            bound = bound.max(count.upto);
+            count.upto = bound;
         }
+        Counts { counts }
     }
-    let mut kept: Vec<(Room, Ridge)> = Vec::new();
-    for (room, part) in rooms {
-        match kept.last_mut() {
-            Some((before, whole)) if *before == room => whole.append(part),
-            _ => kept.push((room, part)),
-        }
+
+    /// The greatest thickness that matters.
+    pub(super) fn limit(&self) -> Mm {
+        let all = self.counts.iter().map(|c| c.upto.max(c.range.1));
+        all.fold(0.0, f64::max)
     }
-    // A closed ridge was opened at its first point, perhaps within a part.
-    let across = ridge.closed
-        && kept.len() > 1
-        && kept.first().map(|k| k.0) == kept.last().map(|k| k.0);
-    if across {
-        let (_, first) = kept.remove(0);
-        if let Some((_, last)) = kept.last_mut() {
-            last.append(first);
-        }
+
+    /// The number of beads for a thickness.
+    fn number(&self, thickness: Mm) -> usize {
+        self.counts.partition_point(|c| c.upto < thickness)
     }
-    kept.into_iter()
-        .filter(|(room, _)| matches!(room, Room::Sliver | Room::Bead))
-        .map(|(room, mut part)| {
-            let bounds = match room {
-                Room::Bead => (least / STRETCH, f64::INFINITY),
-                _ => (0.0, limit),
-            };
-            for t in &mut part.thickness {
-                *t = t.max(bounds.0).min(bounds.1);
-            }
-            (part, room == Room::Bead)
+
+    /// True if a number of beads can be made to fit all along a ridge.
+    fn fits(&self, number: usize, ridge: &Ridge) -> bool {
+        self.counts.get(number).is_some_and(|c| {
+            ridge.thinnest() >= c.range.0 && ridge.thickest() <= c.range.1
         })
-        .collect()
+    }
+
+    /// The parts of a ridge and their numbers of beads, without those that are
+    /// too thick to have one.
+    pub(super) fn split(&self, ridge: &Ridge) -> Vec<(usize, Ridge)> {
+        let few = self.counts.len();
+        let (thin, thick) = (ridge.thinnest(), ridge.thickest());
+        let (low, high) = (self.number(thin), self.number(thick));
+        if low == high {
+            return match high < few {
+                true => vec![(high, ridge.clone())],
+                false => Vec::new(),
+            };
+        }
+        let mut parts = vec![ridge.clone()];
+        for count in &self.counts[low..high.min(few)] {
+            parts = parts
+                .into_iter()
+                .flat_map(|part| part.split_at(count.upto))
+                .collect();
+        }
+        let mut all: Vec<(usize, Ridge)> = parts
+            .into_iter()
+            .map(|part| (self.number(part.middle_thickness()), part))
+            .collect();
+        if ridge.closed && all.len() > 1 {
+            // The line was opened at its first point, perhaps within a part:
+            // let it begin with its longest one.
+            let longest = (0..all.len())
+                .max_by(|&i, &j| {
+                    all[i].1.length().total_cmp(&all[j].1.length())
+                })
+                .unwrap_or(0);
+            all.rotate_left(longest);
+        }
+        for round in (0..ROUNDS).rev() {
+            all = self.merged(all, SHORT / f64::from(1 << round), ridge.closed);
+        }
+        for (number, part) in &mut all {
+            // A bead needs some length, or it is but a widening of the walls.
+            let single = *number % 2 == 1 && *number < few;
+            if single && part.length() < 0.5 * part.thickest() {
+                *number -= 1;
+                let most = self.counts[*number].range.1;
+                part.thickness.iter_mut().for_each(|t| *t = t.min(most));
+            }
+        }
+        all.retain(|(number, _)| *number < few);
+        all
+    }
+
+    /// Lets parts shorter than `short` take the number of a neighbour, if it
+    /// fits, and joins neighbours of one number.
+    fn merged(
+        &self,
+        parts: Vec<(usize, Ridge)>,
+        short: Mm,
+        closed: bool,
+    ) -> Vec<(usize, Ridge)> {
+        let first = parts.first().map(|p| p.0).filter(|_| closed);
+        let mut merged: Vec<(usize, Ridge)> = Vec::with_capacity(parts.len());
+        let mut rest = parts.into_iter().peekable();
+        while let Some((mut number, part)) = rest.next() {
+            let before = merged.last().map(|p| p.0);
+            let after = rest.peek().map(|p| p.0).or(first);
+            if part.length() < short && Some(number) != before {
+                let fits = |n: &usize| self.fits(*n, &part);
+                // Where both fit, the number nearer to its own.
+                let mut beside: Vec<usize> =
+                    before.into_iter().chain(after).filter(fits).collect();
+                beside.sort_by_key(|n| n.abs_diff(number));
+                let same = before == after;
+                if let Some(&n) = beside.first()
+                    && (same
+                        || before.is_none()
+                        || after.is_none()
+                        || part.length() < 0.25 * SHORT)
+                {
+                    number = n;
+                }
+            }
+            match merged.last_mut() {
+                Some((n, whole)) if *n == number => whole.append(part),
+                _ => merged.push((number, part)),
+            }
+        }
+        let ends = (merged.first(), merged.last());
+        if closed
+            && merged.len() > 1
+            && let (Some((a, _)), Some((b, _))) = ends
+            && a == b
+        {
+            let (_, start) = merged.remove(0);
+            if let Some((_, end)) = merged.last_mut() {
+                end.append(start);
+            }
+            merged.rotate_right(1);
+        }
+        merged
+    }
 }

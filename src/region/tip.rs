@@ -17,7 +17,7 @@
 //! half its thickness wide, has just its content.
 
 use super::ridge::Ridge;
-use super::{Laid, Lay, shrink};
+use super::{Lay, shrink};
 use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, Solid, ring_length, signed_area};
@@ -115,7 +115,8 @@ fn corners(
 /// Gives posts, islands about as long as they are wide that are too thin for
 /// a wall and have no ridge, a ring that fills them.
 pub(super) fn fill_posts(
-    laid: &mut Laid,
+    lines: &mut Vec<Stroke>,
+    thin: &[Stroke],
     outline: &Solid<'_>,
     lay: Lay,
     tolerance: Mm,
@@ -143,18 +144,17 @@ pub(super) fn fill_posts(
             .nearest_within(p, lay.limit)
             .map(|(ring, _)| ring)
     };
-    for ring in laid.thin.iter().filter_map(ring_of) {
+    for ring in thin.iter().filter_map(ring_of) {
         post[ring] = false;
     }
-    laid.lines
-        .retain(|line| ring_of(line).is_none_or(|ring| !post[ring]));
+    lines.retain(|line| ring_of(line).is_none_or(|ring| !post[ring]));
     for (ring, _) in rings.iter().zip(&post).filter(|(_, p)| **p) {
         let width = (0.5 * thickness(ring)).max(lay.least);
         let one = Area {
             rings: vec![ring.clone()],
         };
         let rings = shrink(&one, 0.5 * width, tolerance).rings;
-        laid.lines.extend(
+        lines.extend(
             rings
                 .into_iter()
                 .map(|points| Stroke::new(points, true, width)),
