@@ -65,6 +65,9 @@ impl Role {
     ];
 }
 
+/// Widths closer than this are the same, mm.
+const SAME: Mm = 1e-3;
+
 /// A line in the plane that is as wide as its bead.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stroke {
@@ -86,6 +89,31 @@ impl Stroke {
             closed,
             width,
             widths: Vec::new(),
+        }
+    }
+
+    /// A stroke with a width for each point.
+    pub(crate) fn varying(
+        points: Vec<DVec2>,
+        widths: Vec<Mm>,
+        closed: bool,
+    ) -> Stroke {
+        let (mut sum, mut length) = (0.0, 0.0);
+        for (p, w) in points.windows(2).zip(widths.windows(2)) {
+            let step = p[0].distance(p[1]);
+            sum += 0.5 * (w[0] + w[1]) * step;
+            length += step;
+        }
+        let width = match length > 0.0 {
+            true => sum / length,
+            false => widths.first().copied().unwrap_or(0.0),
+        };
+        let same = widths.iter().all(|w| (w - width).abs() < SAME);
+        Stroke {
+            points,
+            closed,
+            width,
+            widths: if same { Vec::new() } else { widths },
         }
     }
 
@@ -223,8 +251,6 @@ impl Bead {
     /// cut so short that no piece is more than 10 µm wider to a side than the
     /// bead is meant to be there.
     pub(crate) fn pieces(self) -> Vec<Bead> {
-        /// Widths closer than this are the same, mm.
-        const SAME: Mm = 1e-3;
         /// By how much the width may change along a piece, whose own is the
         /// mean: a quarter of it to a side.
         const CHANGE: Mm = 0.04;

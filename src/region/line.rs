@@ -33,23 +33,7 @@ const SLACK: Mm = 0.05;
 /// The ridge's stroke for a bead `extra` wider than the area is thick.
 pub(super) fn along(ridge: &Ridge, extra: Mm) -> Stroke {
     let widths: Vec<Mm> = ridge.thickness.iter().map(|t| t + extra).collect();
-    let (mut sum, mut length) = (0.0, 0.0);
-    for (p, w) in ridge.points.windows(2).zip(widths.windows(2)) {
-        let step = p[0].distance(p[1]);
-        sum += 0.5 * (w[0] + w[1]) * step;
-        length += step;
-    }
-    let width = match length > 0.0 {
-        true => sum / length,
-        false => widths.first().copied().unwrap_or(extra),
-    };
-    let same = widths.iter().all(|w| (w - width).abs() < 1e-3);
-    Stroke {
-        points: ridge.points.clone(),
-        closed: ridge.closed,
-        width,
-        widths: if same { Vec::new() } else { widths },
-    }
+    Stroke::varying(ridge.points.clone(), widths, ridge.closed)
 }
 
 /// Ridges, to be asked for the nearest.

@@ -19,6 +19,7 @@ pub(crate) mod compensate;
 pub(crate) mod cover;
 pub(crate) mod exposure;
 pub(crate) mod floating;
+mod joints;
 pub(crate) mod line;
 pub(crate) mod neighbour;
 pub(crate) mod patch;
@@ -34,12 +35,16 @@ use crate::plane::simplify::simplify;
 use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
+use glam::DVec2;
 use line::{absorb, along, cut};
 use ridge::{Ridge, ridges};
 use thin::Counts;
 
 /// Share of `accuracy` left to the outline; the offsets get the rest.
 pub(crate) const OUTLINE_SHARE: f64 = 0.7;
+
+/// Beads of no joint are wider than twice this, mm.
+const JOINT: Mm = 20.0;
 
 /// A layer's walls and the area inside them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -284,7 +289,13 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
         };
         area = skeleton.shrunk(depth, left);
     }
-    Walls::of(outline, lines, thin, area, height, settings)
+    let mut walls = Walls::of(outline, lines, thin, area, height, settings);
+    let solid = Solid::of(outline, cell(outline));
+    for (k, plan) in plans[..count].iter().enumerate() {
+        let depth = walls.depths[k] - plan.centre;
+        walls.join(k, &solid, depth, plan.extra);
+    }
+    walls
 }
 
 impl Walls {
@@ -306,6 +317,20 @@ impl Walls {
         };
         walls.gap = gap(outline, &walls, height, settings);
         walls
+    }
+
+    /// Joins the ends of the `k`th wall's strokes, which lie deeper than
+    /// `depth` in the solid and reach `extra` beyond that together.
+    fn join(&mut self, k: usize, solid: &Solid<'_>, depth: Mm, extra: Mm) {
+        let far = depth + JOINT;
+        // How wide a bead may be that has its middle at a place.
+        let room = |p: DVec2| match solid.grid().nearest_edge(p, far) {
+            Some((_, q)) => 2.0 * (p.distance(q) - depth) + extra,
+            None => f64::INFINITY,
+        };
+        let lines = std::mem::take(&mut self.lines[k]);
+        let thin = std::mem::take(&mut self.thin[k]);
+        (self.lines[k], self.thin[k]) = joints::join(lines, thin, room);
     }
 }
 
@@ -393,7 +418,6 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, settings: &Settings) -> Mm2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
     use std::f64::consts::{PI, TAU};
 
     fn disc(r: f64) -> Area {

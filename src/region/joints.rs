@@ -1,0 +1,331 @@
+//! Strokes that go on in one another where they meet.
+//!
+//! ```text
+//!   ━━━━━━━╮                 One wide bead ends where two walls begin. It
+//!          ╲ ━━━━━━━━━━      goes on in one of them; the other one begins
+//!   ━━━━━━━━╲                beside it. Where three strips meet, the two
+//!            ╲━━━━━━━━━      that make the least turn become one stroke, and
+//!   ━━━━━━━╯                 the third one stops short of it.
+//! ```
+//!
+//! In: the strokes of one wall, those cut open and the beads of thin places.
+//! Out: fewer, longer ones. Ends are joined in pairs, those with the least
+//! turn first. Between two ends that lie beside each other both strokes are
+//! shortened, so that the way across is no steeper than about 40° and there
+//! is as much material as before. An end that is left over is shortened until
+//! its point is half a width away from the middle of every other stroke.
+
+use crate::bead::Stroke;
+use crate::plane::grid::{EdgeGrid, nearest_on};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// Greatest turn between two strokes that go on in one another, radians.
+const TURN: f64 = 1.75;
+/// Distance of ends that belong together, as a share of their mean width.
+const REACH: f64 = 1.5;
+/// Length of the way across from one line to another, as a share of their
+/// distance across.
+const RAMP: f64 = 1.2;
+/// Share of a stroke that may be taken from one of its ends.
+const SHARE: f64 = 0.4;
+/// Strokes that are not so much longer than wide are left out if their
+/// ends lie on other strokes.
+const STUB: f64 = 0.5;
+
+/// One end of an open stroke.
+#[derive(Clone, Copy)]
+struct End {
+    stroke: usize,
+    /// True for its last point, false for its first.
+    last: bool,
+    at: DVec2,
+    /// Where the stroke leads to, a unit vector.
+    ahead: DVec2,
+    width: Mm,
+}
+
+impl End {
+    fn new(strokes: &[Stroke], stroke: usize, last: bool) -> Option<End> {
+        let s = &strokes[stroke];
+        let n = s.points.len();
+        let index = |k: usize| if last { n - 1 - k } else { k };
+        let at = *s.points.get(index(0))?;
+        let width = s.width_at(index(0));
+        // Far enough back for the direction not to be that of a kink.
+        let far = (0..n)
+            .map(|k| s.points[index(k)])
+            .find(|p| p.distance(at) > 0.5 * width);
+        let back = far.or_else(|| s.points.get(index(n - 1)).copied())?;
+        Some(End {
+            stroke,
+            last,
+            at,
+            ahead: (at - back).try_normalize()?,
+            width,
+        })
+    }
+
+    /// How much two ends turn from one to the other, and how far they are
+    /// from each other, if they belong together: the less, the better.
+    fn cost(&self, other: &End) -> Option<f64> {
+        let mean = 0.5 * (self.width + other.width);
+        let way = other.at - self.at;
+        let turn = self.ahead.angle_to(-other.ahead).abs();
+        let along = (self.ahead - other.ahead).normalize_or_zero();
+        let near = way.length() <= REACH * mean
+            // They must not have passed each other by much.
+            && way.dot(along) >= -mean;
+        (near && turn <= TURN).then(|| turn + way.length() / mean)
+    }
+
+    /// How much has to be taken from both ends for the way across not to be
+    /// steep.
+    fn ramp(&self, other: &End) -> Mm {
+        let along = (self.ahead - other.ahead).normalize_or_zero();
+        let way = other.at - self.at;
+        let aside = way.perp_dot(along).abs();
+        (0.5 * (RAMP * aside - way.dot(along))).max(0.0)
+    }
+}
+
+/// Joins the strokes whose ends meet: rings cut open and the beads of thin
+/// places. `room` tells how wide a bead may be that has its middle at a
+/// place, mm. Returns the strokes that are or have a piece of a ring, and
+/// those that are beads of thin places all along.
+pub(super) fn join(
+    rings: Vec<Stroke>,
+    beads: Vec<Stroke>,
+    room: impl Fn(DVec2) -> Mm,
+) -> (Vec<Stroke>, Vec<Stroke>) {
+    let count = rings.len();
+    let mut strokes = rings;
+    strokes.extend(beads);
+    let ends: Vec<End> = (0..strokes.len())
+        .filter(|&i| !strokes[i].closed)
+        .flat_map(|i| [(i, false), (i, true)])
+        .filter_map(|(i, last)| End::new(&strokes, i, last))
+        .collect();
+    crate::limits::check();
+    let pairs = pairs(&strokes, &ends, &room);
+    let mut links = Links(vec![[None; 2]; strokes.len()]);
+    for &(a, b) in &pairs {
+        let (a, b) = (&ends[a], &ends[b]);
+        links.0[a.stroke][usize::from(a.last)] = Some((b.stroke, b.last));
+        links.0[b.stroke][usize::from(b.last)] = Some((a.stroke, a.last));
+    }
+    for &(a, b) in &pairs {
+        let length = ends[a].ramp(&ends[b]);
+        for end in [&ends[a], &ends[b]] {
+            shorten(&mut strokes[end.stroke], end.last, length);
+        }
+    }
+    let mut joined = links.chains(strokes, count, &room);
+    let widest = ends.iter().map(|e| e.width).fold(0.0, f64::max);
+    stop_short(&mut joined, widest);
+    let (rings, beads): (Vec<_>, Vec<_>) =
+        joined.into_iter().partition(|chain| chain.ring);
+    let strokes = |all: Vec<Chain>| all.into_iter().map(|c| c.stroke).collect();
+    (strokes(rings), strokes(beads))
+}
+
+/// The pairs of ends that become one, those with the least turn first.
+fn pairs(
+    strokes: &[Stroke],
+    ends: &[End],
+    room: &impl Fn(DVec2) -> Mm,
+) -> Vec<(usize, usize)> {
+    let widest = ends.iter().map(|e| e.width).fold(0.0, f64::max);
+    let reach = REACH * widest;
+    let points = ends.iter().enumerate().map(|(i, e)| (i, (e.at, e.at)));
+    let grid = EdgeGrid::of(points, reach);
+    let mut all: Vec<(f64, usize, usize)> = Vec::new();
+    let mut near = Vec::new();
+    for (i, end) in ends.iter().enumerate() {
+        near.clear();
+        grid.visit_near(end.at, end.at, reach, |j| near.push(j));
+        near.sort_unstable();
+        near.dedup();
+        for &j in near.iter().filter(|&&j| j > i) {
+            let other = &ends[j];
+            // A short stroke does not bite its own tail.
+            let tail = end.stroke == other.stroke
+                && strokes[end.stroke].length() < 4.0 * end.width;
+            if tail {
+                continue;
+            }
+            if let Some(cost) = end.cost(other)
+                && room(end.at.midpoint(other.at))
+                    > 0.35 * (end.width + other.width)
+            {
+                all.push((cost, i, j));
+            }
+        }
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut free = vec![true; ends.len()];
+    let mut pairs = Vec::new();
+    for (_, i, j) in all {
+        if free[i] && free[j] {
+            (free[i], free[j]) = (false, false);
+            pairs.push((i, j));
+        }
+    }
+    pairs
+}
+
+/// Takes a length from one end of an open stroke, but no great share of it.
+fn shorten(stroke: &mut Stroke, last: bool, length: Mm) {
+    let whole = stroke.length();
+    if length <= 0.0 || whole <= 0.0 {
+        return;
+    }
+    let share = (length / whole).min(SHARE);
+    *stroke = match last {
+        true => stroke.part(0.0, 1.0 - share),
+        false => stroke.part(share, 1.0),
+    };
+}
+
+/// By stroke, for its first and its last point: the stroke that it goes on in
+/// there, and whether it does so at that one's last point.
+struct Links(Vec<[Option<(usize, bool)>; 2]>);
+
+/// Strokes that have become one.
+struct Chain {
+    stroke: Stroke,
+    /// True if one of them is a ring or a piece of one.
+    ring: bool,
+}
+
+impl Links {
+    /// The strokes in chains. The first `rings` are pieces of rings.
+    fn chains(
+        &self,
+        strokes: Vec<Stroke>,
+        rings: usize,
+        room: &impl Fn(DVec2) -> Mm,
+    ) -> Vec<Chain> {
+        let mut strokes: Vec<Option<Stroke>> =
+            strokes.into_iter().map(Some).collect();
+        let mut all = Vec::with_capacity(strokes.len());
+        // A chain begins where it has an end, or anywhere if it has none.
+        let ends = |i: &usize| self.0[*i].contains(&None);
+        let count = strokes.len();
+        for first in (0..count).filter(ends).chain(0..count) {
+            let Some(stroke) = strokes[first].take() else {
+                continue;
+            };
+            let mut chain = Chain {
+                stroke,
+                ring: first < rings,
+            };
+            // The end at which it goes on.
+            let mut last = self.0[first][0].is_none();
+            if !last {
+                chain.stroke.reverse();
+            }
+            let mut at = first;
+            while let Some((next, at_last)) = self.0[at][usize::from(last)] {
+                let Some(mut stroke) = strokes[next].take() else {
+                    chain.close(room);
+                    break;
+                };
+                if at_last {
+                    stroke.reverse();
+                }
+                chain.go_on(&stroke, room);
+                chain.ring |= next < rings;
+                (at, last) = (next, !at_last);
+            }
+            all.push(chain);
+        }
+        all
+    }
+}
+
+impl Chain {
+    fn go_on(&mut self, after: &Stroke, room: &impl Fn(DVec2) -> Mm) {
+        let (mut points, mut widths) = self.take();
+        let n = after.points.len();
+        cross(&mut points, &mut widths, after, room);
+        points.extend(&after.points);
+        widths.extend((0..n).map(|i| after.width_at(i)));
+        self.stroke = Stroke::varying(points, widths, false);
+    }
+
+    /// Leads the stroke back to its beginning.
+    fn close(&mut self, room: &impl Fn(DVec2) -> Mm) {
+        let start = self.stroke.clone();
+        let (mut points, mut widths) = self.take();
+        cross(&mut points, &mut widths, &start, room);
+        self.stroke = Stroke::varying(points, widths, true);
+    }
+
+    /// The stroke's points, and a width for each.
+    fn take(&mut self) -> (Vec<DVec2>, Vec<Mm>) {
+        let n = self.stroke.points.len();
+        let widths = (0..n).map(|i| self.stroke.width_at(i)).collect();
+        (std::mem::take(&mut self.stroke.points), widths)
+    }
+}
+
+/// The way across from a stroke's end to where another begins: in its middle
+/// as wide as there is room.
+fn cross(
+    points: &mut Vec<DVec2>,
+    widths: &mut Vec<Mm>,
+    to: &Stroke,
+    room: &impl Fn(DVec2) -> Mm,
+) {
+    if let (Some(&p), Some(&w), Some(&q)) =
+        (points.last(), widths.last(), to.points.first())
+    {
+        let middle = p.midpoint(q);
+        let (mean, most) = (0.5 * (w + to.width_at(0)), room(middle));
+        if most < mean {
+            points.push(middle);
+            widths.push(most);
+        }
+    }
+}
+
+/// Shortens the ends that lie on other strokes, and leaves out what is
+/// hardly more than ends.
+fn stop_short(chains: &mut Vec<Chain>, widest: Mm) {
+    let paths = chains.iter().map(|c| c.stroke.path());
+    let grid = EdgeGrid::of_lines(paths, widest);
+    // How much of the `i`th stroke's end at a place lies on another stroke.
+    let over = |i: usize, p: DVec2| {
+        let mut most: Mm = 0.0;
+        grid.visit_edges_near(p, p, 0.5 * widest, |edge| {
+            let other = grid.owner(edge);
+            if other != i {
+                let (a, b) = grid.edge(edge);
+                let apart = p.distance(nearest_on(a, b, p));
+                most = most.max(0.5 * chains[other].stroke.width - apart);
+            }
+        });
+        most
+    };
+    let ends: Vec<[Mm; 2]> = chains
+        .iter()
+        .enumerate()
+        .map(|(i, chain)| {
+            let points = &chain.stroke.points;
+            match (points.first(), points.last(), chain.stroke.closed) {
+                (Some(&a), Some(&b), false) => [over(i, a), over(i, b)],
+                _ => [0.0; 2],
+            }
+        })
+        .collect();
+    for (chain, [first, last]) in chains.iter_mut().zip(&ends) {
+        shorten(&mut chain.stroke, false, *first);
+        shorten(&mut chain.stroke, true, *last);
+    }
+    let mut ends = ends.iter();
+    chains.retain(|chain| {
+        let lies = ends.next().is_some_and(|e| *e != [0.0; 2]);
+        !lies || chain.stroke.length() > STUB * chain.stroke.width
+    });
+}
