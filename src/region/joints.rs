@@ -23,7 +23,10 @@ use glam::DVec2;
 /// Greatest turn between two strokes that go on in one another, radians.
 const TURN: f64 = 1.75;
 /// Distance of ends that belong together, as a share of their mean width.
-const REACH: f64 = 1.5;
+const REACH: f64 = 0.75;
+/// Distance that joints keep, as a share of their mean width: two that cross
+/// would lay twice what lies between them.
+const APART: f64 = 0.5;
 /// Length of the way across from one line to another, as a share of their
 /// distance across.
 const RAMP: f64 = 1.2;
@@ -164,10 +167,20 @@ fn pairs(
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
     let mut free = vec![true; ends.len()];
-    let mut pairs = Vec::new();
+    let mut pairs: Vec<(usize, usize)> = Vec::new();
+    // Joints so far, by the ends near to them.
+    let mut joints: Vec<Option<DVec2>> = vec![None; ends.len()];
     for (_, i, j) in all {
-        if free[i] && free[j] {
+        let joint = ends[i].at.midpoint(ends[j].at);
+        let apart = APART * 0.5 * (ends[i].width + ends[j].width);
+        let mut crosses = false;
+        grid.visit_near(joint, joint, reach + apart, |k| {
+            let near = |other: DVec2| other.distance(joint) < apart;
+            crosses |= joints[k].is_some_and(near);
+        });
+        if free[i] && free[j] && !crosses {
             (free[i], free[j]) = (false, false);
+            joints[i] = Some(joint);
             pairs.push((i, j));
         }
     }
@@ -295,16 +308,36 @@ fn cross(
 fn stop_short(chains: &mut Vec<Chain>, widest: Mm) {
     let paths = chains.iter().map(|c| c.stroke.path());
     let grid = EdgeGrid::of_lines(paths, widest);
+    let mut first = 0;
+    let starts: Vec<usize> = chains
+        .iter()
+        .map(|c| {
+            first += c.stroke.path().count();
+            first - c.stroke.path().count()
+        })
+        .collect();
     // How much of the `i`th stroke's end at a place lies on another stroke.
     let over = |i: usize, p: DVec2| {
         let mut most: Mm = 0.0;
         grid.visit_edges_near(p, p, 0.5 * widest, |edge| {
             let other = grid.owner(edge);
-            if other != i {
-                let (a, b) = grid.edge(edge);
-                let apart = p.distance(nearest_on(a, b, p));
-                most = most.max(0.5 * chains[other].stroke.width - apart);
+            if other == i {
+                return;
             }
+            let stroke = &chains[other].stroke;
+            let (k, (a, b)) = (edge - starts[other], grid.edge(edge));
+            let q = nearest_on(a, b, p);
+            let t =
+                (q.distance(a) / a.distance(b).max(f64::MIN_POSITIVE)).min(1.0);
+            let width =
+                stroke.width_at(k) * (1.0 - t) + stroke.width_at(k + 1) * t;
+            let mut lies = 0.5 * width - p.distance(q);
+            // Two ends that lie on each other go back half as far.
+            let ends = [stroke.points.first(), stroke.points.last()];
+            if !stroke.closed && ends.contains(&Some(&q)) {
+                lies *= 0.5;
+            }
+            most = most.max(lies);
         });
         most
     };
