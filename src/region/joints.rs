@@ -13,7 +13,7 @@
 //! turn first. Between two ends that lie beside each other both strokes are
 //! shortened, so that the way across is no steeper than about 40° and there
 //! is as much material as before. An end that is left over is shortened until
-//! its point is half a width away from the middle of every other stroke.
+//! it does not lie on any other stroke.
 
 use crate::bead::Stroke;
 use crate::plane::grid::{EdgeGrid, nearest_on};
@@ -32,9 +32,14 @@ const APART: f64 = 0.5;
 const RAMP: f64 = 1.2;
 /// Share of a stroke that may be taken from one of its ends.
 const SHARE: f64 = 0.4;
-/// Strokes that are not so much longer than wide are left out if their
-/// ends lie on other strokes.
+/// Distance at which an end stops short of another stroke's middle, as a share
+/// of that one's width: a little less than half, since the end is round.
+const STOP: f64 = 0.4;
+/// Strokes whose ends lie on others are left out if what is left of them is
+/// shorter than this share of their width.
 const STUB: f64 = 0.5;
+/// Ends may lie on other strokes by so much, mm.
+const SLACK: Mm = 0.005;
 
 /// One end of an open stroke.
 #[derive(Clone, Copy)]
@@ -123,9 +128,9 @@ pub(super) fn join(
             shorten(&mut strokes[end.stroke], end.last, length);
         }
     }
-    let mut joined = links.chains(strokes, count, &room);
+    let joined = links.chains(strokes, count, &room);
     let widest = ends.iter().map(|e| e.width).fold(0.0, f64::max);
-    stop_short(&mut joined, widest);
+    let joined = stop_short(joined, widest);
     let (rings, beads): (Vec<_>, Vec<_>) =
         joined.into_iter().partition(|chain| chain.ring);
     let strokes = |all: Vec<Chain>| all.into_iter().map(|c| c.stroke).collect();
@@ -303,62 +308,134 @@ fn cross(
     }
 }
 
-/// Shortens the ends that lie on other strokes, and leaves out what is
-/// hardly more than ends.
-fn stop_short(chains: &mut Vec<Chain>, widest: Mm) {
+/// Shortens the ends that lie on other strokes, and leaves out what lies on
+/// them all along. Of two that lie on each other the shorter one yields.
+fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
     let paths = chains.iter().map(|c| c.stroke.path());
     let grid = EdgeGrid::of_lines(paths, widest);
+    let mut lines = Vec::with_capacity(chains.len());
     let mut first = 0;
-    let starts: Vec<usize> = chains
-        .iter()
-        .map(|c| {
-            first += c.stroke.path().count();
-            first - c.stroke.path().count()
-        })
-        .collect();
-    // How much of the `i`th stroke's end at a place lies on another stroke.
-    let over = |i: usize, p: DVec2| {
-        let mut most: Mm = 0.0;
-        grid.visit_edges_near(p, p, 0.5 * widest, |edge| {
-            let other = grid.owner(edge);
-            if other == i {
-                return;
-            }
-            let stroke = &chains[other].stroke;
-            let (k, (a, b)) = (edge - starts[other], grid.edge(edge));
-            let q = nearest_on(a, b, p);
-            let t =
-                (q.distance(a) / a.distance(b).max(f64::MIN_POSITIVE)).min(1.0);
-            let width =
-                stroke.width_at(k) * (1.0 - t) + stroke.width_at(k + 1) * t;
-            let mut lies = 0.5 * width - p.distance(q);
-            // Two ends that lie on each other go back half as far.
-            let ends = [stroke.points.first(), stroke.points.last()];
-            if !stroke.closed && ends.contains(&Some(&q)) {
-                lies *= 0.5;
-            }
-            most = most.max(lies);
-        });
-        most
-    };
-    let ends: Vec<[Mm; 2]> = chains
-        .iter()
-        .enumerate()
-        .map(|(i, chain)| {
-            let points = &chain.stroke.points;
-            match (points.first(), points.last(), chain.stroke.closed) {
-                (Some(&a), Some(&b), false) => [over(i, a), over(i, b)],
-                _ => [0.0; 2],
-            }
-        })
-        .collect();
-    for (chain, [first, last]) in chains.iter_mut().zip(&ends) {
-        shorten(&mut chain.stroke, false, *first);
-        shorten(&mut chain.stroke, true, *last);
+    for chain in &chains {
+        let line = Line::new(&chain.stroke, first);
+        first += line.at.len();
+        lines.push(line);
     }
-    let mut ends = ends.iter();
-    chains.retain(|chain| {
-        let lies = ends.next().is_some_and(|e| *e != [0.0; 2]);
-        !lies || chain.stroke.length() > STUB * chain.stroke.width
+    let mut order: Vec<usize> = (0..chains.len()).collect();
+    order.sort_by(|&i, &j| {
+        let by_length = lines[i].length().total_cmp(&lines[j].length());
+        by_length.then(i.cmp(&j))
     });
+    let open = order.into_iter().filter(|&i| !chains[i].stroke.closed);
+    for i in open {
+        crate::limits::check();
+        // How much of a bead with its middle at `p` lies on other strokes.
+        let over = |p: DVec2| {
+            let mut most: Mm = 0.0;
+            grid.visit_edges_near(p, p, STOP * widest, |edge| {
+                let other = grid.owner(edge);
+                if other != i {
+                    let (a, b) = grid.edge(edge);
+                    let q = nearest_on(a, b, p);
+                    let k = edge - lines[other].first;
+                    let lies = lines[other].width(k, q.distance(a));
+                    most = most.max(STOP * lies - p.distance(q));
+                }
+            });
+            most
+        };
+        let mut stroke = chains[i].stroke.clone();
+        let length = lines[i].length();
+        let mut ends = [0.0; 2];
+        for taken in &mut ends {
+            let line = Line::new(&stroke, 0);
+            while *taken < length {
+                let over = over(line.place(&stroke, *taken));
+                if over <= SLACK {
+                    break;
+                }
+                *taken += over;
+            }
+            stroke.reverse();
+        }
+        let short = STUB * chains[i].stroke.width;
+        let lies = ends != [0.0; 2] && ends[0] + ends[1] > length - short;
+        lines[i].left = match lies {
+            true => (0.0, 0.0),
+            false => (ends[0], length - ends[1]),
+        };
+    }
+    let mut all = Vec::with_capacity(chains.len());
+    for (mut chain, line) in chains.into_iter().zip(lines) {
+        let (from, to) = line.left;
+        let length = line.length();
+        if to <= from && !chain.stroke.closed {
+            continue;
+        }
+        if (from, to) != (0.0, length) {
+            chain.stroke = chain.stroke.part(from / length, to / length);
+        }
+        all.push(chain);
+    }
+    all
+}
+
+/// A stroke's segments, and what is left of it.
+struct Line {
+    /// The number of its first edge in the grid.
+    first: usize,
+    /// Distance along the stroke, and width, at each point of its path.
+    at: Vec<(Mm, Mm)>,
+    /// From where to where along the stroke it is still laid.
+    left: (Mm, Mm),
+}
+
+impl Line {
+    fn new(stroke: &Stroke, first: usize) -> Line {
+        let mut done = 0.0;
+        let mut before = None;
+        let at: Vec<(Mm, Mm)> = stroke
+            .path()
+            .enumerate()
+            .map(|(k, p)| {
+                done += before.replace(p).map_or(0.0, |q| p.distance(q));
+                (done, stroke.width_at(k))
+            })
+            .collect();
+        let left = (0.0, done);
+        Line { first, at, left }
+    }
+
+    fn length(&self) -> Mm {
+        self.at.last().map_or(0.0, |at| at.0)
+    }
+
+    /// The width on edge `k`, so far from its beginning; none where the stroke
+    /// is not laid any more.
+    fn width(&self, k: usize, along: Mm) -> Mm {
+        let (Some(&(from, w)), Some(&(to, v))) =
+            (self.at.get(k), self.at.get(k + 1))
+        else {
+            return 0.0;
+        };
+        let at = from + along;
+        if at < self.left.0 || at > self.left.1 {
+            return 0.0;
+        }
+        let t = along / (to - from).max(f64::MIN_POSITIVE);
+        w + t.min(1.0) * (v - w)
+    }
+
+    /// The place at a distance along the stroke.
+    fn place(&self, stroke: &Stroke, along: Mm) -> DVec2 {
+        let k = self.at.partition_point(|at| at.0 <= along);
+        let n = stroke.points.len();
+        match (k, self.at.get(k)) {
+            (1.., Some(to)) => {
+                let from = self.at[k - 1].0;
+                let t = (along - from) / (to.0 - from);
+                stroke.points[k - 1].lerp(stroke.points[k % n], t)
+            }
+            _ => stroke.points[n - 1],
+        }
+    }
 }
