@@ -74,8 +74,8 @@ impl<'a> Obstacles<'a> {
             open: OnceCell::new(),
             inner: OnceCell::new(),
             tops: OnceCell::new(),
-            width: settings.outer_wall_width,
-            inner_width: settings.inner_wall_width,
+            width: settings.outer_wall_width(),
+            inner_width: settings.inner_wall_width(),
         }
     }
 

@@ -49,7 +49,7 @@ impl<'a> Planner<'a> {
         ground: Ground<'a>,
         settings: &'a Settings,
     ) -> Planner<'a> {
-        let clearance = ground.border.max(settings.outer_wall_width);
+        let clearance = ground.border.max(settings.outer_wall_width());
         Planner {
             ground,
             obstacles: Obstacles::new(beads, ground, settings),
@@ -150,10 +150,10 @@ impl<'a> Planner<'a> {
             return None;
         }
         let comb = self.sparse.get_or_init(|| {
-            let clearance = OFF_BORDER * self.settings.infill_width;
+            let clearance = OFF_BORDER * self.settings.infill_width();
             Comb::new(Cow::Borrowed(sparse), clearance)
         });
-        let reach = self.settings.inner_wall_width;
+        let reach = self.settings.inner_wall_width();
         let from = comb.entry(a, reach)?;
         let to = comb.entry(b, reach)?;
         let points = comb.way(from, to, longest)?;
