@@ -170,7 +170,9 @@ pub(super) fn of_settings(settings: &Settings) -> BTreeMap<String, Value> {
     let mut groups: BTreeMap<&str, BTreeMap<&str, Value>> = BTreeMap::new();
     let names: Vec<_> = setting_names().collect();
     for key in keys().iter().filter(|k| names.contains(&k.name)) {
-        let value = from_toml(&key.get(settings));
+        let value = key
+            .length(settings)
+            .map_or_else(|| from_toml(&key.get(settings)), number);
         match key.name.split_once('.') {
             Some((group, leaf)) => {
                 groups.entry(group).or_default().insert(leaf, value);
