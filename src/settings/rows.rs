@@ -299,10 +299,12 @@ table::settings! {
         /// Whether crossing a wall counts. A travel also crosses a wall if it
         /// comes nearer to it than half a line's width.
         check_walls: bool = true;
-        /// What hides the ooze of travels: sparse infill alone, or whatever
-        /// is inside the part and no top skin. The latter retracts far less
-        /// often in lattices, which have little sparse infill.
-        hidden: Hidden = Hidden::SparseInfill;
+        /// What hides the ooze of travels: sparse infill alone, or whatever is
+        /// inside the part and no top skin (covered). auto takes sparse infill
+        /// in layers of which it makes a quarter at least; in others, those of
+        /// lattices and of solid skin, whatever is inside, and inner walls may
+        /// be crossed, too.
+        hidden: Hidden = Hidden::Auto;
         /// Length of filament pulled back; 0 turns retraction off.
         length: Mm = 0.8, in 0.0..=50.0;
         /// Speed of pulling back.
