@@ -48,19 +48,19 @@ impl Skirt {
             .skip(1)
             .map(|&Coord { x, y }| DVec2::new(x, y))
             .collect();
-        let width = settings.outer_wall_width;
+        let width = settings.outer_wall_width();
         let mut loops = Vec::new();
         if hull.len() >= 3 {
             let hull = Area { rings: vec![hull] };
             let brim = match settings.brim.place {
                 BrimPlace::Outer | BrimPlace::Both => {
-                    let height = settings.first_layer_height;
+                    let height = settings.first_layer_height();
                     let depths = brim_depths(height, settings);
                     depths.last().map_or(0.0, |d| d + 0.5 * width)
                 }
                 _ => 0.0,
             };
-            let step = spacing(width, width, settings.layer_height);
+            let step = spacing(width, width, settings.layer_height());
             let nearest = brim + settings.skirt.distance + 0.5 * width;
             for i in (0..settings.skirt.loops).rev() {
                 let away = nearest + step * f64::from(i);
@@ -177,7 +177,7 @@ pub(crate) fn brim(
         BrimPlace::Inner => Vec::new(),
         _ => inwards(levels),
     };
-    let width = settings.outer_wall_width;
+    let width = settings.outer_wall_width();
     let near = outside.last().and_then(|ring| ring.first()).copied();
     outside
         .into_iter()
@@ -236,7 +236,7 @@ fn inwards(levels: Vec<Vec<Ring>>) -> Vec<Ring> {
 
 /// Distances of the brim's loops from the outline, the nearest first.
 fn brim_depths(height: Mm, settings: &Settings) -> Vec<Mm> {
-    let width = settings.outer_wall_width;
+    let width = settings.outer_wall_width();
     let step = spacing(width, width, height);
     let loops = (settings.brim.width / step).round().max(1.0) as u32;
     (0..loops)

@@ -777,8 +777,8 @@ fn settings_come_from_profiles_files_and_the_command_line_in_order() {
         found.unwrap_or_else(|| panic!("{start}: {effective}"))
     };
     assert!(
-        line("layer_height = 0.12 ")
-            .ends_with(" # shipped presets/fine.toml:4")
+        line("layer_height = \"30%\" ")
+            .ends_with(" # shipped presets/fine.toml:4: 0.120 mm")
     );
     assert!(line("walls = 4 ").ends_with(" # my.toml:1"));
     assert!(line("seam = \"rear\" ").ends_with("mine.toml:4"));

@@ -132,7 +132,7 @@ fn place(
     count: i64,
     s: &Settings,
 ) -> Place {
-    let h = s.layer_height;
+    let h = s.layer_height();
     let solid = |k: i64| {
         let z = (k as f64 + 0.5) * h;
         (0..count).contains(&k) && f(p.extend(z)) < 0.0
@@ -282,7 +282,7 @@ fn a_closed_cavity_has_a_floor_and_a_roof_of_exact_layers() {
     let grown = |by: f64| 14.0 * 14.0 + 4.0 * 14.0 * by + PI * by * by;
     for i in 11..15 {
         let is = skin(i);
-        assert!((is / grown(s.skin_overlap) - 1.0).abs() < 0.02, "{is}");
+        assert!((is / grown(s.skin_overlap()) - 1.0).abs() < 0.02, "{is}");
     }
     let roof = grown(s.bridge_anchor);
     assert!((skin(35) / roof - 1.0).abs() < 0.02, "{}", skin(35));
@@ -495,7 +495,7 @@ fn shell(from: f64, to: f64, s: &Settings) -> f64 {
         let mut depth = 0.03;
         while depth < 3.0 {
             let p = normal * (R - depth);
-            let layer = ((p.z - base) / s.layer_height).floor();
+            let layer = ((p.z - base) / s.layer_height()).floor();
             let Some(layer) = layers.get(layer.max(0.0) as usize) else {
                 break;
             };
@@ -527,12 +527,12 @@ fn shells_of_slopes_are_as_thick_as_asked_for() {
             let least = shell(from, to, &s);
             // On a slope nearly level half a layer's step shows.
             let step = if from < 20.0 {
-                0.5 * s.layer_height
+                0.5 * s.layer_height()
             } else {
                 0.0
             };
             assert!(
-                least >= s.top_thickness - step,
+                least >= s.top_thickness() - step,
                 "{from} to {to}, {own:?}: {least}"
             );
         }

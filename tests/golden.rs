@@ -57,6 +57,8 @@ fn ball() {
         "walls=1",
         "layer_height=1",
         "first_layer_height=1",
+        "top_thickness=0.8",
+        "bottom_thickness=0.6",
         "printer.nozzle_diameter=1.4",
         "outer_wall_width=1.5",
         "inner_wall_width=1.5",

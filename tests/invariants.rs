@@ -222,8 +222,8 @@ fn walls_stay_inside_the_outline() {
             for m in walls {
                 let (a, b) = m.ends();
                 let width = match m.role {
-                    OUTER_WALL => print.settings.outer_wall_width,
-                    _ => print.settings.inner_wall_width,
+                    OUTER_WALL => print.settings.outer_wall_width(),
+                    _ => print.settings.inner_wall_width(),
                 };
                 let sticks_out = |share: f64, by: f64| {
                     let p = a.lerp(b, share);
@@ -255,7 +255,7 @@ fn walls_stay_inside_the_outline() {
 #[test]
 fn travels_that_leave_the_part_are_retracted() {
     for print in PRINTS.iter() {
-        let own = 0.5 * print.settings.outer_wall_width + 0.01;
+        let own = 0.5 * print.settings.outer_wall_width() + 0.01;
         let mut retracted = 0;
         for (layer, edges) in print.each_layer() {
             let walls = Edges::new(&outer_walls(layer));

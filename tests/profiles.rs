@@ -77,7 +77,8 @@ fn every_file_is_part_of_the_program() {
             .map(|path| path.file_stem().unwrap().to_string_lossy().into())
             .collect();
         files.sort();
-        let profiles = shipped(kind);
+        let mut profiles = shipped(kind);
+        profiles.retain(|p| !p.is_another_nozzle());
         let names: Vec<_> = profiles.iter().map(|p| p.name.clone()).collect();
         assert_eq!(names, files, "src/settings/shipped.rs lists them");
         counts.push(files.len());
@@ -146,6 +147,53 @@ fn a_printer_says_all_that_depends_on_the_machine() {
 }
 
 #[test]
+fn every_printer_has_profiles_with_other_nozzles() {
+    let printers = shipped(ProfileKind::Printer);
+    let (others, own): (Vec<_>, Vec<_>) =
+        printers.iter().partition(|p| p.is_another_nozzle());
+    assert_eq!(others.len(), 3 * own.len());
+    for printer in own {
+        let (usual, _) = of([&printer.name, "pla", "standard"]);
+        assert_eq!(usual.printer.nozzle_diameter, 0.4, "{}", printer.name);
+        for nozzle in [0.25, 0.6, 0.8] {
+            let name = format!("{}-{nozzle}-nozzle", printer.name);
+            let (settings, _) = of([&name, "pla", "standard"]);
+            let mut expected = usual.clone();
+            expected.printer.nozzle_diameter = nozzle;
+            // The wider the nozzle, the less there is to push ahead.
+            expected.filament.pressure_advance =
+                settings.filament.pressure_advance;
+            if let (Some(advance), Some(usual)) = (
+                settings.filament.pressure_advance,
+                usual.filament.pressure_advance,
+            ) {
+                assert!(nozzle < 0.4 || advance < usual, "{name}: {advance}");
+            }
+            assert_eq!(settings, expected, "{name}");
+            let width = settings.outer_wall_width();
+            assert!((width - 1.125 * nozzle).abs() < 1e-12, "{name}: {width}");
+        }
+    }
+}
+
+/// The default suits a slow printer.
+#[test]
+fn a_printer_that_has_speeds_of_its_own_has_one_for_gap_fill() {
+    for printer in shipped(ProfileKind::Printer) {
+        let mut builder = Builder::new();
+        builder
+            .profile(&Profiles::default(), ProfileKind::Printer, &printer.name)
+            .unwrap_or_else(|e| panic!("{e}"));
+        let given = |name: &str| {
+            let key = keys().iter().find(|key| key.name == name).unwrap();
+            builder.place(key).is_some()
+        };
+        let (walls, gaps) = ("speed.inner_wall", "speed.gap_fill");
+        assert_eq!(given(walls), given(gaps), "{}", printer.name);
+    }
+}
+
+#[test]
 fn the_plainest_profiles_are_the_defaults() {
     let (settings, _) = of(["generic-marlin", "pla", "standard"]);
     assert_eq!(settings, Settings::default());
@@ -175,12 +223,15 @@ fn all_combinations_print_except_what_a_hot_end_cannot_melt() {
             }
         }
     }
-    assert!(combinations >= 12 * 8 * 5);
-    // PTFE in the hot end: polycarbonate is out of reach of these.
-    assert_eq!(refused.len(), 2, "{refused:#?}");
-    for (error, printer) in refused.iter().zip(["ender-3", "ender-3-v2"]) {
+    assert!(combinations >= 48 * 8 * 5);
+    // PTFE in the hot end: polycarbonate is out of reach of these, whatever
+    // the nozzle.
+    assert_eq!(refused.len(), 8, "{refused:#?}");
+    for (i, error) in refused.iter().enumerate() {
+        let printer = ["ender-3", "ender-3-v2"][i / 4];
+        let nozzle = ["", "-0.25-nozzle", "-0.6-nozzle", "-0.8-nozzle"][i % 4];
         let expected = format!(
-            "{printer} pc filament.first_layer_nozzle_temperature = 260 °C is \
+            "{printer}{nozzle} pc filament.first_layer_nozzle_temperature = 260 °C is \
              more than printer.max_nozzle_temperature = 255 °C"
         );
         assert!(error.starts_with(&expected), "{error}");
@@ -193,7 +244,12 @@ fn an_example_slices_for_every_printer() {
         .join("examples")
         .join("threaded-knob.rhai");
     let loaded = model::load(&Source::File(example), &[]).unwrap();
-    for printer in shipped(ProfileKind::Printer) {
+    let all = shipped(ProfileKind::Printer).into_iter();
+    // Other nozzles make the same difference to all.
+    let few = all.filter(|p| {
+        !p.is_another_nozzle() || p.name.starts_with("generic-marlin")
+    });
+    for printer in few {
         let (settings, _) = of([&printer.name, "petg", "draft"]);
         let volume = BuildVolume {
             x: settings.printer.bed_x,
@@ -277,7 +333,7 @@ fn later_layers_win() {
     assert!(density.ends_with("mine.toml:1"), "{density}");
     assert_eq!(
         origin("retract.length").as_deref(),
-        Some("shipped printers/ender-3.toml:27")
+        Some("shipped printers/ender-3.toml:28")
     );
     assert_eq!(origin("seam"), None);
 }

@@ -7,7 +7,7 @@ use isoslice::settings::{
     Builder, Infill, InfillPattern, Key, Seam, SeamRule, Settings,
     SettingsError, keys,
 };
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 fn read(text: &str) -> Result<Settings, SettingsError> {
     let mut builder = Builder::new();
@@ -183,7 +183,7 @@ fn printed_settings_read_back_as_the_same() {
 fn floats_are_printed_exactly() {
     for exact in [0.1 + 0.2, 1.0 / 3.0, 5e-324, 1e-7, 123456.789, 1e300] {
         let settings = Settings {
-            layer_height: exact,
+            layer_height: exact.into(),
             ..Settings::default()
         };
         let key = keys().iter().find(|k| k.name == "layer_height");
@@ -192,6 +192,78 @@ fn floats_are_printed_exactly() {
         let table: Result<toml::Table, _> = format!("x = {text}").parse();
         assert!(table.is_ok(), "{text} is not TOML");
     }
+}
+
+#[test]
+fn lengths_follow_the_nozzle() {
+    let lengths = |given: &[&str]| {
+        let (settings, warnings) = set(given).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(warnings, [""; 0], "{given:?}");
+        let all = keys().iter();
+        all.filter_map(|key| Some((key.name, key.length(&settings)?)))
+            .collect::<BTreeMap<_, _>>()
+    };
+    // Exactly: the G-code of defaults must not depend on how they are found.
+    let expected = [
+        ("bottom_skin_width", 0.45),
+        ("bottom_thickness", 0.6),
+        ("first_layer_height", 0.2),
+        ("infill_width", 0.45),
+        ("inner_wall_width", 0.45),
+        ("ironing_spacing", 0.1),
+        ("layer_height", 0.2),
+        ("outer_wall_width", 0.45),
+        ("skin_overlap", 0.6),
+        ("skin_width", 0.45),
+        ("slit_closing", 0.05),
+        ("top_skin_width", 0.45),
+        ("top_thickness", 0.8),
+    ];
+    assert_eq!(lengths(&[]), BTreeMap::from(expected));
+    for nozzle in [0.1, 0.25, 0.6, 0.8, 2.0] {
+        let given = format!("printer.nozzle_diameter={nozzle}");
+        for (name, length) in lengths(&[&given]) {
+            let usual = expected.iter().find(|(n, _)| *n == name).unwrap().1;
+            let off = length - usual * nozzle / 0.4;
+            assert!(off.abs() < 1e-12, "{name} = {length} mm");
+        }
+    }
+    // What is given in millimetres stays; what is a share follows.
+    let wide = lengths(&[
+        "printer.nozzle_diameter=0.8",
+        "layer_height=0.3",
+        "skin_width=100%",
+        "infill_width= 70 %",
+    ]);
+    assert_eq!((wide["layer_height"], wide["skin_width"]), (0.3, 0.8));
+    assert_eq!((wide["top_skin_width"], wide["infill_width"]), (0.8, 0.56));
+    assert_eq!(wide["outer_wall_width"], 0.9);
+}
+
+#[test]
+fn descriptions_say_what_auto_is() {
+    let defaults = Settings::default();
+    for key in keys() {
+        let Some(length) = key.length(&defaults) else {
+            continue;
+        };
+        let share = 100.0 * length / defaults.printer.nozzle_diameter;
+        let said =
+            format!("auto is {}% of the nozzle's diameter", share as f32);
+        let text = key.description();
+        let other = text.contains("auto takes skin_width");
+        assert!(text.contains(&said) || other, "{}: {text}", key.name);
+    }
+}
+
+#[test]
+fn shares_read_back_as_the_same() {
+    let mut builder = Builder::new();
+    builder.toml("a", "outer_wall_width = '110 %'").unwrap();
+    let (settings, _) = builder.finish().unwrap();
+    let text = settings.to_toml();
+    assert!(text.contains("\nouter_wall_width = \"110%\"\n"));
+    assert_eq!(read(&text).ok(), Some(settings));
 }
 
 #[test]
@@ -267,7 +339,9 @@ fn refusals_name_place_key_value_and_remedy() {
                 "layer_height = 9",
                 "layer_height = nan",
                 "layer_height = '0.2'",
-                "layer_height = '20%'",
+                "layer_height = '20 percent'",
+                "layer_height = '%'",
+                "layer_height = 'nan%'",
                 "walls = 2.5",
                 "walls = -1",
                 "walls = 99999999999999999999",
@@ -320,6 +394,11 @@ fn settings_that_do_not_work_together_are_refused() {
                 &["outer_wall_width=0.1"],
                 &["infill_width=2.5"],
                 &["skin_width=0.25", "layer_height=0.26"],
+                &["layer_height=1%"],
+                &["layer_height=110%"],
+                &["skin_width=600%", "printer.nozzle_diameter=1"],
+                &["skin_width=600%", "printer.nozzle_diameter=2"],
+                &["outer_wall_width=-90%"],
                 &["accuracy=0.1"],
                 &["retract.extra_prime=-1"],
                 &[

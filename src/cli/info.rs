@@ -91,8 +91,8 @@ impl<'a> Json<'a> {
             bounds_mm: corners(model.drawn_bounds()),
             on_the_bed_mm: corners(model.printed_bounds()),
             layer_count: layer_count(model, settings)?,
-            layer_height_mm: settings.layer_height,
-            first_layer_height_mm: settings.first_layer_height,
+            layer_height_mm: settings.layer_height(),
+            first_layer_height_mm: settings.first_layer_height(),
             operations: model.expression_size,
             parameters: model.parameters.iter().map(parameter).collect(),
             warnings,
@@ -118,8 +118,8 @@ fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
 fn layer_count(model: &Model, settings: &Settings) -> anyhow::Result<usize> {
     let plan = layers::plan(
         model.bounds.size().z,
-        settings.first_layer_height,
-        settings.layer_height,
+        settings.first_layer_height(),
+        settings.layer_height(),
     )?;
     Ok(plan.len())
 }
@@ -147,7 +147,7 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     writeln!(
         text,
         "  layers      {layers} planned, of {} mm",
-        settings.layer_height
+        settings.layer_height()
     )?;
     writeln!(text, "  expression  {} operations", model.expression_size)?;
     if !model.parameters.is_empty() {

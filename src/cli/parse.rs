@@ -6,7 +6,7 @@
 use super::{Cli, plain};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use isoslice::settings;
+use isoslice::settings::{self, Settings};
 use std::process::exit;
 
 /// Options of other slicers, and words of this program in the wrong place, with
@@ -151,7 +151,9 @@ fn tip(given: &str) -> Option<String> {
         })
         .take(3)
         .map(|key| {
-            let default = key.default();
+            let length = key.length(&Settings::default());
+            let default =
+                length.map_or_else(|| key.default(), |mm| mm.to_string());
             if default.contains(['\n', '"']) {
                 format!("--set {}=VALUE", key.name)
             } else {

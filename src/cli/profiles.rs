@@ -127,12 +127,14 @@ fn describe(
     source: &ProfilesSource,
 ) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
+    let own_line = |p: &&Profile| !p.is_another_nozzle();
     let names = found.iter().flat_map(|(_, profiles)| profiles);
+    let names = names.filter(own_line);
     let length = |p: &Profile| plain::line(&p.name).chars().count();
     let width = names.map(length).max().unwrap_or(0);
     for (kind, profiles) in found {
         writeln!(text, "{} (--{} NAME)", kind.folder(), kind.word())?;
-        for profile in profiles {
+        for profile in profiles.iter().filter(own_line) {
             write!(text, "  {:<width$}", plain::line(&profile.name))?;
             if !profile.description.is_empty() {
                 write!(text, "  {}", plain::line(&profile.description))?;
@@ -141,6 +143,13 @@ fn describe(
                 write!(text, " (yours)")?;
             }
             writeln!(text)?;
+        }
+        if profiles.iter().any(Profile::is_another_nozzle) {
+            writeln!(
+                text,
+                "  Each but yours also with a nozzle of 0.25, 0.6 or 0.8 mm: \
+                 NAME-0.6-nozzle"
+            )?;
         }
         writeln!(text)?;
     }

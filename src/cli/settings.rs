@@ -37,7 +37,15 @@ pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
     }
     let settings = &gathered.settings;
     let text = if args.effective {
-        settings.to_toml_with_origins(|key| origin(&gathered, key))
+        settings.to_toml_with_origins(|key| {
+            let from = origin(&gathered, key);
+            match key.length(settings) {
+                Some(length) if key.get(settings).starts_with('"') => {
+                    format!("{from}: {length:.3} mm")
+                }
+                _ => from,
+            }
+        })
     } else {
         settings.to_toml()
     };
@@ -57,6 +65,9 @@ struct One {
     value: toml::Value,
     unit: &'static str,
     default: toml::Value,
+    /// The length with this nozzle, mm, if the value may be a share of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    length: Option<f64>,
     from: String,
 }
 
@@ -68,6 +79,7 @@ impl Serialize for All<'_> {
                 value: value(&key.get(&self.0.settings)),
                 unit: key.unit,
                 default: value(&key.default()),
+                length: key.length(&self.0.settings),
                 from: origin(self.0, key),
             };
             map.serialize_entry(key.name, &one)?;

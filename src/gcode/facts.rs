@@ -59,8 +59,8 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     add(of, true, "max_layer_z", text(t.height, XYZ));
 
     of = Of::Slicer;
-    let first = text(s.first_layer_height, WIDTH);
-    add(of, true, "layer_height", text(s.layer_height, WIDTH));
+    let first = text(s.first_layer_height(), WIDTH);
+    add(of, true, "layer_height", text(s.layer_height(), WIDTH));
     add(of, false, "first_layer_height", first);
     let nozzle = text(s.printer.nozzle_diameter, 3);
     add(of, true, "nozzle_diameter", nozzle);

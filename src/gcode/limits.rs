@@ -63,13 +63,13 @@ pub(super) fn thick_beads(settings: &Settings) -> Option<String> {
     let flow = constant(&s.flow) * s.filament.flow / 100.0;
     let widen = constant(&s.bead_width);
     let thin = s.thin_max / 100.0;
-    let height = s.layer_height.max(s.first_layer_height);
+    let height = s.layer_height().max(s.first_layer_height());
     let widths = [
-        s.outer_wall_width * thin,
-        s.inner_wall_width * thin,
+        s.outer_wall_width() * thin,
+        s.inner_wall_width() * thin,
         s.top_skin_width(),
         s.bottom_skin_width() * (s.bridge_flow / 100.0).max(1.0),
-        s.infill_width,
+        s.infill_width(),
     ];
     let width = widths.into_iter().fold(0.0, f64::max) * widen;
     let section = flow * cross_section(width, height);
@@ -187,8 +187,8 @@ mod tests {
         let mut s = Settings::default();
         s.gcode.flavour = Flavour::Klipper;
         assert_eq!(thick_beads(&s), None);
-        s.layer_height = 0.3;
-        s.outer_wall_width = 1.0;
+        s.layer_height = 0.3.into();
+        s.outer_wall_width = 1.0.into();
         // 1.8 mm wide: (1.8 − 0.3)·0.3 + π·0.15² = 0.52 mm².
         assert_eq!(thick_beads(&s), None);
         s.filament.flow = 125.0;

@@ -47,8 +47,8 @@ impl Moment {
     pub(super) fn of_trial(settings: &Settings) -> Self {
         Moment {
             number: 1,
-            z: settings.first_layer_height,
-            height: settings.first_layer_height,
+            z: settings.first_layer_height(),
+            height: settings.first_layer_height(),
         }
     }
 }
@@ -170,7 +170,9 @@ pub(super) fn of_settings(settings: &Settings) -> BTreeMap<String, Value> {
     let mut groups: BTreeMap<&str, BTreeMap<&str, Value>> = BTreeMap::new();
     let names: Vec<_> = setting_names().collect();
     for key in keys().iter().filter(|k| names.contains(&k.name)) {
-        let value = from_toml(&key.get(settings));
+        let value = key
+            .length(settings)
+            .map_or_else(|| from_toml(&key.get(settings)), number);
         match key.name.split_once('.') {
             Some((group, leaf)) => {
                 groups.entry(group).or_default().insert(leaf, value);

@@ -22,7 +22,7 @@ impl Limits {
     pub(super) fn new(height: Mm, settings: &Settings) -> Limits {
         Limits {
             held: height * settings.support.angle.to_radians().tan() + SLACK,
-            lip: LIP * settings.outer_wall_width,
+            lip: LIP * settings.outer_wall_width(),
         }
     }
 }

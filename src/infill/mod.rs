@@ -240,11 +240,11 @@ impl<'a> Infill<'a> {
                 Kind::Pattern(pattern(*kind, graded))
             }
             settings::Infill::Expression(text) => Kind::Shape(
-                Shape::of_formula(text, &site, settings.infill_width)?,
+                Shape::of_formula(text, &site, settings.infill_width())?,
             ),
             settings::Infill::Script(path) => {
                 let source = Source::File(path.into());
-                let width = settings.infill_width;
+                let width = settings.infill_width();
                 let shape = Shape::of_source(&source, path, &site, width)?;
                 Kind::Shape(shape)
             }
@@ -277,7 +277,7 @@ impl<'a> Infill<'a> {
         solid: Option<&EdgeGrid>,
     ) -> Result<Vec<Bead>, InfillError> {
         let settings = self.settings;
-        let width = settings.infill_width;
+        let width = settings.infill_width();
         if sparse.is_empty() || settings.is_hollow() {
             return Ok(Vec::new());
         }

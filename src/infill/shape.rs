@@ -194,7 +194,7 @@ impl Shape {
         height: Mm,
         settings: &Settings,
     ) -> Result<Vec<Stroke>, InfillError> {
-        let width = settings.infill_width;
+        let width = settings.infill_width();
         let mut inside = self.inside(area, layer.z, around, width)?;
         let mut lines = Vec::new();
         let plan = Lay::inside(width, height, settings);

@@ -40,7 +40,7 @@ impl Standing {
         let own = !matches!(settings.infill, settings::Infill::Pattern(_));
         let graded = settings.infill_density.constant().is_none();
         (own || graded).then(|| Standing {
-            reach: HELD * settings.infill_width,
+            reach: HELD * settings.infill_width(),
             below: None,
             left_out: 0,
             own,

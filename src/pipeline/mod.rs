@@ -230,7 +230,8 @@ pub fn slice(
     out: &mut dyn io::Write,
 ) -> Result<Summary, SliceError> {
     let top = model.bounds.max.z + model.offset.z;
-    let spans = plan(top, settings.first_layer_height, settings.layer_height)?;
+    let spans =
+        plan(top, settings.first_layer_height(), settings.layer_height())?;
     let layers = options.layers.indices(spans.len())?;
     let run = Run {
         model,
@@ -324,7 +325,7 @@ fn write(
     if printed == 0 {
         return Err(SliceError::NothingToPrint {
             layers: spans.len(),
-            line: settings.outer_wall_width,
+            line: settings.outer_wall_width(),
         });
     }
     let spans = &spans[..printed];

@@ -79,7 +79,7 @@ impl<'a> Stages<'a> {
         let wall_fields = match settings.wall_offset {
             WallOffset::Distance => Vec::new(),
             WallOffset::Field => {
-                let height = settings.layer_height;
+                let height = settings.layer_height();
                 let (mut depths, border) = wall_depths(height, settings);
                 depths.push(border);
                 depths
@@ -168,7 +168,7 @@ impl<'a> Stages<'a> {
             spans.iter().map(|s| s.sample_z() + self.bed).collect();
         let detail = Detail {
             accuracy: self.settings.accuracy * OUTLINE_SHARE,
-            smallest: PRINTABLE * self.settings.outer_wall_width,
+            smallest: PRINTABLE * self.settings.outer_wall_width(),
         };
         let make = |f: &Field| outlines(f, &z, detail, &self.timings);
         let outlines_of_slab = make(&self.field)?;

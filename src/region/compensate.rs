@@ -32,10 +32,10 @@ impl Compensation {
         let layers = settings.elephant_foot_layers as usize;
         let left = layers.saturating_sub(span.index) as f64;
         Compensation {
-            slit: 2.0 * settings.slit_closing,
+            slit: 2.0 * settings.slit_closing(),
             grow: settings.xy_compensation,
             draw_in: settings.elephant_foot * left / layers.max(1) as f64,
-            keep: 2.0 * settings.outer_wall_width,
+            keep: 2.0 * settings.outer_wall_width(),
             tolerance: 0.2 * settings.accuracy,
         }
     }
@@ -243,7 +243,7 @@ mod tests {
         let parts = |gap: f64, by: f64, closing: f64| {
             let settings = Settings {
                 xy_compensation: by,
-                slit_closing: closing,
+                slit_closing: closing.into(),
                 ..Settings::default()
             };
             let both = Area {

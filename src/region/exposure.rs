@@ -190,7 +190,7 @@ impl<'a> Exposure<'a> {
         let settings = self.settings;
         let islands = roomy.islands();
         // Most of what is covered of a lattice is thin.
-        let half = 0.5 * settings.infill_width;
+        let half = 0.5 * settings.infill_width();
         let matters = |part: &Area| {
             part.content() >= settings.skin_min_area
                 && !offset(part, -half, TOLERANCE).is_empty()
@@ -326,7 +326,7 @@ fn hanging(
     let Some(support) = support else {
         return none();
     };
-    if !settings.bridges || settings.bridge_anchor <= settings.skin_overlap {
+    if !settings.bridges || settings.bridge_anchor <= settings.skin_overlap() {
         return none();
     }
     let mut parts: Vec<Area> = Vec::new();
@@ -362,7 +362,7 @@ fn hanging(
 /// An exposed part and what its lines reach onto: `skin_overlap` all around,
 /// and `bridge_anchor` around what hangs in the air.
 fn grown(part: &Area, hanging: &Area, settings: &Settings) -> Area {
-    let all = offset(part, settings.skin_overlap, TOLERANCE);
+    let all = offset(part, settings.skin_overlap(), TOLERANCE);
     if hanging.is_empty() {
         return all;
     }
@@ -394,7 +394,7 @@ fn less(area: &Area, islands: &[Area]) -> Area {
 fn printable(area: &Area, settings: &Settings) -> Area {
     /// Narrower than this, along all of its border, is what rounding takes.
     const ROUNDING: Mm = 1e-5;
-    let half = 0.5 * settings.infill_width;
+    let half = 0.5 * settings.infill_width();
     let mut wide = Area::EMPTY;
     for island in area.islands() {
         if island.content() < settings.skin_min_area {
@@ -495,7 +495,7 @@ mod tests {
         let holed = difference(&all, &rect(5.0, 5.0, 10.0, 10.0));
         let f =
             split_under(&fill, &[&all, &holed, &all], &[&all], 0, &settings);
-        let grown = 5.0 + 2.0 * settings.skin_overlap;
+        let grown = 5.0 + 2.0 * settings.skin_overlap();
         let skin = f.skin.content();
         assert!((25.0..=grown * grown).contains(&skin), "{skin}");
         let both = skin + f.sparse.content();
@@ -507,7 +507,7 @@ mod tests {
         let settings = Settings::default();
         let fill = rect(0.0, 0.0, 20.0, 20.0);
         // Leaves a strip 0.2 mm wide once the skin has grown.
-        let cover = rect(19.8 - settings.skin_overlap, -1.0, 21.0, 21.0);
+        let cover = rect(19.8 - settings.skin_overlap(), -1.0, 21.0, 21.0);
         let f = split_under(&fill, &[&cover], &[], 0, &settings);
         assert_eq!(f.skin, fill);
         assert!(f.sparse.is_empty());

@@ -85,7 +85,7 @@ pub(crate) struct Lay {
 impl Lay {
     /// The outermost wall.
     fn outer(height: Mm, settings: &Settings) -> Lay {
-        let outer = settings.outer_wall_width;
+        let outer = settings.outer_wall_width();
         // As if walls of the same width followed: those that do follow begin
         // half of their own spacing farther in.
         let half = 0.5 * spacing(outer, outer, height);
@@ -216,7 +216,8 @@ impl ThinPlaces {
 /// Depths of the walls' centre lines below the outline, outermost first, and
 /// that of the border of the fill.
 pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
-    let (outer, inner) = (settings.outer_wall_width, settings.inner_wall_width);
+    let (outer, inner) =
+        (settings.outer_wall_width(), settings.inner_wall_width());
     let mut depths = Vec::new();
     let mut depth = 0.5 * outer;
     for i in 0..settings.walls {
@@ -243,11 +244,11 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
     let mut plans: Vec<Lay> = (0..settings.walls)
         .map(|k| match k {
             0 => Lay::outer(height, settings),
-            _ => Lay::inside(settings.inner_wall_width, height, settings),
+            _ => Lay::inside(settings.inner_wall_width(), height, settings),
         })
         .collect();
     let count = plans.len();
-    plans.push(Lay::inside(settings.skin_width, height, settings));
+    plans.push(Lay::inside(settings.skin_width(), height, settings));
     let mut area = outline.clone();
     let mut lines: Vec<Vec<Stroke>> = Vec::new();
     let mut thin = Vec::new();
@@ -349,8 +350,8 @@ pub(crate) fn field_walls(
         .enumerate()
         .map(|(i, area)| {
             let width = match i {
-                0 => settings.outer_wall_width,
-                _ => settings.inner_wall_width,
+                0 => settings.outer_wall_width(),
+                _ => settings.inner_wall_width(),
             };
             cut(&area, &[], 0.0, width)
         })
@@ -385,7 +386,7 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, settings: &Settings) -> Mm2 {
     for (i, wall) in walls.lines.iter().enumerate() {
         let plan = match i {
             0 => Lay::outer(height, settings),
-            _ => Lay::inside(settings.inner_wall_width, height, settings),
+            _ => Lay::inside(settings.inner_wall_width(), height, settings),
         };
         let (out, inn) = (plan.centre, plan.inner - plan.centre);
         for line in wall {
@@ -401,7 +402,9 @@ fn gap(outline: &Area, walls: &Walls, height: Mm, settings: &Settings) -> Mm2 {
     for (i, beads) in walls.thin.iter().enumerate() {
         let extra = match i {
             0 => 0.0,
-            _ => Lay::inside(settings.inner_wall_width, height, settings).extra,
+            _ => {
+                Lay::inside(settings.inner_wall_width(), height, settings).extra
+            }
         };
         // Round ends reach half a width beyond the line.
         covered += beads

@@ -1,14 +1,75 @@
 //! Values that follow from several settings.
 
-use super::{Acceleration, Infill, Settings, check};
+use super::by_nozzle::share_of;
+use super::{Acceleration, ByNozzle, Infill, Settings, check};
 use crate::units::{Celsius, Degrees, Mm, MmPerSec, MmPerSec2};
+
+/// Lengths that follow the nozzle, each with what `auto` stands for: a share of
+/// the nozzle's diameter, or another of these lengths.
+macro_rules! by_nozzle {
+    ($($(#[doc = $doc:literal])+ $name:ident = $auto:tt;)+) => {
+        impl Settings {
+            $(
+                $(#[doc = $doc])+
+                pub fn $name(&self) -> Mm {
+                    let usual = by_nozzle!(@auto self $auto);
+                    self.$name.with(self.printer.nozzle_diameter, usual)
+                }
+            )+
+
+            /// The lengths that follow the nozzle: each setting's name, its
+            /// value, and the length with this nozzle.
+            pub(super) fn by_nozzle(
+                &self,
+            ) -> Vec<(&'static str, ByNozzle, Mm)> {
+                vec![$((stringify!($name), self.$name, self.$name())),+]
+            }
+        }
+    };
+    (@auto $settings:ident $share:literal) => {
+        share_of($settings.printer.nozzle_diameter, $share)
+    };
+    (@auto $settings:ident $name:ident) => {
+        $settings.$name()
+    };
+}
+
+by_nozzle! {
+    /// Height of every layer above the first.
+    layer_height = 50.0;
+    /// Height of the first layer.
+    first_layer_height = 50.0;
+    /// Half the width of the widest slit that is closed.
+    slit_closing = 12.5;
+    /// Line width of the outer wall.
+    outer_wall_width = 112.5;
+    /// Line width of the walls behind the outer wall.
+    inner_wall_width = 112.5;
+    /// Line width of skin and of the rings around it.
+    skin_width = 112.5;
+    /// Width of the lines of skin that faces upwards.
+    top_skin_width = skin_width;
+    /// Width of the lines of skin that faces downwards, and of bridges.
+    bottom_skin_width = skin_width;
+    /// Thickness of solid material below each upward face.
+    top_thickness = 200.0;
+    /// Thickness of solid material above each downward face.
+    bottom_thickness = 150.0;
+    /// How far skin reaches into the sparse infill beside it.
+    skin_overlap = 150.0;
+    /// Distance between the lines of ironing.
+    ironing_spacing = 25.0;
+    /// Line width of sparse infill.
+    infill_width = 112.5;
+}
 
 impl Settings {
     /// Solid layers below an upward face: `top_layers` if set, else what
     /// fits into `top_thickness`.
     pub fn top_layers(&self) -> u32 {
-        self.top_layers
-            .unwrap_or_else(|| layers_in(self.top_thickness, self.layer_height))
+        self.top_layers.unwrap_or_else(|| {
+            layers_in(self.top_thickness(), self.layer_height())
+        })
     }
 
     /// True if nothing is printed inside walls and skin, because infill is a
@@ -53,16 +114,6 @@ impl Settings {
         self.printer.max_bed_temperature.unwrap_or(MOST)
     }
 
-    /// Width of the lines of skin that faces upwards.
-    pub fn top_skin_width(&self) -> Mm {
-        self.top_skin_width.unwrap_or(self.skin_width)
-    }
-
-    /// Width of the lines of skin that faces downwards, and of bridges.
-    pub fn bottom_skin_width(&self) -> Mm {
-        self.bottom_skin_width.unwrap_or(self.skin_width)
-    }
-
     /// Direction of skin lines in a layer, counted from the bed.
     pub fn skin_direction(&self, layer: usize) -> Degrees {
         self.skin_angle - 90.0 * (layer % 2) as f64
@@ -101,7 +152,7 @@ impl Settings {
     /// fits into `bottom_thickness`.
     pub fn bottom_layers(&self) -> u32 {
         self.bottom_layers.unwrap_or_else(|| {
-            layers_in(self.bottom_thickness, self.layer_height)
+            layers_in(self.bottom_thickness(), self.layer_height())
         })
     }
 }
@@ -142,8 +193,8 @@ mod tests {
 
     fn settings(height: Mm, top: Mm) -> Settings {
         Settings {
-            layer_height: height,
-            top_thickness: top,
+            layer_height: height.into(),
+            top_thickness: top.into(),
             ..Settings::default()
         }
     }

@@ -32,6 +32,7 @@
 //! # Ok::<(), isoslice::settings::SettingsError>(())
 //! ```
 
+mod by_nozzle;
 mod check;
 mod derived;
 mod error;
@@ -48,6 +49,7 @@ mod value;
 mod words;
 mod write;
 
+pub use by_nozzle::ByNozzle;
 pub use error::{GivenIn, SettingsError};
 pub use infill::Infill;
 pub use profile::{Origin, Profile, Profiles};

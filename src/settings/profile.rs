@@ -13,7 +13,7 @@
 //! or profiles that inherit in a circle, are an error with its place.
 
 use super::error::{GivenIn, SettingsError};
-use super::shipped::{ProfileKind, SHIPPED};
+use super::shipped::{NOZZLES, ProfileKind, SHIPPED};
 use super::table::alternatives;
 use super::text;
 use std::collections::BTreeMap;
@@ -76,6 +76,12 @@ impl Profile {
     /// Name of the profile's file in messages.
     pub fn file(&self) -> String {
         file_name(self.kind, &self.name, &self.origin)
+    }
+
+    /// True if it is one of the program's printers with another nozzle.
+    pub fn is_another_nozzle(&self) -> bool {
+        self.origin == Origin::Shipped
+            && NOZZLES.iter().any(|(name, _)| *name == self.name)
     }
 
     fn is(&self, other: &Profile) -> bool {
@@ -327,10 +333,12 @@ fn is_path(name: &str) -> bool {
 fn shipped(
     kind: ProfileKind,
 ) -> impl Iterator<Item = (&'static str, &'static str)> {
-    SHIPPED
+    let files = SHIPPED
         .iter()
         .filter(move |(of, _, _)| *of == kind)
-        .map(|(_, name, text)| (*name, *text))
+        .map(|(_, name, text)| (*name, *text));
+    let nozzles = NOZZLES.iter().copied();
+    files.chain(nozzles.filter(move |_| kind == ProfileKind::Printer))
 }
 
 /// The names most like `name`, or where to find them all.

@@ -13,17 +13,18 @@
 
 use super::table;
 use super::words::*;
-use super::{Infill, Seam, Sizes, Varying};
+use super::{ByNozzle, Infill, Seam, Sizes, Varying};
 use crate::units::*;
 
 table::settings! {
     /// Everything a print depends on besides the model.
     Settings {
         ["Layers"]
-        /// Height of every layer above the first.
-        layer_height: Mm = 0.2, in 0.02..=2.0;
-        /// Height of the first layer.
-        first_layer_height: Mm = 0.2, in 0.02..=2.0;
+        /// Height of every layer above the first; auto is 50% of the nozzle's
+        /// diameter.
+        layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        /// Height of the first layer; auto is 50% of the nozzle's diameter.
+        first_layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
 
         ["Outlines"]
         /// Greatest distance between an outline and the true surface.
@@ -34,16 +35,18 @@ table::settings! {
         sample_spacing: Mm = 0.1, in 0.01..=2.0;
         /// Slits in a layer that are narrower than twice this are closed, so
         /// that bodies that almost touch are printed as one; 0 leaves them
-        /// open.
-        slit_closing: Mm = 0.05, in 0.0..=1.0;
+        /// open, and auto is 12.5% of the nozzle's diameter.
+        slit_closing: ByNozzle = ByNozzle::Auto, in 0.0..=1.0;
 
         ["Walls"]
         /// Number of walls around each island and hole.
         walls: u32 = 2, in 0..=1000;
-        /// Line width of the outer wall.
-        outer_wall_width: Mm = 0.45, in 0.05..=10.0;
-        /// Line width of the walls behind the outer wall.
-        inner_wall_width: Mm = 0.45, in 0.05..=10.0;
+        /// Line width of the outer wall; auto is 112.5% of the nozzle's
+        /// diameter.
+        outer_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
+        /// Line width of the walls behind the outer wall; auto is 112.5% of the
+        /// nozzle's diameter.
+        inner_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Narrowest bead for places too thin for whole walls, as a share of
         /// the wall's width; thinner places are left out.
         thin_min: Percent = 60.0, in 10.0..=100.0;
@@ -83,24 +86,27 @@ table::settings! {
         /// Where the part gets skin: at all of its exposed faces, or only at
         /// its ends, where skin fills the lowest and the highest layers.
         skin_where: SkinWhere = SkinWhere::Exposed;
-        /// Thickness of solid material below each upward face.
-        top_thickness: Mm = 0.8, in 0.0..=1000.0;
-        /// Thickness of solid material above each downward face.
-        bottom_thickness: Mm = 0.6, in 0.0..=1000.0;
+        /// Thickness of solid material below each upward face; auto is 200% of
+        /// the nozzle's diameter.
+        top_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
+        /// Thickness of solid material above each downward face; auto is 150%
+        /// of the nozzle's diameter.
+        bottom_thickness: ByNozzle = ByNozzle::Auto, in 0.0..=1000.0;
         /// Number of solid layers below each upward face; auto takes it from
         /// top_thickness.
         top_layers: Option<u32> = None, in 0..=50_000;
         /// Number of solid layers above each downward face; auto takes it
         /// from bottom_thickness.
         bottom_layers: Option<u32> = None, in 0..=50_000;
-        /// Line width of skin and of the rings around it.
-        skin_width: Mm = 0.45, in 0.05..=10.0;
+        /// Line width of skin and of the rings around it; auto is 112.5% of the
+        /// nozzle's diameter.
+        skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Width of the lines of skin that faces upwards; auto takes
         /// skin_width.
-        top_skin_width: Option<Mm> = None, in 0.05..=10.0;
+        top_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Width of the lines of skin that faces downwards, and of bridges;
         /// auto takes skin_width.
-        bottom_skin_width: Option<Mm> = None, in 0.05..=10.0;
+        bottom_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Pattern of skin that faces upwards.
         top_skin_pattern: SkinPattern = SkinPattern::Lines;
         /// Pattern of skin that faces downwards.
@@ -116,8 +122,8 @@ table::settings! {
         /// lines that reach the ring.
         skin_ring_gap: Mm = 0.0, in 0.0..=10.0;
         /// How far skin reaches into the sparse infill beside it, so that
-        /// its lines are anchored.
-        skin_overlap: Mm = 0.6, in 0.0..=20.0;
+        /// its lines are anchored; auto is 150% of the nozzle's diameter.
+        skin_overlap: ByNozzle = ByNozzle::Auto, in 0.0..=20.0;
         /// Pieces of sparse area smaller than this are filled solid, as
         /// skin.
         skin_min_area: Mm2 = 2.0, in 0.0..=1000.0;
@@ -126,8 +132,9 @@ table::settings! {
         /// Whether to go over each top once more, with next to no material,
         /// to make it smooth.
         ironing: bool = false;
-        /// Distance between the lines of ironing.
-        ironing_spacing: Mm = 0.1, in 0.02..=2.0;
+        /// Distance between the lines of ironing; auto is 25% of the nozzle's
+        /// diameter.
+        ironing_spacing: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// Material for ironing, as a share of what would fill the layer.
         ironing_flow: Percent = 10.0, in 0.0..=100.0;
 
@@ -160,8 +167,9 @@ table::settings! {
         infill_mode: InfillMode = InfillMode::Surface;
         /// Number of walls of infill that is a solid.
         infill_walls: u32 = 1, in 0..=1000;
-        /// Line width of sparse infill.
-        infill_width: Mm = 0.45, in 0.05..=10.0;
+        /// Line width of sparse infill; auto is 112.5% of the nozzle's
+        /// diameter.
+        infill_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Direction of infill lines, counter-clockwise from the x axis.
         infill_angle: Degrees = 45.0, in -360.0..=360.0;
         /// How far the pattern is moved along its repeat.
@@ -291,10 +299,12 @@ table::settings! {
         /// Whether crossing a wall counts. A travel also crosses a wall if it
         /// comes nearer to it than half a line's width.
         check_walls: bool = true;
-        /// What hides the ooze of travels: sparse infill alone, or whatever
-        /// is inside the part and no top skin. The latter retracts far less
-        /// often in lattices, which have little sparse infill.
-        hidden: Hidden = Hidden::SparseInfill;
+        /// What hides the ooze of travels: sparse infill alone, or whatever is
+        /// inside the part and no top skin (covered). auto takes sparse infill
+        /// in layers of which it makes a quarter at least; in others, those of
+        /// lattices and of solid skin, whatever is inside, and inner walls may
+        /// be crossed, too.
+        hidden: Hidden = Hidden::Auto;
         /// Length of filament pulled back; 0 turns retraction off.
         length: Mm = 0.8, in 0.0..=50.0;
         /// Speed of pulling back.
@@ -419,7 +429,8 @@ table::settings! {
         bed_y: Mm = 220.0, in 1.0..=10_000.0;
         /// Greatest height of a print.
         height: Mm = 250.0, in 1.0..=10_000.0;
-        /// Diameter of the nozzle's hole.
+        /// Diameter of the nozzle's hole. Line widths, layer heights and other
+        /// lengths that are auto, or a share such as 75%, follow it.
         nozzle_diameter: Mm = 0.4, in 0.05..=5.0;
         /// Greatest temperature that the hot end bears; settings beyond it
         /// are refused. auto if it is not known: 450.

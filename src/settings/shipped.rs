@@ -1,5 +1,5 @@
 //! The profiles that are part of the program: their texts, as they are in
-//! `profiles/`.
+//! `profiles/`, and those of printers with other nozzles.
 
 /// What a profile is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -50,6 +50,53 @@ macro_rules! shipped {
         ),)+)+]
     };
 }
+
+/// Printers with nozzles other than 0.4 mm, each with what it is. After the
+/// colon stands what the maker gives PLA as pressure advance with 0.25, 0.6 and
+/// 0.8 mm, if the printer has it for 0.4 mm: the wider the nozzle, the less.
+macro_rules! nozzles {
+    ($($name:literal $what:literal
+        $(: $small:literal $wide:literal $widest:literal)?;)+) => {
+        &[$(
+            nozzles!(@one $name $what "0.25" $($small)?),
+            nozzles!(@one $name $what "0.6" $($wide)?),
+            nozzles!(@one $name $what "0.8" $($widest)?),
+        )+]
+    };
+    (@one $name:literal $what:literal $nozzle:literal $($advance:literal)?) => {
+        (
+            concat!($name, "-", $nozzle, "-nozzle"),
+            concat!(
+                "description = \"", $what, ", ", $nozzle, " mm nozzle\"\n",
+                "inherits = \"", $name, "\"\n\n",
+                "[printer]\nnozzle_diameter = ", $nozzle, "\n",
+                $("\n[filament]\npressure_advance = ", $advance, "\n",)?
+            ),
+        )
+    };
+}
+
+/// Name and text of each printer's profile with another nozzle.
+pub(super) const NOZZLES: &[(&str, &str)] = nozzles! {
+    "ender-3-s1" "Creality Ender-3 S1";
+    "ender-3-v2" "Creality Ender-3 V2";
+    "ender-3" "Creality Ender-3 and Ender-3 Pro";
+    "generic-klipper" "Any printer with Klipper, 220 × 220 × 250 mm";
+    "generic-marlin" "Any printer with Marlin 2, 220 × 220 × 250 mm";
+    "generic-rrf" "Any printer with RepRapFirmware 3, 220 × 220 × 250 mm";
+    "prusa-mini" "Prusa MINI and MINI+": 0.2 0.12 0.06;
+    "prusa-mk3s" "Prusa i3 MK3S and MK3S+": 0.05 0.04 0.01;
+    "prusa-mk4" "Prusa MK4 and MK4S": "\"auto\"" "\"auto\"" "\"auto\"";
+    "prusa-xl" "Prusa XL with one tool": "\"auto\"" "\"auto\"" "\"auto\"";
+    "ratrig-v-core-3-300" "RatRig V-Core 3, 300 mm";
+    "ratrig-v-core-3-400" "RatRig V-Core 3, 400 mm";
+    "ratrig-v-core-3-500" "RatRig V-Core 3, 500 mm";
+    "sovol-sv06" "Sovol SV06";
+    "voron-0.2" "Voron 0.2";
+    "voron-2.4-250" "Voron 2.4, 250 mm";
+    "voron-2.4-300" "Voron 2.4, 300 mm";
+    "voron-2.4-350" "Voron 2.4, 350 mm";
+};
 
 /// Kind, name and text of each profile.
 pub(super) const SHIPPED: &[(ProfileKind, &str, &str)] = shipped! {

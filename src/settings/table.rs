@@ -48,6 +48,9 @@ impl Key {
             Kind::WholeOrAuto | Kind::NumberOrAuto => {
                 format!("auto, or {range}")
             }
+            Kind::ByNozzle => {
+                format!("auto, {range}, or a share of the nozzle such as 75%")
+            }
             Kind::Switch => "true or false".to_owned(),
             Kind::Text => "any text".to_owned(),
             Kind::Sizes => {
@@ -92,6 +95,10 @@ impl Key {
                      unit)"
                 )
             }
+            (Kind::ByNozzle, unit) => format!(
+                "\"auto\", a number from {range} (in {unit}, without unit), \
+                 or a share of the nozzle's diameter, such as \"75%\""
+            ),
             (Kind::Text, _) => "text in quotes".to_owned(),
             (Kind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
             (
@@ -113,6 +120,14 @@ impl Key {
     /// The setting's value in `settings`, as TOML.
     pub fn get(&self, settings: &Settings) -> String {
         (self.field)(settings).to_toml()
+    }
+
+    /// The length that the setting's value is with the nozzle of `settings`,
+    /// mm, if lengths of this setting may follow the nozzle.
+    pub fn length(&self, settings: &Settings) -> Option<f64> {
+        let all = settings.by_nozzle().into_iter();
+        let mut of_this = all.filter(|(name, _, _)| *name == self.name);
+        of_this.next().map(|(_, _, length)| length)
     }
 
     /// The setting's default, as TOML.
@@ -246,6 +261,9 @@ macro_rules! unit {
     };
     (Option<$inner:ident>) => {
         $crate::settings::table::unit!($inner)
+    };
+    (ByNozzle) => {
+        "mm"
     };
     (Mm2) => {
         "mm²"

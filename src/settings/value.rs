@@ -81,6 +81,8 @@ pub(super) enum Kind {
     /// A number or an expression.
     Varying,
     NumberOrAuto,
+    /// A length, a share of the nozzle's diameter, or auto.
+    ByNozzle,
     Switch,
     Text,
     /// Sizes of pictures.

@@ -107,6 +107,9 @@ value::words! {
 value::words! {
     /// What hides the ooze of travels.
     Hidden {
+        /// Sparse infill in layers that have much of it, the part and its
+        /// walls in others.
+        Auto = "auto",
         /// Sparse infill.
         SparseInfill = "sparse-infill",
         /// Whatever is inside the part and not a top skin.

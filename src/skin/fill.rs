@@ -70,7 +70,7 @@ impl Filler<'_> {
     ) -> Option<Patch> {
         crate::limits::check();
         let settings = self.settings;
-        let width = settings.skin_width;
+        let width = settings.skin_width();
         let plan = Lay::inside(width, self.height, settings);
         let around = patch(island, plan, TOLERANCE);
         let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
@@ -158,7 +158,7 @@ impl Filler<'_> {
         let (pattern, width) = match role {
             Role::TopSkin => (s.top_skin_pattern, s.top_skin_width()),
             Role::BottomSkin => (s.bottom_skin_pattern, s.bottom_skin_width()),
-            _ => (s.internal_skin_pattern, s.skin_width),
+            _ => (s.internal_skin_pattern, s.skin_width()),
         };
         Look { pattern, width }
     }
@@ -166,7 +166,7 @@ impl Filler<'_> {
     /// An area split by role, each part wide enough for a bead: what is not
     /// goes with the part beside it.
     fn areas(&self, area: &Area, sides: Sides<'_>) -> Vec<(Area, Role)> {
-        let half = 0.5 * self.settings.skin_width;
+        let half = 0.5 * self.settings.skin_width();
         let wide = |area: &Area| {
             let core = offset(area, -half, TOLERANCE);
             offset(&core, half + TOLERANCE, TOLERANCE)
@@ -259,7 +259,7 @@ impl Filler<'_> {
     /// A second pass over the parts that face upwards, one line's width off
     /// their border.
     fn ironing(&self, inside: &Area, sides: Sides<'_>) -> Option<Fill> {
-        let spacing = self.settings.ironing_spacing;
+        let spacing = self.settings.ironing_spacing();
         let face = match sides.above.0 {
             Covered::Not => None,
             _ => self.above.get(),

@@ -152,7 +152,7 @@ mod tests {
 
     /// Content by role: length times spacing of the lines.
     fn contents(patches: &[Patch], settings: &Settings) -> Vec<(Role, f64)> {
-        let space = spacing(settings.skin_width, settings.skin_width, 0.2);
+        let space = spacing(settings.skin_width(), settings.skin_width(), 0.2);
         let fills = patches.iter().flat_map(|p| &p.fills);
         fills
             .map(|f| {
@@ -169,7 +169,7 @@ mod tests {
             ..Settings::default()
         };
         let wider = Settings {
-            top_skin_width: Some(0.5),
+            top_skin_width: 0.5.into(),
             bottom_skin_pattern: SkinPattern::Concentric,
             ..base.clone()
         };
@@ -257,7 +257,7 @@ mod tests {
         let side = |inner: f64, off: f64| (inner + off).powi(2);
         let inner = 20.0 - spacing(0.45, 0.45, 0.2) - 0.4;
         let should = side(inner, -0.45) - side(8.0, 0.45);
-        let is = length * settings.ironing_spacing;
+        let is = length * settings.ironing_spacing();
         assert!((is / should - 1.0).abs() < 0.02, "{is} {should}");
         for line in &last.lines {
             let middle = line.points[0].midpoint(line.points[1]);

@@ -15,7 +15,8 @@
 //! ([`Obstacles::within_infill`]), and does it cross a wall
 //! ([`Obstacles::wall`])? A way that touches a wall, or comes nearer to its
 //! middle than half a line's width, crosses it. A gap between two islands is
-//! air, however thin. A looser rule counts a way as hidden if it stays inside
+//! air, however thin. A looser rule, for layers with little sparse infill and
+//! where it is asked for, counts a way as hidden if it stays inside
 //! the part, behind the outer wall, and off top skin.
 //!
 //! A layer's walls and sparse infill are put into grids when the first way asks
@@ -74,8 +75,8 @@ impl<'a> Obstacles<'a> {
             open: OnceCell::new(),
             inner: OnceCell::new(),
             tops: OnceCell::new(),
-            width: settings.outer_wall_width,
-            inner_width: settings.inner_wall_width,
+            width: settings.outer_wall_width(),
+            inner_width: settings.inner_wall_width(),
         }
     }
 

@@ -26,6 +26,37 @@ use std::cell::OnceCell;
 /// share of a line's width. It is enough to be surely inside.
 const OFF_BORDER: f64 = 0.25;
 
+/// Share of a layer's area from which on its sparse infill alone hides travels,
+/// if nothing else is asked for. Solid parts have more, lattices less: there
+/// nearly all travels lead through walls.
+const MUCH_INFILL: f64 = 0.25;
+
+/// What hides travels in a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cover {
+    /// Sparse infill.
+    Infill,
+    /// The part, where no wall is crossed.
+    Part,
+    /// The part, where no outer wall is crossed.
+    Walls,
+}
+
+impl Cover {
+    fn new(ground: &Ground<'_>, settings: &Settings) -> Cover {
+        let much = || {
+            let infill = ground.sparse.area().content();
+            infill >= MUCH_INFILL * ground.outline.area().content()
+        };
+        match settings.retract.hidden {
+            Hidden::SparseInfill => Cover::Infill,
+            Hidden::Covered => Cover::Part,
+            Hidden::Auto if !settings.is_hollow() && much() => Cover::Infill,
+            Hidden::Auto => Cover::Walls,
+        }
+    }
+}
+
 /// Finds the travels of a layer.
 pub(super) struct Planner<'a> {
     ground: Ground<'a>,
@@ -39,6 +70,7 @@ pub(super) struct Planner<'a> {
     /// How far travels keep from the outline where they can. It leads inside
     /// all walls.
     clearance: Mm,
+    cover: Cover,
     settings: &'a Settings,
 }
 
@@ -49,7 +81,7 @@ impl<'a> Planner<'a> {
         ground: Ground<'a>,
         settings: &'a Settings,
     ) -> Planner<'a> {
-        let clearance = ground.border.max(settings.outer_wall_width);
+        let clearance = ground.border.max(settings.outer_wall_width());
         Planner {
             ground,
             obstacles: Obstacles::new(beads, ground, settings),
@@ -57,6 +89,7 @@ impl<'a> Planner<'a> {
             sparse: OnceCell::new(),
             covered: OnceCell::new(),
             clearance,
+            cover: Cover::new(&ground, settings),
             settings,
         }
     }
@@ -118,8 +151,8 @@ impl<'a> Planner<'a> {
         // A travel that is retracted goes straight, unless that leads over what
         // shows.
         let in_the_way = self.shows(&direct, next);
-        let may_hide = self.settings.retract.hidden == Hidden::Covered
-            && self.settings.retract.when_crossing;
+        let may_hide =
+            self.cover != Cover::Infill && self.settings.retract.when_crossing;
         if !in_the_way && !may_hide {
             return straight();
         }
@@ -150,10 +183,10 @@ impl<'a> Planner<'a> {
             return None;
         }
         let comb = self.sparse.get_or_init(|| {
-            let clearance = OFF_BORDER * self.settings.infill_width;
+            let clearance = OFF_BORDER * self.settings.infill_width();
             Comb::new(Cow::Borrowed(sparse), clearance)
         });
-        let reach = self.settings.inner_wall_width;
+        let reach = self.settings.inner_wall_width();
         let from = comb.entry(a, reach)?;
         let to = comb.entry(b, reach)?;
         let points = comb.way(from, to, longest)?;
@@ -226,15 +259,16 @@ impl<'a> Planner<'a> {
         let retract = &self.settings.retract;
         let o = &self.obstacles;
         retract.when_crossing
-            && match retract.hidden {
-                Hidden::SparseInfill => {
+            && match self.cover {
+                Cover::Infill => {
                     o.within_infill(way)
                         && !(retract.check_walls && o.wall(way))
                 }
-                Hidden::Covered => {
+                cover => {
+                    let inner = || cover == Cover::Part && o.inner_wall(way);
                     !o.air(way)
                         && !(retract.check_walls
-                            && (o.outer_wall(way, next) || o.inner_wall(way)))
+                            && (o.outer_wall(way, next) || inner()))
                         && !o.top_skin(way, next)
                 }
             }

@@ -303,6 +303,7 @@ fn what_hides_ooze_is_a_matter_of_settings() {
         ]
     };
     let skin = lines(Role::InternalSkin);
+    let part = part.with(|s| s.retract.hidden = Hidden::SparseInfill);
     assert!(part.travels(skin.clone()).iter().all(|t| t.retract));
     let part = part.with(|s| s.retract.hidden = Hidden::Covered);
     assert!(part.travels(skin).iter().all(|t| !t.retract));
@@ -310,6 +311,45 @@ fn what_hides_ooze_is_a_matter_of_settings() {
     let mut top = lines(Role::TopSkin);
     top.swap(0, 1);
     assert!(part.travels(top).iter().any(|t| t.retract));
+}
+
+#[test]
+fn a_layer_with_little_infill_hides_travels_inside_its_outer_walls() {
+    let retracts = |part: &Part, hidden: Hidden, to: (f64, f64)| {
+        // The way to the right leads over a piece of an inner wall, the one to
+        // the left over a piece of an outer one.
+        let beads = vec![
+            bead(Role::InnerWall, &[(12.0, 5.0), (12.0, 15.0)]),
+            bead(Role::OuterWall, &[(8.0, 5.0), (8.0, 15.0)]),
+            bead(Role::InternalSkin, &[(10.0, 9.0), (10.0, 10.0)]),
+            bead(Role::InternalSkin, &[to, (to.0, to.1 + 1.0)]),
+        ];
+        let mut part = Part {
+            settings: part.settings.clone(),
+            outline: part.outline.clone(),
+            sparse: part.sparse.clone(),
+            above: None,
+            walls: part.walls.clone(),
+        };
+        part.settings.retract.hidden = hidden;
+        part.travels(beads).pop().unwrap().retract
+    };
+    let (right, left, near) = ((15.0, 10.0), (5.0, 10.0), (10.0, 13.0));
+    let mut part = Part::square();
+    for [x1, y1] in [[0.0, 0.0], [9.0, 10.0]] {
+        // Less than a quarter of 400 mm², or nothing.
+        part.sparse = rect(0.0, 0.0, x1, y1);
+        assert!(!retracts(&part, Hidden::Auto, right));
+        assert!(retracts(&part, Hidden::Covered, right));
+        assert!(retracts(&part, Hidden::Auto, left));
+        assert!(!retracts(&part, Hidden::Auto, near));
+    }
+    part.sparse = rect(0.0, 0.0, 9.0, 12.0);
+    assert!(retracts(&part, Hidden::Auto, right));
+    assert!(retracts(&part, Hidden::Auto, near));
+    // Infill that is not printed hides nothing.
+    part.settings.infill_density = 0.0.into();
+    assert!(!retracts(&part, Hidden::Auto, near));
 }
 
 #[test]

@@ -57,7 +57,7 @@ impl<'a> Support<'a> {
         if share >= 100.0 {
             return None;
         }
-        let widths = [settings.outer_wall_width, settings.inner_wall_width];
+        let widths = [settings.outer_wall_width(), settings.inner_wall_width()];
         let share = 0.01 * share - 0.5;
         let grid = |width: Mm| {
             EdgeGrid::new(&offset(below.area(), share * width, TOLERANCE), 1.0)
@@ -279,7 +279,7 @@ mod tests {
         let (own, below) = (solid(own), solid(below));
         let settings = Settings {
             overhang_share: share,
-            outer_wall_width: 0.4,
+            outer_wall_width: 0.4.into(),
             ..Settings::default()
         };
         let support = Support::new(&below, &own, &settings);

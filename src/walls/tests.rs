@@ -323,8 +323,8 @@ fn no_post_vanishes() {
 fn walls_of_two_widths_lie_a_spacing_apart() {
     const HALF: f64 = 15.0;
     let settings = Settings {
-        outer_wall_width: 0.45,
-        inner_wall_width: 0.6,
+        outer_wall_width: 0.45.into(),
+        inner_wall_width: 0.6.into(),
         walls: 3,
         ..Settings::default()
     };

@@ -102,8 +102,8 @@ pub fn layers(
 ) -> (Vec<LayerSpan>, Vec<Outline>) {
     let spans = plan(
         model.bounds.max.z + model.offset.z,
-        settings.first_layer_height,
-        settings.layer_height,
+        settings.first_layer_height(),
+        settings.layer_height(),
     )
     .unwrap();
     let rect = Rect {
@@ -115,7 +115,7 @@ pub fn layers(
     let detail = Detail {
         // What the program leaves to outlines.
         accuracy: 0.7 * settings.accuracy,
-        smallest: 0.25 * settings.outer_wall_width,
+        smallest: 0.25 * settings.outer_wall_width(),
     };
     let found = spans
         .chunks(SLAB)

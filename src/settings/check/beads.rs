@@ -2,8 +2,31 @@
 //! enough.
 
 use super::{Conflict, conflict, round};
-use crate::settings::Settings;
+use crate::settings::{ByNozzle, Settings, table};
 use crate::units::Mm;
+
+/// A share of the nozzle's diameter must be a length that the setting allows.
+pub(super) fn shares(s: &Settings) -> Result<(), Conflict> {
+    for (key, set, length) in s.by_nozzle() {
+        let range = table::find(key).and_then(|key| key.range);
+        if let (ByNozzle::Share(share), Some(range)) = (set, range)
+            && !range.contains(length)
+        {
+            let nozzle = s.printer.nozzle_diameter;
+            return Err(conflict(
+                [key, "printer.nozzle_diameter"],
+                format!(
+                    "{key} = {share}% of printer.nozzle_diameter = {nozzle} \
+                     mm is {} mm; {} to {} mm are allowed",
+                    round(length),
+                    range.min,
+                    range.max,
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
 
 /// A layer must fit under the nozzle.
 pub(super) fn heights(
@@ -94,26 +117,21 @@ pub(super) fn widths(
 
 fn layer_heights(s: &Settings) -> [(&'static str, Mm); 2] {
     [
-        ("layer_height", s.layer_height),
-        ("first_layer_height", s.first_layer_height),
+        ("layer_height", s.layer_height()),
+        ("first_layer_height", s.first_layer_height()),
     ]
 }
 
 fn line_widths(
     s: &Settings,
 ) -> impl Iterator<Item = (&'static str, Mm)> + use<> {
-    let own = [
-        ("outer_wall_width", s.outer_wall_width),
-        ("inner_wall_width", s.inner_wall_width),
-        ("skin_width", s.skin_width),
-        ("infill_width", s.infill_width),
-    ];
-    let auto = [
-        ("top_skin_width", s.top_skin_width),
-        ("bottom_skin_width", s.bottom_skin_width),
-    ];
-    let given = auto.into_iter().filter_map(|(key, w)| Some((key, w?)));
-    own.into_iter().chain(given)
+    // An automatic width suits the nozzle, or is another's.
+    s.by_nozzle()
+        .into_iter()
+        .filter(|(key, set, _)| {
+            key.ends_with("_width") && *set != ByNozzle::Auto
+        })
+        .map(|(key, _, width)| (key, width))
 }
 
 /// The lattice must be coarser than the accuracy, and should be finer than the
@@ -133,11 +151,12 @@ pub(super) fn sampling(
             ),
         ));
     }
-    if s.sample_spacing > s.outer_wall_width {
+    if s.sample_spacing > s.outer_wall_width() {
         warnings.push(format!(
             "sample_spacing = {} mm is coarser than outer_wall_width = {} mm: \
              details that could be printed may be missed; lower it",
-            s.sample_spacing, s.outer_wall_width,
+            s.sample_spacing,
+            s.outer_wall_width(),
         ));
     }
     Ok(())

@@ -13,7 +13,7 @@ pub(super) use speeds::{flow_note, speed_note};
 
 use super::error::GivenPlaces;
 use super::{Flavour, Settings};
-use beads::{heights, sampling, widths};
+use beads::{heights, sampling, shares, widths};
 use heat::temperatures;
 use idle::without_effect;
 use speeds::too_fast;
@@ -43,6 +43,7 @@ pub(super) fn conflicts(
     places: &GivenPlaces,
 ) -> Result<Vec<String>, Conflict> {
     let mut warnings = Vec::new();
+    shares(s)?;
     heights(s, &mut warnings)?;
     widths(s, &mut warnings)?;
     sampling(s, &mut warnings)?;

@@ -98,7 +98,7 @@ fn limited_speeds(s: &Settings) -> Vec<Limited> {
     let most = s.filament.max_flow;
     let limited = |(key, speed, width): (&'static str, &Varying, Mm)| {
         let speed = speed.constant()?;
-        let area = flow * cross_section(width * widened, s.layer_height);
+        let area = flow * cross_section(width * widened, s.layer_height());
         // Only differences that the shown decimal can tell count.
         (speed * area > most + 0.05).then(|| Limited {
             key,
@@ -109,10 +109,14 @@ fn limited_speeds(s: &Settings) -> Vec<Limited> {
     };
     let speed = &s.speed;
     [
-        ("speed.outer_wall", &speed.outer_wall, s.outer_wall_width),
-        ("speed.inner_wall", &speed.inner_wall, s.inner_wall_width),
-        ("speed.sparse_infill", &speed.sparse_infill, s.infill_width),
-        ("speed.internal_skin", &speed.internal_skin, s.skin_width),
+        ("speed.outer_wall", &speed.outer_wall, s.outer_wall_width()),
+        ("speed.inner_wall", &speed.inner_wall, s.inner_wall_width()),
+        (
+            "speed.sparse_infill",
+            &speed.sparse_infill,
+            s.infill_width(),
+        ),
+        ("speed.internal_skin", &speed.internal_skin, s.skin_width()),
         ("speed.top_skin", &speed.top_skin, s.top_skin_width()),
         (
             "speed.bottom_skin",
