@@ -510,9 +510,8 @@ mod tests {
     #[test]
     fn a_file_with_too_many_moves_is_an_error() {
         let text = "G1 X10 Y10 E1 F600\nG2 I5 J0 E2\nG1 X0 E3\n";
-        let read = |most| {
-            Toolpath::of_at_most(most, Reader::new(text.as_bytes()))
-        };
+        let read =
+            |most| Toolpath::of_at_most(most, Reader::new(text.as_bytes()));
         let moves = read(1000).unwrap().len();
         assert!(moves > 50, "{moves}");
         assert!(read(moves).is_ok());

@@ -169,8 +169,7 @@ impl Chains {
     ) {
         let first = self.between.len() as u32;
         self.between.extend(points);
-        self.links[from as usize].between =
-            [first, self.between.len() as u32];
+        self.links[from as usize].between = [first, self.between.len() as u32];
         self.connect(from, to);
     }
 

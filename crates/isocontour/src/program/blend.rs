@@ -51,8 +51,8 @@ impl Blend {
         let [least, taken] = is(root, BinaryOpcode::Sub)?;
         let [a, b] = is(least, BinaryOpcode::Min)?;
         // A factor of 1 is left out.
-        let (factor, square) = is(taken, BinaryOpcode::Mul)
-            .map_or(Some((1.0, taken)), times)?;
+        let (factor, square) =
+            is(taken, BinaryOpcode::Mul).map_or(Some((1.0, taken)), times)?;
         let cut = of(square, UnaryOpcode::Square)?;
         let (zero, near) = times(is(cut, BinaryOpcode::Max)?)?;
         let [radius, distance] = is(near, BinaryOpcode::Sub)?;
@@ -85,8 +85,7 @@ impl Blend {
         let share = |apart: f64| (0.5 - 0.5 * apart / r).clamp(0.0, 1.0);
         let shares = [share(apart.hi), share(apart.lo)];
         let slope = std::array::from_fn(|i| {
-            let [low, high] =
-                shares.map(|w| mixed(w, a.slope[i], b.slope[i]));
+            let [low, high] = shares.map(|w| mixed(w, a.slope[i], b.slope[i]));
             low.hull(high)
         });
         let range = Interval::new(
@@ -136,7 +135,8 @@ fn mixed(w: f64, a: Interval, b: Interval) -> Interval {
     if w == 1.0 {
         return a;
     }
-    a.mul(Interval::point(w)).add(b.mul(Interval::point(1.0 - w)))
+    a.mul(Interval::point(w))
+        .add(b.mul(Interval::point(1.0 - w)))
 }
 
 #[cfg(test)]
@@ -184,9 +184,8 @@ mod tests {
     /// is at most one radius nearer than the nearest of them.
     #[test]
     fn a_long_chain_adds_no_slack() {
-        let chain = (1..1000).fold(ball(0.0), |all, i| {
-            soft(&all, &ball(0.01 * i as f32), 0.5)
-        });
+        let chain = (1..1000)
+            .fold(ball(0.0), |all, i| soft(&all, &ball(0.01 * i as f32), 0.5));
         let p = program(&chain);
         let cell = Cell {
             lo: [-5.0, 20.0, -5.0],
