@@ -210,6 +210,24 @@ fn gyroid_ball() {
     }
 }
 
+/// A row of balls of radius 2, each blended with all before it: the first and
+/// the last one end where no other one is near.
+#[test]
+fn a_thousand_blends_have_the_box_of_what_they_blend() {
+    let text = "
+        let s = sphere([0, 0, 0], 2);
+        for i in 1..1000 { s = blend(s, sphere([0.06 * i, 0, 0], 2), 0.05); }
+        s";
+    let found = bounds_of(&script(text).tree).unwrap();
+    let bounds = found.bounds;
+    assert!(found.slack_mm < 0.001, "{found:?}");
+    assert!((bounds.min.x + 2.0).abs() < 0.001, "{found:?}");
+    assert!((bounds.max.x - 61.94).abs() < 0.001, "{found:?}");
+    // Two balls that are equally near are 0.05 / 4 nearer together, and a
+    // third one as much again at most.
+    assert!((2.0..2.025).contains(&bounds.max.y), "{found:?}");
+}
+
 #[test]
 fn blends_and_twists() {
     // A polynomial smooth union of two balls.

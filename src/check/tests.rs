@@ -667,6 +667,8 @@ fn streams_without_end_are_no_gcode() {
         (noise, "lines are no commands"),
         (b"y\n".to_vec(), "lines are no commands"),
         (b"; a comment\n\n".to_vec(), "no command in its first 64 MB"),
+        (b"G28\n".to_vec(), "commands do not move the head"),
+        (b"G1 X5 E1\n".to_vec(), "commands do not move the head"),
     ] {
         let rules = Rules::new(&Settings::default());
         let all = check(Endless(text, 0), &rules).unwrap();

@@ -11,7 +11,7 @@ use isoslice::human_time;
 use isoslice::layers::LayerRange;
 use isoslice::limits::{self, Watch};
 use isoslice::pipeline::{self, Options};
-use isoslice::preview::{Toolpath, write_html};
+use isoslice::preview::{Toolpath, ToolpathError, write_html};
 use isoslice::reader::{ReadError, Reader};
 use isoslice::settings::Settings;
 use std::ffi::OsStr;
@@ -279,7 +279,7 @@ fn read(input: impl Read, name: &str) -> anyhow::Result<Toolpath> {
 fn read_as<R: Read>(reader: Reader<R>, name: &str) -> anyhow::Result<Toolpath> {
     let read = limits::doing("reading", || Toolpath::read(reader));
     let toolpath = read.map_err(|error| match error {
-        ReadError::Io { .. } => {
+        ToolpathError::Read(ReadError::Io { .. }) => {
             anyhow::Error::new(error).context(format!("cannot read {name}"))
         }
         error => anyhow::anyhow!("{name}: {error}"),

@@ -24,4 +24,4 @@ pub(crate) use picture::thumbnails;
 pub(crate) use raster::outline_from_above;
 pub use raster::{PictureError, View};
 pub(crate) use svg::layer_svg;
-pub use toolpath::Toolpath;
+pub use toolpath::{Toolpath, ToolpathError};

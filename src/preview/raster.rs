@@ -21,7 +21,7 @@ use crate::units::{Degrees, Mm};
 use fidget::context::Tree;
 use geo::{ConvexHull, MultiPoint};
 use glam::{DMat3, DVec2, DVec3, Vec3};
-use isocontour::{FieldError, Grid, Sight};
+use isocontour::{FieldError, Grid, Hit, Sight};
 use std::sync::Arc;
 
 /// The direction from which a part is seen.
@@ -225,7 +225,10 @@ impl Subject {
         let lit = Subject::of(self.sight.clone(), axes, self.bounds);
         let widest = 2.0 * lit.half.x.max(lit.half.y).max(MIN_EXTENT);
         let longest = (widest / pixel).ceil().clamp(1.0, LONGEST_MAP);
-        lit.look(lit.whole(longest as usize))
+        let seen = lit.look(lit.whole(longest as usize))?;
+        // The light's view of the part casts shadows, and is not shaded itself.
+        let normals = Vec::new();
+        Ok(Seen { normals, ..seen })
     }
 
     /// The part, as large as fits `width` × `height` pixels.
@@ -303,12 +306,11 @@ impl Subject {
             + steps[0] * (0.5 - 0.5 * width as f64)
             + steps[1] * (0.5 - 0.5 * height as f64)
             + steps[2] * (-0.5 * depth as f64);
-        let hits = self.sight.look(&Grid {
+        let grid = Grid {
             origin,
             steps,
             size: frame.size,
-        });
-        let hits = hits.watched()?;
+        };
         let scale = (frame.step / frame.pixel) as f32;
         let from_model = self.axes.transpose().as_mat3();
         let normal = |gradient: Vec3| {
@@ -316,17 +318,21 @@ impl Subject {
             // Where the normal is not known, the surface faces the viewer.
             n.try_normalize().unwrap_or(Vec3::Z)
         };
+        let mut depths = Vec::with_capacity(width * height);
+        let mut normals = Vec::with_capacity(width * height);
+        let looked = self.sight.look_by_rows(&grid, &mut |row| {
+            depths.extend(row.iter().map(|h| Some(h.as_ref()?.depth * scale)));
+            let normal = |h: &Option<Hit>| {
+                h.map_or(Vec3::ZERO, |h| normal(h.gradient))
+            };
+            normals.extend(row.iter().map(normal));
+        });
+        looked.watched()?;
         Ok(Seen {
             width,
             height,
-            depths: hits
-                .iter()
-                .map(|h| Some(h.as_ref()?.depth * scale))
-                .collect(),
-            normals: hits
-                .iter()
-                .map(|h| h.map_or(Vec3::ZERO, |h| normal(h.gradient)))
-                .collect(),
+            depths,
+            normals,
             origin,
             pixel: frame.pixel,
             axes: self.axes,

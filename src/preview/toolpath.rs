@@ -24,6 +24,30 @@ pub(super) const LENGTH_UNIT: f64 = 1e-3;
 pub(super) const AREA_UNIT: f64 = 1e-4;
 pub(super) const SPEED_UNIT: f64 = 0.02;
 
+/// Most moves of a page: what a browser can show, and half a gigabyte here.
+const MOST_MOVES: usize = 12_000_000;
+
+/// Why there is no toolpath.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ToolpathError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The file has too many moves.
+    #[error(
+        "line {line} brings it to more than {} million moves, more than a page \
+         can show: show some layers at a time, of a model with --layers",
+        .most / 1_000_000
+    )]
+    TooLong {
+        /// The line of the first move that is too much.
+        line: u64,
+        /// How many moves a toolpath may have.
+        most: usize,
+    },
+}
+
 /// Everything that a file prints, in order.
 #[derive(Debug)]
 pub struct Toolpath {
@@ -100,11 +124,22 @@ impl Toolpath {
     /// Reads a file to its end.
     ///
     /// # Errors
-    /// If it cannot be read.
-    pub fn read<R: Read>(mut reader: Reader<R>) -> Result<Self, ReadError> {
+    /// If it cannot be read, or has more moves than a page can show.
+    pub fn read<R: Read>(reader: Reader<R>) -> Result<Self, ToolpathError> {
+        Self::of_at_most(MOST_MOVES, reader)
+    }
+
+    fn of_at_most<R: Read>(
+        most: usize,
+        mut reader: Reader<R>,
+    ) -> Result<Self, ToolpathError> {
         let mut collector = Collector::default();
         while let Some(event) = reader.next() {
             collector.take(event?, &reader);
+            if collector.path.len() > most {
+                let line = reader.lines();
+                return Err(ToolpathError::TooLong { line, most });
+            }
         }
         Ok(collector.finish(&reader))
     }
@@ -470,6 +505,22 @@ mod tests {
         assert_eq!(path.roles, [role, role, JUMP, role]);
         assert_eq!(path.points.len(), path.len() + 1);
         assert_eq!(path.points[3], [0.0; 3]);
+    }
+
+    #[test]
+    fn a_file_with_too_many_moves_is_an_error() {
+        let text = "G1 X10 Y10 E1 F600\nG2 I5 J0 E2\nG1 X0 E3\n";
+        let read =
+            |most| Toolpath::of_at_most(most, Reader::new(text.as_bytes()));
+        let moves = read(1000).unwrap().len();
+        assert!(moves > 50, "{moves}");
+        assert!(read(moves).is_ok());
+        // Nor is all of the arc kept.
+        let error = read(20).unwrap_err();
+        assert!(matches!(
+            error,
+            ToolpathError::TooLong { line: 2, most: 20 }
+        ));
     }
 
     #[test]

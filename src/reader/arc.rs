@@ -14,8 +14,8 @@ const ACCURACY: Mm = 0.01;
 /// Greatest radius. An arc with a larger one is a mistake, or as good as
 /// straight.
 const LARGEST: Mm = 1e5;
-/// Most chords of one arc.
-const MOST: u32 = 3600;
+/// Most chords of one arc: a full circle of a metre's radius has fewer.
+const MOST: u32 = 720;
 
 /// An arc, walked along chord by chord.
 #[derive(Clone, Debug)]

@@ -5,7 +5,9 @@
 //! A file of G-code has thousands of commands before it has 10,000 lines that
 //! are none. Text that is no comment stands at its start or end, and moves come
 //! with each macro's name for an object or layer. A file that is refused here
-//! would also be refused at its end, which a stream may not have.
+//! would also be refused at its end, which a stream may not have. Nor does a
+//! file have millions of commands in a row that leave the head where it is:
+//! what repeats one of them for ever is no print.
 
 use std::io;
 
@@ -15,6 +17,9 @@ const LINES: u64 = 10_000;
 /// Bytes that a file may have before its first code. Pictures and settings in
 /// comments at the head take 0.01 of it.
 const BYTES: u64 = 1 << 26;
+
+/// Commands in a row that may leave the head where it is.
+const IDLE: u64 = 2_000_000;
 
 /// How many lines are commands, and how many are none. Lines that are blank
 /// or a comment are neither.
@@ -26,6 +31,8 @@ pub struct Tally {
     pub names: u64,
     /// Neither.
     pub senseless: u64,
+    /// Codes since the head was last moved.
+    pub idle: u64,
 }
 
 /// Why a file is no G-code.
@@ -52,6 +59,12 @@ pub enum NoGcode {
         none: u64,
         /// Number of lines that are no comments.
         lines: u64,
+    },
+    /// The head stands still for too long.
+    #[error("the last {commands} commands do not move the head")]
+    Idle {
+        /// Number of commands.
+        commands: u64,
     },
     /// The file has to be unpacked first.
     #[error("it is {what}")]
@@ -88,6 +101,9 @@ pub(super) fn so_far(tally: &Tally, bytes: u64) -> Result<(), NoGcode> {
     if none > tally.codes.saturating_add(LINES) {
         let lines = none + tally.codes;
         return Err(NoGcode::OtherLines { none, lines });
+    }
+    if tally.idle > IDLE {
+        return Err(NoGcode::Idle { commands: IDLE });
     }
     if tally.codes == 0 && bytes > BYTES {
         let megabytes = BYTES >> 20;

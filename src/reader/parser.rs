@@ -95,6 +95,7 @@ impl Parser {
             Command::Text => self.name(text, line.whole),
             Command::Code(letter, tenths) => {
                 self.tally.codes += 1;
+                self.tally.idle += 1;
                 if !line.whole {
                     self.problem(Problem::LongLine);
                 }
@@ -479,6 +480,9 @@ impl Parser {
             step.layer = self.layering.number;
             step.width = self.layering.width(step.area(diameter));
             step.height = self.layering.height();
+        }
+        if to != from {
+            self.tally.idle = 0;
         }
         self.machine.state.position = to;
         self.pending.push_back(Event::Move(step));

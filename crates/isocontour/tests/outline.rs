@@ -405,3 +405,20 @@ fn cracks_thinner_than_the_accuracy_are_left_out() {
     assert_eq!(o.area.rings.len(), 1);
     assert!(o.dropped_rings > 0);
 }
+
+/// What the outlines of a slab may take of memory.
+#[test]
+fn slabs_of_large_parts_have_fewer_layers() {
+    let layers = |half: f64| {
+        let bounds = Rect {
+            min: DVec2::splat(-half),
+            max: DVec2::splat(half),
+        };
+        let field = Field::new(&Tree::x(), 0.0, bounds, 0.1).unwrap();
+        field.slab_layers()
+    };
+    assert_eq!(layers(10.0), 32);
+    // 600 × 600 cells and a border, eight times.
+    assert_eq!(layers(30.0), 8);
+    assert_eq!(layers(150.0), 1);
+}

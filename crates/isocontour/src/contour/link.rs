@@ -71,13 +71,25 @@ pub(super) struct Joined {
     pub fixed: Vec<bool>,
 }
 
+impl Joined {
+    /// Adds a point, unless it is the last one again.
+    fn push(&mut self, point: DVec2, fixed: bool) {
+        if self.points.last() != Some(&point) {
+            self.points.push(point);
+            self.fixed.push(fixed);
+        }
+    }
+}
+
 /// A vertex and what follows it.
 struct Link {
     point: DVec2,
     crossing: Crossing,
     next: u32,
+    /// The points on the way to the next one, by their numbers: most points of
+    /// a finely curved outline, which is why they are no vertices.
+    between: [u32; 2],
     has_previous: bool,
-    fixed: bool,
 }
 
 /// One layer's vertices and how they follow each other.
@@ -87,6 +99,8 @@ struct Link {
 #[derive(Default)]
 pub(super) struct Chains {
     links: Vec<Link>,
+    /// The points between vertices.
+    between: Vec<DVec2>,
     leaves: Vec<(u32, u32)>,
     /// Cells that were divided, by column and row.
     divided: Vec<[usize; 2]>,
@@ -126,21 +140,15 @@ impl Chains {
         self.divided.push(cell);
     }
 
-    /// Adds a vertex; returns its number. `fixed` are those on the edges of
-    /// the lattice or of a divided cell, between which straight lines do not
-    /// cross.
-    pub(super) fn add(
-        &mut self,
-        point: DVec2,
-        crossing: Crossing,
-        fixed: bool,
-    ) -> u32 {
+    /// Adds a vertex on an edge of the lattice or of a divided cell; returns
+    /// its number. Straight lines between such vertices do not cross.
+    pub(super) fn add(&mut self, point: DVec2, crossing: Crossing) -> u32 {
         self.links.push(Link {
             point,
             crossing,
             next: NONE,
+            between: [0; 2],
             has_previous: false,
-            fixed,
         });
         self.links.len() as u32 - 1
     }
@@ -152,20 +160,17 @@ impl Chains {
         self.links[to as usize].has_previous = true;
     }
 
-    /// Lets `to` follow `from`, with new vertices between them.
+    /// Lets `to` follow `from`, with points between them.
     pub(super) fn connect_through(
         &mut self,
         from: u32,
         points: impl Iterator<Item = DVec2>,
         to: u32,
     ) {
-        let mut last = from;
-        for p in points {
-            let next = self.add(p, Crossing::NONE, false);
-            self.connect(last, next);
-            last = next;
-        }
-        self.connect(last, to);
+        let first = self.between.len() as u32;
+        self.between.extend(points);
+        self.links[from as usize].between = [first, self.between.len() as u32];
+        self.connect(from, to);
     }
 
     /// Looks for the vertices at which a chain ends and those at which one
@@ -303,7 +308,8 @@ impl Chains {
                 continue;
             }
             for pair in path.windows(2) {
-                self.links[pair[0]].next = NONE;
+                let cut = &mut self.links[pair[0]];
+                (cut.next, cut.between) = (NONE, [0; 2]);
                 self.links[pair[1]].has_previous = false;
                 self.loose.cut.extend(pair.iter().map(|&i| i as u32));
             }
@@ -380,9 +386,10 @@ impl Chains {
             loop {
                 seen[i] = true;
                 let link = &self.links[i];
-                if ring.points.last() != Some(&link.point) {
-                    ring.points.push(link.point);
-                    ring.fixed.push(link.fixed);
+                ring.push(link.point, true);
+                let [from, to] = link.between.map(|k| k as usize);
+                for &point in &self.between[from..to] {
+                    ring.push(point, false);
                 }
                 match link.next {
                     NONE => {

@@ -534,7 +534,7 @@ impl<'a> Marcher<'a> {
             .zip(&self.edges.all)
             .map(|(v, edge)| {
                 let chains = &mut layers[edge.layer as usize];
-                chains.add(v.end.point, v.crossing, true)
+                chains.add(v.end.point, v.crossing)
             })
             .collect();
         let mut traced = chords.iter().zip(traced).peekable();
@@ -570,7 +570,7 @@ impl<'a> Marcher<'a> {
                 for v in [piece.from, piece.to].map(|v| v as usize) {
                     if own[v] == NONE {
                         let Vertex { end, crossing } = d.vertices[v];
-                        own[v] = chains.add(end.point, crossing, true);
+                        own[v] = chains.add(end.point, crossing);
                     }
                 }
                 let [from, to] =

@@ -206,3 +206,86 @@ fn close(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::{Rect, edges};
+    use fidget::context::Tree;
+    use glam::DVec2;
+
+    /// A hollow ball, of whose circles one leaf each has been sampled: what is
+    /// missing is found by following them from there.
+    #[test]
+    fn circles_of_which_one_leaf_is_known_are_closed() {
+        const SPACING: f64 = 0.1;
+        let (outer, inner) = (9.5_f64, 6.5_f64);
+        let (x, y, z) = Tree::axes();
+        let ball = (x.square() + y.square() + z.square()).sqrt() - 8.0;
+        let half = DVec2::splat(11.0);
+        let bounds = Rect {
+            min: -half,
+            max: half,
+        };
+        let field = Field::new(&(ball.abs() - 1.5), 0.0, bounds, SPACING);
+        let field = field.unwrap();
+        let detail = Detail {
+            accuracy: 0.005,
+            smallest: 0.11,
+        };
+        let precision = Precision {
+            chord: CHORD_SHARE * detail.accuracy,
+            smallest: detail.smallest,
+        };
+        let heights = [-2.0, 0.3, 5.0];
+        let radii = |z: f64| [outer, inner].map(|r| (r * r - z * z).sqrt());
+        let lattice = field.lattice();
+        let leaf_of = |p: f64, nodes: &[f32]| {
+            let cells = (p - f64::from(nodes[0])) / SPACING;
+            cells as usize / LEAF * LEAF
+        };
+        let known: Vec<Leaf> = heights
+            .iter()
+            .enumerate()
+            .flat_map(|(layer, &z)| {
+                radii(z).map(|r| Leaf {
+                    layer,
+                    i: leaf_of(r, &lattice.x),
+                    j: leaf_of(0.0, &lattice.y),
+                })
+            })
+            .collect();
+        let mut layers: Vec<Chains> =
+            heights.iter().map(|_| Chains::default()).collect();
+        let mut marcher = Marcher::new(lattice, &heights, precision);
+        let mut march = |batch: Batch<'_>| marcher.march(batch, &mut layers);
+        field.leaves(&heights, &known, &mut march).unwrap();
+        let outlines = close(&field, &heights, detail, layers, marcher);
+        for (outline, z) in outlines.unwrap().iter().zip(heights) {
+            assert_eq!((outline.forced_rings, outline.dropped_rings), (0, 0));
+            let rings = &outline.area.rings;
+            assert_eq!(rings.len(), 2);
+            let mut seen = [0.0; 2];
+            for (ring, p, q) in rings
+                .iter()
+                .enumerate()
+                .flat_map(|(n, r)| edges(r).map(move |(p, q)| (n, p, q)))
+            {
+                for share in [0.0, 0.25, 0.5, 0.75] {
+                    let r = p.lerp(q, share).length();
+                    let off = radii(z).map(|true_r| (r - true_r).abs());
+                    let off = off[0].min(off[1]);
+                    assert!(off <= detail.accuracy, "{off} at z = {z}");
+                }
+                seen[ring] += p.perp_dot(q) / 2.0;
+            }
+            seen.sort_by(f64::total_cmp);
+            // The hole is the other way round.
+            let [outer, inner] = radii(z);
+            for (area, r) in seen.into_iter().zip([-inner, outer]) {
+                let whole = std::f64::consts::PI * r * r.abs();
+                assert!((area / whole - 1.0).abs() < 1e-3, "{area}, {whole}");
+            }
+        }
+    }
+}

@@ -60,8 +60,10 @@ pub const NODES: usize = LEAF + 1;
 /// Layers that share one walk over the tiles, at most.
 pub const SLAB: usize = 32;
 /// Cells in a slab of a large lattice, at most: what its layers' outlines need of
-/// memory is then bounded by the extent in the plane, and not by the height.
-const SLAB_CELLS: usize = 16_000_000;
+/// memory is then bounded by the extent in the plane, and not by the height. A
+/// cell with an outline takes some 60 bytes until the slab is done. More layers
+/// would save only proofs.
+const SLAB_CELLS: usize = 4_000_000;
 
 /// Why a field cannot be evaluated.
 #[derive(Debug, thiserror::Error)]

@@ -12,6 +12,7 @@
 //! chapter 6; intersecting at every node lets `max` and `min` of several
 //! surfaces each have their own.)
 //!
+//! Soft unions are taken as a whole (`blend`).
 //! Operations that jump are smooth in pieces (`piece`), and a program may be
 //! about one piece of some of them. What does not decide the sign of f in a box
 //! is left out of the program for it (`simplify`).
@@ -19,6 +20,7 @@
 //! Why not fidget's interval evaluators: they are f32, and they panic (the
 //! compiled ones abort) on fields whose ranges overflow. See `interval`.
 
+mod blend;
 mod piece;
 mod simplify;
 mod slot;
@@ -29,6 +31,7 @@ mod undefined;
 use crate::cell::Cell;
 use crate::interval::Interval;
 use crate::number::{binary, unary};
+use blend::Blend;
 use fidget::context::{BinaryOpcode, Context, Node, Op, UnaryOpcode};
 use fidget::var::Var;
 use piece::Piece;
@@ -43,6 +46,7 @@ enum Step {
     Const(f64),
     Unary(UnaryOpcode, u32),
     Binary(BinaryOpcode, u32, u32),
+    Blend(Blend, u32, u32),
 }
 
 impl Step {
@@ -51,7 +55,7 @@ impl Step {
         let (a, b) = match *self {
             Step::Axis(_) | Step::Const(_) => (None, None),
             Step::Unary(_, a) => (Some(a), None),
-            Step::Binary(_, a, b) => (Some(a), Some(b)),
+            Step::Binary(_, a, b) | Step::Blend(_, a, b) => (Some(a), Some(b)),
         };
         a.into_iter().chain(b)
     }
@@ -121,13 +125,20 @@ impl Program {
                     pieces: Vec::new(),
                 });
             };
+            let blend = Blend::of(context, node);
             if !ready {
                 todo.push((node, true));
-                todo.extend(op.iter_children().map(|c| (c, false)));
+                match blend {
+                    Some((_, both)) => todo.extend(both.map(|c| (c, false))),
+                    None => todo.extend(op.iter_children().map(|c| (c, false))),
+                }
                 continue;
             }
             let of = |n: &Node| index.get(n).copied().unwrap_or(0);
             let step = match op {
+                _ if let Some((blend, [a, b])) = blend => {
+                    Step::Blend(blend, of(&a), of(&b))
+                }
                 Op::Input(Var::X) => Step::Axis(0),
                 Op::Input(Var::Y) => Step::Axis(1),
                 Op::Input(Var::Z) => Step::Axis(2),
@@ -203,6 +214,9 @@ impl Program {
                 Step::Binary(op, a, b) => {
                     binary(op, v[a as usize], v[b as usize])
                 }
+                Step::Blend(blend, a, b) => {
+                    blend.value(v[a as usize], v[b as usize])
+                }
             };
             v.push(value);
         }
@@ -258,6 +272,9 @@ impl Program {
                 Step::Binary(op, a, b) => {
                     let (a, b) = (&s[a as usize], &s[b as usize]);
                     mixed(op, tightened(binary(op, *a, *b), half), a, b, half)
+                }
+                Step::Blend(blend, a, b) => {
+                    blend.over(&s[a as usize], &s[b as usize], half)
                 }
             };
             s.push(slot);

@@ -99,6 +99,25 @@ impl Program {
                     look(a, of_a, &mut live);
                     look(b, of_b, &mut live);
                 }
+                Step::Blend(blend, a, b) => {
+                    let [ra, rb] = [a, b].map(|o| s[o as usize].range);
+                    if let Some(second) = blend.passes(ra, rb, window.hi) {
+                        let from = if second { b } else { a };
+                        source[i] = from;
+                        live[i] = false;
+                        look(from, window, &mut live);
+                        continue;
+                    }
+                    // Farther above the other one than its radius, neither
+                    // makes a difference.
+                    let radius = f64::from(blend.radius);
+                    let of = |other: Interval| Window {
+                        lo: window.lo,
+                        hi: window.hi.min(other.hi) + radius,
+                    };
+                    look(a, of(rb), &mut live);
+                    look(b, of(ra), &mut live);
+                }
             }
         }
         for i in 0..n {
@@ -139,6 +158,7 @@ impl Program {
             let step = match self.steps[i] {
                 Step::Unary(op, a) => Step::Unary(op, at(a)),
                 Step::Binary(op, a, b) => Step::Binary(op, at(a), at(b)),
+                Step::Blend(blend, a, b) => Step::Blend(blend, at(a), at(b)),
                 other => other,
             };
             position[i] = steps.len() as u32;

@@ -18,6 +18,19 @@ fn mixture() -> Tree {
     ball.max(wave.abs() - 0.4)
         .min(smooth.ln() / (z.abs() + 1.0))
         .max(angle - cells.recip())
+        .min(blended())
+}
+
+/// Soft unions of which both parts, one, or none count.
+fn blended() -> Tree {
+    let (x, y, z) = Tree::axes();
+    let soft = |a: Tree, b: Tree, radius: f32| {
+        let near = (radius - (a.clone() - b.clone()).abs()).max(0.0);
+        a.min(b) - 1.0 / (4.0 * radius) * near.square()
+    };
+    let a = soft(x.clone() * y.clone(), z.sin() * 2.0, 0.6);
+    let b = soft(a.clone() + x, y.square() - 1.0, 1.5);
+    soft(a, b, 0.25)
 }
 
 #[test]

@@ -30,6 +30,7 @@ pub(super) fn no_number(step: &Step, operands: &[f64]) -> String {
             BinaryOpcode::Mod => format!("{a} mod {b}"),
             op => format!("{op:?}({a}, {b})").to_lowercase(),
         },
+        Step::Blend(..) => format!("the blend of {a} and {b}"),
         Step::Axis(_) => "a coordinate".to_owned(),
         Step::Const(_) => "a constant of NaN".to_owned(),
     }

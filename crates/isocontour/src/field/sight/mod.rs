@@ -130,27 +130,50 @@ impl Sight {
     /// If it takes too many operations, or is stopped; or if fidget fails,
     /// which is a bug.
     pub fn look(&self, grid: &Grid) -> Result<Vec<Option<Hit>>, FieldError> {
+        let mut out = Vec::with_capacity(grid.size[0] * grid.size[1]);
+        self.look_by_rows(grid, &mut |row| out.extend_from_slice(row))?;
+        Ok(out)
+    }
+
+    /// Hands over, a row at a time, what each line of sight meets: some rows
+    /// are in memory at once.
+    ///
+    /// # Errors
+    /// As [`Sight::look`].
+    pub fn look_by_rows(
+        &self,
+        grid: &Grid,
+        each: &mut dyn FnMut(&[Option<Hit>]),
+    ) -> Result<(), FieldError> {
+        /// Tiles in memory at once: enough for many threads.
+        const TILES: usize = 256;
         let [width, height, _] = grid.size;
         let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
-        let tiles: Result<Vec<Vec<Option<Hit>>>, FieldError> = (0..columns
-            * rows)
-            .into_par_iter()
-            .map(|n| {
-                let mut eye = Eye::new(self, grid);
-                eye.column([n % columns * TILE, n / columns * TILE])?;
-                Ok(eye.hits)
-            })
-            .collect();
-        let tiles = tiles?;
-        let mut out = Vec::with_capacity(width * height);
-        for j in 0..height {
-            for i in 0..columns {
-                let tile = &tiles[j / TILE * columns + i];
-                let count = TILE.min(width - i * TILE);
-                let from = j % TILE * TILE;
-                out.extend_from_slice(&tile[from..from + count]);
+        let at_once = (TILES / columns.max(1)).max(1);
+        let mut row: Vec<Option<Hit>> = Vec::with_capacity(width);
+        for first in (0..rows).step_by(at_once) {
+            let last = (first + at_once).min(rows);
+            let tiles: Result<Vec<Vec<Option<Hit>>>, FieldError> =
+                (first * columns..last * columns)
+                    .into_par_iter()
+                    .map(|n| {
+                        let mut eye = Eye::new(self, grid);
+                        eye.column([n % columns * TILE, n / columns * TILE])?;
+                        Ok(eye.hits)
+                    })
+                    .collect();
+            let tiles = tiles?;
+            for j in first * TILE..(last * TILE).min(height) {
+                row.clear();
+                for i in 0..columns {
+                    let tile = &tiles[(j / TILE - first) * columns + i];
+                    let count = TILE.min(width - i * TILE);
+                    let from = j % TILE * TILE;
+                    row.extend_from_slice(&tile[from..from + count]);
+                }
+                each(&row);
             }
         }
-        Ok(out)
+        Ok(())
     }
 }
