@@ -6,10 +6,12 @@
 use super::bridge::bridges;
 use super::roles::Sides;
 use super::strokes::strokes;
+use super::zigzag::{Joined, Turns, join};
 use super::{Face, Fill, Patch, sweep};
 use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::plane::Area;
 use crate::plane::clip::difference;
+use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::offset::offset;
 use crate::region::Lay;
@@ -122,18 +124,27 @@ impl Filler<'_> {
         if only.is_some() || looks.iter().all(|l| *l == looks[0]) {
             let look = self.look(only.unwrap_or(Role::InternalSkin));
             let paths = self.paths(&rest, look, self.angle, &free);
+            let border = border(&rest, &paths);
             let parts = match only {
                 Some(role) => vec![(role, paths)],
                 None => by_role(paths, kinds, sides),
             };
             for (role, pieces) in parts {
-                fills.push(self.fill(role, look, self.angle, pieces));
+                fills.push(self.fill(
+                    role,
+                    look,
+                    self.angle,
+                    pieces,
+                    border.as_ref(),
+                ));
             }
         } else {
             for (area, role) in self.areas(&rest, sides) {
                 let look = self.look(role);
                 let paths = self.paths(&area, look, self.angle, &free);
-                fills.push(self.fill(role, look, self.angle, paths));
+                let border = border(&area, &paths);
+                let border = border.as_ref();
+                fills.push(self.fill(role, look, self.angle, paths, border));
             }
         }
         let look = Look {
@@ -142,7 +153,7 @@ impl Filler<'_> {
         };
         let hung = bridged.iter().map(|bridge| {
             let paths = self.paths(&bridge.area, look, bridge.angle, &free);
-            self.fill(Role::Bridge, look, bridge.angle, paths)
+            self.fill(Role::Bridge, look, bridge.angle, paths, None)
         });
         let at = fills.len().saturating_sub(1);
         fills.splice(at..at, hung);
@@ -229,18 +240,21 @@ impl Filler<'_> {
             .collect()
     }
 
-    /// Lines as the beads of a fill.
+    /// Lines as the beads of a fill, joined within a border, if there is one
+    /// and they are parallel.
     fn fill(
         &self,
         role: Role,
         look: Look,
         angle: Degrees,
         paths: Vec<(i64, Stroke)>,
+        border: Option<&EdgeGrid>,
     ) -> Fill {
+        let parallel = look.pattern == SkinPattern::Lines;
         let swept = match role {
             Role::TopSkin => {
-                look.pattern == SkinPattern::Lines
-                    && self.settings.top_skin_order == SkinOrder::Monotonic
+                let order = self.settings.top_skin_order;
+                parallel && order == SkinOrder::Monotonic
             }
             Role::Ironing => true,
             _ => false,
@@ -249,10 +263,22 @@ impl Filler<'_> {
             true => sweep::after(&paths, angle, look.width),
             false => Vec::new(),
         };
-        let lines = paths.into_iter().map(|(_, l)| self.bead(role, l));
+        let joined = match border.filter(|_| parallel) {
+            Some(border) => {
+                let turns = Turns {
+                    border,
+                    spacing: spacing(look.width, look.width, self.height),
+                    height: self.height,
+                };
+                join(paths, &after, turns)
+            }
+            None => Joined::apart(paths, after),
+        };
+        let lines = joined.strokes.into_iter().map(|l| self.bead(role, l));
         Fill {
             lines: lines.collect(),
-            after,
+            after: joined.after,
+            one_way: joined.one_way,
         }
     }
 
@@ -286,12 +312,19 @@ impl Filler<'_> {
         };
         let paths: Vec<(i64, Stroke)> = paths.collect();
         (!paths.is_empty())
-            .then(|| self.fill(Role::Ironing, look, self.angle, paths))
+            .then(|| self.fill(Role::Ironing, look, self.angle, paths, None))
     }
 
     fn bead(&self, role: Role, stroke: Stroke) -> Bead {
         Bead::new(role, stroke, self.height)
     }
+}
+
+/// The border of an area, for lines of which some may be beside each other.
+fn border(area: &Area, lines: &[(i64, Stroke)]) -> Option<EdgeGrid> {
+    /// Size of the cells, mm: turns are shorter.
+    const CELL: Mm = 1.0;
+    (lines.len() > 1).then(|| EdgeGrid::new(area, CELL))
 }
 
 /// Lines cut into pieces of one role each, by role.
@@ -334,7 +367,6 @@ fn by_role(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::grid::EdgeGrid;
     use glam::DVec2;
 
     fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Vec<DVec2> {
