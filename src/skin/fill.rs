@@ -3,7 +3,7 @@
 //! In: an island of skin, and how much its neighbours cover of it. Out: its
 //! rings, and its fills by role, in print order: what is seen comes last.
 
-use super::bridge::bridges;
+use super::bridge::{Bridge, bridges};
 use super::roles::Sides;
 use super::strokes::strokes;
 use super::zigzag::{Joined, Turns, join};
@@ -24,6 +24,9 @@ use std::cell::OnceCell;
 
 /// Tolerance of the offsets inside a skin; nobody sees them.
 const TOLERANCE: Mm = 0.01;
+
+/// Areas nowhere wider than so many lines are filled with strokes along them.
+const NESTED: f64 = 14.0;
 
 /// How one kind of skin is filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,21 +74,20 @@ impl Filler<'_> {
         sides: Sides<'_>,
     ) -> Option<Patch> {
         crate::limits::check();
+        if let Some(nested) = self.nested(island, sides) {
+            return (!nested.rings.is_empty()).then_some(nested);
+        }
         let settings = self.settings;
-        let width = settings.skin_width;
-        let plan = Lay::inside(width, self.height, settings);
+        let plan = Lay::inside(settings.skin_width, self.height, settings);
         let around = patch(island, plan, TOLERANCE);
-        let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
-        let off_ring = half_nozzle + settings.skin_ring_gap;
-        let inside = around.inside(off_ring, TOLERANCE);
+        let inside = around.inside(self.off_ring(), TOLERANCE);
         let fills = self.fills(&inside, &around, sides);
         let mut lines = fills.iter().flat_map(|f| &f.lines);
         let bridge = lines.any(|l| l.role == Role::Bridge);
-        let hangs = |bead: &Bead| bridge && bead.role == Role::BottomSkin;
-        let rings = around.rings.iter().map(|l| {
-            let role = sides.most(l);
-            let bead = self.bead(role, l.clone());
-            match hangs(&bead) {
+        let strokes = around.rings.iter().chain(&around.thin);
+        let rings = strokes.map(|l| {
+            let bead = self.bead(sides.most(l), l.clone());
+            match bridge && bead.role == Role::BottomSkin {
                 true => Bead {
                     role: Role::Bridge,
                     ..bead
@@ -93,10 +95,64 @@ impl Filler<'_> {
                 false => bead,
             }
         });
-        let thin = around.thin.iter().cloned();
-        let thin = thin.map(|l| self.bead(Role::GapFill, l));
-        let rings: Vec<Bead> = rings.chain(thin).collect();
+        let rings: Vec<Bead> = rings.collect();
         (!rings.is_empty()).then_some(Patch { rings, fills })
+    }
+
+    /// How far lines end off the ring's centre line.
+    fn off_ring(&self) -> Mm {
+        let s = self.settings;
+        0.5 * s.printer.nozzle_diameter + s.skin_ring_gap
+    }
+
+    /// The beads of an island that is nowhere wider than some lines, one
+    /// inside the other; nothing if it is wider, if its parts are to look
+    /// different, or if it hangs: bridges run across.
+    fn nested(&self, island: &Area, sides: Sides<'_>) -> Option<Patch> {
+        let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
+        let looks = kinds.map(|role| self.look(role));
+        let look = match sides.only() {
+            Some(role) => self.look(role),
+            None if looks.iter().all(|l| *l == looks[0]) => looks[0],
+            None => return None,
+        };
+        let space = spacing(look.width, look.width, self.height);
+        let half = 0.5 * NESTED * space;
+        // Lines in a wide area: mostly its content tells.
+        let wide = island.content() > half * island.perimeter()
+            || !offset(island, -half, TOLERANCE).is_empty();
+        if wide || !self.bridged(island, sides).0.is_empty() {
+            return None;
+        }
+        let plan = Lay::inside(look.width, self.height, self.settings);
+        let strokes = concentric(island, plan, TOLERANCE).into_iter();
+        let rings = strokes.map(|l| self.bead(sides.most(&l), l));
+        let ironing = || {
+            let whole = offset(island, -plan.inner, TOLERANCE);
+            self.ironing(&whole, sides)
+        };
+        let top = sides.only().is_none_or(|r| r == Role::TopSkin);
+        Some(Patch {
+            rings: rings.collect(),
+            fills: match self.settings.ironing && top {
+                true => ironing().into_iter().collect(),
+                false => Vec::new(),
+            },
+        })
+    }
+
+    /// The bridges of an area, and what they leave of it.
+    fn bridged(&self, area: &Area, sides: Sides<'_>) -> (Vec<Bridge>, Area) {
+        match self.below.get() {
+            Some(below)
+                if self.settings.bridges
+                    && !self.on_bed
+                    && sides.below.0 != Covered::Wholly =>
+            {
+                bridges(area, below, self.settings)
+            }
+            _ => (Vec::new(), area.clone()),
+        }
     }
 
     /// What is inside the rings.
@@ -106,15 +162,7 @@ impl Filler<'_> {
         around: &Around,
         sides: Sides<'_>,
     ) -> Vec<Fill> {
-        let mut rest = inside.clone();
-        let mut bridged = Vec::new();
-        if self.settings.bridges
-            && !self.on_bed
-            && sides.below.0 != Covered::Wholly
-            && let Some(below) = self.below.get()
-        {
-            (bridged, rest) = bridges(inside, below, self.settings);
-        }
+        let (bridged, rest) = self.bridged(inside, sides);
         let free = around.free();
         // From below to above: what is seen is printed last.
         let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
