@@ -9,7 +9,11 @@ use glam::DVec2;
 
 /// Prints a fill whose lines wait for one another.
 pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
-    let Fill { lines, after } = fill;
+    let Fill {
+        lines,
+        after,
+        one_way,
+    } = fill;
     let mut waits: Vec<usize> = after.iter().map(Vec::len).collect();
     let mut next: Vec<Vec<usize>> = vec![Vec::new(); lines.len()];
     for (i, before) in after.iter().enumerate() {
@@ -23,7 +27,9 @@ pub(super) fn print(fill: Fill, at: &mut Option<DVec2>, out: &mut Vec<Bead>) {
     let add = |free: &mut Nearest, line: &Option<Bead>, i: usize| {
         if let Some((Some(a), Some(b))) = line.as_ref().map(ends) {
             free.push(a, 2 * i);
-            free.push(b, 2 * i + 1);
+            if one_way.get(i) != Some(&true) {
+                free.push(b, 2 * i + 1);
+            }
         }
     };
     for (i, line) in lines.iter().enumerate() {
@@ -89,7 +95,12 @@ mod tests {
         }
         let mut at = Some(DVec2::new(5.0, 9.5));
         let mut out = Vec::new();
-        print(Fill { lines, after }, &mut at, &mut out);
+        let fill = Fill {
+            lines,
+            after,
+            one_way: Vec::new(),
+        };
+        print(fill, &mut at, &mut out);
         assert_eq!(out.len(), 14);
         for (i, b) in out.iter().enumerate() {
             for older in &out[..i] {

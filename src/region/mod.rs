@@ -124,8 +124,6 @@ pub(crate) struct Laid {
     pub thin: Vec<Stroke>,
     /// The rings, whole.
     pub rings: Area,
-    /// Ridges of places too thin for any bead.
-    slivers: Vec<Ridge>,
 }
 
 /// Lays one wall along the border of an area.
@@ -139,7 +137,6 @@ pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
         lines: cut(&rings, &beads, lay.centre, lay.width),
         thin: beads.iter().map(|r| along(r, lay.extra)).collect(),
         rings,
-        slivers: thin.beads(0, 0.0),
     }
 }
 
@@ -320,19 +317,31 @@ impl Walls {
         walls
     }
 
-    /// Joins the ends of the `k`th wall's strokes, which lie deeper than
-    /// `depth` in the solid and reach `extra` beyond that together.
+    /// Joins the ends of the `k`th wall's strokes; see [`joined`].
     fn join(&mut self, k: usize, solid: &Solid<'_>, depth: Mm, extra: Mm) {
-        let far = depth + JOINT;
-        // How wide a bead may be that has its middle at a place.
-        let room = |p: DVec2| match solid.grid().nearest_edge(p, far) {
-            Some((_, q)) => 2.0 * (p.distance(q) - depth) + extra,
-            None => f64::INFINITY,
-        };
         let lines = std::mem::take(&mut self.lines[k]);
         let thin = std::mem::take(&mut self.thin[k]);
-        (self.lines[k], self.thin[k]) = joints::join(lines, thin, room);
+        (self.lines[k], self.thin[k]) =
+            joined(lines, thin, solid, depth, extra);
     }
+}
+
+/// Joins the ends of rings and of beads in thin places, which lie deeper than
+/// `depth` in a solid and reach `extra` beyond that together.
+fn joined(
+    lines: Vec<Stroke>,
+    thin: Vec<Stroke>,
+    solid: &Solid<'_>,
+    depth: Mm,
+    extra: Mm,
+) -> (Vec<Stroke>, Vec<Stroke>) {
+    let far = depth + JOINT;
+    // How wide a bead may be that has its middle at a place.
+    let room = |p: DVec2| match solid.grid().nearest_edge(p, far) {
+        Some((_, q)) => 2.0 * (p.distance(q) - depth) + extra,
+        None => f64::INFINITY,
+    };
+    joints::join(lines, thin, room)
 }
 
 /// Walls whose centre lines are outlines of the expression offset by their

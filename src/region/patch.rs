@@ -15,7 +15,7 @@
 use super::line::{RidgeIndex, absorb, along, cut};
 use super::ridge::Ridge;
 use super::thin::Counts;
-use super::{Lay, Skeleton, lay, shrink};
+use super::{Lay, Skeleton, joined, shrink};
 use crate::bead::Stroke;
 use crate::plane::Area;
 use crate::units::Mm;
@@ -53,9 +53,16 @@ pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let core = places.beads(3, plan.inner);
     let away = plan.inner - plan.centre;
     let thin = single.iter().chain(&core);
+    let (rings, thin) = joined(
+        absorb(rings, &slivers, away, tolerance),
+        thin.map(|r| along(r, plan.extra)).collect(),
+        &skeleton.solid,
+        0.0,
+        plan.extra,
+    );
     Patch {
-        rings: absorb(rings, &slivers, away, tolerance),
-        thin: thin.map(|r| along(r, plan.extra)).collect(),
+        rings,
+        thin,
         whole,
         core,
     }
@@ -110,19 +117,39 @@ impl Free<'_> {
 /// Rings inside one another that fill an area, the outermost first, and the
 /// beads of places too thin for them.
 pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
+    let counts = Counts::new(&[plan, plan], Some(plan));
     let away = plan.inner - plan.centre;
     let mut area = area.clone();
-    let mut rings: Vec<Stroke> = Vec::new();
-    let mut last: Vec<Stroke> = Vec::new();
-    while !area.is_empty() {
-        let laid = lay(&area, plan, tolerance);
-        rings.extend(absorb(last, &laid.slivers, away, tolerance));
-        rings.extend(laid.thin);
-        last = laid.lines;
-        area = shrink(&laid.rings, away, tolerance);
+    let mut strokes: Vec<Stroke> = Vec::new();
+    loop {
+        crate::limits::check();
+        // Two rings at a time, as walls.
+        let skeleton = Skeleton::new(&area, counts.limit(), tolerance);
+        let places = skeleton.thin_places(&counts);
+        let mut depth = 0.0;
+        for k in 0..2 {
+            let rings = skeleton.shrunk(depth + plan.centre, tolerance);
+            let beads = places.beads(2 * k + 1, depth);
+            let rings = cut(&rings, &beads, plan.centre, plan.width);
+            let slivers = places.beads(2 * k + 2, depth + plan.inner);
+            let (rings, thin) = joined(
+                absorb(rings, &slivers, away, tolerance),
+                beads.iter().map(|r| along(r, plan.extra)).collect(),
+                &skeleton.solid,
+                depth,
+                plan.extra,
+            );
+            strokes.extend(rings);
+            strokes.extend(thin);
+            depth += plan.inner;
+        }
+        let left = skeleton.shrunk(depth, tolerance);
+        // What a hole leaves on its own would grow, not shrink.
+        if !(0.0..area.content()).contains(&left.content()) || left.is_empty() {
+            return strokes;
+        }
+        area = left;
     }
-    rings.extend(last);
-    rings
 }
 
 /// The ranges of the line from `a` to `b` that are free.

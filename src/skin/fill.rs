@@ -3,13 +3,15 @@
 //! In: an island of skin, and how much its neighbours cover of it. Out: its
 //! rings, and its fills by role, in print order: what is seen comes last.
 
-use super::bridge::bridges;
+use super::bridge::{Bridge, bridges};
 use super::roles::Sides;
 use super::strokes::strokes;
+use super::zigzag::{Joined, Turns, join};
 use super::{Face, Fill, Patch, sweep};
 use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::plane::Area;
 use crate::plane::clip::difference;
+use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::offset::offset;
 use crate::region::Lay;
@@ -22,6 +24,9 @@ use std::cell::OnceCell;
 
 /// Tolerance of the offsets inside a skin; nobody sees them.
 const TOLERANCE: Mm = 0.01;
+
+/// Areas nowhere wider than so many lines are filled with strokes along them.
+const NESTED: f64 = 14.0;
 
 /// How one kind of skin is filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,21 +74,20 @@ impl Filler<'_> {
         sides: Sides<'_>,
     ) -> Option<Patch> {
         crate::limits::check();
+        if let Some(nested) = self.nested(island, sides) {
+            return (!nested.rings.is_empty()).then_some(nested);
+        }
         let settings = self.settings;
-        let width = settings.skin_width();
-        let plan = Lay::inside(width, self.height, settings);
+        let plan = Lay::inside(settings.skin_width(), self.height, settings);
         let around = patch(island, plan, TOLERANCE);
-        let half_nozzle = 0.5 * settings.printer.nozzle_diameter;
-        let off_ring = half_nozzle + settings.skin_ring_gap;
-        let inside = around.inside(off_ring, TOLERANCE);
+        let inside = around.inside(self.off_ring(), TOLERANCE);
         let fills = self.fills(&inside, &around, sides);
         let mut lines = fills.iter().flat_map(|f| &f.lines);
         let bridge = lines.any(|l| l.role == Role::Bridge);
-        let hangs = |bead: &Bead| bridge && bead.role == Role::BottomSkin;
-        let rings = around.rings.iter().map(|l| {
-            let role = sides.most(l);
-            let bead = self.bead(role, l.clone());
-            match hangs(&bead) {
+        let strokes = around.rings.iter().chain(&around.thin);
+        let rings = strokes.map(|l| {
+            let bead = self.bead(sides.most(l), l.clone());
+            match bridge && bead.role == Role::BottomSkin {
                 true => Bead {
                     role: Role::Bridge,
                     ..bead
@@ -91,10 +95,64 @@ impl Filler<'_> {
                 false => bead,
             }
         });
-        let thin = around.thin.iter().cloned();
-        let thin = thin.map(|l| self.bead(Role::GapFill, l));
-        let rings: Vec<Bead> = rings.chain(thin).collect();
+        let rings: Vec<Bead> = rings.collect();
         (!rings.is_empty()).then_some(Patch { rings, fills })
+    }
+
+    /// How far lines end off the ring's centre line.
+    fn off_ring(&self) -> Mm {
+        let s = self.settings;
+        0.5 * s.printer.nozzle_diameter + s.skin_ring_gap
+    }
+
+    /// The beads of an island that is nowhere wider than some lines, one
+    /// inside the other; nothing if it is wider, if its parts are to look
+    /// different, or if it hangs: bridges run across.
+    fn nested(&self, island: &Area, sides: Sides<'_>) -> Option<Patch> {
+        let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
+        let looks = kinds.map(|role| self.look(role));
+        let look = match sides.only() {
+            Some(role) => self.look(role),
+            None if looks.iter().all(|l| *l == looks[0]) => looks[0],
+            None => return None,
+        };
+        let space = spacing(look.width, look.width, self.height);
+        let half = 0.5 * NESTED * space;
+        // Lines in a wide area: mostly its content tells.
+        let wide = island.content() > half * island.perimeter()
+            || !offset(island, -half, TOLERANCE).is_empty();
+        if wide || !self.bridged(island, sides).0.is_empty() {
+            return None;
+        }
+        let plan = Lay::inside(look.width, self.height, self.settings);
+        let strokes = concentric(island, plan, TOLERANCE).into_iter();
+        let rings = strokes.map(|l| self.bead(sides.most(&l), l));
+        let ironing = || {
+            let whole = offset(island, -plan.inner, TOLERANCE);
+            self.ironing(&whole, sides)
+        };
+        let top = sides.only().is_none_or(|r| r == Role::TopSkin);
+        Some(Patch {
+            rings: rings.collect(),
+            fills: match self.settings.ironing && top {
+                true => ironing().into_iter().collect(),
+                false => Vec::new(),
+            },
+        })
+    }
+
+    /// The bridges of an area, and what they leave of it.
+    fn bridged(&self, area: &Area, sides: Sides<'_>) -> (Vec<Bridge>, Area) {
+        match self.below.get() {
+            Some(below)
+                if self.settings.bridges
+                    && !self.on_bed
+                    && sides.below.0 != Covered::Wholly =>
+            {
+                bridges(area, below, self.settings)
+            }
+            _ => (Vec::new(), area.clone()),
+        }
     }
 
     /// What is inside the rings.
@@ -104,15 +162,7 @@ impl Filler<'_> {
         around: &Around,
         sides: Sides<'_>,
     ) -> Vec<Fill> {
-        let mut rest = inside.clone();
-        let mut bridged = Vec::new();
-        if self.settings.bridges
-            && !self.on_bed
-            && sides.below.0 != Covered::Wholly
-            && let Some(below) = self.below.get()
-        {
-            (bridged, rest) = bridges(inside, below, self.settings);
-        }
+        let (bridged, rest) = self.bridged(inside, sides);
         let free = around.free();
         // From below to above: what is seen is printed last.
         let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
@@ -122,18 +172,27 @@ impl Filler<'_> {
         if only.is_some() || looks.iter().all(|l| *l == looks[0]) {
             let look = self.look(only.unwrap_or(Role::InternalSkin));
             let paths = self.paths(&rest, look, self.angle, &free);
+            let border = border(&rest, &paths);
             let parts = match only {
                 Some(role) => vec![(role, paths)],
                 None => by_role(paths, kinds, sides),
             };
             for (role, pieces) in parts {
-                fills.push(self.fill(role, look, self.angle, pieces));
+                fills.push(self.fill(
+                    role,
+                    look,
+                    self.angle,
+                    pieces,
+                    border.as_ref(),
+                ));
             }
         } else {
             for (area, role) in self.areas(&rest, sides) {
                 let look = self.look(role);
                 let paths = self.paths(&area, look, self.angle, &free);
-                fills.push(self.fill(role, look, self.angle, paths));
+                let border = border(&area, &paths);
+                let border = border.as_ref();
+                fills.push(self.fill(role, look, self.angle, paths, border));
             }
         }
         let look = Look {
@@ -142,7 +201,7 @@ impl Filler<'_> {
         };
         let hung = bridged.iter().map(|bridge| {
             let paths = self.paths(&bridge.area, look, bridge.angle, &free);
-            self.fill(Role::Bridge, look, bridge.angle, paths)
+            self.fill(Role::Bridge, look, bridge.angle, paths, None)
         });
         let at = fills.len().saturating_sub(1);
         fills.splice(at..at, hung);
@@ -229,18 +288,21 @@ impl Filler<'_> {
             .collect()
     }
 
-    /// Lines as the beads of a fill.
+    /// Lines as the beads of a fill, joined within a border, if there is one
+    /// and they are parallel.
     fn fill(
         &self,
         role: Role,
         look: Look,
         angle: Degrees,
         paths: Vec<(i64, Stroke)>,
+        border: Option<&EdgeGrid>,
     ) -> Fill {
+        let parallel = look.pattern == SkinPattern::Lines;
         let swept = match role {
             Role::TopSkin => {
-                look.pattern == SkinPattern::Lines
-                    && self.settings.top_skin_order == SkinOrder::Monotonic
+                let order = self.settings.top_skin_order;
+                parallel && order == SkinOrder::Monotonic
             }
             Role::Ironing => true,
             _ => false,
@@ -249,10 +311,22 @@ impl Filler<'_> {
             true => sweep::after(&paths, angle, look.width),
             false => Vec::new(),
         };
-        let lines = paths.into_iter().map(|(_, l)| self.bead(role, l));
+        let joined = match border.filter(|_| parallel) {
+            Some(border) => {
+                let turns = Turns {
+                    border,
+                    spacing: spacing(look.width, look.width, self.height),
+                    height: self.height,
+                };
+                join(paths, &after, turns)
+            }
+            None => Joined::apart(paths, after),
+        };
+        let lines = joined.strokes.into_iter().map(|l| self.bead(role, l));
         Fill {
             lines: lines.collect(),
-            after,
+            after: joined.after,
+            one_way: joined.one_way,
         }
     }
 
@@ -286,12 +360,19 @@ impl Filler<'_> {
         };
         let paths: Vec<(i64, Stroke)> = paths.collect();
         (!paths.is_empty())
-            .then(|| self.fill(Role::Ironing, look, self.angle, paths))
+            .then(|| self.fill(Role::Ironing, look, self.angle, paths, None))
     }
 
     fn bead(&self, role: Role, stroke: Stroke) -> Bead {
         Bead::new(role, stroke, self.height)
     }
+}
+
+/// The border of an area, for lines of which some may be beside each other.
+fn border(area: &Area, lines: &[(i64, Stroke)]) -> Option<EdgeGrid> {
+    /// Size of the cells, mm: turns are shorter.
+    const CELL: Mm = 1.0;
+    (lines.len() > 1).then(|| EdgeGrid::new(area, CELL))
 }
 
 /// Lines cut into pieces of one role each, by role.
@@ -334,7 +415,6 @@ fn by_role(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::grid::EdgeGrid;
     use glam::DVec2;
 
     fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Vec<DVec2> {

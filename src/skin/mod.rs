@@ -19,6 +19,7 @@ mod roles;
 mod short;
 mod strokes;
 mod sweep;
+mod zigzag;
 
 use crate::bead::Bead;
 use crate::plane::{Area, Solid};
@@ -46,6 +47,8 @@ pub(crate) struct Fill {
     /// For each bead those that have to be printed before it; empty if any
     /// order will do.
     pub after: Vec<Vec<u32>>,
+    /// Whether each bead has to be printed the way it runs; empty if none.
+    pub one_way: Vec<bool>,
 }
 
 /// The layers directly above and below a layer, if there are any.
@@ -104,7 +107,7 @@ pub(crate) fn patches(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bead::{Role, spacing};
+    use crate::bead::{Role, Stroke, spacing};
     use crate::plane::clip::difference;
     use crate::settings::SkinPattern;
     use glam::DVec2;
@@ -139,25 +142,36 @@ mod tests {
             assert_eq!(p.rings.len(), 1);
             assert_eq!(p.rings[0].role, Role::TopSkin);
             let lines = &p.fills[0].lines;
-            let length: f64 = lines.iter().map(|b| b.length()).sum();
             let space = spacing(0.45, 0.45, 0.2);
+            let content: f64 =
+                lines.iter().map(|b| laid(b, 0.45 - space)).sum();
             let side = 20.0 - space - 0.4;
-            assert!((length * space / (side * side) - 1.0).abs() < 0.01);
-            let d = lines[9].points[1] - lines[9].points[0];
+            assert!((content / (side * side) - 1.0).abs() < 0.01);
+            let d = lines[0].points[1] - lines[0].points[0];
             let slope = d.y / d.x;
             let expected = if layer == 0 { 1.0 } else { -1.0 };
             assert!((slope - expected).abs() < 1e-9, "{slope}");
         }
     }
 
-    /// Content by role: length times spacing of the lines.
+    /// What a stroke lays whose share of the plane is its width less `less`.
+    pub(super) fn laid(s: &Stroke, less: Mm) -> f64 {
+        let widths = |i: usize| 0.5 * (s.width_at(i) + s.width_at(i + 1));
+        let segments = s.segments().enumerate();
+        segments
+            .map(|(i, (a, b))| a.distance(b) * (widths(i) - less))
+            .sum()
+    }
+
+    /// Content by role: what its lines lay.
     fn contents(patches: &[Patch], settings: &Settings) -> Vec<(Role, f64)> {
         let space = spacing(settings.skin_width(), settings.skin_width(), 0.2);
         let fills = patches.iter().flat_map(|p| &p.fills);
         fills
             .map(|f| {
-                let length: f64 = f.lines.iter().map(|b| b.length()).sum();
-                (f.lines[0].role, length * space)
+                let less = settings.skin_width - space;
+                let lines = f.lines.iter().map(|b| laid(b, less));
+                (f.lines[0].role, lines.sum())
             })
             .collect()
     }
@@ -206,13 +220,13 @@ mod tests {
         for (fill, (role, should)) in fills.iter().zip(expected) {
             let width = if role == Role::TopSkin { 0.5 } else { 0.45 };
             let space = spacing(width, width, 0.2);
-            let length: f64 = fill.lines.iter().map(|b| b.length()).sum();
+            let lines = fill.lines.iter().map(|b| laid(b, width - space));
+            let is: f64 = lines.sum();
             assert_eq!(fill.lines[0].role, role);
             assert_eq!(fill.lines[0].width, width);
             let closed = role == Role::BottomSkin;
             assert_eq!(fill.lines[0].closed, closed);
             // Rings are as wide as their places.
-            let is = length * space;
             assert!((is / should - 1.0).abs() < 0.06, "{role:?} {is}");
         }
     }
