@@ -5,7 +5,7 @@
 use super::comments::{self, role_name};
 use super::number::scaled;
 use super::{COARSE, E, WIDTH, WriteError, Writer, XYZ, flavour};
-use crate::bead::Bead;
+use crate::bead::{Bead, Role};
 use crate::pace::PacedMove;
 use crate::units::{MICRON, Mm, MmPerSec, MmPerSec2, feed_rate, filament_area};
 use glam::DVec2;
@@ -30,6 +30,7 @@ impl<W: Write> Writer<'_, W> {
             PacedMove::Lift { z, speed } => self.lift(*z, *speed),
             PacedMove::Travel { points, speed } => {
                 self.accelerate_travel();
+                self.on_way = false;
                 for &p in points {
                     self.go(p, *speed, None)?;
                 }
@@ -63,14 +64,16 @@ impl<W: Write> Writer<'_, W> {
                 self.type_comment(name(bead.role));
             }
             self.role = Some(bead.role);
+            self.on_way = false;
         }
         let width = self.count("bead width", bead.width, WIDTH)?;
         let height = self.count("bead height", bead.height, WIDTH)?;
         if comments::has_sizes(self.settings.gcode.comments) {
-            if self.width != Some(width) {
+            if self.shows_width(bead.role, width) {
                 self.width = Some(width);
                 self.comment_number(";WIDTH:", width, WIDTH);
             }
+            self.on_way = true;
             if self.height != Some(height) {
                 self.height = Some(height);
                 self.comment_number(";HEIGHT:", height, WIDTH);
@@ -88,6 +91,21 @@ impl<W: Write> Writer<'_, W> {
             self.go(p, speed, Some(area))?;
         }
         Ok(())
+    }
+
+    /// True if a reader has to be told a width, counted in units of its last
+    /// decimal. A width that changes on the way is told when a viewer shows the
+    /// difference: at once if the bead's edges are the part's, else at a share
+    /// of the width. At a bead's beginning it is told exactly.
+    fn shows_width(&self, role: Role, width: i64) -> bool {
+        /// This share of a width is 0.02 mm of an ordinary one: 10 µm on each
+        /// edge, which no viewer shows.
+        const SHARE: f64 = 0.04;
+        self.width
+            .is_none_or(|told| match self.on_way && !role.shows() {
+                true => (width - told).abs() as f64 > SHARE * told as f64,
+                false => width != told,
+            })
     }
 
     /// Moves to `p`, feeding `filament` mm for each mm.

@@ -28,6 +28,10 @@ table::settings! {
         ["Outlines"]
         /// Greatest distance between an outline and the true surface.
         accuracy: Mm = 0.005, in 0.0005..=0.1;
+        /// Greatest distance between a path that does not show (inner walls,
+        /// gaps, skin, infill) and where it was meant. Printers cannot show
+        /// it, and the longer moves are easier on the firmware.
+        path_accuracy: Mm = 0.025, in 0.0005..=0.2;
         /// Spacing of the lattice on which the field is sampled to find the
         /// outlines. Details smaller than this may be missed, and curves
         /// tighter than a few times this are less accurate.

@@ -8,6 +8,8 @@ pub(crate) use overhang::Support;
 
 use crate::bead::{Bead, Role, Stroke};
 use crate::region::Walls;
+use crate::resolution;
+use crate::settings::Settings;
 use crate::units::Mm;
 use std::iter;
 
@@ -16,19 +18,27 @@ use std::iter;
 /// it stands for. Rings shorter
 /// than `small` are marked: later they may be opened, or cut.
 pub(crate) fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
-    let of = |all: &[Vec<Stroke>]| -> Vec<Bead> {
-        let roles =
-            iter::once(Role::OuterWall).chain(iter::repeat(Role::InnerWall));
-        let lines = all.iter().zip(roles);
-        lines
-            .flat_map(|(lines, role)| {
-                lines.iter().map(move |l| bead(l, role, height, small))
-            })
-            .collect()
-    };
-    let mut beads = of(&walls.lines);
-    beads.extend(of(&walls.thin));
-    beads
+    let all = walls.lines.iter().zip(roles());
+    all.chain(walls.thin.iter().zip(roles()))
+        .flat_map(|(lines, role)| {
+            lines.iter().map(move |l| bead(l, role, height, small))
+        })
+        .collect()
+}
+
+/// Thins the walls' lines to what their roles permit.
+pub(crate) fn thin(walls: &mut Walls, settings: &Settings) {
+    let all = walls.lines.iter_mut().zip(roles());
+    for (lines, role) in all.chain(walls.thin.iter_mut().zip(roles())) {
+        for line in lines {
+            resolution::thin(line, role, settings);
+        }
+    }
+}
+
+/// The roles of lines by their walls.
+fn roles() -> impl Iterator<Item = Role> {
+    iter::once(Role::OuterWall).chain(iter::repeat(Role::InnerWall))
 }
 
 fn bead(stroke: &Stroke, role: Role, height: Mm, small: Mm) -> Bead {
