@@ -35,13 +35,30 @@ pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
     }
 }
 
+/// Share of a role's tolerance that is for arcs, if there are any: they are
+/// laid along what the thinning leaves.
+const ARCS: f64 = 0.7;
+
+/// How far arcs may be from the path of a bead of this role.
+pub(crate) fn arc_tolerance(role: Role, settings: &Settings) -> Mm {
+    // An outline's polygon lies on both sides of the curve that it stands for,
+    // and so does an arc along it: their deviations do not add up.
+    match role.shows() {
+        true => settings.accuracy,
+        false => ARCS * settings.path_accuracy,
+    }
+}
+
 /// Thins a stroke of a bead of this role.
 pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
     let n = stroke.points.len();
     if n < 3 {
         return;
     }
-    let tolerance = tolerance(role, settings);
+    let tolerance = match settings.arcs() {
+        true => (1.0 - ARCS) * tolerance(role, settings),
+        false => tolerance(role, settings),
+    };
     let slack = |width: Mm| match role.shows() {
         true => tolerance.min(WIDTH * width),
         false => WIDTH * width,

@@ -258,6 +258,14 @@ impl<'a> Stages<'a> {
         walls: &Walls,
         k: usize,
     ) -> Result<Option<LayerFigures>, ReportError> {
+        let rounded;
+        let walls = match self.settings.arcs() {
+            true => {
+                rounded = walls::rounded(walls, self.settings);
+                &rounded
+            }
+            false => walls,
+        };
         let parts = LayerParts {
             span: layer.span,
             z: layer.span.sample_z() + self.bed,

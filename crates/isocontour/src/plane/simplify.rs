@@ -257,16 +257,18 @@ fn split(
     pieces
 }
 
-/// The farthest end, up to `last`, of a piece that begins at `start`: found
-/// by lengthening the piece in growing steps until it no longer fits, then
-/// halving the rest. The first try is as long as the piece before, `like`.
-/// With it, its line; none if it has but two points.
-fn longest(
+/// The farthest end, up to `last`, of a piece that begins at the point
+/// `start`, and what `fit` says of a piece that ends there; nothing if the
+/// piece has but two points. `fit` says nothing of a piece that is too long.
+///
+/// The piece is lengthened in growing steps until it no longer fits, then the
+/// rest is halved. The first try is as long as `like`, the piece before.
+pub fn longest<T>(
     start: usize,
     last: usize,
     like: usize,
-    fit: impl Fn(usize) -> Option<Line>,
-) -> (usize, Option<Line>) {
+    fit: impl Fn(usize) -> Option<T>,
+) -> (usize, Option<T>) {
     let mut best = (start + 1, None);
     let mut bad = last + 1;
     let (mut end, mut step) = (start + like.max(2), 1);
