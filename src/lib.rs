@@ -165,6 +165,7 @@ pub mod preview;
 pub mod reader;
 mod region;
 mod report;
+mod resolution;
 mod seam;
 pub mod settings;
 mod skin;

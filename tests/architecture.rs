@@ -49,6 +49,8 @@ const ORDER: &[&[&str]] = &[
     // The cross-section of a bead says how far apart walls lie, and with that
     // what they leave for filling. So `region` comes after it.
     &["bead"],
+    // Any stage that makes strokes may thin them.
+    &["resolution"],
     &["region"],
     &["walls", "fuzzy", "skin", "infill", "adhesion"],
     // What hangs, except for what the skin's bridges hold.

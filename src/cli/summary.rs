@@ -56,6 +56,8 @@ impl Sums<'_> {
             outline_p99_um: p99(summary.outline_error),
             outer_wall_p99_um: p99(summary.wall_error),
             left_out: summary.dropped_rings,
+            printing_moves: summary.printing_moves,
+            slowed_moves: summary.slowed_moves,
             gaps_mm2: summary.unfilled_area,
             area_mm2: summary.solid_area,
             checked: summary.verdict.is_some(),
@@ -89,6 +91,8 @@ struct Json<'a> {
     outline_p99_um: Option<f64>,
     outer_wall_p99_um: Option<f64>,
     left_out: usize,
+    printing_moves: usize,
+    slowed_moves: usize,
     gaps_mm2: f64,
     area_mm2: f64,
     checked: bool,
@@ -244,6 +248,15 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
             write!(text, ", outer wall within {walls}")?;
         }
         writeln!(text, " (99 % of the points measured)")?;
+    }
+    if summary.slowed_moves > 0 {
+        writeln!(
+            text,
+            "  slowed      {:.1} % of the moves, as the printer takes {} a \
+             second (printer.max_moves_per_second)",
+            100.0 * summary.slowed_moves as f64 / summary.printing_moves as f64,
+            sums.settings.max_moves_per_second()
+        )?;
     }
     if summary.dropped_rings > 0 {
         writeln!(

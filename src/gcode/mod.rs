@@ -206,6 +206,8 @@ pub(crate) struct Writer<'a, W: Write> {
     acceleration: Option<i64>,
     role: Option<Role>,
     width: Option<i64>,
+    /// True if the head has come to its place printing beads of one role.
+    on_way: bool,
     height: Option<i64>,
     retracted: bool,
     filament: Filament,
@@ -256,6 +258,7 @@ impl<'a, W: Write> Writer<'a, W> {
             acceleration: None,
             role: None,
             width: None,
+            on_way: false,
             height: None,
             retracted: false,
             filament: Filament {

@@ -5,8 +5,9 @@
 use super::comments::{self, role_name};
 use super::number::scaled;
 use super::{COARSE, E, WIDTH, WriteError, Writer, XYZ, flavour};
-use crate::bead::Bead;
+use crate::bead::{Bead, Role};
 use crate::pace::PacedMove;
+use crate::plane::arc::Turn;
 use crate::units::{MICRON, Mm, MmPerSec, MmPerSec2, feed_rate, filament_area};
 use glam::DVec2;
 use std::io::Write;
@@ -30,6 +31,7 @@ impl<W: Write> Writer<'_, W> {
             PacedMove::Lift { z, speed } => self.lift(*z, *speed),
             PacedMove::Travel { points, speed } => {
                 self.accelerate_travel();
+                self.on_way = false;
                 for &p in points {
                     self.go(p, *speed, None)?;
                 }
@@ -37,10 +39,11 @@ impl<W: Write> Writer<'_, W> {
             }
             PacedMove::Print {
                 bead,
+                turns,
                 speed,
                 acceleration,
                 flow,
-            } => self.bead(bead, *speed, *acceleration, *flow),
+            } => self.bead(bead, turns, *speed, *acceleration, *flow),
             PacedMove::Fan(speed) => {
                 self.set_fan(*speed);
                 Ok(())
@@ -51,6 +54,7 @@ impl<W: Write> Writer<'_, W> {
     fn bead(
         &mut self,
         bead: &Bead,
+        turns: &[Option<Turn>],
         speed: MmPerSec,
         acceleration: MmPerSec2,
         flow: f64,
@@ -63,14 +67,16 @@ impl<W: Write> Writer<'_, W> {
                 self.type_comment(name(bead.role));
             }
             self.role = Some(bead.role);
+            self.on_way = false;
         }
         let width = self.count("bead width", bead.width, WIDTH)?;
         let height = self.count("bead height", bead.height, WIDTH)?;
         if comments::has_sizes(self.settings.gcode.comments) {
-            if self.width != Some(width) {
+            if self.shows_width(bead.role, width) {
                 self.width = Some(width);
                 self.comment_number(";WIDTH:", width, WIDTH);
             }
+            self.on_way = true;
             if self.height != Some(height) {
                 self.height = Some(height);
                 self.comment_number(";HEIGHT:", height, WIDTH);
@@ -84,10 +90,28 @@ impl<W: Write> Writer<'_, W> {
         if let Some(start) = path.next() {
             self.go(start, speed, None)?;
         }
-        for p in path {
-            self.go(p, speed, Some(area))?;
+        for (i, p) in path.enumerate() {
+            match turns.get(i) {
+                Some(Some(turn)) => self.go_round(p, *turn, speed, area)?,
+                _ => self.go(p, speed, Some(area))?,
+            }
         }
         Ok(())
+    }
+
+    /// True if a reader has to be told a width, counted in units of its last
+    /// decimal. A width that changes on the way is told when a viewer shows the
+    /// difference: at once if the bead's edges are the part's, else at a share
+    /// of the width. At a bead's beginning it is told exactly.
+    fn shows_width(&self, role: Role, width: i64) -> bool {
+        /// This share of a width is 0.02 mm of an ordinary one: 10 µm on each
+        /// edge, which no viewer shows.
+        const SHARE: f64 = 0.04;
+        self.width
+            .is_none_or(|told| match self.on_way && !role.shows() {
+                true => (width - told).abs() as f64 > SHARE * told as f64,
+                false => width != told,
+            })
     }
 
     /// Moves to `p`, feeding `filament` mm for each mm.
@@ -113,6 +137,45 @@ impl<W: Write> Writer<'_, W> {
         if filament.is_some()
             && let Some(e) = self.filament.word()
         {
+            self.word(b" E", e, E);
+        }
+        self.end_move(speed)
+    }
+
+    /// Goes along an arc to `p`, feeding `filament` mm for each mm.
+    fn go_round(
+        &mut self,
+        p: DVec2,
+        turn: Turn,
+        speed: MmPerSec,
+        filament: f64,
+    ) -> Result<(), WriteError> {
+        let straight = |writer: &mut Self| writer.go(p, speed, Some(filament));
+        let Some((x0, y0)) = self.xy else {
+            return straight(self);
+        };
+        let x = self.count("x", p.x, XYZ)?;
+        let y = self.count("y", p.y, XYZ)?;
+        let i = self.count("i", turn.centre.x, XYZ)? - x0;
+        let j = self.count("j", turn.centre.y, XYZ)? - y0;
+        // As the firmware sees it: from rounded points round a rounded centre.
+        let arm = |x: i64, y: i64| DVec2::new(x as f64, y as f64) * MICRON;
+        let (from, to) = (arm(-i, -j), arm(x - x0 - i, y - y0 - j));
+        let angle = from.angle_to(to);
+        // Rounding may leave next to nothing of a short arc.
+        if angle.is_nan() || angle * turn.angle <= 0.0 {
+            return straight(self);
+        }
+        let radius = 0.5 * (from.length() + to.length());
+        self.feed_filament(filament * radius * angle.abs())?;
+        self.xy = Some((x, y));
+        let command: &[u8] = if angle > 0.0 { b"G3" } else { b"G2" };
+        self.buffer.extend_from_slice(command);
+        self.word(b" X", x, XYZ);
+        self.word(b" Y", y, XYZ);
+        self.word(b" I", i, XYZ);
+        self.word(b" J", j, XYZ);
+        if let Some(e) = self.filament.word() {
             self.word(b" E", e, E);
         }
         self.end_move(speed)

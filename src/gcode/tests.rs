@@ -612,6 +612,8 @@ fn what_is_no_number_is_an_error() {
             fan: 0.0,
             nozzle_temperature: 210.0,
             time: 1.0,
+            printing: 0,
+            slowed: 0,
         };
         let error = writer.layer(&paced);
         assert!(matches!(

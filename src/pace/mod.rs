@@ -7,8 +7,8 @@
 //! Guarantees:
 //! - a bead runs at its role's speed and acceleration. It is no faster than
 //!   `speed.first_layer` on the first layer, than `speed.small_wall` if it is a
-//!   short closed wall, and than the hot end melts (`filament.max_flow`). If
-//!   the layer would take less than `cooling.min_layer_time` it is slower, down
+//!   short closed wall, than the hot end melts (`filament.max_flow`), and than
+//!   the firmware takes its moves (`printer.max_moves_per_second`). If the layer would take less than `cooling.min_layer_time` it is slower, down
 //!   to `cooling.min_speed`;
 //! - the fan runs faster on layers that take little time, and comes up in steps
 //!   above the layers without it;
@@ -31,6 +31,7 @@
 
 mod bounds;
 pub(crate) mod clock;
+mod crowd;
 mod fan;
 pub(crate) mod motion;
 mod moves;
@@ -39,15 +40,18 @@ mod slowing;
 
 pub(crate) use moves::{PacedLayer, PacedMove};
 
-use crate::bead::Bead;
+use crate::bead::{Bead, Stroke};
 use crate::layers::LayerSpan;
+use crate::plane::arc;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::path_length;
+use crate::resolution::arc_tolerance;
 use crate::settings::Settings;
 use crate::travel::{LayerPath, Move, Travel};
 use crate::units::{MICRON, Mm, MmPerSec, MmPerSec2, Percent, filament_area};
 use crate::vary::VaryError;
 use bounds::{acceleration, print_speed, speed_limit};
+use crowd::{Rated, slowed};
 use fan::fan_speed;
 use glam::{DVec2, DVec3};
 use motion::{Limits, Motion};
@@ -129,10 +133,14 @@ impl<'a> Pacer<'a> {
         let mut fan = self.rater.fan(&span).unwrap_or(f64::NAN);
         self.fan = fan;
         let mut out = Vec::with_capacity(moves.len() + 8);
+        // Beads without a travel between them.
+        let mut chain = Vec::new();
+        let (mut printing, mut slow) = (0, 0);
         for step in moves {
             crate::limits::check();
             match step {
                 Move::Travel(travel) => {
+                    slow += self.print_all(&span, &mut chain, &mut out);
                     self.travel(&span, travel, &mut out);
                 }
                 Move::Print(bead) => {
@@ -140,11 +148,16 @@ impl<'a> Pacer<'a> {
                     let pieces = self.rater.pieces(bead, &span, solid)?;
                     for (piece, mut rates) in pieces {
                         rates.speed = rates.speed.min(limit);
-                        self.print(&span, piece, rates, &mut out);
+                        rates.speed =
+                            print_speed(self.settings, &piece, &rates);
+                        let rated = self.with_arcs(piece, rates);
+                        printing += rated.bead.segments().count();
+                        chain.push(rated);
                     }
                 }
             }
         }
+        slow += self.print_all(&span, &mut chain, &mut out);
         if fan.is_nan() {
             // The fan's speed for the first bead holds from the layer's
             // beginning.
@@ -174,6 +187,8 @@ impl<'a> Pacer<'a> {
             fan,
             nozzle_temperature: self.rater.temperature(&span)?,
             time,
+            printing,
+            slowed: slow,
         })
     }
 
@@ -228,13 +243,47 @@ impl<'a> Pacer<'a> {
         out.push(PacedMove::Travel { points, speed });
     }
 
+    /// The bead with arcs, if there are to be any.
+    fn with_arcs(&self, bead: Bead, rates: Rates) -> Rated {
+        let mut rated = Rated {
+            bead,
+            turns: Vec::new(),
+            rates,
+        };
+        if self.settings.arcs() {
+            let bead = &mut rated.bead;
+            let path: Vec<DVec2> = bead.path().collect();
+            let tolerance = arc_tolerance(bead.role, self.settings);
+            let (points, turns) = arc::fit(&path, tolerance);
+            bead.stroke = Stroke::new(points, false, bead.width);
+            rated.turns = turns;
+        }
+        rated
+    }
+
+    /// Prints beads that follow each other without a travel, and tells how many
+    /// of their moves had to be slowed.
+    fn print_all(
+        &mut self,
+        span: &LayerSpan,
+        chain: &mut Vec<Rated>,
+        out: &mut Vec<PacedMove>,
+    ) -> usize {
+        let most = self.settings.max_moves_per_second();
+        let (beads, count) = slowed(std::mem::take(chain), most);
+        for rated in beads {
+            self.print(span, rated, out);
+        }
+        count
+    }
+
     fn print(
         &mut self,
         span: &LayerSpan,
-        bead: Bead,
-        rates: Rates,
+        rated: Rated,
         out: &mut Vec<PacedMove>,
     ) {
+        let Rated { bead, turns, rates } = rated;
         let settings = self.settings;
         let Some(&start) = bead.points.first() else {
             return;
@@ -254,16 +303,25 @@ impl<'a> Pacer<'a> {
             self.fan = rates.fan;
             out.push(PacedMove::Fan(rates.fan));
         }
-        let speed = print_speed(settings, &bead, &rates);
+        let speed = rates.speed;
         let acceleration = acceleration(bead.role, span, settings);
         let filament = bead.area() * rates.flow
             / filament_area(settings.filament.diameter);
         self.xy = Some(start);
-        for to in bead.path().skip(1) {
-            self.go(to, speed, acceleration, filament, true);
+        for (i, (from, to)) in bead.segments().enumerate() {
+            let Some(turn) = turns.get(i).copied().flatten() else {
+                self.go(to, speed, acceleration, filament, true);
+                continue;
+            };
+            let chord = self.motion.chord(turn.radius(from));
+            let count = (turn.length(from) / chord).ceil().max(1.0);
+            for p in turn.chords(from, to, count as usize) {
+                self.go(p, speed, acceleration, filament, true);
+            }
         }
         out.push(PacedMove::Print {
             bead,
+            turns,
             speed,
             acceleration,
             flow: rates.flow,

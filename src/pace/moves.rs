@@ -2,6 +2,7 @@
 
 use crate::bead::Bead;
 use crate::layers::LayerSpan;
+use crate::plane::arc::Turn;
 use crate::units::{Celsius, Mm, MmPerSec, MmPerSec2, Percent, Seconds};
 use glam::DVec2;
 
@@ -52,6 +53,9 @@ pub(crate) enum PacedMove {
     Print {
         /// The bead.
         bead: Bead,
+        /// For each segment of its path the arc in place of it; empty if there
+        /// are none.
+        turns: Vec<Option<Turn>>,
         /// Speed of the head.
         speed: MmPerSec,
         /// Acceleration of the head.
@@ -76,4 +80,8 @@ pub(crate) struct PacedLayer {
     pub nozzle_temperature: Celsius,
     /// How long the layer takes.
     pub time: Seconds,
+    /// Moves that print, and how many of them are slower than asked for, since
+    /// the printer takes only so many in a second.
+    pub printing: usize,
+    pub slowed: usize,
 }

@@ -185,18 +185,19 @@ impl<'a> Rater<'a> {
         span: &LayerSpan,
         solid: Option<&EdgeGrid>,
     ) -> Result<Vec<(Bead, Rates)>, VaryError> {
+        let edge = self.settings.accuracy;
         let quantities =
             [self.speed(bead.role), &self.flow, &self.width, &self.fan];
         if !self.varies || quantities.iter().all(|q| q.constant().is_some()) {
             let [speed, flow, width, fan] =
                 quantities.map(|q| q.constant().unwrap_or(f64::NAN));
-            let pieces = bead.pieces().into_iter();
+            let pieces = bead.pieces(edge).into_iter();
             return Ok(pieces
                 .map(|b| self.rated(b, span, [speed, flow, width, fan]))
                 .collect());
         }
         let mut out = Vec::new();
-        for piece in bead.pieces() {
+        for piece in bead.pieces(edge) {
             crate::limits::check();
             let steps = steps(&piece);
             let places = self.places(&steps, span, solid)?;

@@ -202,6 +202,10 @@ impl<'a, 'w> Exit<'a, 'w> {
         let paced = self
             .timings
             .time(Stage::Pace, || self.pacer.layer(path, Some(solid)))?;
+        if written {
+            self.tally.printing += paced.printing;
+            self.tally.slowed += paced.slowed;
+        }
         self.timings.time(Stage::Gcode, || match written {
             true => self.writer.layer(&paced),
             false => self.writer.rehearse(&paced),

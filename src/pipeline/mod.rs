@@ -124,6 +124,11 @@ pub struct Summary {
     pub unfilled_area: Mm2,
     /// Area of all layers' outlines together.
     pub solid_area: Mm2,
+    /// Moves that print.
+    pub printing_moves: usize,
+    /// How many of them are slower than asked for, because the printer takes no
+    /// more in a second.
+    pub slowed_moves: usize,
     /// Islands and holes left out because they are smaller than a quarter of
     /// the outer wall's width.
     pub dropped_rings: usize,
@@ -430,6 +435,8 @@ fn write(
         filament_mass_g: totals.filament_mass_g,
         unfilled_area: tally.gap,
         solid_area: tally.solid,
+        printing_moves: tally.printing,
+        slowed_moves: tally.slowed,
         dropped_rings: tally.dropped_rings,
         hanging,
         outline_error,

@@ -21,6 +21,7 @@ use crate::region::cover::rough;
 use crate::region::exposure::{Exposure, roomy};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
+use crate::resolution::thin;
 use crate::seam::Seams;
 use crate::settings::{Settings, WallOffset};
 use crate::timings::{Stage, Timings};
@@ -234,13 +235,15 @@ impl<'a> Stages<'a> {
         let height = layer.span.height();
         let walls = self.timings.time(Stage::Walls, || {
             let outline = layer.area();
-            match layer.offsets.is_empty() {
+            let mut walls = match layer.offsets.is_empty() {
                 true => walls(outline, height, self.settings),
                 false => {
                     let areas = layer.offsets.to_vec();
                     field_walls(outline, areas, height, self.settings)
                 }
-            }
+            };
+            walls::thin(&mut walls, self.settings);
+            walls
         });
         let roomy = self
             .timings
@@ -255,6 +258,14 @@ impl<'a> Stages<'a> {
         walls: &Walls,
         k: usize,
     ) -> Result<Option<LayerFigures>, ReportError> {
+        let rounded;
+        let walls = match self.settings.arcs() {
+            true => {
+                rounded = walls::rounded(walls, self.settings);
+                &rounded
+            }
+            false => walls,
+        };
         let parts = LayerParts {
             span: layer.span,
             z: layer.span.sample_z() + self.bed,
@@ -322,7 +333,7 @@ impl<'a> Stages<'a> {
                 fuzzy.apply(&mut walls, number, span.sample_z(), solid)
             })?;
         }
-        let beads = LayerBeads {
+        let mut beads = LayerBeads {
             skirt: loops(
                 number,
                 outline.area(),
@@ -342,6 +353,18 @@ impl<'a> Stages<'a> {
             })?,
             skin,
         };
+        // The walls have been thinned already.
+        self.timings.time(Stage::Infill, || {
+            let of_skin = beads.skin.iter_mut().flat_map(|patch| {
+                let fills = patch.fills.iter_mut().flat_map(|f| &mut f.lines);
+                patch.rings.iter_mut().chain(fills)
+            });
+            let all = beads.skirt.iter_mut().chain(&mut beads.infill);
+            for bead in all.chain(of_skin) {
+                let role = bead.role;
+                thin(bead, role, self.settings);
+            }
+        });
         Ok((beads, areas.sparse))
     }
 

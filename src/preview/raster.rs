@@ -322,9 +322,8 @@ impl Subject {
         let mut normals = Vec::with_capacity(width * height);
         let looked = self.sight.look_by_rows(&grid, &mut |row| {
             depths.extend(row.iter().map(|h| Some(h.as_ref()?.depth * scale)));
-            let normal = |h: &Option<Hit>| {
-                h.map_or(Vec3::ZERO, |h| normal(h.gradient))
-            };
+            let normal =
+                |h: &Option<Hit>| h.map_or(Vec3::ZERO, |h| normal(h.gradient));
             normals.extend(row.iter().map(normal));
         });
         looked.watched()?;

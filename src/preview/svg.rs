@@ -10,6 +10,9 @@ use std::fmt::Write;
 /// Margin around the part, mm, with room for the skirt.
 const MARGIN: f64 = 2.0;
 
+/// How far the edges of a bead whose width varies may be off, mm.
+const EDGE: f64 = 0.005;
+
 /// Colour of a role, as in PrusaSlicer's viewer.
 fn colour(role: Role) -> &'static str {
     match role {
@@ -69,7 +72,7 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
     for m in &path.moves {
         match m {
             Move::Print(bead) => {
-                for piece in bead.clone().pieces() {
+                for piece in bead.clone().pieces(EDGE) {
                     let _ = write!(
                         svg,
                         "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \

@@ -1,8 +1,8 @@
 //! Values that follow from several settings.
 
 use super::by_nozzle::share_of;
-use super::{Acceleration, ByNozzle, Infill, Settings, check};
-use crate::units::{Celsius, Degrees, Mm, MmPerSec, MmPerSec2};
+use super::{Acceleration, ByNozzle, Emit, Flavour, Infill, Settings, check};
+use crate::units::{Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec};
 
 /// Lengths that follow the nozzle, each with what `auto` stands for: a share of
 /// the nozzle's diameter, or another of these lengths.
@@ -130,6 +130,33 @@ impl Settings {
             self.acceleration.travel
         } else {
             self.printer.travel_acceleration
+        }
+    }
+
+    /// Moves a second that the firmware takes:
+    /// `printer.max_moves_per_second` if set, else a cautious figure for its
+    /// kind.
+    ///
+    /// Marlin gets its lines over a serial line mostly: 25 bytes at 115,200
+    /// baud are 2 ms, and each line is answered before the next but a few comes.
+    /// Prusa's 32-bit boards and RepRapFirmware read the file themselves.
+    /// Klipper plans on the host.
+    pub fn max_moves_per_second(&self) -> PerSec {
+        let usual = match self.gcode.flavour {
+            Flavour::Marlin => 200.0,
+            Flavour::Prusa => 400.0,
+            Flavour::Rrf => 500.0,
+            Flavour::Klipper => 1000.0,
+        };
+        self.printer.max_moves_per_second.unwrap_or(usual)
+    }
+
+    /// True if curved paths are written as arcs.
+    pub fn arcs(&self) -> bool {
+        match self.gcode.arcs {
+            Emit::On => true,
+            Emit::Off => false,
+            Emit::Auto => self.printer.takes_arcs,
         }
     }
 

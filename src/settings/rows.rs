@@ -29,6 +29,10 @@ table::settings! {
         ["Outlines"]
         /// Greatest distance between an outline and the true surface.
         accuracy: Mm = 0.005, in 0.0005..=0.1;
+        /// Greatest distance between a path that does not show (inner walls,
+        /// gaps, skin, infill) and where it was meant. Printers cannot show
+        /// it, and the longer moves are easier on the firmware.
+        path_accuracy: Mm = 0.025, in 0.0005..=0.2;
         /// Spacing of the lattice on which the field is sampled to find the
         /// outlines. Details smaller than this may be missed, and curves
         /// tighter than a few times this are less accurate.
@@ -450,6 +454,13 @@ table::settings! {
         square_corner_velocity: MmPerSec = 5.0, in 0.0..=200.0;
         /// Greatest speed in the plane; no move is faster.
         max_speed: MmPerSec = 500.0, in 1.0..=5000.0;
+        /// How many moves a second the firmware takes: where beads bend more
+        /// often, they are slowed. auto for what is usual: 200 for Marlin, 400
+        /// for Prusa's, 500 for RepRapFirmware, 1000 for Klipper.
+        max_moves_per_second: Option<PerSec> = None, in 10.0..=100_000.0;
+        /// Whether the firmware follows arcs (G2 and G3) as closely as many
+        /// short moves.
+        takes_arcs: bool = false;
         /// Greatest speed of the z axis.
         max_speed_z: MmPerSec = 10.0, in 0.1..=1000.0;
         /// Greatest acceleration of the z axis, for the estimate of the time
@@ -470,6 +481,9 @@ table::settings! {
         /// Whether extruder positions are relative to the last one instead of
         /// absolute.
         relative_e: bool = false;
+        /// Whether curved paths of constant width are written as arcs (G2 and
+        /// G3); auto if printer.takes_arcs.
+        arcs: Emit = Emit::Auto;
         /// Template for the start of the print; empty for homing only.
         /// Temperatures that it does not set are set before it, and waited for
         /// after it.

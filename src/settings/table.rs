@@ -271,6 +271,9 @@ macro_rules! unit {
     (MmPerSec) => {
         "mm/s"
     };
+    (PerSec) => {
+        "1/s"
+    };
     (MmPerSec2) => {
         "mm/s²"
     };

@@ -169,7 +169,7 @@ mod tests {
         let fills = patches.iter().flat_map(|p| &p.fills);
         fills
             .map(|f| {
-                let less = settings.skin_width - space;
+                let less = settings.skin_width() - space;
                 let lines = f.lines.iter().map(|b| laid(b, less));
                 (f.lines[0].role, lines.sum())
             })

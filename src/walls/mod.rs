@@ -7,8 +7,12 @@ mod tests;
 pub(crate) use overhang::Support;
 
 use crate::bead::{Bead, Role, Stroke};
+use crate::plane::arc;
 use crate::region::Walls;
+use crate::resolution;
+use crate::settings::Settings;
 use crate::units::Mm;
+use glam::DVec2;
 use std::iter;
 
 /// The walls' lines as beads, the outer wall's first. A part too thin for
@@ -16,19 +20,47 @@ use std::iter;
 /// it stands for. Rings shorter
 /// than `small` are marked: later they may be opened, or cut.
 pub(crate) fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
-    let of = |all: &[Vec<Stroke>]| -> Vec<Bead> {
-        let roles =
-            iter::once(Role::OuterWall).chain(iter::repeat(Role::InnerWall));
-        let lines = all.iter().zip(roles);
-        lines
-            .flat_map(|(lines, role)| {
-                lines.iter().map(move |l| bead(l, role, height, small))
-            })
-            .collect()
-    };
-    let mut beads = of(&walls.lines);
-    beads.extend(of(&walls.thin));
-    beads
+    let all = walls.lines.iter().zip(roles());
+    all.chain(walls.thin.iter().zip(roles()))
+        .flat_map(|(lines, role)| {
+            lines.iter().map(move |l| bead(l, role, height, small))
+        })
+        .collect()
+}
+
+/// Thins the walls' lines to what their roles permit.
+pub(crate) fn thin(walls: &mut Walls, settings: &Settings) {
+    let all = walls.lines.iter_mut().zip(roles());
+    for (lines, role) in all.chain(walls.thin.iter_mut().zip(roles())) {
+        for line in lines {
+            resolution::thin(line, role, settings);
+        }
+    }
+}
+
+/// The walls with arcs laid along those of one width, as fine polygons. The
+/// arcs begin at each wall's first point; in the print they begin at its seam.
+pub(crate) fn rounded(walls: &Walls, settings: &Settings) -> Walls {
+    /// How near the polygons are to the arcs, mm.
+    const FLAT: Mm = 0.0002;
+    let mut walls = walls.clone();
+    for (lines, role) in walls.lines.iter_mut().zip(roles()) {
+        let tolerance = resolution::arc_tolerance(role, settings);
+        for line in lines.iter_mut().filter(|l| l.widths.is_empty()) {
+            let path: Vec<DVec2> = line.path().collect();
+            let (points, turns) = arc::fit(&path, tolerance);
+            line.points = arc::flat(&points, &turns, FLAT);
+            if line.closed {
+                line.points.pop();
+            }
+        }
+    }
+    walls
+}
+
+/// The roles of lines by their walls.
+fn roles() -> impl Iterator<Item = Role> {
+    iter::once(Role::OuterWall).chain(iter::repeat(Role::InnerWall))
 }
 
 fn bead(stroke: &Stroke, role: Role, height: Mm, small: Mm) -> Bead {

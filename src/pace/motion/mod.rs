@@ -130,6 +130,11 @@ impl Motion {
         self.told = acceleration;
     }
 
+    /// Length of the straight moves into which the firmware cuts an arc.
+    pub(crate) fn chord(&self, radius: Mm) -> Mm {
+        self.limits.planner.chord(radius)
+    }
+
     /// The moves so far.
     pub(crate) fn segments(&self) -> &[Segment] {
         &self.segments

@@ -39,7 +39,7 @@ use super::Limits;
 use crate::settings::Flavour;
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 use glam::DVec4;
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2, TAU};
 
 /// Greatest sudden change of the filament's speed at a junction in Klipper,
 /// mm/s: the default of `instantaneous_corner_velocity`.
@@ -162,6 +162,24 @@ impl Planner {
     pub(crate) fn deviation(corner: MmPerSec, acceleration: MmPerSec2) -> Mm {
         (corner * corner * (SQRT_2 - 1.0) / acceleration)
             .clamp(DEVIATION.0, DEVIATION.1)
+    }
+
+    /// Length of the straight moves into which the firmware cuts an arc.
+    ///
+    /// Klipper: the default of `[gcode_arcs] resolution`. Marlin 2.1:
+    /// `MIN_ARC_SEGMENT_MM`, `MAX_ARC_SEGMENT_MM` and `MIN_CIRCLE_SEGMENTS`.
+    /// Prusa: `MM_PER_ARC_SEGMENT` and `MIN_ARC_SEGMENTS`. RepRapFirmware:
+    /// `MaxArcDeviation` with the least and the greatest length of a segment.
+    pub(super) fn chord(&self, radius: Mm) -> Mm {
+        match self {
+            Planner::Klipper { .. } => 1.0,
+            Planner::Marlin { .. } => (TAU * radius / 72.0).clamp(0.1, 1.0),
+            Planner::Prusa(_) => (TAU * radius / 24.0).min(1.0),
+            Planner::Rrf(_) => {
+                let deviation: Mm = 0.02;
+                (8.0 * radius * deviation).sqrt().clamp(0.1, 2.0)
+            }
+        }
     }
 
     /// How many moves beyond the one that begins the firmware knows.

@@ -49,12 +49,47 @@ impl Line {
     }
 }
 
-/// The points of a ring, the first again at the end.
+/// The points of a path.
 #[derive(Clone, Copy)]
 struct Points<'a> {
+    /// If the path is closed, the first again at the end.
     all: &'a [DVec2],
     /// How far each is from the next.
     steps: &'a [Length],
+    closed: bool,
+}
+
+impl Points<'_> {
+    /// The ways to point `k` and on from it; none at the end of an open path.
+    fn ways(&self, k: usize) -> Option<(DVec2, DVec2)> {
+        let before = match k.checked_sub(1) {
+            Some(before) => before,
+            None if self.closed => self.all.len() - 2,
+            None => return None,
+        };
+        let here = self.all[k];
+        Some((here - self.all[before], self.all.get(k + 1)? - here))
+    }
+
+    /// True if the path turns sharply at point `k`.
+    fn turns(&self, k: usize) -> bool {
+        let Some((u, v)) = self.ways(k) else {
+            return true;
+        };
+        // By the cosine: the angle itself costs ten times as much.
+        let along = u.dot(v);
+        let bound = CORNER.cos().powi(2) * u.length_squared();
+        along < 0.0 || along * along < bound * v.length_squared()
+    }
+
+    /// True if a line between the points beside point `k` leaves it farther
+    /// away than the tolerance.
+    fn stands_out(&self, k: usize, tolerance: Length) -> bool {
+        self.ways(k).is_none_or(|(u, v)| {
+            let reach = tolerance * (u + v).length();
+            u.dot(v) < 0.0 || u.perp_dot(v).abs() > reach
+        })
+    }
 }
 
 /// The ring with as few points as the tolerance permits; empty if less
@@ -89,24 +124,94 @@ pub fn simplify_but(
     let signed = signed_area(&points);
     // The first point again at the end: the last piece ends there.
     points.extend_from_within(..1);
-    let steps: Vec<Length> =
-        points.windows(2).map(|p| p[0].distance(p[1])).collect();
+    let steps = steps(&points);
     let points = Points {
         all: &points,
         steps: &steps,
+        closed: true,
     };
-    let mut pieces = split(points, tolerance, stays);
-    let mut out = corners(points.all, &mut pieces);
-    while let Some(finer) = halve_misfits(points, &pieces, &out, tolerance) {
-        pieces = finer;
-        out = corners(points.all, &mut pieces);
-    }
+    let corner = |k: usize| points.turns(k) || stays(points.all[k]);
+    let (mut out, _) = thinned(points, tolerance, corner, |_, _| true);
     drop_straight(&mut out);
     // A sliver thinner than the tolerance may fold over.
     if out.len() < 3 || signed_area(&out) * signed <= 0.0 {
         return Ring::new();
     }
     out
+}
+
+/// A path with as few points as the tolerance permits, each with the number of
+/// the input's point that it stands for. An open path keeps its ends. A closed
+/// path does not repeat its first point, neither here nor in the result, and
+/// may begin elsewhere.
+///
+/// A piece of the path may become a line only if `fits` says so, which gets the
+/// numbers of the points at which the piece begins and ends. In a closed path
+/// the second number may be greater than that of the last point: it then counts
+/// on from the first point.
+pub fn simplify_path(
+    path: &[DVec2],
+    closed: bool,
+    tolerance: Length,
+    fits: impl Fn(usize, usize) -> bool,
+) -> Vec<(DVec2, usize)> {
+    let n = path.len();
+    let whole = || path.iter().copied().zip(0..n).collect();
+    if n < 3 {
+        return whole();
+    }
+    let mut points = Ring::with_capacity(n + 1);
+    points.extend_from_slice(path);
+    let mut first = 0;
+    if closed {
+        // A path that begins in the middle of a line would keep a point there.
+        let corner = |k: &usize| {
+            let (a, b) = (path[(k + n - 1) % n], path[(k + 1) % n]);
+            (path[*k] - a).perp_dot(b - path[*k]).abs()
+        };
+        let sharpest = (0..n).max_by(|a, b| corner(a).total_cmp(&corner(b)));
+        first = sharpest.unwrap_or(0);
+        points.rotate_left(first);
+        points.extend_from_within(..1);
+    }
+    let steps = steps(&points);
+    let points = Points {
+        all: &points,
+        steps: &steps,
+        closed,
+    };
+    let corner = |k: usize| points.turns(k) && points.stands_out(k, tolerance);
+    let fits = |i: usize, j: usize| fits(first + i, first + j);
+    let (out, pieces) = thinned(points, tolerance, corner, fits);
+    // A ring narrower than the tolerance may fold over.
+    if closed && (out.len() < 3 || signed_area(&out) * signed_area(path) <= 0.0)
+    {
+        return whole();
+    }
+    let numbers = pieces.iter().map(|p| (first + p.start) % n);
+    let last = (!closed).then_some(n - 1);
+    out.into_iter().zip(numbers.chain(last)).collect()
+}
+
+/// How far each point is from the next.
+fn steps(points: &[DVec2]) -> Vec<Length> {
+    points.windows(2).map(|p| p[0].distance(p[1])).collect()
+}
+
+/// The points' lines, and where they meet.
+fn thinned(
+    points: Points<'_>,
+    tolerance: Length,
+    corner: impl Fn(usize) -> bool,
+    fits: impl Fn(usize, usize) -> bool,
+) -> (Ring, Vec<Piece>) {
+    let mut pieces = split(points, tolerance, corner, fits);
+    let mut out = corners(points, &mut pieces);
+    while let Some(finer) = halve_misfits(points, &pieces, &out, tolerance) {
+        pieces = finer;
+        out = corners(points, &mut pieces);
+    }
+    (out, pieces)
 }
 
 /// Turn at a point, in radians, from which it is a corner that stays.
@@ -117,20 +222,11 @@ const CORNER: f64 = 0.45;
 fn split(
     points: Points<'_>,
     tolerance: Length,
-    stays: impl Fn(DVec2) -> bool,
+    is_corner: impl Fn(usize) -> bool,
+    fits: impl Fn(usize, usize) -> bool,
 ) -> Vec<Piece> {
     let all = points.all;
     let n = all.len() - 1;
-    let is_corner = |k: usize| {
-        let before = all[if k == 0 { n - 1 } else { k - 1 }];
-        let (u, v) = (all[k] - before, all[k + 1] - all[k]);
-        // By the cosine: the angle itself costs ten times as much.
-        let along = u.dot(v);
-        let bound = CORNER.cos().powi(2) * u.length_squared();
-        along < 0.0
-            || along * along < bound * v.length_squared()
-            || stays(all[k])
-    };
     let mut pieces = Vec::with_capacity(n / 8 + 4);
     let mut start = 0;
     let mut corner = is_corner(start);
@@ -138,8 +234,11 @@ fn split(
     while start < n {
         let last = (start + 1..n).find(|&k| is_corner(k)).unwrap_or(n);
         while start < last {
-            let (end, line) =
-                longest(points, start, last, tolerance, corner, like);
+            let fit = |end: usize| {
+                fit(points, start, end, tolerance, corner)
+                    .filter(|_| fits(start, end))
+            };
+            let (end, line) = longest(start, last, like, fit);
             let chord = || Line::chord(all[start], all[end]);
             like = end - start;
             pieces.push(Piece {
@@ -158,24 +257,24 @@ fn split(
     pieces
 }
 
-/// The farthest end, up to `last`, of a piece that begins at `start`: found
-/// by lengthening the piece in growing steps until it no longer fits, then
-/// halving the rest. The first try is as long as the piece before, `like`.
-/// With it, its line; none if it has but two points.
-fn longest(
-    points: Points<'_>,
+/// The farthest end, up to `last`, of a piece that begins at the point
+/// `start`, and what `fit` says of a piece that ends there; nothing if the
+/// piece has but two points. `fit` says nothing of a piece that is too long.
+///
+/// The piece is lengthened in growing steps until it no longer fits, then the
+/// rest is halved. The first try is as long as `like`, the piece before.
+pub fn longest<T>(
     start: usize,
     last: usize,
-    tolerance: Length,
-    corner: bool,
     like: usize,
-) -> (usize, Option<Line>) {
+    fit: impl Fn(usize) -> Option<T>,
+) -> (usize, Option<T>) {
     let mut best = (start + 1, None);
     let mut bad = last + 1;
     let (mut end, mut step) = (start + like.max(2), 1);
     while best.0 < last {
         end = end.min(last);
-        match fit(points, start, end, tolerance, corner) {
+        match fit(end) {
             Some(line) => best = (end, Some(line)),
             None => {
                 bad = end;
@@ -187,7 +286,7 @@ fn longest(
     }
     while bad - best.0 > 1 && best.0 < last {
         let middle = best.0 + (bad - best.0) / 2;
-        match fit(points, start, middle, tolerance, corner) {
+        match fit(middle) {
             Some(line) => best = (middle, Some(line)),
             None => bad = middle,
         }
@@ -263,7 +362,8 @@ fn halve_misfits(
         let (a, b) = (out[i], out[next]);
         // Both on the piece's own line: so it is nearly always.
         let apart = a.distance_squared(b) > tolerance * tolerance;
-        if p.fits && p.met && pieces[next].met && apart {
+        let meets = pieces.get(next).is_some_and(|p| p.met);
+        if p.fits && p.met && meets && apart {
             return false;
         }
         let off = |along: DVec2| {
@@ -328,13 +428,14 @@ fn drop_straight(ring: &mut Ring) {
     *ring = out;
 }
 
-/// The points where the lines of neighbouring pieces meet.
-fn corners(points: &[DVec2], pieces: &mut [Piece]) -> Ring {
+/// The points where the lines of neighbouring pieces meet, and the end of an
+/// open path.
+fn corners(points: Points<'_>, pieces: &mut [Piece]) -> Ring {
     let line = |p: &Piece| {
         let Line { along, shift } = p.line;
         (along, along.perp() * shift, shift)
     };
-    let mut out = Ring::with_capacity(pieces.len());
+    let mut out = Ring::with_capacity(pieces.len() + 1);
     let Some(last) = pieces.last() else {
         return out;
     };
@@ -343,7 +444,7 @@ fn corners(points: &[DVec2], pieces: &mut [Piece]) -> Ring {
         let own = line(piece);
         let (u, du, shift_before) = std::mem::replace(&mut before, own);
         let (v, dv, shift) = own;
-        let p = points[piece.start];
+        let p = points.all[piece.start];
         if piece.corner {
             out.push(p);
             continue;
@@ -359,6 +460,9 @@ fn corners(points: &[DVec2], pieces: &mut [Piece]) -> Ring {
             false => 0.5 * (du + dv),
         };
         out.push(p + by);
+    }
+    if !points.closed {
+        out.extend(points.all.last());
     }
     out
 }

@@ -1,0 +1,171 @@
+//! Slows beads whose moves follow each other faster than the printer takes
+//! them (`printer.max_moves_per_second`).
+//!
+//! In: the beads of a stroke, one after another without a break. Out: the same
+//! beads, cut where their speed changes.
+//!
+//! Guaranteed: of any [`TOGETHER`] moves in a row the mean rate is at most the
+//! printer's. One short move among long ones is no reason to slow down, since
+//! firmware keeps moves in a buffer.
+
+use super::rates::Rates;
+use crate::bead::{Bead, Stroke};
+use crate::plane::arc::Turn;
+use crate::units::{Mm, MmPerSec, PerSec};
+use glam::DVec2;
+
+/// Moves over which the rate is a mean: half of the smallest buffer, Marlin's.
+const TOGETHER: usize = 8;
+
+/// Speeds are steps of this share of what was asked for, so that they change
+/// seldom.
+const STEP: f64 = 0.1;
+
+/// A bead with what is known of how it is printed.
+#[derive(Clone, Debug)]
+pub(super) struct Rated {
+    pub bead: Bead,
+    /// For each segment of the bead's path the arc in place of it; empty if
+    /// there are none.
+    pub turns: Vec<Option<Turn>>,
+    pub rates: Rates,
+}
+
+impl Rated {
+    /// Lengths of the moves.
+    fn lengths(&self) -> impl Iterator<Item = Mm> + '_ {
+        self.bead.segments().enumerate().map(|(i, (a, b))| {
+            let turn = self.turns.get(i).copied().flatten();
+            turn.map_or(a.distance(b), |turn| turn.length(a))
+        })
+    }
+
+    /// The part of the bead that moves `from` to `to` make up, at a speed.
+    fn part(&self, from: usize, to: usize, speed: MmPerSec) -> Rated {
+        let path = self.bead.path().skip(from).take(to - from + 1);
+        let points: Vec<DVec2> = path.collect();
+        let stroke = Stroke::new(points, false, self.bead.width);
+        Rated {
+            bead: Bead {
+                stroke,
+                ..self.bead
+            },
+            turns: self.turns.get(from..to).unwrap_or(&[]).to_vec(),
+            rates: Rates {
+                speed,
+                ..self.rates
+            },
+        }
+    }
+}
+
+/// The beads at speeds that ask for at most `most` moves a second, and how many
+/// of their moves had to be slowed.
+pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> (Vec<Rated>, usize) {
+    let lengths: Vec<Mm> = chain.iter().flat_map(Rated::lengths).collect();
+    let together = TOGETHER.min(lengths.len()).max(1);
+    let fastest = chain.iter().map(|r| r.rates.speed).fold(0.0, f64::max);
+    let limits: Vec<MmPerSec> = lengths
+        .windows(together)
+        .map(|moves| most * moves.iter().sum::<Mm>() / together as f64)
+        .collect();
+    if limits.iter().all(|limit| *limit >= fastest) {
+        return (chain, 0);
+    }
+    // Each move is in several windows.
+    let limit = |i: usize| {
+        let first = (i + 1).saturating_sub(together);
+        let windows = limits.iter().take(i + 1).skip(first);
+        windows.copied().fold(f64::INFINITY, f64::min)
+    };
+    let mut out = Vec::with_capacity(chain.len());
+    let (mut done, mut count) = (0, 0);
+    for rated in chain {
+        let asked = rated.rates.speed;
+        let n = rated.lengths().count();
+        let speed = |i: usize| match limit(done + i) / asked {
+            share if share < 1.0 => {
+                asked * STEP * (share / STEP).floor().max(1.0)
+            }
+            _ => asked,
+        };
+        let mut from = 0;
+        for to in 1..=n {
+            let here = speed(from);
+            if to < n && speed(to) == here {
+                continue;
+            }
+            if here < asked {
+                count += to - from;
+            }
+            out.push(match to - from == n {
+                true if here == asked => rated.clone(),
+                _ => rated.part(from, to, here),
+            });
+            from = to;
+        }
+        done += n;
+    }
+    (out, count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bead::Role;
+
+    fn rated(steps: &[Mm], speed: MmPerSec) -> Rated {
+        let mut points = vec![DVec2::ZERO];
+        for step in steps {
+            points.extend(points.last().map(|p| p + DVec2::X * *step));
+        }
+        let stroke = Stroke::new(points, false, 0.4);
+        Rated {
+            bead: Bead::new(Role::GapFill, stroke, 0.2),
+            turns: Vec::new(),
+            rates: Rates {
+                speed,
+                flow: 1.0,
+                fan: 0.0,
+            },
+        }
+    }
+
+    #[test]
+    fn crowded_moves_are_slower_and_others_are_not() {
+        let mut steps = vec![2.0; 10];
+        steps.extend([0.1; 20]);
+        steps.extend([2.0; 10]);
+        let whole: Mm = steps.iter().sum();
+        let (out, count) = slowed(vec![rated(&steps, 50.0)], 100.0);
+        let speeds: Vec<f64> = out.iter().map(|r| r.rates.speed).collect();
+        assert_eq!((speeds[0], speeds[speeds.len() - 1]), (50.0, 50.0));
+        let least = speeds.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+        assert_eq!(least, 10.0);
+        assert!((20..40).contains(&count), "{count}");
+        let length: Mm = out.iter().map(|r| r.bead.length()).sum();
+        assert!((length - whole).abs() < 1e-9);
+        for pair in out.windows(2) {
+            let end = pair[0].bead.points.last().copied();
+            assert_eq!(end, Some(pair[1].bead.points[0]));
+        }
+        // No eight moves in a row take less than 0.08 s.
+        let times: Vec<f64> = out
+            .iter()
+            .flat_map(|r| r.lengths().map(|l| l / r.rates.speed))
+            .collect();
+        for moves in times.windows(TOGETHER) {
+            assert!(moves.iter().sum::<f64>() >= 0.08 - 1e-9);
+        }
+    }
+
+    #[test]
+    fn long_moves_and_a_short_one_among_them_stay() {
+        for steps in [&[5.0, 5.0][..], &[5.0, 0.1, 5.0, 5.0][..]] {
+            let (out, count) = slowed(vec![rated(steps, 50.0)], 100.0);
+            assert_eq!((out.len(), count), (1, 0));
+            assert_eq!(out[0].rates.speed, 50.0);
+        }
+        assert_eq!(slowed(Vec::new(), 100.0).1, 0);
+    }
+}

@@ -1,0 +1,189 @@
+//! Resolution of paths: every stroke with as few points as its role permits.
+//!
+//! In: strokes, as exact as the geometry made them, and their roles. Out: the
+//! same strokes with fewer points.
+//!
+//! Guarantees, of a stroke of a role whose tolerance is t ([`tolerance`]): each
+//! point of the input is within t of the output; the output lies on both sides
+//! of the input, so that rings do not shrink; an open stroke keeps its ends;
+//! where the width varies, it is linear between the points that stay, to
+//! [`WIDTH`] of itself, and to t/2 on each edge of a stroke that shows.
+//!
+//! Not guaranteed: that strokes closer to each other than t do not touch.
+//!
+//! Fuzzy skin is rough on purpose: its points come after this stage.
+
+use crate::bead::{Role, Stroke};
+use crate::plane::simplify::simplify_path;
+use crate::settings::Settings;
+use crate::units::Mm;
+use glam::DVec2;
+
+/// Share of `accuracy` by which what shows is thinned. The walls' own steps
+/// have used most of it.
+const SHOWN: f64 = 0.3;
+
+/// How far a width may be from the line between those that stay, as a share
+/// of itself.
+const WIDTH: f64 = 0.01;
+
+/// How far the path of a bead of this role may be from where it was meant.
+pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
+    match role {
+        Role::Overhang | Role::OuterWall => SHOWN * settings.accuracy,
+        _ => settings.path_accuracy,
+    }
+}
+
+/// Share of a role's tolerance that is for arcs, if there are any: they are
+/// laid along what the thinning leaves.
+const ARCS: f64 = 0.7;
+
+/// How far arcs may be from the path of a bead of this role.
+pub(crate) fn arc_tolerance(role: Role, settings: &Settings) -> Mm {
+    // An outline's polygon lies on both sides of the curve that it stands for,
+    // and so does an arc along it: their deviations do not add up.
+    match role.shows() {
+        true => settings.accuracy,
+        false => ARCS * settings.path_accuracy,
+    }
+}
+
+/// Thins a stroke of a bead of this role.
+pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
+    let n = stroke.points.len();
+    if n < 3 {
+        return;
+    }
+    let tolerance = match settings.arcs() {
+        true => (1.0 - ARCS) * tolerance(role, settings),
+        false => tolerance(role, settings),
+    };
+    let slack = |width: Mm| match role.shows() {
+        true => tolerance.min(WIDTH * width),
+        false => WIDTH * width,
+    };
+    let thinned = {
+        let Stroke {
+            points,
+            closed,
+            widths,
+            ..
+        } = &*stroke;
+        if widths.len() == n {
+            simplify_path(points, *closed, tolerance, |i, j| {
+                linear(points, widths, i, j, slack)
+            })
+        } else {
+            simplify_path(points, *closed, tolerance, |_, _| true)
+        }
+    };
+    if stroke.widths.len() == n {
+        stroke.widths = thinned.iter().map(|t| stroke.widths[t.1]).collect();
+    }
+    stroke.points = thinned.into_iter().map(|t| t.0).collect();
+}
+
+/// True if the widths between two points are near to those on the straight
+/// line.
+fn linear(
+    points: &[DVec2],
+    widths: &[Mm],
+    i: usize,
+    j: usize,
+    slack: impl Fn(Mm) -> Mm,
+) -> bool {
+    let n = points.len();
+    let step = |k: usize| points[k % n].distance(points[(k + 1) % n]);
+    let length: Mm = (i..j).map(step).sum();
+    let (from, to) = (widths[i % n], widths[j % n]);
+    let mut done = 0.0;
+    (i..j).all(|k| {
+        let meant = from + done / length.max(1e-12) * (to - from);
+        done += step(k);
+        let width = widths[k % n];
+        (width - meant).abs() <= slack(width)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::grid::nearest_on;
+
+    fn off(from: &[DVec2], to: &Stroke) -> Mm {
+        let distance = |p: &DVec2| {
+            let all = to.segments().map(|(a, b)| nearest_on(*p, a, b));
+            all.map(|q| q.distance(*p)).fold(f64::INFINITY, f64::min)
+        };
+        from.iter().map(distance).fold(0.0, f64::max)
+    }
+
+    fn arc(radius: Mm, n: usize) -> Vec<DVec2> {
+        let at = |i: usize| DVec2::from_angle(2.0 * i as f64 / n as f64);
+        (0..=n).map(|i| radius * at(i)).collect()
+    }
+
+    #[test]
+    fn what_shows_is_thinned_less() {
+        let settings = Settings::default();
+        let points = arc(10.0, 2000);
+        let mut counts = Vec::new();
+        for role in [Role::OuterWall, Role::GapFill] {
+            let mut stroke = Stroke::new(points.clone(), false, 0.45);
+            thin(&mut stroke, role, &settings);
+            let worst = off(&points, &stroke);
+            let tolerance = tolerance(role, &settings);
+            assert!(worst <= 1.001 * tolerance, "{worst} {tolerance}");
+            assert!(worst > 0.5 * tolerance);
+            assert_eq!(stroke.points.first(), points.first());
+            assert_eq!(stroke.points.last(), points.last());
+            // On both sides: the length is that of the arc.
+            assert!((stroke.length() - 20.0).abs() < 0.2 * tolerance * 20.0);
+            // A chord's sagitta is twice the tolerance at most.
+            let least = 20.0 / (4.0 * (10.0 * tolerance).sqrt());
+            assert!((stroke.points.len() as f64) < 1.3 * least + 3.0);
+            counts.push(stroke.points.len());
+        }
+        assert!(counts[0] > 3 * counts[1], "{counts:?}");
+    }
+
+    #[test]
+    fn widths_keep_points_where_they_bend() {
+        let points: Vec<DVec2> =
+            (0..=100).map(|i| DVec2::X * (0.1 * i as f64)).collect();
+        // A ramp up to the middle, then even.
+        let meant = |x: Mm| 0.4 + 0.04 * x.min(5.0);
+        let mut stroke = Stroke::new(points, false, 0.5);
+        stroke.widths = stroke.points.iter().map(|p| meant(p.x)).collect();
+        thin(&mut stroke, Role::GapFill, &Settings::default());
+        assert!((3..=4).contains(&stroke.points.len()), "{stroke:?}");
+        assert_eq!(stroke.widths.len(), stroke.points.len());
+        for (p, w) in stroke.points.iter().zip(&stroke.widths) {
+            assert!((w - meant(p.x)).abs() < 1e-9);
+        }
+        assert!(stroke.points.iter().any(|p| (p.x - 5.0).abs() < 0.3));
+    }
+
+    #[test]
+    fn closed_strokes_stay_closed_and_nothing_vanishes() {
+        let settings = Settings::default();
+        let ring: Vec<DVec2> = (0..400)
+            .map(|i| {
+                3.0 * DVec2::from_angle(
+                    0.5 * std::f64::consts::PI / 100.0 * i as f64,
+                )
+            })
+            .collect();
+        let mut stroke = Stroke::new(ring.clone(), true, 0.45);
+        stroke.widths = vec![0.45; 400];
+        thin(&mut stroke, Role::InnerWall, &settings);
+        assert!(stroke.closed && stroke.points.len() < 30);
+        assert!(off(&ring, &stroke) <= 0.02501);
+        // A ring narrower than the tolerance stays as it is.
+        let tiny: Vec<DVec2> = ring.iter().map(|p| 0.003 * *p).collect();
+        let mut stroke = Stroke::new(tiny.clone(), true, 0.45);
+        thin(&mut stroke, Role::InnerWall, &settings);
+        assert!(stroke.points.len() >= 3 && off(&tiny, &stroke) < 0.025);
+    }
+}
