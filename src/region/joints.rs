@@ -439,3 +439,106 @@ impl Line {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(points: &[(f64, f64)], width: f64) -> Stroke {
+        let points = points.iter().map(|&(x, y)| DVec2::new(x, y));
+        Stroke::new(points.collect(), false, width)
+    }
+
+    fn anywhere(_: DVec2) -> Mm {
+        f64::INFINITY
+    }
+
+    /// What a stroke lays, by its height, mm².
+    fn content(stroke: &Stroke) -> f64 {
+        let each = stroke.segments().enumerate();
+        each.map(|(i, (a, b))| {
+            0.5 * (stroke.width_at(i) + stroke.width_at(i + 1)) * a.distance(b)
+        })
+        .sum()
+    }
+
+    /// A strip of 0.84 mm: one bead at first, then two walls.
+    #[test]
+    fn a_wide_bead_goes_on_in_one_of_two_walls() {
+        let bead = line(&[(0.0, 0.0), (5.0, 0.0)], 0.84);
+        let walls = [0.21, -0.21].map(|y| line(&[(5.1, y), (10.0, y)], 0.42));
+        let (rings, beads) = join(walls.to_vec(), vec![bead], anywhere);
+        assert_eq!((rings.len(), beads.len()), (2, 0));
+        let longest = rings.iter().map(Stroke::length).fold(0.0, f64::max);
+        assert!((longest - 10.1).abs() < 0.2, "{longest}");
+        let laid: f64 = rings.iter().map(content).sum();
+        assert!((laid - 8.4).abs() < 0.1, "{laid}");
+        // The other wall begins where the bead has made way for it.
+        let other = rings.iter().find(|r| r.length() < 6.0).unwrap();
+        let begins = other.points.iter().map(|p| p.x).fold(9.0, f64::min);
+        assert!((5.1..5.6).contains(&begins), "{begins}");
+    }
+
+    #[test]
+    fn of_three_strips_two_go_on_and_one_stops_short() {
+        let arms = [0.0, 3.0, 4.7].map(|angle| {
+            let away = DVec2::from_angle(angle);
+            Stroke::new(vec![0.05 * away, 6.0 * away], false, 0.6)
+        });
+        let (rings, beads) = join(Vec::new(), arms.to_vec(), anywhere);
+        assert_eq!((rings.len(), beads.len()), (0, 2));
+        let mut lengths: Vec<f64> = beads.iter().map(Stroke::length).collect();
+        lengths.sort_by(f64::total_cmp);
+        assert!((lengths[1] - 12.0).abs() < 0.05, "{lengths:?}");
+        assert!((lengths[0] - 5.76).abs() < 0.05, "{lengths:?}");
+    }
+
+    #[test]
+    fn strokes_do_not_cross_in_a_joint() {
+        let arms = [0.0, 1.57, 3.14, 4.71].map(|angle| {
+            let away = DVec2::from_angle(angle);
+            Stroke::new(vec![0.05 * away, 6.0 * away], false, 0.6)
+        });
+        let (_, beads) = join(Vec::new(), arms.to_vec(), anywhere);
+        assert_eq!(beads.len(), 3);
+        let laid: f64 = beads.iter().map(content).sum();
+        // The area of the cross is 4·6·0.6 − 0.6².
+        assert!((laid / 14.04 - 1.0).abs() < 0.01, "{laid}");
+    }
+
+    #[test]
+    fn of_two_strokes_on_one_track_one_stays() {
+        let long = line(&[(0.0, 0.0), (8.0, 0.0)], 0.5);
+        let short = line(&[(6.0, 0.04), (3.0, 0.06)], 0.5);
+        let (_, beads) = join(Vec::new(), vec![short, long.clone()], anywhere);
+        assert_eq!(beads, [long]);
+        // Half of this one has a track of its own.
+        let half = line(&[(4.0, 0.05), (8.5, 0.05), (8.5, 6.0)], 0.5);
+        let long = line(&[(0.0, 0.0), (9.0, 0.0), (20.0, 0.0)], 0.5);
+        let (_, beads) = join(Vec::new(), vec![half, long], anywhere);
+        assert_eq!(beads.len(), 2);
+        let shorter = beads.iter().map(Stroke::length).fold(99.0, f64::min);
+        assert!((shorter - 5.8).abs() < 0.05, "{shorter}");
+    }
+
+    #[test]
+    fn what_lies_between_has_to_be_free() {
+        let pieces = [[0.0, 4.0], [4.3, 9.0]]
+            .map(|[a, b]| line(&[(a, 0.0), (b, 0.0)], 0.5));
+        let joined = |room: f64| {
+            let (_, beads) = join(Vec::new(), pieces.to_vec(), |_| room);
+            beads.len()
+        };
+        assert_eq!(joined(0.5), 1);
+        assert_eq!(joined(0.2), 2);
+    }
+
+    #[test]
+    fn rings_that_meet_themselves_are_closed() {
+        let most = |i: usize| DVec2::from_angle(i as f64 * 0.0625) * 5.0;
+        let ring = Stroke::new((0..100).map(most).collect(), false, 0.45);
+        let (rings, _) = join(vec![ring], Vec::new(), anywhere);
+        assert!(rings[0].closed);
+        assert!((rings[0].length() - 31.4).abs() < 0.1);
+    }
+}

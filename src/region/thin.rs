@@ -205,3 +205,96 @@ impl Counts {
         merged
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+    use glam::DVec2;
+
+    /// Two walls, and skin inside them.
+    fn counts() -> Counts {
+        let settings = Settings::default();
+        let inner = Lay::inside(0.45, 0.2, &settings);
+        Counts::new(&[Lay::outer(0.2, &settings), inner], Some(inner))
+    }
+
+    /// A straight ridge with a point each 0.1 mm.
+    fn ridge(length: f64, thickness: impl Fn(f64) -> f64) -> Ridge {
+        let n = (length / 0.1).round() as usize;
+        let x: Vec<f64> = (0..=n).map(|i| 0.1 * i as f64).collect();
+        Ridge {
+            points: x.iter().map(|&x| DVec2::X * x).collect(),
+            thickness: x.iter().map(|&x| thickness(x)).collect(),
+            closed: false,
+        }
+    }
+
+    fn numbers(parts: &[(usize, Ridge)]) -> Vec<usize> {
+        parts.iter().map(|p| p.0).collect()
+    }
+
+    #[test]
+    fn the_thicker_the_more_beads() {
+        // Each number goes on for longer than parts have to be.
+        let wedge = ridge(60.0, |x| 0.05 + x / 28.0);
+        let parts = counts().split(&wedge);
+        assert_eq!(numbers(&parts), [0, 1, 2, 3, 4]);
+        // One bead from thin_min, 60 %, to thin_max, 180 % of 0.45 mm.
+        let one = &parts[1].1;
+        assert!((one.thinnest() - 0.27).abs() < 1e-6);
+        assert!((one.thickest() - 0.81).abs() < 1e-6);
+        // Two walls and the least bead between them: 2·0.428 + 0.227.
+        assert!((parts[3].1.thinnest() - 1.084).abs() < 1e-3);
+        // Where a bead fits inside four walls, skin takes over.
+        assert!((parts[4].1.thickest() - 1.898).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_thickness_that_wavers_keeps_its_number() {
+        let wavers = |middle: f64, by: f64| {
+            let t = move |x: f64| middle + by * (2.0 * x).sin();
+            counts().split(&ridge(30.0, t))
+        };
+        for (middle, by) in [(0.83, 0.1), (1.084, 0.1), (1.65, 0.15)] {
+            let parts = wavers(middle, by);
+            assert_eq!(parts.len(), 1, "{middle}: {:?}", numbers(&parts));
+        }
+        // No number of beads fits all of this.
+        assert!(wavers(1.0, 0.6).len() > 8);
+    }
+
+    #[test]
+    fn what_is_long_has_the_number_that_fits_best() {
+        let step = |x: f64| if x < 10.0 { 0.78 } else { 0.87 };
+        let parts = counts().split(&ridge(20.0, step));
+        assert_eq!(numbers(&parts), [1, 2]);
+    }
+
+    #[test]
+    fn a_closed_ridge_may_begin_anywhere() {
+        let n = 300;
+        let all = |shift: usize| Ridge {
+            points: (0..n)
+                .map(|i| {
+                    let a = (i + shift) as f64 / n as f64;
+                    DVec2::from_angle(std::f64::consts::TAU * a) * 10.0
+                })
+                .collect(),
+            thickness: (0..n)
+                .map(|i| if (i + shift) % n < n / 2 { 0.6 } else { 1.3 })
+                .collect(),
+            closed: true,
+        };
+        for shift in [0, 70, 150, 260] {
+            let parts = counts().split(&all(shift));
+            let by = |number| -> f64 {
+                let own = parts.iter().filter(|p| p.0 == number);
+                own.map(|p| p.1.length()).sum()
+            };
+            assert!((by(1) - 31.4).abs() < 0.5, "{shift}: {}", by(1));
+            assert!((by(3) - 31.4).abs() < 0.5, "{shift}: {}", by(3));
+            assert!(parts.iter().all(|p| p.1.length() < 40.0));
+        }
+    }
+}
