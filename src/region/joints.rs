@@ -535,7 +535,7 @@ mod tests {
 
     #[test]
     fn rings_that_meet_themselves_are_closed() {
-        let most = |i: usize| DVec2::from_angle(i as f64 * 0.0625) * 5.0;
+        let most = |i: usize| DVec2::from_angle(i as f64 * 0.063) * 5.0;
         let ring = Stroke::new((0..100).map(most).collect(), false, 0.45);
         let (rings, _) = join(vec![ring], Vec::new(), anywhere);
         assert!(rings[0].closed);

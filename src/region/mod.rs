@@ -208,6 +208,19 @@ impl ThinPlaces {
             })
             .collect()
     }
+
+    /// What walls up to `depth` on both sides leave where there are so many
+    /// beads; less than nothing where they have to be narrower, except where
+    /// it makes no difference.
+    fn slivers(&self, number: usize, depth: Mm) -> Vec<Ridge> {
+        /// Walls may overlap by so much, mm.
+        const OVERLAP: Mm = 0.03;
+        let parts = self.beads(number, depth).into_iter();
+        parts
+            .flat_map(|ridge| ridge.split_at(0.0))
+            .filter(|part| part.thickest() > 0.0 || part.thinnest() < -OVERLAP)
+            .collect()
+    }
 }
 
 /// Depths of the walls' centre lines below the outline, outermost first, and
@@ -275,7 +288,7 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
                 tip::fill_posts(&mut walls, &beads, solid, *plan, tolerance);
             }
             depth += plan.inner;
-            let slivers = places.beads(2 * k + 2, depth);
+            let slivers = places.slivers(2 * k + 2, depth);
             let away = plan.inner - plan.centre;
             lines.push(absorb(walls, &slivers, away, settings.accuracy));
             thin.push(beads);

@@ -147,7 +147,8 @@ impl Counts {
             let single = *number % 2 == 1 && *number < few;
             if single && part.length() < 0.5 * part.thickest() {
                 *number -= 1;
-                let most = self.counts[*number].range.1;
+                let count = &self.counts[*number];
+                let most = count.upto + 2.0 * (count.range.1 - count.upto);
                 part.thickness.iter_mut().for_each(|t| *t = t.min(most));
             }
         }
