@@ -210,22 +210,29 @@ fn gyroid_ball() {
     }
 }
 
-/// A row of balls of radius 2, each blended with all before it: the first and
-/// the last one end where no other one is near.
+/// Balls of radius 2 in a heap, each blended with all before it. Those that
+/// reach farthest up along each axis have no other one beside them.
 #[test]
 fn a_thousand_blends_have_the_box_of_what_they_blend() {
     let text = "
         let s = sphere([0, 0, 0], 2);
-        for i in 1..1000 { s = blend(s, sphere([0.06 * i, 0, 0], 2), 0.05); }
+        for i in 0..1000 {
+            let at = [i * 37 % 1000, i * 91 % 997, i * 53 % 499];
+            s = blend(s, sphere([at[0] / 25.0, at[1] / 25.0, at[2] / 25.0], 2), 0.5);
+        }
         s";
     let found = bounds_of(&script(text).tree).unwrap();
-    let bounds = found.bounds;
     assert!(found.slack_mm < 0.001, "{found:?}");
-    assert!((bounds.min.x + 2.0).abs() < 0.001, "{found:?}");
-    assert!((bounds.max.x - 61.94).abs() < 0.001, "{found:?}");
-    // Two balls that are equally near are 0.05 / 4 nearer together, and a
-    // third one as much again at most.
-    assert!((2.0..2.025).contains(&bounds.max.y), "{found:?}");
+    let ends = [999.0, 996.0, 498.0].map(|end| end / 25.0 + 2.0);
+    let max = found.bounds.max.to_array();
+    for (max, end) in max.into_iter().zip(ends) {
+        assert!((max - end).abs() < 0.001, "{found:?}");
+    }
+    // Where two are equally near they are a quarter of the radius nearer
+    // together, and a third one adds less than that.
+    for min in found.bounds.min.to_array() {
+        assert!((-2.25..=-2.0).contains(&min), "{found:?}");
+    }
 }
 
 #[test]
