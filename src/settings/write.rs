@@ -80,6 +80,11 @@ fn explain(text: &mut String, key: &Key) {
             facts.push_str(&key.spaced_unit());
         }
     }
+    let usual = Settings::default();
+    if let Some(length) = key.length(&usual) {
+        let nozzle = usual.printer.nozzle_diameter;
+        facts.push_str(&format!(", {length} mm with a nozzle of {nozzle} mm"));
+    }
     comment(text, "# ", &format!("({facts})"));
 }
 
