@@ -216,6 +216,16 @@ mod tests {
     }
 
     #[test]
+    fn a_hole_on_its_own_comes_to_an_end() {
+        let hole = [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)]
+            .map(|(x, y)| DVec2::new(x, y))
+            .to_vec();
+        let plan = Lay::inside(0.45, 0.2, &Settings::default());
+        let alone = Area { rings: vec![hole] };
+        assert!(concentric(&alone, plan, 0.01).len() < 9);
+    }
+
+    #[test]
     fn what_a_ring_leaves_of_a_strip_is_filled() {
         // The ring's two sides take 0.814 mm.
         let wide = strip(4.0);

@@ -25,7 +25,8 @@ use std::cell::OnceCell;
 /// Tolerance of the offsets inside a skin; nobody sees them.
 const TOLERANCE: Mm = 0.01;
 
-/// Areas nowhere wider than so many lines are filled with strokes along them.
+/// Areas nowhere wider than so many lines are filled with strokes along them:
+/// the arms of a lattice and what is between them, not a plate.
 const NESTED: f64 = 14.0;
 
 /// How one kind of skin is filled.

@@ -8,6 +8,10 @@
 //!                    to layer
 //! ```
 //!
+//! Lines go on in their neighbours over narrow turns ([`zigzag`]). An area that
+//! is nowhere wider than some lines gets rings one inside the other, and beads
+//! in the middle, instead.
+//!
 //! Inside the ring the area is split by what the neighbouring layers leave
 //! open: bridges where it hangs between supports, then bottom, top and
 //! internal skin, each with its own width and pattern. Where these are the
@@ -151,6 +155,34 @@ mod tests {
             let slope = d.y / d.x;
             let expected = if layer == 0 { 1.0 } else { -1.0 };
             assert!((slope - expected).abs() < 1e-9, "{slope}");
+        }
+    }
+
+    #[test]
+    fn a_narrow_ring_gets_strokes_along_it_and_not_across() {
+        let space = spacing(0.45, 0.45, 0.2);
+        let circle = |r: f64| -> Area {
+            let turn = |i: u32| std::f64::consts::TAU * f64::from(i) / 720.0;
+            let points = (0..720).map(|i| DVec2::from_angle(turn(i)) * r);
+            Area {
+                rings: vec![points.collect()],
+            }
+        };
+        let area = difference(&circle(10.0), &circle(10.0 - 4.0 * space));
+        let nothing = Faces {
+            above: None,
+            below: None,
+        };
+        let settings = Settings::default();
+        let all = patches(&area, nothing, 0, 0.2, &settings);
+        assert_eq!(all.len(), 1);
+        assert!(all[0].fills.is_empty());
+        let rings = &all[0].rings;
+        assert_eq!(rings.len(), 4);
+        let laid: f64 = rings.iter().map(|b| laid(b, 0.45 - space)).sum();
+        assert!((laid / area.content() - 1.0).abs() < 2e-3, "{laid}");
+        for ring in rings {
+            assert!(ring.closed && ring.role == Role::BottomSkin);
         }
     }
 
