@@ -134,7 +134,7 @@ pub(crate) fn pieces(bead: Bead, edge: Mm) -> Vec<Bead> {
                 room = room.max(short / length);
             }
             // Also what is not a number goes on.
-            if !(room < 1.0) {
+            if room >= 1.0 || room.is_nan() {
                 run.push(to, here, widths[1]);
                 break;
             }
