@@ -133,8 +133,8 @@ pub(crate) fn pieces(bead: Bead, edge: Mm) -> Vec<Bead> {
             if run.length <= 0.0 {
                 room = room.max(short / length);
             }
-            // Also what is not a number goes on.
-            if room >= 1.0 || room.is_nan() {
+            // A length that is no number cannot be cut.
+            if room >= 1.0 || !length.is_finite() {
                 run.push(to, here, widths[1]);
                 break;
             }
