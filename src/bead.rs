@@ -210,80 +210,6 @@ impl Stroke {
     }
 }
 
-/// By how much of itself a bead's cross-section may differ, where its width
-/// varies, from what is meant over any length of a width.
-const AREA: f64 = 0.03;
-
-/// A piece no longer than this many widths may be off by twice as much at its
-/// ends: the neighbouring piece is off the other way, so that over a length of
-/// a width half of it is made up for.
-const FEW: f64 = 2.0;
-
-/// Pieces of constant width are not made shorter than this, mm: their ends are
-/// round, and a printer sees no difference.
-const SHORT: Mm = 0.05;
-
-/// A straight piece of a bead whose width changes evenly.
-struct Ramp {
-    from: DVec2,
-    to: DVec2,
-    /// Least and greatest width.
-    low: Mm,
-    high: Mm,
-}
-
-/// A stretch of a bead that gets one width.
-struct Run {
-    points: Vec<DVec2>,
-    /// Least and greatest width that is meant.
-    low: Mm,
-    high: Mm,
-    length: Mm,
-    /// Content of the stretch.
-    content: Mm2,
-}
-
-impl Run {
-    fn of(ramp: &Ramp) -> Run {
-        let length = ramp.from.distance(ramp.to);
-        Run {
-            points: vec![ramp.from, ramp.to],
-            low: ramp.low,
-            high: ramp.high,
-            length,
-            content: 0.5 * (ramp.low + ramp.high) * length,
-        }
-    }
-
-    /// Appends a ramp, unless some widths would then be farther from the mean
-    /// than the slack of the mean.
-    fn grow(&mut self, ramp: &Ramp, slack: impl Fn(Mm, Mm) -> Mm) -> bool {
-        let before = (self.low, self.high, self.length, self.content);
-        let length = ramp.from.distance(ramp.to);
-        self.low = self.low.min(ramp.low);
-        self.high = self.high.max(ramp.high);
-        self.length += length;
-        self.content += 0.5 * (ramp.low + ramp.high) * length;
-        let mean = self.width();
-        let off = (self.high - mean).max(mean - self.low);
-        let fits = off <= slack(mean, self.length);
-        if fits {
-            self.points.push(ramp.to);
-        } else {
-            (self.low, self.high, self.length, self.content) = before;
-        }
-        fits
-    }
-
-    /// Its mean width.
-    fn width(&self) -> Mm {
-        match self.length > 0.0 {
-            true => self.content / self.length,
-            false => 0.5 * (self.low + self.high),
-        }
-    }
-}
-
 /// One extruded line in a layer's plane: a stroke, in print order, with a
 /// height and a role. It gives access to the stroke's fields and methods as if
 /// they were its own.
@@ -325,71 +251,6 @@ impl Bead {
         }
     }
 
-    /// The bead as beads of constant width, each beginning where the one
-    /// before ends, and as few as possible: along each the area that the bead
-    /// is meant to have is within [`AREA`] of the piece's own, and, if the bead
-    /// shows, its edges are within `edge`. A segment is cut only if its own
-    /// ramp asks for it. Each piece has the volume that was meant.
-    pub(crate) fn pieces(self, edge: Mm) -> Vec<Bead> {
-        if self.widths.len() != self.points.len() {
-            return vec![self];
-        }
-        let mut runs: Vec<Run> = Vec::new();
-        for ramp in self.ramps(edge) {
-            let slack = |width, length| self.slack(width, length, edge);
-            if !runs.last_mut().is_some_and(|run| run.grow(&ramp, slack)) {
-                runs.push(Run::of(&ramp));
-            }
-        }
-        let piece = |run: Run| {
-            let width = run.width();
-            let stroke = Stroke::new(run.points, false, width);
-            Bead { stroke, ..self }
-        };
-        runs.into_iter().map(piece).collect()
-    }
-
-    /// By how much the width of a piece may differ from what is meant.
-    fn slack(&self, width: Mm, length: Mm, edge: Mm) -> Mm {
-        let share = match length <= FEW * width {
-            true => 2.0 * AREA,
-            false => AREA,
-        };
-        let area = share * cross_section(width, self.height) / self.height;
-        match self.role.shows() {
-            true => area.min(2.0 * edge),
-            false => area,
-        }
-    }
-
-    /// The segments, cut where their ramp asks for it.
-    fn ramps(&self, edge: Mm) -> impl Iterator<Item = Ramp> + '_ {
-        self.segments().enumerate().flat_map(move |(i, (a, b))| {
-            let (from, to) = (self.width_at(i), self.width_at(i + 1));
-            let change = (to - from).abs();
-            let length = a.distance(b);
-            let slack = self.slack(from.min(to), length, edge);
-            let count =
-                (0.5 * change / slack).min(length / SHORT).ceil().max(1.0);
-            let place = move |k: usize| match k as f64 / count {
-                t if t < 1.0 => (a.lerp(b, t), from + t * (to - from)),
-                _ => (b, to),
-            };
-            (0..count as usize).map(move |k| {
-                let ((from, w0), (to, w1)) = (place(k), place(k + 1));
-                // The wide end of a steep ramp lies under the round end of the
-                // piece beside it: the narrow end matters.
-                let (low, high) = (w0.min(w1), w0.max(w1));
-                let high = high.min(low + 2.0 * slack);
-                Ramp {
-                    from,
-                    to,
-                    low,
-                    high,
-                }
-            })
-        })
-    }
     /// Cross-section of the bead.
     pub(crate) fn area(&self) -> Mm2 {
         cross_section(self.width, self.height)
@@ -429,28 +290,6 @@ mod tests {
         );
         assert_eq!(b.length(), 12.0);
         assert_eq!(b.path().count(), 4);
-        b.widths = vec![0.4, 0.4, 0.6];
-        let pieces = b.clone().pieces(0.008);
-        let widths: Vec<f64> = pieces.iter().map(|p| p.width).collect();
-        // 3 mm of 0.4, then 4 mm to 0.6 and 5 mm back, each in steps of about
-        // twice 3 % of a cross-section of 0.07 mm².
-        // The topmost two are one.
-        assert_eq!(widths.len(), 1 + 10 + 10 - 1, "{widths:?}");
-        assert_eq!(widths[0], 0.4);
-        for pair in pieces.windows(2) {
-            assert_eq!(pair[0].points.last(), Some(&pair[1].points[0]));
-            assert!((pair[0].width - pair[1].width).abs() < 0.0215);
-        }
-        let length: f64 = pieces.iter().map(|p| p.length()).sum();
-        assert!((length - 12.0).abs() < 1e-12);
-        let content: f64 = pieces.iter().map(|p| p.width * p.length()).sum();
-        assert!((content - (3.0 * 0.4 + 9.0 * 0.5)).abs() < 1e-12);
-        // The edges of a bead that does not show do not matter, and pieces of
-        // twice a width may be off by twice as much.
-        assert!(b.clone().pieces(0.001).len() > 80);
-        b.role = Role::GapFill;
-        let hidden = b.clone().pieces(0.001).len();
-        assert!((10..=11).contains(&hidden), "{hidden}");
         b.closed = false;
         assert_eq!(b.length(), 7.0);
         assert_eq!(b.path().count(), 3);

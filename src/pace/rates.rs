@@ -10,6 +10,7 @@ use crate::bead::{Bead, Role, Stroke};
 use crate::layers::LayerSpan;
 use crate::model::{Model, Place};
 use crate::plane::grid::EdgeGrid;
+use crate::resolution::pieces;
 use crate::settings::{Range, Settings, Speed, Varying};
 use crate::units::{Celsius, Mm, MmPerSec, Percent};
 use crate::vary::{Quantity, Surroundings, VaryError};
@@ -191,13 +192,13 @@ impl<'a> Rater<'a> {
         if !self.varies || quantities.iter().all(|q| q.constant().is_some()) {
             let [speed, flow, width, fan] =
                 quantities.map(|q| q.constant().unwrap_or(f64::NAN));
-            let pieces = bead.pieces(edge).into_iter();
+            let pieces = pieces(bead, edge).into_iter();
             return Ok(pieces
                 .map(|b| self.rated(b, span, [speed, flow, width, fan]))
                 .collect());
         }
         let mut out = Vec::new();
-        for piece in bead.pieces(edge) {
+        for piece in pieces(bead, edge) {
             crate::limits::check();
             let steps = steps(&piece);
             let places = self.places(&steps, span, solid)?;

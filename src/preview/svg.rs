@@ -3,6 +3,7 @@
 
 use crate::bead::Role;
 use crate::plane::Rect;
+use crate::resolution::pieces;
 use crate::travel::{LayerPath, Move};
 use glam::DVec2;
 use std::fmt::Write;
@@ -72,7 +73,7 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
     for m in &path.moves {
         match m {
             Move::Print(bead) => {
-                for piece in bead.clone().pieces(EDGE) {
+                for piece in pieces(bead.clone(), EDGE) {
                     let _ = write!(
                         svg,
                         "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \

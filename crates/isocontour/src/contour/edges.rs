@@ -14,9 +14,6 @@ const COUNT: usize = NODES * NODES;
 /// Edges of a leaf: the horizontal ones, then the vertical ones.
 const EDGES: usize = 2 * LEAF * NODES;
 
-/// The last edge of a row or a column.
-const LAST: usize = LEAF - 1;
-
 /// Place of a leaf's horizontal edge that begins at a node, among its edges.
 fn horizontal(i: usize, j: usize) -> usize {
     j * LEAF + i
@@ -34,8 +31,6 @@ pub(super) struct Edge {
     pub outside: DVec2,
     /// Field at both.
     pub field: [f32; 2],
-    /// Its second difference along the edge's line, there or nearby.
-    pub bend: f32,
     /// Its number in the lattice.
     pub number: u32,
     /// Layer of the slab.
@@ -46,15 +41,6 @@ impl Edge {
     pub(super) fn bracket(&self) -> Bracket {
         let [f, g] = self.field;
         Bracket::new(self.inside, self.outside, f, g)
-    }
-
-    /// Where the field is zero if that difference is the same all along: what
-    /// the line between its values leaves out is t (1 − t) / 2 of it.
-    pub(super) fn guess(&self) -> DVec2 {
-        let [f, g] = self.field.map(f64::from);
-        let t = f / (f - g);
-        let bow = 0.5 * t * (1.0 - t) * f64::from(self.bend);
-        self.inside.lerp(self.outside, t + bow / (g - f))
     }
 }
 
@@ -127,23 +113,10 @@ impl Edges {
                 false => (at(k, l), at(i, j), [g, f]),
             };
             let node = corner + j * width + i;
-            // From the leaf's own nodes: the two sides' mean, or one of them.
-            let (a, step) = (j * NODES + i, (l - j) * NODES + k - i);
-            let along = if l > j { j } else { i };
-            let bend = |a: usize| {
-                let [p, q, r] = [a, a + step, a + 2 * step].map(|n| values[n]);
-                p - 2.0 * q + r
-            };
-            let bend = match along {
-                0 => bend(a),
-                LAST => bend(a - step),
-                _ => 0.5 * (bend(a - step) + bend(a)),
-            };
             all.push(Edge {
                 inside,
                 outside,
                 field,
-                bend,
                 number: (2 * node + l - j) as u32,
                 layer: leaf.layer as u32,
             });

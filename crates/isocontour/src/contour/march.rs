@@ -11,13 +11,13 @@
 
 use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
-use super::edges::Edges;
+use super::edges::{Edge, Edges};
 use super::hidden::hidden;
 use super::link::{Chains, Crossing, NONE};
 use super::noise::{Eyes, Noise};
+use super::refine::{Bracket, refine};
 use super::samples::Samples;
-use super::settle::{Order, settle};
-use super::trace::{Chord, Look, Traced, Vertex, look, trace};
+use super::trace::{Chord, End, Look, Traced, Vertex, look, trace};
 use crate::Length;
 use crate::cells::{CASES, JOINED_5, JOINED_10, Place, bits};
 use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
@@ -239,21 +239,26 @@ impl<'a> Marcher<'a> {
         self.decide_saddles(batch.leaves, &mut *batch.sampler)?;
         self.find_segments(batch.leaves);
         let edges = &self.edges.all;
-        let pieces = self.segments.iter().map(|s| (s.from, s.to, s.saddle));
-        let found = settle(
-            edges,
-            &Order::new(edges.len(), pieces),
-            &self.z,
-            self.precision.chord,
+        let mut brackets: Vec<Bracket> =
+            edges.iter().map(Edge::bracket).collect();
+        let heights: Vec<f32> =
+            edges.iter().map(|e| self.z[e.layer as usize]).collect();
+        let gradients = refine(
+            &mut brackets,
+            &heights,
             &mut *batch.sampler,
             &mut self.scratch,
         )?;
         self.vertices.clear();
-        let found = found.into_iter().zip(edges);
-        self.vertices.extend(found.map(|(end, edge)| Vertex {
-            end,
-            crossing: Crossing::whole(edge.number),
-        }));
+        let found = brackets.iter().zip(gradients).zip(edges);
+        self.vertices
+            .extend(found.map(|((found, gradient), edge)| Vertex {
+                end: End {
+                    point: found.point(),
+                    gradient,
+                },
+                crossing: Crossing::whole(edge.number),
+            }));
         Ok(())
     }
 

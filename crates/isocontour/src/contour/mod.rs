@@ -5,7 +5,7 @@
 //! `accuracy` of the field's zero set.
 //!
 //! The lattice only finds the topology (`edges`, `march`). The vertices are
-//! then moved along their lattice edges onto f = 0 (`settle`, `refine`), the
+//! then moved along their lattice edges onto f = 0 (`refine`), the
 //! outline followed between them where it bends or has a corner (`trace`), and
 //! cells that this does not explain, or that may hide what is thinner than the
 //! lattice is wide (by its nodes: `doubt`; on coarse lattices by proof:
@@ -34,7 +34,6 @@ mod march;
 mod noise;
 mod refine;
 mod samples;
-mod settle;
 mod small;
 mod trace;
 mod untangle;

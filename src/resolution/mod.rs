@@ -7,11 +7,18 @@
 //! point of the input is within t of the output; the output lies on both sides
 //! of the input, so that rings do not shrink; an open stroke keeps its ends;
 //! where the width varies, it is linear between the points that stay, to
-//! [`WIDTH`] of itself, and to t/2 on each edge of a stroke that shows.
+//! [`WIDTH`] of itself, and to t/2 on each edge of a stroke that shows; where it
+//! changes faster than a printer can follow, this holds for its mean.
 //!
 //! Not guaranteed: that strokes closer to each other than t do not touch.
 //!
+//! `runs` cuts beads of varying width into pieces of constant width.
+//!
 //! Fuzzy skin is rough on purpose: its points come after this stage.
+
+mod runs;
+
+pub(crate) use runs::pieces;
 
 use crate::bead::{Role, Stroke};
 use crate::plane::simplify::simplify_path;
@@ -25,7 +32,7 @@ const SHOWN: f64 = 0.3;
 
 /// How far a width may be from the line between those that stay, as a share
 /// of itself.
-const WIDTH: f64 = 0.01;
+const WIDTH: f64 = 0.015;
 
 /// How far the path of a bead of this role may be from where it was meant.
 pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
@@ -44,7 +51,7 @@ pub(crate) fn arc_tolerance(role: Role, settings: &Settings) -> Mm {
     // An outline's polygon lies on both sides of the curve that it stands for,
     // and so does an arc along it: their deviations do not add up.
     match role.shows() {
-        true => settings.accuracy,
+        true => 0.75 * settings.accuracy,
         false => ARCS * settings.path_accuracy,
     }
 }
@@ -59,6 +66,7 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
         true => (1.0 - ARCS) * tolerance(role, settings),
         false => tolerance(role, settings),
     };
+    let short = runs::shortest(role);
     let slack = |width: Mm| match role.shows() {
         true => tolerance.min(WIDTH * width),
         false => WIDTH * width,
@@ -72,7 +80,7 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
         } = &*stroke;
         if widths.len() == n {
             simplify_path(points, *closed, tolerance, |i, j| {
-                linear(points, widths, i, j, slack)
+                linear(points, widths, [i, j], short, slack)
             })
         } else {
             simplify_path(points, *closed, tolerance, |_, _| true)
@@ -85,25 +93,33 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
 }
 
 /// True if the widths between two points are near to those on the straight
-/// line.
+/// line; on a line that is too short for the printer to follow them, if their
+/// mean is.
 fn linear(
     points: &[DVec2],
     widths: &[Mm],
-    i: usize,
-    j: usize,
+    [i, j]: [usize; 2],
+    short: Mm,
     slack: impl Fn(Mm) -> Mm,
 ) -> bool {
     let n = points.len();
     let step = |k: usize| points[k % n].distance(points[(k + 1) % n]);
     let length: Mm = (i..j).map(step).sum();
     let (from, to) = (widths[i % n], widths[j % n]);
-    let mut done = 0.0;
-    (i..j).all(|k| {
+    let (mut done, mut sum) = (0.0, 0.0);
+    let mut near = true;
+    for k in i..j {
         let meant = from + done / length.max(1e-12) * (to - from);
+        let (width, next) = (widths[k % n], widths[(k + 1) % n]);
+        near &= (width - meant).abs() <= slack(width);
+        sum += 0.5 * (width + next) * step(k);
         done += step(k);
-        let width = widths[k % n];
-        (width - meant).abs() <= slack(width)
-    })
+        if !near && length > short {
+            return false;
+        }
+    }
+    let mean = 0.5 * (from + to);
+    near || (sum - mean * length).abs() <= slack(mean) * length
 }
 
 #[cfg(test)]
