@@ -335,7 +335,7 @@ fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
                 let other = grid.owner(edge);
                 if other != i {
                     let (a, b) = grid.edge(edge);
-                    let q = nearest_on(a, b, p);
+                    let q = nearest_on(p, a, b);
                     let k = edge - lines[other].first;
                     let lies = lines[other].width(k, q.distance(a));
                     most = most.max(STOP * lies - p.distance(q));
