@@ -23,6 +23,10 @@ const AREA: f64 = 0.03;
 /// a width half of it is made up for.
 const FEW: f64 = 2.0;
 
+/// By how much a piece of a steep ramp is wider than its narrow end, mm, if the
+/// bead shows: 10 µm on each side.
+const STEEP: Mm = 0.02;
+
 /// Pieces of a role are not made shorter than this, mm. Of beads that show it is
 /// what their round ends hide. Of others it is what no printer can follow: at
 /// 40 mm/s 0.15 mm are 4 ms, and the pressure in a nozzle takes longer to change.
@@ -109,6 +113,8 @@ pub(crate) fn pieces(bead: Bead, edge: Mm) -> Vec<Bead> {
         return vec![bead];
     }
     let slack = |width: Mm, length: Mm| {
+        // A share of next to nothing would be too little to count.
+        let width = width.max(0.5 * bead.width);
         let share = match length <= FEW * width {
             true => 2.0 * AREA,
             false => AREA,
@@ -159,7 +165,8 @@ pub(crate) fn pieces(bead: Bead, edge: Mm) -> Vec<Bead> {
         if bead.role.shows() {
             // Of a steep ramp the wide end lies under the round end of the
             // piece beside it: the narrow end matters.
-            width = width.min(run.low + slack(run.low, run.length));
+            let slack = slack(run.low, run.length).max(STEEP);
+            width = width.min(run.low + slack);
         }
         let stroke = Stroke::new(run.points, false, width);
         Bead { stroke, ..bead }
@@ -185,7 +192,7 @@ mod tests {
     #[test]
     fn pieces_are_as_long_as_the_width_allows() {
         for (role, edge, least, most) in [
-            (Role::OuterWall, 0.008, 15, 21),
+            (Role::OuterWall, 0.008, 10, 21),
             (Role::OuterWall, 0.001, 95, 105),
             (Role::InnerWall, 0.001, 10, 21),
         ] {
