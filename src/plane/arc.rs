@@ -184,14 +184,15 @@ mod tests {
     fn a_circle_is_three_arcs() {
         for (radius, n) in [(0.5, 40), (4.0, 100), (60.0, 500)] {
             let line = circle(radius, n);
-            let (_, turns) = fit(&line, 0.002 * radius);
+            let tolerance = 0.005 * radius;
+            let (_, turns) = fit(&line, tolerance);
             assert!((3..=4).contains(&turns.len()), "{turns:?}");
             for turn in turns.iter().flatten() {
                 assert!(turn.angle > 0.0 && turn.angle < PI);
-                assert!(turn.centre.length() < 0.01 * radius, "{turn:?}");
+                assert!(turn.centre.length() < 0.05 * radius, "{turn:?}");
             }
             let far = |p: DVec2| p.length() - radius;
-            assert!(off(&line, 0.002 * radius, far) < 0.002 * radius);
+            assert!(off(&line, tolerance, far) < 1.01 * tolerance);
         }
     }
 
