@@ -495,10 +495,11 @@ mod tests {
 
     #[test]
     fn strokes_do_not_cross_in_a_joint() {
-        let arms = [0.0, 1.57, 3.14, 4.71].map(|angle| {
-            let away = DVec2::from_angle(angle);
-            Stroke::new(vec![0.05 * away, 6.0 * away], false, 0.6)
-        });
+        let arms =
+            [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)].map(|to| {
+                let away = DVec2::from(to);
+                Stroke::new(vec![0.05 * away, 6.0 * away], false, 0.6)
+            });
         let (_, beads) = join(Vec::new(), arms.to_vec(), anywhere);
         assert_eq!(beads.len(), 3);
         let laid: f64 = beads.iter().map(content).sum();

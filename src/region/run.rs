@@ -228,6 +228,8 @@ fn behind<'a>(mut row: impl Iterator<Item = &'a Ball>, ball: &Ball) -> bool {
         return false;
     };
     let away = ball.centre - first.centre;
-    away.dot(second.centre - first.centre) > 0.0
+    let back = second.centre - first.centre;
+    // Corners of more than a right angle are ridges, too.
+    away.dot(back) > 0.5 * away.length() * back.length()
         && away.length_squared() > (0.5 * STEP).powi(2)
 }

@@ -36,6 +36,8 @@ struct Count {
     upto: Mm,
     /// What it can be stretched to.
     range: (Mm, Mm),
+    /// What the walls outside of the innermost bead or pair take of it.
+    taken: Mm,
 }
 
 /// The numbers of beads that thicknesses get.
@@ -62,6 +64,7 @@ impl Counts {
             counts.push(Count {
                 upto: least,
                 range: (squeezed, depth + sliver),
+                taken: depth,
             });
             counts.push(Count {
                 upto: depth + wall.limit,
@@ -69,6 +72,7 @@ impl Counts {
                     depth + wall.least / STRETCH,
                     depth + wall.limit * STRETCH,
                 ),
+                taken: depth,
             });
             squeezed = depth + SQUEEZE * 2.0 * wall.inner;
             depth += 2.0 * wall.inner;
@@ -145,7 +149,11 @@ impl Counts {
         for (number, part) in &mut all {
             // A bead needs some length, or it is but a widening of the walls.
             let single = *number % 2 == 1 && *number < few;
-            if single && part.length() < 0.5 * part.thickest() {
+            if !single {
+                continue;
+            }
+            let width = part.thickest() - self.counts[*number].taken;
+            if part.length() < 0.5 * width {
                 *number -= 1;
                 let count = &self.counts[*number];
                 let most = count.upto + 2.0 * (count.range.1 - count.upto);
