@@ -22,7 +22,7 @@ const STRETCH: f64 = 1.25;
 /// side for a while.
 const SQUEEZE: f64 = 0.75;
 /// By how much the sliver between two walls may pass its bound for a while.
-const WIDEN: f64 = 1.5;
+const WIDEN: f64 = 1.25;
 /// Parts shorter than this take the number of a neighbour, if its beads can
 /// be made to fit, mm.
 const SHORT: Mm = 4.0;

@@ -111,11 +111,17 @@ table::settings! {
         /// Width of the lines of skin that faces downwards, and of bridges;
         /// auto takes skin_width.
         bottom_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
-        /// Pattern of skin that faces upwards.
+        /// Pattern of skin that faces upwards,
+        /// except where it is nowhere wider than 14 lines: there strokes
+        /// follow its border.
         top_skin_pattern: SkinPattern = SkinPattern::Lines;
-        /// Pattern of skin that faces downwards.
+        /// Pattern of skin that faces downwards,
+        /// except where it is nowhere wider than 14 lines: there strokes
+        /// follow its border.
         bottom_skin_pattern: SkinPattern = SkinPattern::Lines;
-        /// Pattern of skin that the layers above and below cover.
+        /// Pattern of skin that the layers above and below cover,
+        /// except where it is nowhere wider than 14 lines: there strokes
+        /// follow its border.
         internal_skin_pattern: SkinPattern = SkinPattern::Lines;
         /// Order of the lines of skin that faces upwards.
         top_skin_order: SkinOrder = SkinOrder::Monotonic;
