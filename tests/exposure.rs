@@ -199,7 +199,9 @@ fn roles_are_exact(case: &Case, assignments: &[&str]) {
             let near = |roles: &[&str], reach: f64| {
                 prints.iter().any(|m| {
                     roles.contains(&m.role)
-                        && distance(m, p + centre(s)) < reach
+                        // Where lines are wider, they are farther apart.
+                        && distance(m, p + centre(s))
+                            < reach.max(0.5 * m.width + 0.02)
                 })
             };
             // Half a line's spacing and what lines overlap.

@@ -14,6 +14,7 @@ fn print(assignments: &[&str]) -> Vec<Layer> {
         "cooling.min_layer_time=0",
         "speed.first_layer=2000",
         "speed.small_wall_length=0",
+        "printer.max_moves_per_second=100000",
     ];
     all.extend(assignments);
     let settings = settings(&all);

@@ -768,8 +768,10 @@ fn reading_and_drawing_have_their_limits() {
     let check = "check - --time-limit 0.3";
     for arguments in [render, check] {
         let started = Instant::now();
-        let line =
-            format!("yes G4 | exec '{}' {arguments}", program().display());
+        let line = format!(
+            "yes 'G1 X1\nG1 X2' | exec '{}' {arguments}",
+            program().display()
+        );
         let output = Command::new("sh")
             .args(["-c", &line])
             .current_dir(root)

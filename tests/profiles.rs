@@ -333,7 +333,7 @@ fn later_layers_win() {
     assert!(density.ends_with("mine.toml:1"), "{density}");
     assert_eq!(
         origin("retract.length").as_deref(),
-        Some("shipped printers/ender-3.toml:28")
+        Some("shipped printers/ender-3.toml:30")
     );
     assert_eq!(origin("seam"), None);
 }

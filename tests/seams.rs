@@ -43,6 +43,7 @@ fn walls_round_pins_are_slow_however_they_are_cut() {
             "cooling.min_layer_time=0",
             "speed.first_layer=25",
             "speed.overhang=60",
+            "printer.max_moves_per_second=100000",
         ];
         let mut roles = std::collections::BTreeSet::new();
         for layer in &layers(pin, &more)[1..] {

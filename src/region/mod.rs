@@ -100,6 +100,15 @@ impl Lay {
         }
     }
 
+    /// This wall in what other walls have left, which is known to
+    /// `tolerance` on each side: a bead that seemed to fit there has to.
+    fn after(self, tolerance: Mm) -> Lay {
+        Lay {
+            least: (self.least - 2.0 * tolerance).max(0.0),
+            ..self
+        }
+    }
+
     /// A bead of `width` beside other beads.
     pub(crate) fn inside(width: Mm, height: Mm, settings: &Settings) -> Lay {
         let space = spacing(width, width, height);
@@ -264,12 +273,16 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
     let mut thin = Vec::new();
     for first in (0..count).step_by(2) {
         let next = count.min(first + 2);
-        let counts = Counts::new(&plans[first..next], Some(plans[next]));
+        let mut pair = plans[first..next].to_vec();
+        if let (1.., Some(begins)) = (first, pair.first_mut()) {
+            *begins = begins.after(2.0 * tolerance);
+        }
+        let counts = Counts::new(&pair, Some(plans[next]));
         let skeleton = Skeleton::new(&area, counts.limit(), settings.accuracy);
         let solid = &skeleton.solid;
         let places = skeleton.thin_places(&counts);
         let mut depth = 0.0;
-        for (k, plan) in plans[first..next].iter().enumerate() {
+        for (k, plan) in pair.iter().enumerate() {
             // The outer wall is seen.
             let outer = lines.is_empty();
             let tolerance = match outer {

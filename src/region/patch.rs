@@ -117,7 +117,7 @@ impl Free<'_> {
 /// Rings inside one another that fill an area, the outermost first, and the
 /// beads of places too thin for them.
 pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
-    let counts = Counts::new(&[plan, plan], Some(plan));
+    let mut counts = Counts::new(&[plan, plan], Some(plan));
     let away = plan.inner - plan.centre;
     let mut area = area.clone();
     let mut strokes: Vec<Stroke> = Vec::new();
@@ -149,6 +149,7 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
             return strokes;
         }
         area = left;
+        counts = Counts::new(&[plan.after(tolerance), plan], Some(plan));
     }
 }
 

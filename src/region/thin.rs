@@ -16,8 +16,11 @@ use super::Lay;
 use super::ridge::Ridge;
 use crate::units::Mm;
 
-/// By how much a single bead may pass its bounds for a while.
-const STRETCH: f64 = 1.25;
+/// By how much a single bead may be narrower than its bound for a while.
+const NARROW: f64 = 1.25;
+/// By how much it may be wider: the wider, the more a round bead leaves open
+/// in corners.
+const WIDE: f64 = 1.12;
 /// Share of their nominal thickness down to which two walls can stay side by
 /// side for a while.
 const SQUEEZE: f64 = 0.75;
@@ -68,10 +71,7 @@ impl Counts {
             });
             counts.push(Count {
                 upto: depth + wall.limit,
-                range: (
-                    depth + wall.least / STRETCH,
-                    depth + wall.limit * STRETCH,
-                ),
+                range: (depth + wall.least / NARROW, depth + wall.limit * WIDE),
                 taken: depth,
             });
             squeezed = depth + SQUEEZE * 2.0 * wall.inner;
@@ -265,7 +265,7 @@ mod tests {
             let t = move |x: f64| middle + by * (2.0 * x).sin();
             counts().split(&ridge(30.0, t))
         };
-        for (middle, by) in [(0.83, 0.1), (1.084, 0.1), (1.65, 0.15)] {
+        for (middle, by) in [(0.83, 0.1), (1.084, 0.05), (1.65, 0.15)] {
             let parts = wavers(middle, by);
             assert_eq!(parts.len(), 1, "{middle}: {:?}", numbers(&parts));
         }

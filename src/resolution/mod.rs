@@ -30,6 +30,9 @@ use glam::DVec2;
 /// have used most of it.
 const SHOWN: f64 = 0.3;
 
+/// Share of `path_accuracy` by which what lies beside the part is thinned.
+const BESIDE: f64 = 0.25;
+
 /// How far a width may be from the line between those that stay, as a share
 /// of itself.
 const WIDTH: f64 = 0.015;
@@ -38,6 +41,8 @@ const WIDTH: f64 = 0.015;
 pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
     match role {
         Role::Overhang | Role::OuterWall => SHOWN * settings.accuracy,
+        // They keep a distance from the part.
+        Role::Skirt | Role::Brim => BESIDE * settings.path_accuracy,
         _ => settings.path_accuracy,
     }
 }
