@@ -226,7 +226,7 @@ table::settings! {
         inner_wall: Varying<MmPerSec> = Varying::Constant(60.0),
             in 0.1..=2000.0;
         /// Speed of the beads that fill gaps between walls.
-        gap_fill: Varying<MmPerSec> = Varying::Constant(30.0),
+        gap_fill: Varying<MmPerSec> = Varying::Constant(60.0),
             in 0.1..=2000.0;
         /// Speed of sparse infill.
         sparse_infill: Varying<MmPerSec> = Varying::Constant(80.0),

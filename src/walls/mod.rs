@@ -16,12 +16,12 @@ use glam::DVec2;
 use std::iter;
 
 /// The walls' lines as beads, the outer wall's first. A part too thin for
-/// walls is an outer wall, and a bead in the middle of walls is one of those that
-/// it stands for. Rings shorter
-/// than `small` are marked: later they may be opened, or cut.
+/// walls is an outer wall. A bead in the middle of walls fills a gap, unless it
+/// goes on in one of the walls. Rings shorter than `small` are marked: later
+/// they may be opened, or cut.
 pub(crate) fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
-    let all = walls.lines.iter().zip(roles());
-    all.chain(walls.thin.iter().zip(roles()))
+    let all = walls.lines.iter().zip(roles(Role::InnerWall));
+    all.chain(walls.thin.iter().zip(roles(Role::GapFill)))
         .flat_map(|(lines, role)| {
             lines.iter().map(move |l| bead(l, role, height, small))
         })
@@ -30,8 +30,9 @@ pub(crate) fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
 
 /// Thins the walls' lines to what their roles permit.
 pub(crate) fn thin(walls: &mut Walls, settings: &Settings) {
-    let all = walls.lines.iter_mut().zip(roles());
-    for (lines, role) in all.chain(walls.thin.iter_mut().zip(roles())) {
+    let all = walls.lines.iter_mut().zip(roles(Role::InnerWall));
+    let thin = walls.thin.iter_mut().zip(roles(Role::GapFill));
+    for (lines, role) in all.chain(thin) {
         for line in lines {
             resolution::thin(line, role, settings);
         }
@@ -44,7 +45,7 @@ pub(crate) fn rounded(walls: &Walls, settings: &Settings) -> Walls {
     /// How near the polygons are to the arcs, mm.
     const FLAT: Mm = 0.0002;
     let mut walls = walls.clone();
-    for (lines, role) in walls.lines.iter_mut().zip(roles()) {
+    for (lines, role) in walls.lines.iter_mut().zip(roles(Role::InnerWall)) {
         let tolerance = resolution::arc_tolerance(role, settings);
         for line in lines.iter_mut().filter(|l| l.widths.is_empty()) {
             let path: Vec<DVec2> = line.path().collect();
@@ -58,9 +59,9 @@ pub(crate) fn rounded(walls: &Walls, settings: &Settings) -> Walls {
     walls
 }
 
-/// The roles of lines by their walls.
-fn roles() -> impl Iterator<Item = Role> {
-    iter::once(Role::OuterWall).chain(iter::repeat(Role::InnerWall))
+/// The roles of lines by their walls: `inside` for those that are not seen.
+fn roles(inside: Role) -> impl Iterator<Item = Role> {
+    iter::once(Role::OuterWall).chain(iter::repeat(inside))
 }
 
 fn bead(stroke: &Stroke, role: Role, height: Mm, small: Mm) -> Bead {
