@@ -13,6 +13,8 @@
 //! side by side, one bead along its middle ([`ridge`]) takes their place, as
 //! wide as the place is thick; what is too thin even for that widens the
 //! walls beside it ([`mod@line`]). Extruded area per area of part stays the same.
+//! How many beads lie side by side is decided along whole ridges ([`thin`]), and
+//! strokes go on in one another where they meet ([`joints`]).
 
 mod ball;
 pub(crate) mod compensate;
