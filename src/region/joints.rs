@@ -11,8 +11,8 @@
 //! In: the strokes of one wall, those cut open and the beads of thin places.
 //! Out: fewer, longer ones. Ends are joined in pairs, those with the least
 //! turn first. Between two ends that lie beside each other both strokes are
-//! shortened, so that the way across is no steeper than about 40° and there
-//! is as much material as before. An end that is left over is shortened until
+//! shortened, so that the way across is no steeper than about 40° where they
+//! are long enough, and there is as much material as before. An end that is left over is shortened until
 //! it does not lie on any other stroke.
 
 use crate::bead::Stroke;
@@ -30,6 +30,8 @@ const APART: f64 = 0.5;
 /// Length of the way across from one line to another, as a share of their
 /// distance across.
 const RAMP: f64 = 1.2;
+/// Least width on the way across, as a share of the mean one.
+const LEAST: f64 = 0.5;
 /// Share of a stroke that may be taken from one of its ends.
 const SHARE: f64 = 0.4;
 /// Distance at which an end stops short of another stroke's middle, as a share
@@ -57,14 +59,15 @@ impl End {
     fn new(strokes: &[Stroke], stroke: usize, last: bool) -> Option<End> {
         let s = &strokes[stroke];
         let n = s.points.len();
-        let index = |k: usize| if last { n - 1 - k } else { k };
-        let at = *s.points.get(index(0))?;
+        let end = n.checked_sub(1)?;
+        let index = |k: usize| if last { end - k } else { k };
+        let at = s.points[index(0)];
         let width = s.width_at(index(0));
         // Far enough back for the direction not to be that of a kink.
         let far = (0..n)
             .map(|k| s.points[index(k)])
             .find(|p| p.distance(at) > 0.5 * width);
-        let back = far.or_else(|| s.points.get(index(n - 1)).copied())?;
+        let back = far.unwrap_or(s.points[index(end)]);
         Some(End {
             stroke,
             last,
@@ -300,7 +303,10 @@ fn cross(
         (points.last(), widths.last(), to.points.first())
     {
         let middle = p.midpoint(q);
-        let (mean, most) = (0.5 * (w + to.width_at(0)), room(middle));
+        let mean = 0.5 * (w + to.width_at(0));
+        // What was taken from both ends may have moved the middle to where
+        // there is next to no room: a bead still needs a width.
+        let most = room(middle).max(LEAST * mean);
         if most < mean {
             points.push(middle);
             widths.push(most);
@@ -532,6 +538,24 @@ mod tests {
         };
         assert_eq!(joined(0.5), 1);
         assert_eq!(joined(0.2), 2);
+    }
+
+    #[test]
+    fn beads_have_a_width_where_there_is_no_room() {
+        let bead = line(&[(0.0, 0.0), (5.0, 0.0)], 0.84);
+        // Too short for as much to be taken from it as from the bead.
+        let wall = line(&[(5.1, 0.21), (5.2, 0.21)], 0.42);
+        // There is room where the ends meet, and none where they cross over.
+        let room = |p: DVec2| if p.x < 5.045 { -1.0 } else { 1.0 };
+        let (rings, _) = join(vec![wall], vec![bead], room);
+        assert_eq!(rings.len(), 1);
+        assert!(rings[0].widths.iter().all(|w| *w > 0.3));
+    }
+
+    #[test]
+    fn strokes_of_no_points_or_one_do_no_harm() {
+        let odd = || vec![line(&[], 0.4), line(&[(1.0, 1.0)], 0.4)];
+        join(odd(), odd(), anywhere);
     }
 
     #[test]
