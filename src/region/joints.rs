@@ -29,7 +29,7 @@ const REACH: f64 = 0.75;
 const APART: f64 = 0.5;
 /// Length of the way across from one line to another, as a share of their
 /// distance across.
-const RAMP: f64 = 1.2;
+const RAMP: f64 = 2.4;
 /// Least width on the way across, as a share of the mean one.
 const LEAST: f64 = 0.5;
 /// Share of a stroke that may be taken from one of its ends.

@@ -43,7 +43,7 @@ use ridge::{Ridge, ridges};
 use thin::Counts;
 
 /// Share of `accuracy` left to the outline; the offsets get the rest.
-pub(crate) const OUTLINE_SHARE: f64 = 0.7;
+pub(crate) const OUTLINE_SHARE: f64 = 0.88;
 
 /// Beads of no joint are wider than twice this, mm.
 const JOINT: Mm = 20.0;
@@ -261,7 +261,7 @@ pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
 /// grid of its edges and its ridges serve for all of them. For more of them
 /// the search would have to look too far around.
 pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
-    let tolerance = 0.5 * (1.0 - OUTLINE_SHARE) * settings.accuracy;
+    let tolerance = 0.15 * settings.accuracy;
     let mut plans: Vec<Lay> = (0..settings.walls)
         .map(|k| match k {
             0 => Lay::outer(height, settings),
@@ -305,7 +305,7 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
             depth += plan.inner;
             let slivers = places.slivers(2 * k + 2, depth);
             let away = plan.inner - plan.centre;
-            lines.push(absorb(walls, &slivers, away, settings.accuracy));
+            lines.push(absorb(walls, &slivers, away, 0.4 * settings.accuracy));
             thin.push(beads);
         }
         // Nobody sees the border of what is filled.

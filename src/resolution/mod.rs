@@ -28,14 +28,14 @@ use glam::DVec2;
 
 /// Share of `accuracy` by which what shows is thinned. The walls' own steps
 /// have used most of it.
-const SHOWN: f64 = 0.3;
+const SHOWN: f64 = 0.12;
 
 /// Share of `path_accuracy` by which what lies beside the part is thinned.
 const BESIDE: f64 = 0.25;
 
 /// How far a width may be from the line between those that stay, as a share
 /// of itself.
-const WIDTH: f64 = 0.015;
+const WIDTH: f64 = 0.02;
 
 /// How far the path of a bead of this role may be from where it was meant.
 pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {

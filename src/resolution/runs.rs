@@ -8,8 +8,8 @@
 //! [`FEW`] widths, and the edges of a bead that shows by no more than twice
 //! `edge`. The piece has their mean, so that no volume is lost. A ramp may be so
 //! steep that a piece would be shorter than [`shortest`]: a bead that shows is
-//! then hardly wider than the ramp's narrow end. A piece ends where the next
-//! width would break this, and nowhere else.
+//! then hardly wider than the ramp's narrow end. Pieces end at the bead's points
+//! where that is possible: each cut elsewhere is a move more.
 
 use crate::bead::{Bead, Role, Stroke, cross_section};
 use crate::units::{Mm, Mm2};
@@ -34,7 +34,7 @@ const STEEP: Mm = 0.02;
 pub(super) fn shortest(role: Role) -> Mm {
     match role.shows() {
         true => 0.05,
-        false => 0.15,
+        false => 0.3,
     }
 }
 
@@ -50,58 +50,44 @@ struct Run {
 }
 
 impl Run {
-    /// A run that begins at a point with a width.
-    fn new(at: DVec2, width: Mm) -> Run {
+    /// A straight ramp from a place and a width to others.
+    fn ramp([a, b]: [DVec2; 2], [from, to]: [Mm; 2]) -> Run {
+        let length = a.distance(b);
         Run {
-            points: vec![at],
-            low: width,
-            high: width,
-            length: 0.0,
-            content: 0.0,
+            points: vec![a, b],
+            low: from.min(to),
+            high: from.max(to),
+            length,
+            content: 0.5 * (from + to) * length,
         }
     }
 
-    /// Goes on to a point on a ramp from one width to another.
-    fn push(&mut self, to: DVec2, from_width: Mm, to_width: Mm) {
-        let length = self.points.last().map_or(0.0, |p| p.distance(to));
-        self.points.push(to);
-        self.low = self.low.min(to_width);
-        self.high = self.high.max(to_width);
-        self.length += length;
-        self.content += 0.5 * (from_width + to_width) * length;
+    /// Goes on in a run that begins where this one ends. What is too short for
+    /// a width of its own has no say if the other one is not.
+    fn extend(&mut self, other: Run, short: Mm) {
+        let low = self.low.min(other.low);
+        let high = self.high.max(other.high);
+        (self.low, self.high) = match self.length < short {
+            true if other.length >= short => (other.low, other.high),
+            _ => (low, high),
+        };
+        self.length += other.length;
+        self.content += other.content;
+        self.points.extend(other.points.into_iter().skip(1));
     }
 
-    /// The share of a ramp of this length that the run has room for.
-    fn room(
+    /// True if what follows has to have the same width, as this is too short
+    /// for one of its own, or may have it, as it differs little enough.
+    fn takes(
         &self,
-        length: Mm,
-        [from, to]: [Mm; 2],
+        other: &Run,
+        short: Mm,
         slack: impl Fn(Mm, Mm) -> Mm,
-    ) -> f64 {
-        let span = |slack: Mm| match to > from {
-            true => self.low + 2.0 * slack - from,
-            false => from - self.high + 2.0 * slack,
-        };
-        let change = (to - from).abs();
-        let within = |slack: Mm| {
-            let (least, most) =
-                (self.high - 2.0 * slack, self.low + 2.0 * slack);
-            if from < least || from > most {
-                0.0
-            } else if change > 0.0 {
-                span(slack) / change
-            } else {
-                1.0
-            }
-        };
-        let share = within(slack(self.low, self.length + length));
-        if share >= 1.0 || self.length + length <= 0.0 {
-            return share;
-        }
-        // A part of the ramp may be short enough for more slack.
-        let few = FEW * self.low - self.length;
-        let short = within(slack(self.low, 0.0)).min(few / length);
-        share.max(short).max(0.0)
+    ) -> bool {
+        let low = self.low.min(other.low);
+        let high = self.high.max(other.high);
+        let length = self.length + other.length;
+        high - low <= 2.0 * slack(low, length) || self.length < short
     }
 
     /// Its mean width.
@@ -133,47 +119,41 @@ pub(crate) fn pieces(bead: Bead, edge: Mm) -> Vec<Bead> {
         }
     };
     let short = shortest(bead.role);
-    let mut runs = Vec::new();
-    let mut run = Run::new(bead.points[0], bead.widths[0]);
-    for (i, (from, to)) in bead.segments().enumerate() {
+    let mut runs: Vec<Run> = Vec::new();
+    for (i, (a, b)) in bead.segments().enumerate() {
         let widths = [bead.width_at(i), bead.width_at(i + 1)];
-        let whole = from.distance(to);
-        if whole <= 0.0 {
-            // The width jumps.
-            if run.length <= 0.0 {
-                run = Run::new(from, widths[1]);
-            }
+        let ramp = Run::ramp([a, b], widths);
+        // Without a length the width jumps.
+        if ramp.length <= 0.0 {
             continue;
         }
-        let mut done = 0.0;
-        loop {
-            let here = widths[0] + done * (widths[1] - widths[0]);
-            let length = (1.0 - done) * whole;
-            let mut room = run.room(length, [here, widths[1]], slack);
-            if run.length <= 0.0 {
-                room = room.max(short / length);
+        let most = match bead.role.shows() {
+            true => (ramp.length / short).ceil(),
+            false => (ramp.length / short).floor(),
+        };
+        let parts = |slack: Mm| {
+            let all = (ramp.high - ramp.low) / (2.0 * slack);
+            all.ceil().min(most).max(1.0)
+        };
+        // Parts may be so short that they have more slack.
+        let mut count = parts(slack(ramp.low, 0.0));
+        if ramp.length / count > FEW * ramp.low {
+            count = parts(slack(ramp.low, ramp.length));
+        }
+        // Of what is no number there is one part.
+        for k in 0..count as usize {
+            let [s, t] = [k, k + 1].map(|k| k as f64 / count);
+            let width = |t: f64| widths[0] + t * (widths[1] - widths[0]);
+            let part =
+                Run::ramp([a.lerp(b, s), a.lerp(b, t)], [width(s), width(t)]);
+            match runs.last_mut() {
+                Some(run) if run.takes(&part, short, slack) => {
+                    run.extend(part, short);
+                }
+                _ => runs.push(part),
             }
-            // A length that is no number cannot be cut.
-            if room >= 1.0 || !length.is_finite() {
-                run.push(to, here, widths[1]);
-                break;
-            }
-            // A cut a hair behind a point is one at the point.
-            let next = match room * length < short && run.length > 0.0 {
-                true => done,
-                false => done + room * (1.0 - done),
-            };
-            let width = widths[0] + next * (widths[1] - widths[0]);
-            let at = from.lerp(to, next);
-            if next > done {
-                run.push(at, here, width);
-            }
-            let before = std::mem::replace(&mut run, Run::new(at, width));
-            runs.push(before);
-            done = next;
         }
     }
-    runs.push(run);
     let piece = |run: Run| {
         let mut width = run.width();
         if bead.role.shows() {
@@ -185,8 +165,7 @@ pub(crate) fn pieces(bead: Bead, edge: Mm) -> Vec<Bead> {
         let stroke = Stroke::new(run.points, false, width);
         Bead { stroke, ..bead }
     };
-    let all = runs.into_iter().filter(|run| run.points.len() > 1);
-    all.map(piece).collect()
+    runs.into_iter().map(piece).collect()
 }
 
 #[cfg(test)]

@@ -1,17 +1,19 @@
-//! Fewer points on a ring, within a tolerance and without a bias.
+//! Fewer points on a ring, within a tolerance.
 //!
 //! A chord between two points of a curve lies on its inner side, so a ring
 //! thinned to a subset of its points shrinks. Here the ring is cut into the
-//! longest pieces that a line fits, each piece is replaced by the line at the
-//! *mean* of the deviations from its chord, and the new corners are where
-//! neighbouring lines meet: a circle's polygon then lies on both sides of the
-//! circle and encloses its content, with fewer corners for the same tolerance.
+//! longest pieces that a line fits, and the new corners are where neighbouring
+//! lines meet. A piece's line is parallel to its chord: at the *mean* of the
+//! deviations from it if the tolerance permits that, else as near to it as it
+//! permits. A circle's polygon then lies on both sides of the circle, with as
+//! few corners as any polygon within the tolerance; the ring shrinks by a third
+//! of the tolerance at most.
 //!
-//! Guarantee: points of the input are within `tolerance` of the result's
-//! lines. Not guaranteed: that rings closer than the tolerance to each other
+//! Guarantee: points of the input are within `tolerance`, and 1 % of it, of the
+//! result's lines. Not guaranteed: that rings closer than the tolerance to each other
 //! (or to themselves) do not cross afterwards.
 
-use super::{Ring, signed_area};
+use super::{Ring, nearest_on, signed_area};
 use crate::Length;
 use glam::DVec2;
 
@@ -26,8 +28,20 @@ struct Piece {
     fits: bool,
     /// The piece begins at a corner, which stays where it is.
     corner: bool,
-    /// It begins where its line meets that of the piece before.
-    met: bool,
+    /// How its line meets that of the piece before.
+    meets: Meets,
+}
+
+/// How the lines of two pieces that follow each other meet.
+#[derive(Clone, Copy, PartialEq)]
+enum Meets {
+    /// Beside the point between the pieces.
+    There,
+    /// Farther along one of the pieces, whose last points then lie beside the
+    /// other one's line.
+    Along,
+    /// Nowhere near: the lines are nearly parallel.
+    Not,
 }
 
 /// A line along a chord.
@@ -205,6 +219,9 @@ fn thinned(
     corner: impl Fn(usize) -> bool,
     fits: impl Fn(usize, usize) -> bool,
 ) -> (Ring, Vec<Piece>) {
+    // A point beside a corner is a little farther from the edges that end
+    // there than from their lines.
+    let tolerance = 0.99 * tolerance;
     let mut pieces = split(points, tolerance, corner, fits);
     let mut out = corners(points, &mut pieces);
     while let Some(finer) = halve_misfits(points, &pieces, &out, tolerance) {
@@ -248,7 +265,7 @@ fn split(
                 fits: true,
                 line: line.unwrap_or_else(chord),
                 corner,
-                met: false,
+                meets: Meets::Not,
             });
             (start, corner) = (end, false);
         }
@@ -334,11 +351,12 @@ fn fit(
         }
     }
     let mean = if length > 0.0 { sum / length } else { 0.0 };
-    let error = (hi - mean).max(mean - lo);
+    // Where the tolerance asks for it, the line gives up the mean.
+    let shift = mean.max(hi - tolerance).min(lo + tolerance);
     let chord_error = if corner { hi.max(-lo) } else { 0.0 };
-    (error.max(chord_error) <= tolerance).then_some(Line {
+    (chord_error <= tolerance).then_some(Line {
         along: chord,
-        shift: mean,
+        shift,
     })
 }
 
@@ -362,15 +380,27 @@ fn halve_misfits(
         let (a, b) = (out[i], out[next]);
         // Both on the piece's own line: so it is nearly always.
         let apart = a.distance_squared(b) > tolerance * tolerance;
-        let meets = pieces.get(next).is_some_and(|p| p.met);
-        if p.fits && p.met && meets && apart {
+        let after = pieces.get(next).map_or(Meets::Not, |p| p.meets);
+        let there = p.meets == Meets::There && after == Meets::There;
+        if p.fits && there && apart {
             return false;
         }
-        let off = |along: DVec2| {
-            let all = &points.all[p.start..=p.end];
-            all.iter().any(|&q| along.perp_dot(q - a).abs() > limit)
+        let Some(along) = (b - a).try_normalize() else {
+            return true;
         };
-        (b - a).try_normalize().is_none_or(off)
+        // Points beyond an end of the edge belong to the one that follows.
+        let behind = |meets: Meets, from: DVec2, to: DVec2, q: DVec2| {
+            meets == Meets::Along
+                && nearest_on(q, from, to).distance_squared(q) <= limit * limit
+        };
+        let before = out[if i == 0 { out.len() - 1 } else { i - 1 }];
+        let beyond = out.get(next + 1).or(out.first()).copied();
+        let all = &points.all[p.start..=p.end];
+        all.iter().any(|&q| {
+            along.perp_dot(q - a).abs() > limit
+                && !behind(p.meets, before, a, q)
+                && !beyond.is_some_and(|c| behind(after, b, c, q))
+        })
     };
     let first = (0..pieces.len()).find(|&i| misfit(i))?;
     let mut finer = Vec::with_capacity(2 * pieces.len());
@@ -391,7 +421,7 @@ fn halve_misfits(
                 fits: line.is_some(),
                 line: line.unwrap_or_else(chord),
                 corner,
-                met: false,
+                meets: Meets::Not,
             });
         }
     }
@@ -428,12 +458,16 @@ fn drop_straight(ring: &mut Ring) {
     *ring = out;
 }
 
+/// Share of the shorter one of two pieces along which their lines may meet.
+const ALONG: f64 = 0.4;
+
 /// The points where the lines of neighbouring pieces meet, and the end of an
 /// open path.
 fn corners(points: Points<'_>, pieces: &mut [Piece]) -> Ring {
     let line = |p: &Piece| {
         let Line { along, shift } = p.line;
-        (along, along.perp() * shift, shift)
+        let length = points.all[p.start].distance(points.all[p.end]);
+        (along, along.perp() * shift, shift, length)
     };
     let mut out = Ring::with_capacity(pieces.len() + 1);
     let Some(last) = pieces.last() else {
@@ -442,8 +476,9 @@ fn corners(points: Points<'_>, pieces: &mut [Piece]) -> Ring {
     let mut before = line(last);
     for piece in pieces {
         let own = line(piece);
-        let (u, du, shift_before) = std::mem::replace(&mut before, own);
-        let (v, dv, shift) = own;
+        let (u, du, shift_before, length_before) =
+            std::mem::replace(&mut before, own);
+        let (v, dv, shift, length) = own;
         let p = points.all[piece.start];
         if piece.corner {
             out.push(p);
@@ -452,12 +487,20 @@ fn corners(points: Points<'_>, pieces: &mut [Piece]) -> Ring {
         // The lines through p + du along u and through p + dv along v.
         let sine = u.perp_dot(v);
         let meet = du + u * ((dv - du).perp_dot(v) / sine);
-        let limit = 2.0 * shift_before.abs().max(shift.abs());
-        // Nearly parallel lines meet far away: take the middle instead.
-        piece.met = sine.abs() > 1e-9 && meet.length_squared() <= limit * limit;
-        let by = match piece.met {
-            true => meet,
-            false => 0.5 * (du + dv),
+        let beside = 2.0 * shift_before.abs().max(shift.abs());
+        let along = ALONG * length_before.min(length);
+        let far = meet.length();
+        piece.meets = if sine.abs() <= 1e-9 || far > beside.max(along) {
+            Meets::Not
+        } else if far > beside {
+            Meets::Along
+        } else {
+            Meets::There
+        };
+        let by = match piece.meets {
+            // Nearly parallel lines meet far away.
+            Meets::Not => 0.5 * (du + dv),
+            Meets::Along | Meets::There => meet,
         };
         out.push(p + by);
     }
@@ -483,20 +526,21 @@ mod tests {
         for r in [0.5, 5.0, 50.0] {
             let tolerance = 0.005;
             let s = simplify(&circle(r, 20_000), tolerance);
-            // A chord of sagitta 1.5 × tolerance.
-            let ideal = PI / (1.0 - 1.5 * tolerance / r).acos();
-            assert!((s.len() as f64) < 1.6 * ideal, "{} {ideal}", s.len());
+            // A chord of sagitta 2 × tolerance.
+            let ideal = PI / (1.0 - 2.0 * tolerance / r).acos();
+            assert!((s.len() as f64) < 1.1 * ideal, "{} {ideal}", s.len());
             let mut mean = 0.0;
             for (a, b) in super::super::edges(&s) {
                 for i in 0..100 {
                     let e = a.lerp(b, f64::from(i) / 100.0).length() - r;
-                    assert!(e.abs() <= 1.02 * tolerance, "{e}");
+                    assert!(e.abs() <= 1.03 * tolerance, "{e}");
                     mean += e / (100.0 * s.len() as f64);
                 }
             }
-            assert!(mean.abs() < 0.0005, "{mean}");
+            // A third of the tolerance: the price of fewer points.
+            assert!(mean.abs() < 0.35 * tolerance, "{mean}");
             let content = signed_area(&s) / (PI * r * r) - 1.0;
-            assert!(content.abs() * r < 0.001, "{content}");
+            assert!(content.abs() * r < 0.7 * tolerance, "{content}");
         }
     }
 
@@ -538,7 +582,7 @@ mod tests {
                         a.lerp(b, t.clamp(0.0, 1.0)).distance(*p)
                     })
                     .fold(f64::INFINITY, f64::min);
-                assert!(off <= 0.00401, "{off} at {p}");
+                assert!(off <= 1.01 * 0.004, "{off} at {p}");
             }
         }
     }
