@@ -27,8 +27,6 @@ const BACK: f64 = 2.5;
 const SHARE: f64 = 0.4;
 /// Share of what a way lays that has to be taken from the strokes.
 const ENOUGH: f64 = 0.8;
-/// Length over which the width changes at both ends of a way, mm.
-const JUMP: Mm = 0.05;
 /// Slack in distances from the outline, mm.
 const SLACK: Mm = 0.03;
 /// The lengths depend on each other, and are found in so many rounds.
@@ -52,21 +50,11 @@ pub(crate) fn linked(
             before.stroke = shortened(before, true, link.taken[0]);
             bead.stroke = shortened(&bead, false, link.taken[1]);
             let way = link.bead(before, &bead);
-            way.into_iter().for_each(|way| push(&mut out, way));
-            push(&mut out, bead);
-        } else {
-            out.push(bead);
+            out.extend(way);
         }
+        out.push(bead);
     }
     out
-}
-
-/// Adds a bead, or lets the last one go on with it.
-fn push(out: &mut Vec<Bead>, bead: Bead) {
-    match out.last_mut() {
-        Some(last) if same(last, &bead) => append(last, &bead),
-        _ => out.push(bead),
-    }
 }
 
 /// A way from the end of one bead to the beginning of the next, once both have
@@ -107,7 +95,7 @@ impl Link {
         let mut taken = [0.0; 2];
         let mut all = 0.0;
         for _ in 0..ROUNDS {
-            all = (way * share + JUMP * (own - share)) / own;
+            all = way * share / own;
             let half = most[0].min(0.5 * all);
             taken[1] = most[1].min(all - half);
             taken[0] = most[0].min(all - taken[1]);
@@ -139,17 +127,12 @@ impl Link {
     /// The way as a bead between two that have been shortened. Between walls
     /// it is no wall.
     fn bead(&self, before: &Bead, after: &Bead) -> Option<Bead> {
-        let (from, to) = (*before.points.last()?, *after.points.first()?);
-        let ends =
-            [before.width_at(before.points.len() - 1), after.width_at(0)];
-        let jump = (0.5 * (to - from)).clamp_length_max(JUMP);
-        let points = vec![from, from + jump, to - jump, to];
-        let widths = vec![ends[0], self.width, self.width, ends[1]];
+        let ends = vec![*before.points.last()?, *after.points.first()?];
         let role = match before.role {
             Role::InnerWall => Role::GapFill,
             role => role,
         };
-        let stroke = Stroke::varying(points, widths, false);
+        let stroke = Stroke::new(ends, false, self.width);
         Some(Bead::new(role, stroke, after.height))
     }
 }
@@ -203,25 +186,6 @@ fn place(bead: &Bead, last: bool, mut length: Mm) -> Option<DVec2> {
     None
 }
 
-/// True if two beads can be one.
-fn same(a: &Bead, b: &Bead) -> bool {
-    (a.role, a.small) == (b.role, b.small)
-        && !a.closed
-        && a.points.last() == b.points.first()
-}
-
-/// Goes on with a bead that begins where another one ends.
-fn append(before: &mut Bead, after: &Bead) {
-    let widths = |b: &Bead| -> Vec<Mm> {
-        (0..b.points.len()).map(|i| b.width_at(i)).collect()
-    };
-    let mut all = widths(before);
-    all.extend(widths(after).into_iter().skip(1));
-    let mut points = std::mem::take(&mut before.points);
-    points.extend(after.points.iter().skip(1));
-    before.stroke = Stroke::varying(points, all, false);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -267,6 +231,14 @@ mod tests {
         beads.iter().map(of).sum()
     }
 
+    /// How many strokes there are: beads that begin where no other ends.
+    fn strokes(beads: &[Bead]) -> usize {
+        let meet = |pair: &&[Bead]| {
+            !pair[0].closed && pair[0].points.last() == pair[1].points.first()
+        };
+        beads.len() - beads.windows(2).filter(meet).count()
+    }
+
     fn apart() -> f64 {
         spacing(WIDTH, WIDTH, HEIGHT)
     }
@@ -287,14 +259,14 @@ mod tests {
         for next in next {
             let both = [there.clone(), line(role, next)];
             let found = linked_inside(&both);
-            assert_eq!(found.len(), 1, "{next:?}");
+            assert_eq!(strokes(&found), 1, "{next:?}");
             let share = laid(&found) / laid(&both);
             assert!((share - 1.0).abs() < 2e-3, "{next:?}: {share}");
             assert_eq!(found[0].points.first(), both[0].points.first());
-            assert_eq!(found[0].points.last(), both[1].points.last());
+            assert_eq!(found[2].points.last(), both[1].points.last());
             // The way is as narrow as it can be: as wide as high.
-            let least = found[0].widths.iter().copied().fold(9.0, f64::min);
-            assert!((least - HEIGHT).abs() < 1e-9, "{next:?}: {least}");
+            assert!((found[1].width - HEIGHT).abs() < 1e-9, "{next:?}");
+            assert!(found.iter().all(|b| b.role == role));
         }
     }
 
@@ -302,8 +274,7 @@ mod tests {
     fn rings_inside_one_another_become_a_spiral() {
         let rings = [0, 1, 2, 3].map(|k| ring(4.0 - apart() * f64::from(k)));
         let found = linked_inside(&rings);
-        assert_eq!(found.len(), 1);
-        assert!(!found[0].closed);
+        assert_eq!(strokes(&found), 1);
         let share = laid(&found) / laid(&rings);
         assert!((share - 1.0).abs() < 1e-3, "{share}");
     }
@@ -343,7 +314,7 @@ mod tests {
         let role = Role::InternalSkin;
         let there = line(role, &[(0.0, 0.0), (5.0, 0.0)]);
         let count = |next: &[(f64, f64)]| {
-            linked_inside(&[there.clone(), line(role, next)]).len()
+            strokes(&linked_inside(&[there.clone(), line(role, next)]))
         };
         assert_eq!(count(&[(4.0, 0.4), (0.0, 0.4)]), 1);
         assert_eq!(count(&[(3.7, 0.4), (0.0, 0.4)]), 2);
@@ -351,7 +322,8 @@ mod tests {
         assert_eq!(count(&short), 1);
         // Two short ones have nothing to make up for the way.
         let crumb = line(role, &[(4.9, 0.0), (5.0, 0.0)]);
-        assert_eq!(linked_inside(&[crumb, line(role, &short)]).len(), 2);
+        let crumbs = [crumb, line(role, &short)];
+        assert_eq!(linked_inside(&crumbs), crumbs);
     }
 
     #[test]
@@ -364,10 +336,7 @@ mod tests {
         let found = linked_inside(&walls);
         let roles: Vec<Role> = found.iter().map(|b| b.role).collect();
         assert_eq!(roles, [role, Role::GapFill, role]);
-        // Each begins where the one before ends: there is no travel.
-        for pair in found.windows(2) {
-            assert_eq!(pair[0].points.last(), pair[1].points.first());
-        }
+        assert_eq!(strokes(&found), 1);
         let share = laid(&found) / laid(&walls);
         assert!((share - 1.0).abs() < 2e-3, "{share}");
     }
