@@ -263,6 +263,11 @@ pub(crate) fn spacing(width_a: Mm, width_b: Mm, height: Mm) -> Mm {
     0.5 * (width_a + width_b) - height * (1.0 - std::f64::consts::FRAC_PI_4)
 }
 
+/// Share of the plane that the narrowest bead takes: one as wide as high.
+pub(crate) fn narrowest(height: Mm) -> Mm {
+    height * std::f64::consts::FRAC_PI_4
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -34,7 +34,8 @@
 //!    areas, and [`fuzzy`] gives outer walls a texture. All later stages work
 //!    on beads. [`hang`] finds what nothing below holds while it is printed.
 //! 7. [`seam`] says where loops may begin. [`order`] lets them begin there, and
-//!    puts all beads in an order with short travels, one island at a time.
+//!    puts all beads in an order with short travels, one island at a time. Beads
+//!    that nobody sees go on in the next one where that is near.
 //! 8. [`travel`] connects the beads, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, and slower where the hot
 //!    end or the cooling could not follow. It adds up the time.

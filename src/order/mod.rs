@@ -14,12 +14,14 @@
 //! | `sweep` | lines that wait for one another |
 //! | `tour` | the order of any stops |
 //! | `begin` | where a closed bead begins |
+//! | `link` | short ways between hidden beads, printed instead of hopped |
 //! | `nearest`, `near_ends` | which points are near |
 
 mod begin;
 mod island;
 mod islands;
 mod jobs;
+mod link;
 mod near_ends;
 mod nearest;
 mod sweep;
@@ -35,6 +37,7 @@ use begin::{begin_near, nearest_spot};
 use glam::DVec2;
 use island::print_island;
 use islands::{Island, grid_of, islands};
+pub(crate) use link::linked;
 use tour::{Stop, tour};
 
 /// The beads of a layer.

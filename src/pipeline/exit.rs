@@ -15,7 +15,7 @@ use crate::hang::{self, Hanging, Look};
 use crate::infill::standing::Standing;
 use crate::layers::LayerSpan;
 use crate::limits;
-use crate::order::{Head, order};
+use crate::order::{Head, linked, order};
 use crate::pace::Pacer;
 use crate::preview::Pictures;
 use crate::region::wall_depths;
@@ -146,6 +146,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         let ended = self.timings.time(Stage::Order, || {
             let beads =
                 order(beads, layer.area(), &mut self.head, self.settings);
+            let beads = linked(beads, solid, self.settings);
             endings(beads, solid, self.settings)
         });
         self.head.at = ended.last().and_then(Ended::end).or(from);

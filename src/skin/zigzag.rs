@@ -17,7 +17,7 @@
 //! Ends are not joined across the border, nor where the way is long: there the
 //! lines meet the border so flatly that they grow wider beside it.
 
-use crate::bead::Stroke;
+use crate::bead::{Stroke, narrowest};
 use crate::plane::grid::EdgeGrid;
 use crate::units::Mm;
 
@@ -61,8 +61,6 @@ impl Joined {
 /// Share of the plane that a turn takes, as a share of a line's: so little
 /// that the lines' round ends reach the border's corners.
 const NARROW: f64 = 0.5;
-/// Below so many heights a turn would not be wider than high.
-const FLAT: f64 = std::f64::consts::FRAC_PI_4;
 /// Longest way from end to end, in spacings.
 const REACH: f64 = 2.3;
 /// Length over which the width changes at both ends of a turn, mm.
@@ -194,7 +192,7 @@ impl Turns<'_> {
     /// Share of the plane that a turn takes.
     fn share(&self) -> Mm {
         (NARROW * self.spacing)
-            .max(FLAT * self.height)
+            .max(narrowest(self.height))
             .min(self.spacing)
     }
 
