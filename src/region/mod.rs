@@ -294,11 +294,10 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
             let mut walls = cut(&rings, &beads, plan.centre, plan.width);
-            let beads: Vec<Stroke> = beads
-                .into_iter()
-                .map(|r| tip::square_ends(r, solid.grid(), depth, plan.least))
-                .map(|r| along(&r, plan.extra))
-                .collect();
+            let least = plan.least;
+            let beads = tip::lead_to_ends(beads, solid.grid(), depth, least);
+            let beads: Vec<Stroke> =
+                beads.iter().map(|r| along(r, plan.extra)).collect();
             if outer {
                 tip::fill_posts(&mut walls, &beads, solid, *plan, tolerance);
             }
