@@ -45,13 +45,15 @@ pub(super) fn lead_to_ends(
     let thickest = ridges.iter().map(Ridge::thickest).fold(0.0, f64::max);
     let lines = ridges.iter().map(|r| r.points.iter().copied());
     let beside = EdgeGrid::of_lines(lines, thickest);
+    /// Share of the thickness: ridges that meet end nearer to each other.
+    const NEAR: f64 = 0.5;
     // An end near to another ridge is no tip but part of a junction.
     let junction = |i: usize, end: Option<&DVec2>, t: Option<&Mm>| {
         let (Some(&end), Some(&t)) = (end, t) else {
             return true;
         };
         let mut found = false;
-        beside.visit_edges_near(end, end, t, |edge| {
+        beside.visit_edges_near(end, end, NEAR * t, |edge| {
             found |= beside.owner(edge) != i;
         });
         found
