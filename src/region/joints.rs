@@ -150,6 +150,14 @@ fn pairs(
     let reach = REACH * widest;
     let points = ends.iter().enumerate().map(|(i, e)| (i, (e.at, e.at)));
     let grid = EdgeGrid::of(points, reach);
+    let lines = EdgeGrid::of_lines(strokes.iter().map(Stroke::path), widest);
+    // A way across that crosses a stroke would lay twice what they share.
+    let crossed = |from: DVec2, to: DVec2| {
+        let mut crossed = false;
+        let (from, to) = (from.lerp(to, 0.01), to.lerp(from, 0.01));
+        lines.visit_crossed(from, to, |_, _| crossed = true);
+        crossed
+    };
     let mut all: Vec<(f64, usize, usize)> = Vec::new();
     let mut near = Vec::new();
     for (i, end) in ends.iter().enumerate() {
@@ -168,6 +176,7 @@ fn pairs(
             if let Some(cost) = end.cost(other)
                 && room(end.at.midpoint(other.at))
                     > 0.35 * (end.width + other.width)
+                && !crossed(end.at, other.at)
             {
                 all.push((cost, i, j));
             }

@@ -25,6 +25,7 @@ mod joints;
 pub(crate) mod line;
 pub(crate) mod neighbour;
 pub(crate) mod patch;
+mod pocket;
 pub(crate) mod ridge;
 mod run;
 pub(crate) mod slit;
@@ -39,7 +40,9 @@ use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
 use line::{absorb, along, cut};
+use pocket::Left;
 use ridge::{Ridge, ridges};
+use std::collections::HashSet;
 use thin::Counts;
 
 /// Share of `accuracy` left to the outline; the offsets get the rest.
@@ -226,11 +229,41 @@ impl ThinPlaces {
     fn slivers(&self, number: usize, depth: Mm) -> Vec<Ridge> {
         /// Walls may overlap by so much, mm.
         const OVERLAP: Mm = 0.03;
-        let parts = self.beads(number, depth).into_iter();
+        let mut parts = self.beads(number, depth);
+        self.make_way(&mut parts, number + 1);
         parts
+            .into_iter()
             .flat_map(|ridge| ridge.split_at(0.0))
             .filter(|part| part.thickest() > 0.0 || part.thinnest() < -OVERLAP)
             .collect()
+    }
+
+    /// Cuts slivers back where a bead goes on in the middle: its round end is
+    /// in what they would share out.
+    fn make_way(&self, slivers: &mut [Ridge], number: usize) {
+        /// Beyond the round end, mm: walls become wider within so much.
+        const MORE: Mm = 0.05;
+        let beads = self.0.iter().filter(|part| part.0 == number);
+        let ends: HashSet<[u64; 2]> = beads
+            .filter(|(_, ridge)| !ridge.closed)
+            .flat_map(|(_, ridge)| {
+                ridge.points.first().into_iter().chain(ridge.points.last())
+            })
+            .map(|p| p.to_array().map(f64::to_bits))
+            .collect();
+        for sliver in slivers.iter_mut().filter(|s| !s.closed) {
+            for _ in 0..2 {
+                sliver.points.reverse();
+                sliver.thickness.reverse();
+                let Some(end) = sliver.points.last() else {
+                    continue;
+                };
+                if ends.contains(&end.to_array().map(f64::to_bits)) {
+                    let round = sliver.thickness.last().copied();
+                    sliver.shorten(0.5 * round.unwrap_or(0.0) + MORE);
+                }
+            }
+        }
     }
 }
 
@@ -294,18 +327,33 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
             let mut walls = cut(&rings, &beads, plan.centre, plan.width);
-            let beads: Vec<Stroke> = beads
-                .into_iter()
-                .map(|r| tip::square_ends(r, solid.grid(), depth, plan.least))
-                .map(|r| along(&r, plan.extra))
-                .collect();
+            let least = plan.least;
+            let beads = tip::lead_to_ends(beads, solid.grid(), depth, least);
+            let beads: Vec<Stroke> =
+                beads.iter().map(|r| along(r, plan.extra)).collect();
             if outer {
                 tip::fill_posts(&mut walls, &beads, solid, *plan, tolerance);
             }
             depth += plan.inner;
             let slivers = places.slivers(2 * k + 2, depth);
             let away = plan.inner - plan.centre;
-            lines.push(absorb(walls, &slivers, away, 0.4 * settings.accuracy));
+            // What the widths follow is found to a share of the accuracy.
+            let fine = 0.4 * settings.accuracy;
+            let walls = absorb(walls, &slivers, away, fine);
+            // Skin begins with the bead of a thin place.
+            let radius = match pair.get(k + 1) {
+                Some(wall) => wall.centre + settings.accuracy,
+                None => 0.5 * plans[next].least,
+            };
+            let left = Left {
+                grid: solid.grid(),
+                depth,
+                away,
+                width: plan.width,
+                radius,
+                beads: &places.beads(2 * k + 3, depth),
+            };
+            lines.push(left.shared(walls, fine));
             thin.push(beads);
         }
         // Nobody sees the border of what is filled.
@@ -528,6 +576,30 @@ mod tests {
         let w = strip(0.2);
         assert_eq!(extruded(&w, 0.2), 0.0);
         assert!((w.gap - 10.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn walls_make_way_for_the_bead_that_begins_between_them() {
+        let settings = Settings::default();
+        let inner = Lay::inside(0.45, 0.2, &settings);
+        let outer = Lay::outer(0.2, &settings);
+        let counts = Counts::new(&[outer, inner], Some(inner));
+        // A wedge from 0.9 to 1.5 mm: two walls, then a bead between them.
+        let x = |i: usize| 0.5 * i as f64;
+        let ridge = Ridge {
+            points: (0..=60).map(|i| DVec2::X * x(i)).collect(),
+            thickness: (0..=60).map(|i| 0.9 + 0.02 * x(i)).collect(),
+            closed: false,
+        };
+        let places = ThinPlaces(counts.split(&ridge));
+        let depth = outer.inner;
+        let begins = places.beads(3, depth)[0].points[0].x;
+        let bead = places.beads(3, depth)[0].thickness[0];
+        let slivers = places.slivers(2, depth);
+        let ends = slivers.iter().filter_map(|s| s.points.last());
+        let ends = ends.map(|p| p.x).fold(0.0, f64::max);
+        let between = begins - ends;
+        assert!((0.5 * bead..0.3).contains(&between), "{between}");
     }
 
     #[test]

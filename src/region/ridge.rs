@@ -171,6 +171,25 @@ impl Ridge {
         path_length(&self.points, self.closed)
     }
 
+    /// Takes a length from the end of the line, but no more than leaves a
+    /// point.
+    pub(super) fn shorten(&mut self, mut length: Mm) {
+        while let [.., a, b] = *self.points.as_slice() {
+            let n = self.points.len();
+            let (last, edge) = (n - 1, a.distance(b));
+            if edge > length {
+                let t = length / edge;
+                let (v, w) = (self.thickness[last - 1], self.thickness[last]);
+                self.points[last] = b.lerp(a, t);
+                self.thickness[last] = w + t * (v - w);
+                return;
+            }
+            self.points.pop();
+            self.thickness.pop();
+            length -= edge;
+        }
+    }
+
     /// The thickness half way through its points.
     pub(super) fn middle_thickness(&self) -> Mm {
         let n = self.thickness.len();
@@ -291,6 +310,40 @@ mod tests {
         };
         let each = ridges_of(&alone, 0.8).len();
         assert_eq!(ridges_of(&area, 0.8).len(), 2500 * each);
+    }
+
+    #[test]
+    fn joined_ridges_are_as_thick_as_the_area_and_do_not_cross() {
+        // Four strips of 0.6 mm meet: the ball in the middle touches four
+        // corners.
+        let (h, l) = (0.3, 5.0);
+        let cross = area(&[
+            (-l, -h),
+            (-h, -h),
+            (-h, -l),
+            (h, -l),
+            (h, -h),
+            (l, -h),
+            (l, h),
+            (h, h),
+            (h, l),
+            (-h, l),
+            (-h, h),
+            (-l, h),
+        ]);
+        let found = ridges_of(&cross, 1.2);
+        // Only one ridge leads through the middle, as thick as the area.
+        let middle: Vec<f64> = found
+            .iter()
+            .filter_map(|r| {
+                let near = |p: &&DVec2| p.length() < 0.03;
+                let k = r.points.iter().position(|p| near(&p))?;
+                Some(r.thickness[k])
+            })
+            .collect();
+        assert_eq!(middle.len(), 1, "{middle:?}");
+        let ball = 2.0 * 2.0_f64.sqrt() * h;
+        assert!((middle[0] - ball).abs() < 0.01, "{middle:?}");
     }
 
     #[test]

@@ -6,6 +6,7 @@
 use super::ball::{Ball, STEP};
 use crate::plane::grid::EdgeGrid;
 use crate::units::Mm;
+use glam::DVec2;
 
 /// Balls that follow each other along the border.
 pub(super) struct Run {
@@ -59,10 +60,13 @@ pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
     let mut ends = Ends::new(runs);
     let mut i = 0;
     while i < runs.len() {
-        let next = ends
-            .beside(&runs[i], i)
-            .into_iter()
-            .find_map(|j| Some((j, runs[i].meets(&runs[j], grid)?)));
+        let next = ends.beside(&runs[i], i).into_iter().find_map(|j| {
+            let (this, other) = (&runs[i], &runs[j]);
+            let meeting = this.meets(other, grid)?;
+            let link = meeting.link(this, other)?;
+            let turns_back = meeting.turns_back(this, other);
+            (!turns_back && !ends.crosses(link)).then_some((j, meeting))
+        });
         let Some((j, meeting)) = next else {
             i += 1;
             continue;
@@ -75,15 +79,49 @@ pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
         if meeting.turn_this {
             run.reverse();
         }
+        if let (Some(&a), Some(&b)) = (run.last(), other.first()) {
+            ends.add_link((a.centre, b.centre));
+            run.extend(between(a, b, grid));
+        }
         run.extend(other);
         ends.owner[j] = i;
     }
     runs.retain(|r| !r.balls.is_empty());
     for run in runs {
-        let ends = (run.balls.first(), run.balls.last());
-        let meet = matches!(ends, (Some(a), Some(b)) if a.meets(b, grid));
-        run.closed |= meet && run.length() > 8.0 * STEP;
+        let (Some(&a), Some(&b)) = (run.balls.last(), run.balls.first()) else {
+            continue;
+        };
+        let meet = !run.closed
+            && a.meets(&b, grid)
+            && run.length() > 8.0 * STEP
+            && !ends.crosses((a.centre, b.centre));
+        if meet {
+            ends.add_link((a.centre, b.centre));
+            run.balls.extend(between(a, b, grid));
+            run.closed = true;
+        }
     }
+}
+
+/// The balls on the way from one to another, where runs are joined: they can
+/// be larger than both, where strips meet.
+fn between(a: Ball, b: Ball, grid: &EdgeGrid) -> impl Iterator<Item = Ball> {
+    let count = match a.close(&b) {
+        true => 1.0,
+        false => (a.centre.distance(b.centre) / STEP).ceil().clamp(1.0, 1e3),
+    };
+    let far = a.thickness + b.thickness;
+    (1..count as usize).map(move |k| {
+        let centre = a.centre.lerp(b.centre, k as f64 / count);
+        let radius = match grid.nearest_edge(centre, far) {
+            Some((_, q)) => q.distance(centre),
+            None => far,
+        };
+        Ball {
+            centre,
+            thickness: 2.0 * radius,
+        }
+    })
 }
 
 /// Where runs end.
@@ -94,7 +132,12 @@ struct Ends {
     reach: Mm,
     /// By run, the one it has been joined to; itself, if to none.
     owner: Vec<usize>,
+    /// By run, the ways across from its ends to where others begin.
+    links: Vec<Vec<Link>>,
 }
+
+/// The way across from the end of a run to where another begins.
+type Link = (DVec2, DVec2);
 
 impl Ends {
     fn new(runs: &[Run]) -> Ends {
@@ -111,7 +154,33 @@ impl Ends {
             grid: EdgeGrid::of(points, reach),
             reach,
             owner: (0..runs.len()).collect(),
+            links: vec![Vec::new(); runs.len()],
         }
+    }
+
+    fn add_link(&mut self, link: Link) {
+        let mut near = Vec::new();
+        let reach = 1e-6 * self.reach;
+        self.grid
+            .visit_near(link.0, link.0, reach, |j| near.push(j));
+        for j in near {
+            self.links[j].push(link);
+        }
+    }
+
+    /// True if a way across crosses another one: of four strips that meet,
+    /// two go on in one another, and what the other two share with them is
+    /// laid once.
+    fn crosses(&self, (a, b): Link) -> bool {
+        let mut crosses = false;
+        let left = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a) > 0.0;
+        let reach = 2.0 * self.reach;
+        self.grid.visit_near(a, a, reach, |j| {
+            crosses |= self.links[j].iter().any(|&(c, d)| {
+                left(a, b, c) != left(a, b, d) && left(c, d, a) != left(c, d, b)
+            });
+        });
+        crosses
     }
 
     /// The runs that end near to where the `i`th does, in order.
@@ -139,6 +208,32 @@ impl Ends {
 struct Meeting {
     turn_this: bool,
     turn_other: bool,
+}
+
+impl Meeting {
+    /// The way across from one run to the other.
+    fn link(&self, this: &Run, other: &Run) -> Option<Link> {
+        let end = |run: &Run, last: bool| {
+            let ball = if last {
+                run.balls.last()
+            } else {
+                run.balls.first()
+            };
+            ball.map(|b| b.centre)
+        };
+        let from = end(this, !self.turn_this)?;
+        Some((from, end(other, self.turn_other)?))
+    }
+
+    /// True if the other run leads back where this one comes from: it has the
+    /// same ridge, seen from the other side.
+    fn turns_back(&self, this: &Run, other: &Run) -> bool {
+        /// Cosine of the turn.
+        const BACK: f64 = -0.8;
+        let out = this.inwards(!self.turn_this);
+        let inwards = other.inwards(self.turn_other);
+        out.dot(inwards) > -BACK
+    }
 }
 
 impl Ball {
@@ -174,6 +269,15 @@ impl Ball {
 }
 
 impl Run {
+    /// The direction in which a run leads away from its last ball, or from its
+    /// first; none if it is too short to tell.
+    fn inwards(&self, last: bool) -> DVec2 {
+        let n = self.balls.len();
+        let at = |k: usize| self.balls[if last { n - 1 - k } else { k }].centre;
+        let far = (0..n).find(|&k| at(k).distance(at(0)) > 0.5 * STEP);
+        far.map_or(DVec2::ZERO, |k| (at(k) - at(0)).normalize_or_zero())
+    }
+
     fn length(&self) -> Mm {
         self.balls
             .windows(2)

@@ -13,6 +13,10 @@
 //! branch and r² for the crossing, 2.06·r² in all: what is extruded for the
 //! end of 2·r², which the length up to c does not include.
 //!
+//! Where a strip ends in a point or a round tip, the bead goes on as far as the
+//! balls reach farther: a ridge ends where they touch two sides that are less
+//! than 120° apart, as it does not lead into corners.
+//!
 //! A post has no ridge but a point: a ring at a quarter of its thickness,
 //! half its thickness wide, has just its content.
 
@@ -29,11 +33,53 @@ const OUT: Mm = 0.005;
 /// Distance up to which a ball is taken to touch the border, mm.
 const TOUCHING: Mm = 0.03;
 
-/// Leads a ridge of what an area is `depth` below its border into the corners
-/// at its ends. `grid` holds the area's edges, and between the corners there
-/// is to be at least the thickness `least`.
-pub(super) fn square_ends(
+/// Leads ridges of what an area is `depth` below its border into the corners
+/// and tips at their ends. `grid` holds the area's edges, and nothing leads to
+/// where it is thinner than `least`.
+pub(super) fn lead_to_ends(
+    ridges: Vec<Ridge>,
+    grid: &EdgeGrid,
+    depth: Mm,
+    least: Mm,
+) -> Vec<Ridge> {
+    let thickest = ridges.iter().map(Ridge::thickest).fold(0.0, f64::max);
+    let lines = ridges.iter().map(|r| r.points.iter().copied());
+    let beside = EdgeGrid::of_lines(lines, thickest);
+    /// Share of the thickness: ridges that meet end nearer to each other.
+    const NEAR: f64 = 0.5;
+    // An end near to another ridge is no tip but part of a junction.
+    let junction = |i: usize, end: Option<&DVec2>, t: Option<&Mm>| {
+        let (Some(&end), Some(&t)) = (end, t) else {
+            return true;
+        };
+        let mut found = false;
+        beside.visit_edges_near(end, end, NEAR * t, |edge| {
+            found |= beside.owner(edge) != i;
+        });
+        found
+    };
+    let tips: Vec<[bool; 2]> = ridges
+        .iter()
+        .enumerate()
+        .map(|(i, r)| {
+            let (p, t) = (&r.points, &r.thickness);
+            [(p.first(), t.first()), (p.last(), t.last())]
+                .map(|(p, t)| !junction(i, p, t))
+        })
+        .collect();
+    ridges
+        .into_iter()
+        .zip(tips)
+        .map(|(ridge, tips)| lead(ridge, tips, &beside, grid, depth, least))
+        .collect()
+}
+
+/// Leads a ridge into the corners at its ends, and where there are `tips`, at
+/// its first point and at its last one, into those. `lines` holds all ridges.
+fn lead(
     mut ridge: Ridge,
+    tips: [bool; 2],
+    lines: &EdgeGrid,
     grid: &EdgeGrid,
     depth: Mm,
     least: Mm,
@@ -41,16 +87,85 @@ pub(super) fn square_ends(
     if ridge.closed {
         return ridge;
     }
-    for _ in 0..2 {
+    for is_tip in tips {
         ridge.points.reverse();
         ridge.thickness.reverse();
-        for (p, t) in corners(&ridge, grid, depth, least).into_iter().flatten()
-        {
+        let square = corners(&ridge, grid, depth, least);
+        let more: Vec<(DVec2, Mm)> = match square[0] {
+            Some(_) => square.into_iter().flatten().collect(),
+            None if is_tip => tip(&ridge, lines, grid, depth, least),
+            None => Vec::new(),
+        };
+        for (p, t) in more {
             ridge.points.push(p);
             ridge.thickness.push(t);
         }
     }
     ridge
+}
+
+/// Where a ridge goes on into a point or a round tip behind its last point,
+/// and how thick it is there: not thinner than `least`, unless that is what
+/// it is already. `lines` holds all ridges.
+fn tip(
+    ridge: &Ridge,
+    lines: &EdgeGrid,
+    grid: &EdgeGrid,
+    depth: Mm,
+    least: Mm,
+) -> Vec<(DVec2, Mm)> {
+    /// Distance of the balls, mm.
+    const STEP: Mm = 0.04;
+    /// Length of the longest tip, as a share of the thickness where it begins:
+    /// its sides are at least 60° apart.
+    const LONG: f64 = 1.2;
+    /// Least share of its way by which a ball reaches farther than the last.
+    const GAIN: f64 = 0.05;
+    let mut balls = Vec::new();
+    let (Some(&end), Some(&t)) = (ridge.points.last(), ridge.thickness.last())
+    else {
+        return balls;
+    };
+    let far = 0.5 * t;
+    let back = ridge.points.iter().rev().find(|p| p.distance(end) > STEP);
+    let Some(mut ahead) = back.and_then(|b| (end - *b).try_normalize()) else {
+        return balls;
+    };
+    let radius = |p: DVec2| match grid.nearest_edge(p, 2.0 * far + depth) {
+        Some((_, q)) => p.distance(q) - depth,
+        None => f64::INFINITY,
+    };
+    let (mut c, mut r) = (end, far);
+    while c.distance(end) < LONG * t {
+        // The middle between the sides is where a ball is largest.
+        let side = ahead.perp() * STEP;
+        let at = |share: f64| c + STEP * ahead + share * side;
+        let (mut low, mut high) = (-1.0, 1.0);
+        for _ in 0..8 {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            match radius(at(a)) < radius(at(b)) {
+                true => low = a,
+                false => high = b,
+            }
+        }
+        let next = at(0.5 * (low + high));
+        let reach = radius(next).min(r);
+        let way = next.distance(c);
+        // Wider ahead, there is no tip but a junction.
+        let widens = radius(next) > r + 0.1 * STEP;
+        let done = way + reach - r < GAIN * way;
+        // A ridge that has turned back there leads nowhere.
+        let mut back = false;
+        let away = 0.7 * next.distance(end);
+        lines.visit_edges_near(next, next, away, |_| back = true);
+        if widens || done || back || reach < 0.5 * least {
+            break;
+        }
+        ahead = (next - c).normalize_or(ahead);
+        (c, r) = (next, reach);
+        balls.push((c, 2.0 * r));
+    }
+    balls
 }
 
 /// Where a ridge goes on into the corners at its last point, and how thick

@@ -320,6 +320,103 @@ fn no_post_vanishes() {
 }
 
 #[test]
+fn round_and_pointed_tips_are_covered() {
+    let mut faults = Faults::default();
+    for turn in [0.0, 0.4, 1.3] {
+        let ellipse = |a: f64, b: f64| {
+            let points: Vec<(f64, f64)> = circle(1.0, 200)
+                .into_iter()
+                .map(|p| (a * p.x, b * p.y))
+                .collect();
+            area(&points, turn)
+        };
+        for (a, b) in [(0.7, 0.36), (1.2, 0.36), (0.6, 0.25)] {
+            let p = print(&ellipse(a, b));
+            let part = format!("ellipse {a} {b}");
+            faults.check(p.open < 0.02, "open", &part, &p);
+            faults.check(p.out < 0.015, "out", &part, &p);
+            faults.check(p.volume < 1.02, "volume", &part, &p);
+        }
+        // A strip of 0.6 mm that ends in a point of 70°.
+        let bolt = area(
+            &[
+                (0.0, -0.3),
+                (6.0, -0.3),
+                (6.43, 0.0),
+                (6.0, 0.3),
+                (0.0, 0.3),
+            ],
+            turn,
+        );
+        let p = print(&bolt);
+        let part = format!("bolt {turn}");
+        faults.check(p.hole < 0.02, "hole", &part, &p);
+        faults.check(p.volume < 1.02, "volume", &part, &p);
+    }
+}
+
+/// A square of `2·half` less four discs of radius `r` around the middles of
+/// its sides, or farther out: four strips that meet, and whose sides are
+/// `gap` from the middle.
+fn junction(half: f64, r: f64, gap: f64) -> Area {
+    let far = gap + r;
+    let reach = (r * r - (far - half).powi(2)).sqrt();
+    let mut points = Vec::new();
+    for side in 0..4 {
+        let by = DVec2::from_angle(0.5 * PI * f64::from(side));
+        let first = reach.atan2(far - half);
+        for k in 0..=60 {
+            let angle = PI + first * (1.0 - f64::from(k) / 30.0);
+            let p = DVec2::X * far + DVec2::from_angle(angle) * r;
+            points.push(by.rotate(p));
+        }
+        points.push(by.rotate(DVec2::splat(half)));
+    }
+    Area {
+        rings: vec![points],
+    }
+}
+
+#[test]
+fn what_strips_share_where_they_meet_is_laid_once() {
+    let mut faults = Faults::default();
+    for i in 0..8 {
+        let gap = 0.87 + 0.03 * f64::from(i);
+        let part = junction(1.6, 1.0, gap);
+        let p = print(&part);
+        let name = format!("{gap:.2} mm");
+        faults.check(p.volume < 1.03, "volume", &name, &p);
+        faults.check(p.hole < 0.08, "hole", &name, &p);
+        faults.check(p.out < 0.02, "out", &name, &p);
+    }
+}
+
+#[test]
+fn walls_fill_the_pockets_between_them() {
+    let mut faults = Faults::default();
+    // Two strips of 0.9 mm that cross at an angle.
+    for angle in [0.9, 1.17, 1.4, 0.5 * PI] {
+        let h = 0.45;
+        let (u, v) = (DVec2::X, DVec2::from_angle(angle));
+        let ends = [u, v, -u, -v];
+        let mut points: Vec<DVec2> = Vec::new();
+        for (k, end) in ends.into_iter().enumerate() {
+            let side = end.perp() * h;
+            points.extend([end * 6.0 - side, end * 6.0 + side]);
+            // Where the sides of the two meet.
+            points.push((end + ends[(k + 1) % 4]) * h / angle.sin());
+        }
+        let part = Area {
+            rings: vec![points],
+        };
+        let p = print(&part);
+        let name = format!("{angle:.2}");
+        faults.check(p.hole < 0.05, "hole", &name, &p);
+        faults.check(p.volume < 1.04, "volume", &name, &p);
+    }
+}
+
+#[test]
 fn walls_of_two_widths_lie_a_spacing_apart() {
     const HALF: f64 = 15.0;
     let settings = Settings {

@@ -1,0 +1,194 @@
+//! Walls that take what nothing else fills where strips meet.
+//!
+//! ```text
+//!     ┃  ┃ ┃  ┃        Where two walls lie side by side in each of some
+//!   ━━╯  ╰─╯  ╰━━      strips, they leave a pocket where the strips meet. It
+//!          ○           is too small for a bead of its own, and no ridge runs
+//!   ━━╮  ╭─╮  ╭━━      through it. Each wall beside it becomes as much wider
+//!     ┃  ┃ ┃  ┃        as a ball is large that touches it from within.
+//! ```
+//!
+//! In: a wall's lines. Out: the same, wider beside pockets. The balls are those
+//! of the medial axis of what the wall leaves, so that walls on all sides of a
+//! pocket meet in its middle.
+
+use super::line::RidgeIndex;
+use super::ridge::Ridge;
+use crate::bead::Stroke;
+use crate::plane::grid::EdgeGrid;
+use crate::units::Mm;
+use glam::DVec2;
+
+/// Distance of the places at which a line is looked at, mm.
+const STEP: Mm = 0.05;
+/// Pockets with smaller balls than this are left as they are, and so are walls
+/// that lack less, mm.
+const LEAST: Mm = 0.02;
+/// Slack in distances that are equal but for thinning, mm.
+const SLACK: Mm = 0.01;
+/// How exactly the size of a ball is found, mm.
+const EXACT: Mm = 0.002;
+/// Directions in which a place for other beads is looked for.
+const AROUND: usize = 8;
+
+/// What a wall leaves of an area, and what is laid there.
+pub(super) struct Left<'a> {
+    /// The area's edges.
+    pub grid: &'a EdgeGrid,
+    /// Depth at which it begins.
+    pub depth: Mm,
+    /// How far the wall's lines are from it.
+    pub away: Mm,
+    /// Width of the wall where nothing has widened it.
+    pub width: Mm,
+    /// Radius of the balls beside which another wall or skin is laid.
+    pub radius: Mm,
+    /// The beads of thin places in it, as ridges of what is left.
+    pub beads: &'a [Ridge],
+}
+
+impl Left<'_> {
+    /// Widens lines beside pockets. Lines are thinned to `tolerance`.
+    pub(super) fn shared(
+        &self,
+        lines: Vec<Stroke>,
+        tolerance: Mm,
+    ) -> Vec<Stroke> {
+        let beads = RidgeIndex::new(self.beads, self.reach());
+        lines
+            .into_iter()
+            .map(|line| self.widened(line, &beads, tolerance))
+            .collect()
+    }
+
+    /// How far from a pocket's middle a bead in its way can be.
+    fn reach(&self) -> Mm {
+        2.0 * self.radius
+    }
+
+    fn widened(
+        &self,
+        line: Stroke,
+        beads: &RidgeIndex<'_>,
+        tolerance: Mm,
+    ) -> Stroke {
+        crate::limits::check();
+        let n = line.points.len();
+        let segments = if line.closed { n } else { n.saturating_sub(1) };
+        // Places, their widths and inward directions, and the balls there.
+        let mut places: Vec<(DVec2, Mm, DVec2)> = Vec::with_capacity(n);
+        let mut balls: Vec<Mm> = Vec::with_capacity(n);
+        let mut push = |p: DVec2, width: Mm, along: DVec2| {
+            let inwards = along.perp().normalize_or_zero();
+            // Slivers may have widened it already.
+            let more = (width - self.width).max(0.0);
+            let usual = p - 0.5 * more * inwards;
+            let ball = self.pocket(usual, inwards, beads).unwrap_or(0.0);
+            places.push((p, width, inwards));
+            let lacks = ball - more;
+            balls.push(if lacks > LEAST { lacks } else { 0.0 });
+        };
+        for k in 0..segments {
+            let next = (k + 1) % n;
+            let (a, b) = (line.points[k], line.points[next]);
+            let back = match (line.closed, k) {
+                (false, 0) => a,
+                _ => line.points[(k + n - 1) % n],
+            };
+            let along = (b - a).normalize_or_zero();
+            let at_a = along + (a - back).normalize_or_zero();
+            push(a, line.width_at(k), at_a);
+            if self.is_thick(a, b, along.perp()) {
+                continue;
+            }
+            let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
+            for i in 1..count as usize {
+                let t = i as f64 / count;
+                let (v, w) = (line.width_at(k), line.width_at(next));
+                push(a.lerp(b, t), v + t * (w - v), along);
+            }
+        }
+        if let (false, [.., a, b]) = (line.closed, line.points.as_slice()) {
+            push(*b, line.width_at(n - 1), *b - *a);
+        }
+        // One place alone is no pocket, and no gap between two.
+        let even: Vec<Mm> = (0..balls.len())
+            .map(|i| {
+                let at = |k: usize| balls.get(k).copied().unwrap_or(0.0);
+                let (a, b, c) = (at(i.wrapping_sub(1)), balls[i], at(i + 1));
+                a.min(b).max(a.max(b).min(c))
+            })
+            .collect();
+        if even.iter().all(|ball| *ball <= 0.0) {
+            return line;
+        }
+        let mut wide = Ridge {
+            points: Vec::with_capacity(places.len() + 1),
+            thickness: Vec::with_capacity(places.len() + 1),
+            closed: line.closed,
+        };
+        for ((p, width, inwards), ball) in places.into_iter().zip(even) {
+            wide.points.push(p + 0.5 * ball * inwards);
+            wide.thickness.push(width + ball);
+        }
+        if wide.closed {
+            // Thinning keeps both ends.
+            wide.points.extend(wide.points.first().copied());
+            wide.thickness.extend(wide.thickness.first().copied());
+        }
+        let mut thin = wide.thinned(tolerance);
+        if thin.closed {
+            thin.points.pop();
+            thin.thickness.pop();
+        }
+        Stroke::varying(thin.points, thin.thickness, thin.closed)
+    }
+
+    /// True if there is room for other beads all along a segment.
+    fn is_thick(&self, a: DVec2, b: DVec2, inwards: DVec2) -> bool {
+        let up = inwards * (self.away + self.radius);
+        // The wall's own border is no nearer than this.
+        self.grid
+            .clear(a + up, b + up, self.depth + self.radius - SLACK)
+    }
+
+    /// The radius of the ball that touches what the wall leaves beside a place
+    /// of its line, if nothing else is laid there.
+    fn pocket(
+        &self,
+        p: DVec2,
+        inwards: DVec2,
+        beads: &RidgeIndex<'_>,
+    ) -> Option<Mm> {
+        let fits = |p: DVec2, radius: Mm| {
+            let distance = self.depth + radius - SLACK;
+            self.grid.nearest_edge(p, distance).is_none()
+        };
+        let centre = |radius: Mm| p + (self.away + radius) * inwards;
+        let ball = |radius: Mm| fits(centre(radius), radius);
+        if !ball(LEAST) || ball(self.radius) {
+            return None;
+        }
+        let bead_near = |p: DVec2, radius: Mm| {
+            beads
+                .nearest(p, self.reach())
+                .is_some_and(|(q, t)| p.distance(q) < 0.5 * (t + radius))
+        };
+        let (mut low, mut high) = (LEAST, self.radius);
+        while high - low > EXACT {
+            let middle = 0.5 * (low + high);
+            match ball(middle) {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        let centre = centre(low);
+        let laid = (0..AROUND).any(|k| {
+            let turn = std::f64::consts::TAU * k as f64 / AROUND as f64;
+            let to = DVec2::from_angle(turn) * self.radius;
+            fits(centre + 0.6 * to, self.radius)
+                || fits(centre + 1.2 * to, self.radius)
+        });
+        (!laid && !bead_near(centre, low)).then_some(low - 0.5 * SLACK)
+    }
+}
