@@ -25,8 +25,11 @@ const REACH: f64 = 3.4;
 const BACK: f64 = 2.5;
 /// Share of a stroke that may be taken from one of its ends.
 const SHARE: f64 = 0.4;
-/// Share of what a way lays that has to be taken from the strokes.
-const ENOUGH: f64 = 0.8;
+/// Share of what a way between walls lays that has to be taken from them: they
+/// fill their places.
+const WALLS: f64 = 0.99;
+/// The same for skins, whose strokes leave corners open.
+const SKINS: f64 = 0.5;
 /// Slack in distances from the outline, mm.
 const SLACK: Mm = 0.03;
 /// The lengths depend on each other, and are found in so many rounds.
@@ -103,7 +106,11 @@ impl Link {
             to = place(after, false, taken[1])?;
             way = from.distance(to);
         }
-        (taken[0] + taken[1] >= ENOUGH * all).then_some(Link {
+        let enough = match before.role {
+            Role::InnerWall | Role::GapFill => WALLS,
+            _ => SKINS,
+        };
+        (taken[0] + taken[1] >= enough * all).then_some(Link {
             from,
             to,
             width: mean - (own - share),
@@ -318,12 +325,19 @@ mod tests {
         };
         assert_eq!(count(&[(4.0, 0.4), (0.0, 0.4)]), 1);
         assert_eq!(count(&[(3.7, 0.4), (0.0, 0.4)]), 2);
-        let short = [(5.0, 0.4), (5.1, 0.4)];
-        assert_eq!(count(&short), 1);
-        // Two short ones have nothing to make up for the way.
-        let crumb = line(role, &[(4.9, 0.0), (5.0, 0.0)]);
-        let crumbs = [crumb, line(role, &short)];
-        assert_eq!(linked_inside(&crumbs), crumbs);
+        assert_eq!(count(&[(5.0, 0.4), (5.1, 0.4)]), 1);
+        // Two short ones have nothing to make up for the way; walls have to
+        // make up for all of it.
+        let crumbs = |role, length: f64| {
+            let crumb = |y| line(role, &[(5.0, y), (5.0 + length, y)]);
+            let mut crumbs = [crumb(0.0), crumb(0.4)];
+            crumbs[0].reverse();
+            strokes(&linked_inside(&crumbs))
+        };
+        assert_eq!(crumbs(role, 0.08), 2);
+        assert_eq!(crumbs(role, 0.12), 1);
+        assert_eq!(crumbs(Role::InnerWall, 0.12), 2);
+        assert_eq!(crumbs(Role::InnerWall, 0.25), 1);
     }
 
     #[test]
