@@ -33,6 +33,7 @@ mod thin;
 mod tip;
 
 use crate::bead::{Stroke, spacing};
+use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::{Room, offset, offset_within};
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, Solid, signed_area};
@@ -190,6 +191,20 @@ impl<'a> Skeleton<'a> {
         }
     }
 
+    /// Where ridges end but not because the area grows thicker than `limit`:
+    /// where strips meet, and at their tips.
+    fn ends(&self, limit: Mm) -> EdgeGrid {
+        /// Share of the limit at which a ridge may end for it.
+        const THICK: f64 = 0.95;
+        let open = self.ridges.iter().filter(|r| !r.closed);
+        let ends = open.flat_map(|r| {
+            let all = || r.points.iter().zip(&r.thickness);
+            all().next().into_iter().chain(all().next_back())
+        });
+        let thin = ends.filter(|(_, t)| **t < THICK * limit);
+        EdgeGrid::of(thin.map(|(p, _)| (*p, *p)).enumerate(), limit)
+    }
+
     /// The area shrunk by `distance` and thinned.
     fn shrunk(&self, distance: Mm, tolerance: Mm) -> Area {
         let room = Some(&self.room);
@@ -316,6 +331,7 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
         let skeleton = Skeleton::new(&area, counts.limit(), settings.accuracy);
         let solid = &skeleton.solid;
         let places = skeleton.thin_places(&counts);
+        let nodes = skeleton.ends(counts.limit());
         let mut depth = 0.0;
         for (k, plan) in pair.iter().enumerate() {
             // The outer wall is seen.
@@ -352,6 +368,8 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
                 width: plan.width,
                 radius,
                 beads: &places.beads(2 * k + 3, depth),
+                nodes: &nodes,
+                around: 0.35 * counts.limit(),
             };
             lines.push(left.shared(walls, fine));
             thin.push(beads);

@@ -20,7 +20,7 @@ use crate::units::Mm;
 use glam::DVec2;
 
 /// Distance of the places at which a line is looked at, mm.
-const STEP: Mm = 0.05;
+const STEP: Mm = 0.08;
 /// Pockets with smaller balls than this are left as they are, and so are walls
 /// that lack less, mm.
 const LEAST: Mm = 0.02;
@@ -28,6 +28,8 @@ const LEAST: Mm = 0.02;
 const SLACK: Mm = 0.01;
 /// How exactly the size of a ball is found, mm.
 const EXACT: Mm = 0.002;
+/// Times that a ball may shrink.
+const ROUNDS: usize = 8;
 /// Directions in which a place for other beads is looked for.
 const AROUND: usize = 8;
 
@@ -45,6 +47,10 @@ pub(super) struct Left<'a> {
     pub radius: Mm,
     /// The beads of thin places in it, as ridges of what is left.
     pub beads: &'a [Ridge],
+    /// Where the area's ridges end, which they do wherever strips meet.
+    pub nodes: &'a EdgeGrid,
+    /// How far from such an end a pocket can be.
+    pub around: Mm,
 }
 
 impl Left<'_> {
@@ -78,16 +84,20 @@ impl Left<'_> {
         // Places, their widths and inward directions, and the balls there.
         let mut places: Vec<(DVec2, Mm, DVec2)> = Vec::with_capacity(n);
         let mut balls: Vec<Mm> = Vec::with_capacity(n);
-        let mut push = |p: DVec2, width: Mm, along: DVec2| {
+        let mut push = |p: DVec2, width: Mm, along: DVec2, near: bool| {
             let inwards = along.perp().normalize_or_zero();
             // Slivers may have widened it already.
             let more = (width - self.width).max(0.0);
             let usual = p - 0.5 * more * inwards;
-            let ball = self.pocket(usual, inwards, beads).unwrap_or(0.0);
+            let ball = match near {
+                true => self.pocket(usual, inwards, beads).unwrap_or(0.0),
+                false => 0.0,
+            };
             places.push((p, width, inwards));
             let lacks = ball - more;
             balls.push(if lacks > LEAST { lacks } else { 0.0 });
         };
+        let mut near = false;
         for k in 0..segments {
             let next = (k + 1) % n;
             let (a, b) = (line.points[k], line.points[next]);
@@ -97,19 +107,21 @@ impl Left<'_> {
             };
             let along = (b - a).normalize_or_zero();
             let at_a = along + (a - back).normalize_or_zero();
-            push(a, line.width_at(k), at_a);
-            if self.is_thick(a, b, along.perp()) {
+            let before = near;
+            near = !self.nodes.clear(a, b, self.around);
+            push(a, line.width_at(k), at_a, near || before);
+            if !near || self.is_thick(a, b, along.perp()) {
                 continue;
             }
             let count = (a.distance(b) / STEP).ceil().clamp(1.0, 1e6);
             for i in 1..count as usize {
                 let t = i as f64 / count;
                 let (v, w) = (line.width_at(k), line.width_at(next));
-                push(a.lerp(b, t), v + t * (w - v), along);
+                push(a.lerp(b, t), v + t * (w - v), along, true);
             }
         }
         if let (false, [.., a, b]) = (line.closed, line.points.as_slice()) {
-            push(*b, line.width_at(n - 1), *b - *a);
+            push(*b, line.width_at(n - 1), *b - *a, near);
         }
         // One place alone is no pocket, and no gap between two.
         let even: Vec<Mm> = (0..balls.len())
@@ -164,9 +176,30 @@ impl Left<'_> {
             let distance = self.depth + radius - SLACK;
             self.grid.nearest_edge(p, distance).is_none()
         };
-        let centre = |radius: Mm| p + (self.away + radius) * inwards;
-        let ball = |radius: Mm| fits(centre(radius), radius);
-        if !ball(LEAST) || ball(self.radius) {
+        let base = p + self.away * inwards;
+        if !fits(base + LEAST * inwards, LEAST) {
+            return None;
+        }
+        // A ball shrinks until it touches the border but nowhere reaches over
+        // it (Ma, Bae and Choi 2012).
+        let mut low = self.radius;
+        for round in 0..ROUNDS {
+            let depth = self.depth - SLACK;
+            let centre = base + low * inwards;
+            let Some((_, q)) = self.grid.nearest_edge(centre, depth + low)
+            else {
+                break;
+            };
+            // The one of which the border touches `q` at that depth.
+            let way = base - q;
+            let room = 2.0 * (depth - way.dot(inwards));
+            let least = (way.length_squared() - depth * depth) / room;
+            if room <= 0.0 || least >= low - EXACT || round + 1 == ROUNDS {
+                break;
+            }
+            low = least.max(LEAST);
+        }
+        if low >= self.radius {
             return None;
         }
         let bead_near = |p: DVec2, radius: Mm| {
@@ -174,15 +207,7 @@ impl Left<'_> {
                 .nearest(p, self.reach())
                 .is_some_and(|(q, t)| p.distance(q) < 0.5 * (t + radius))
         };
-        let (mut low, mut high) = (LEAST, self.radius);
-        while high - low > EXACT {
-            let middle = 0.5 * (low + high);
-            match ball(middle) {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
-        let centre = centre(low);
+        let centre = base + low * inwards;
         let laid = (0..AROUND).any(|k| {
             let turn = std::f64::consts::TAU * k as f64 / AROUND as f64;
             let to = DVec2::from_angle(turn) * self.radius;
