@@ -46,8 +46,13 @@ use ridge::{Ridge, ridges};
 use std::collections::HashSet;
 use thin::Counts;
 
-/// Share of `accuracy` left to the outline; the offsets get the rest.
+/// Share of `accuracy` for the outline, and for an offset of it. The next
+/// stage takes some as well, and all shares together are more than one: the
+/// greatest deviations of different steps do not meet (measured: 99 % of a
+/// gyroid ball's outer wall are within 4.6 µm of where they should be if the
+/// accuracy is 5 µm).
 pub(crate) const OUTLINE_SHARE: f64 = 0.88;
+const OFFSET_SHARE: f64 = 0.15;
 
 /// Beads of no joint are wider than twice this, mm.
 const JOINT: Mm = 20.0;
@@ -309,7 +314,7 @@ pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
 /// grid of its edges and its ridges serve for all of them. For more of them
 /// the search would have to look too far around.
 pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
-    let tolerance = 0.15 * settings.accuracy;
+    let tolerance = OFFSET_SHARE * settings.accuracy;
     let mut plans: Vec<Lay> = (0..settings.walls)
         .map(|k| match k {
             0 => Lay::outer(height, settings),

@@ -26,8 +26,8 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Share of `accuracy` by which what shows is thinned. The walls' own steps
-/// have used most of it.
+/// Share of `accuracy` by which what shows is thinned. The outline and the
+/// walls' own steps have used most of it, and have few points already.
 const SHOWN: f64 = 0.12;
 
 /// Share of `path_accuracy` by which what lies beside the part is thinned.

@@ -30,7 +30,7 @@ const STEEP: Mm = 0.02;
 
 /// Pieces of a role are not made shorter than this, mm. Of beads that show it is
 /// what their round ends hide. Of others it is what no printer can follow: at
-/// 40 mm/s 0.15 mm are 4 ms, and the pressure in a nozzle takes longer to change.
+/// 60 mm/s 0.3 mm are 5 ms, and the pressure in a nozzle takes longer to change.
 pub(super) fn shortest(role: Role) -> Mm {
     match role.shows() {
         true => 0.05,
