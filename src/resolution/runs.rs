@@ -33,7 +33,7 @@ const STEEP: Mm = 0.02;
 /// 60 mm/s 0.3 mm are 5 ms, and the pressure in a nozzle takes longer to change.
 pub(super) fn shortest(role: Role) -> Mm {
     match role.shows() {
-        true => 0.05,
+        true => 0.03,
         false => 0.3,
     }
 }
@@ -127,10 +127,7 @@ pub(crate) fn pieces(bead: Bead, edge: Mm) -> Vec<Bead> {
         if ramp.length <= 0.0 {
             continue;
         }
-        let most = match bead.role.shows() {
-            true => (ramp.length / short).ceil(),
-            false => (ramp.length / short).floor(),
-        };
+        let most = (ramp.length / short).floor();
         let parts = |slack: Mm| {
             let all = (ramp.high - ramp.low) / (2.0 * slack);
             all.ceil().min(most).max(1.0)
