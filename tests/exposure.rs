@@ -333,10 +333,11 @@ fn lines_of_skin_keep_the_gap_to_its_ring() {
         let layers = parse(&slice(&formula(square, &s), &s, 1).0);
         let ends = layers[1].prints().filter(|m| m.role == SOLID);
         let far = |p: DVec2| (p - centre(&s)).abs().max_element();
-        // The ring is parallel to the sides, the lines are at 45°.
+        // The ring is parallel to the sides, the lines are at 45°; what is
+        // short leads from one to the other.
         let slanted = |m: &&Move| {
             let (a, b) = m.ends();
-            (b - a).abs().min_element() > 1e-3
+            (b - a).abs().min_element() > 1.0
         };
         let lines = ends.filter(slanted);
         lines.map(|m| far(m.ends().0)).fold(0.0, f64::max)

@@ -47,6 +47,8 @@ pub(crate) fn linked(
     for mut bead in beads {
         crate::limits::check();
         if let Some(before) = out.last_mut()
+            && hidden(before.role, settings)
+            && hidden(bead.role, settings)
             && let Some(link) = Link::between(before, &bead)
             && link.is_free(solid, outer)
         {
@@ -75,9 +77,6 @@ impl Link {
     /// The way between two beads, if it is short, and if they are long enough
     /// to make up for what it lays.
     fn between(before: &Bead, after: &Bead) -> Option<Link> {
-        if !hidden(before.role) || !hidden(after.role) {
-            return None;
-        }
         let (a, b) = (jobs::end(before)?, *after.points.first()?);
         let last = match before.closed {
             true => 0,
@@ -156,12 +155,14 @@ fn back([before, after]: [&Bead; 2], [from, to]: [DVec2; 2]) -> Option<Mm> {
     Some(way.dot(into).max(-way.dot(out)))
 }
 
-/// True if nobody sees where a bead of this role ends.
-fn hidden(role: Role) -> bool {
-    matches!(
-        role,
-        Role::InnerWall | Role::GapFill | Role::InternalSkin | Role::BottomSkin
-    )
+/// True if nobody sees where a bead of this role ends. In a gap that is asked
+/// for between skin and its ring there is no way either.
+fn hidden(role: Role, settings: &Settings) -> bool {
+    match role {
+        Role::InnerWall | Role::GapFill => true,
+        Role::InternalSkin | Role::BottomSkin => settings.skin_ring_gap <= 0.0,
+        _ => false,
+    }
 }
 
 /// A bead's stroke, open, without a length of its end or its beginning.

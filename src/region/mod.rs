@@ -51,7 +51,7 @@ use thin::Counts;
 /// greatest deviations of different steps do not meet (measured: 99 % of a
 /// gyroid ball's outer wall are within 4.6 µm of where they should be if the
 /// accuracy is 5 µm).
-pub(crate) const OUTLINE_SHARE: f64 = 0.88;
+pub(crate) const OUTLINE_SHARE: f64 = 0.7;
 const OFFSET_SHARE: f64 = 0.15;
 
 /// Beads of no joint are wider than twice this, mm.

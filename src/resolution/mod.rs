@@ -28,7 +28,7 @@ use glam::DVec2;
 
 /// Share of `accuracy` by which what shows is thinned. The outline and the
 /// walls' own steps have used most of it, and have few points already.
-const SHOWN: f64 = 0.12;
+const SHOWN: f64 = 0.3;
 
 /// Share of `path_accuracy` by which what lies beside the part is thinned.
 const BESIDE: f64 = 0.25;

@@ -70,7 +70,7 @@ pub struct Detail {
 
 /// Share of the accuracy that is left to the chords between the points found
 /// on the outline; thinning gets the rest.
-const CHORD_SHARE: f64 = 0.1;
+const CHORD_SHARE: f64 = 0.15;
 
 /// Leaves that are asked for at once, after the first look: what is made of
 /// each on the way needs memory.

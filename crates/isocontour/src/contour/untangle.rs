@@ -400,7 +400,8 @@ mod tests {
         let thinned = thin(&[joined], 0.01, &Cancel::NEVER).unwrap();
         assert!(crossing(&thinned).is_empty());
         let round = thinned[0].iter().filter(|p| p.x > 10.01);
-        assert!((20..60).contains(&round.clone().count()));
+        // The coarsest polygon within the tolerance has 17 points there.
+        assert!((15..60).contains(&round.clone().count()));
         for p in round {
             let off = p.distance(DVec2::new(10.0, 5.0)) - 5.0;
             assert!(off.abs() < 0.0101, "{p}: {off}");

@@ -359,6 +359,9 @@ fn fit(
     })
 }
 
+/// How far a point may be from a corner, as a multiple of the tolerance.
+const AT_CORNER: f64 = 1.01;
+
 /// The pieces, with those halved whose points are not within the tolerance of
 /// the edge that came of them: where neighbouring lines did not meet, it does
 /// not lie where the piece's own line does. `None` if there are none.
@@ -388,17 +391,24 @@ fn halve_misfits(
             return true;
         };
         // Points beyond an end of the edge belong to the one that follows.
-        let behind = |meets: Meets, from: DVec2, to: DVec2, q: DVec2| {
-            meets == Meets::Along
-                && nearest_on(q, from, to).distance_squared(q) <= limit * limit
+        let near = |from: DVec2, to: DVec2, q: DVec2, limit: Length| {
+            nearest_on(q, from, to).distance_squared(q) <= limit * limit
         };
         let before = out[if i == 0 { out.len() - 1 } else { i - 1 }];
         let beyond = out.get(next + 1).or(out.first()).copied();
+        let behind = |q: DVec2, limit: Length| {
+            (p.meets == Meets::Along && near(before, a, q, limit))
+                || (after == Meets::Along
+                    && beyond.is_some_and(|c| near(b, c, q, limit)))
+        };
+        let far_along = p.meets == Meets::Along || after == Meets::Along;
+        let corner = AT_CORNER * tolerance;
         let all = &points.all[p.start..=p.end];
         all.iter().any(|&q| {
-            along.perp_dot(q - a).abs() > limit
-                && !behind(p.meets, before, a, q)
-                && !beyond.is_some_and(|c| behind(after, b, c, q))
+            // A point may be beside the edge's line, but beyond its end.
+            let off_line = along.perp_dot(q - a).abs() > limit;
+            (off_line && !behind(q, limit))
+                || (far_along && !near(a, b, q, corner) && !behind(q, corner))
         })
     };
     let first = (0..pieces.len()).find(|&i| misfit(i))?;
