@@ -246,8 +246,8 @@ fn walls_stay_inside_the_outline() {
             }
         }
         let name = &print.name;
-        // Where strips of a lattice meet, a move in some ten thousand.
-        assert!(far <= 1 + usual.0 / 20_000, "{name}: {far}");
+        // Where strips of a lattice meet, a move in a thousand at most.
+        assert!(far <= 1 + usual.0 / 1000, "{name}: {far}");
         // They are where a width changes at once, and have a round end
         // beside them.
         assert!(tapers.1 <= tapers.0 / 150, "{name}: {tapers:?}");
