@@ -178,6 +178,25 @@ impl Stroke {
         self.widths.extend(after.widths.iter().skip(1));
     }
 
+    /// The place so far from the stroke's end, if `last`, or its beginning.
+    pub(crate) fn place(&self, last: bool, mut length: Mm) -> Option<DVec2> {
+        let n = self.points.len();
+        let count = n + usize::from(self.closed);
+        let point = |k: usize| match last {
+            true => self.points[(count - 1 - k) % n],
+            false => self.points[k % n],
+        };
+        for k in 1..count {
+            let (a, b) = (point(k - 1), point(k));
+            let step = a.distance(b);
+            if step >= length {
+                return Some(a.lerp(b, length / step.max(f64::MIN_POSITIVE)));
+            }
+            length -= step;
+        }
+        None
+    }
+
     /// The part of an open stroke between two shares of its length.
     pub(crate) fn part(&self, from: f64, to: f64) -> Stroke {
         if from <= 0.0 && to >= 1.0 {

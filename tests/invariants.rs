@@ -215,7 +215,6 @@ fn walls_stay_inside_the_outline() {
         // Beads of the usual width, and those that become wider or narrower
         // on their way: how many there are, and how many stick out.
         let (mut usual, mut tapers) = ((0, 0), (0, 0));
-        let mut far = 0;
         for (layer, edges) in print.each_layer() {
             let walls = layer
                 .prints()
@@ -232,7 +231,7 @@ fn walls_stay_inside_the_outline() {
                     edges.nearest_within(p, least).is_some()
                         || !edges.contains(p)
                 };
-                far += usize::from(sticks_out(0.5, 0.05 * m.width));
+                assert!(!sticks_out(0.5, 0.05 * m.width), "{}", print.at(m));
                 // Widths are written with four decimals.
                 if (m.width - width).abs() < 5e-5 {
                     let out = [0.1, 0.5, 0.9].map(|s| sticks_out(s, 0.01));
@@ -246,11 +245,7 @@ fn walls_stay_inside_the_outline() {
             }
         }
         let name = &print.name;
-        // Where strips of a lattice meet, a move in a thousand at most.
-        assert!(far <= 1 + usual.0 / 1000, "{name}: {far}");
-        // They are where a width changes at once, and have a round end
-        // beside them.
-        assert!(tapers.1 <= tapers.0 / 150, "{name}: {tapers:?}");
+        assert!(tapers.1 <= tapers.0 / 200, "{name}: {tapers:?}");
         // The mean may be just the usual width.
         assert!(usual.1 <= tapers.0 / 1000, "{name}: {usual:?}, {tapers:?}");
         assert!(usual.0 > 200, "{name}: {usual:?}");

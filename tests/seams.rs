@@ -154,11 +154,21 @@ fn rear_random_and_expressions_are_where_they_say() {
     // Turning with the height.
     let seams =
         only_begins(&layers(CYLINDER, &["seam=expr: x*cos(z/9) + y*sin(z/9)"]));
-    for (i, p) in seams.iter().enumerate() {
-        let z = 0.1 + 0.2 * i as f64;
-        let wanted = -radius * DVec2::from_angle(z / 9.0);
-        assert!(p.distance(wanted) < 0.06, "{p} {wanted}");
-    }
+    // Each wall is a polygon of about 45 corners, which lie up to 3 µm off the
+    // circle: a micrometre there turns an edge by as much as the circle turns
+    // in 7 µm.
+    let mut off: Vec<f64> = seams
+        .iter()
+        .enumerate()
+        .map(|(i, p)| {
+            let z = 0.1 + 0.2 * i as f64;
+            p.distance(-radius * DVec2::from_angle(z / 9.0))
+        })
+        .collect();
+    off.sort_by(f64::total_cmp);
+    let nearly_all = off[off.len() * 98 / 100];
+    assert!(nearly_all < 0.05, "{nearly_all}");
+    assert!(off.last().is_some_and(|d| *d < 0.06), "{off:?}");
     let seams = only_begins(&layers(CYLINDER, &["seam=random"]));
     let mut eighths = [0; 8];
     for p in &seams {

@@ -101,8 +101,8 @@ impl Link {
             let half = most[0].min(0.5 * all);
             taken[1] = most[1].min(all - half);
             taken[0] = most[0].min(all - taken[1]);
-            from = place(before, true, taken[0])?;
-            to = place(after, false, taken[1])?;
+            from = before.place(true, taken[0])?;
+            to = after.place(false, taken[1])?;
             way = from.distance(to);
         }
         let enough = match before.role {
@@ -148,7 +148,7 @@ impl Link {
 fn back([before, after]: [&Bead; 2], [from, to]: [DVec2; 2]) -> Option<Mm> {
     let ahead = |bead: &Bead, last: bool, end: DVec2| {
         let far = bead.width.min(SHARE * bead.length());
-        Some((end - place(bead, last, far)?).normalize_or_zero())
+        Some((end - bead.place(last, far)?).normalize_or_zero())
     };
     let way = to - from;
     let (out, into) = (ahead(before, true, from)?, ahead(after, false, to)?);
@@ -173,25 +173,6 @@ fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
         true => open.part(0.0, 1.0 - share),
         false => open.part(share, 1.0),
     }
-}
-
-/// The place on a bead so far from its end or its beginning.
-fn place(bead: &Bead, last: bool, mut length: Mm) -> Option<DVec2> {
-    let n = bead.points.len();
-    let count = n + usize::from(bead.closed);
-    let point = |k: usize| match last {
-        true => bead.points[(count - 1 - k) % n],
-        false => bead.points[k % n],
-    };
-    for k in 1..count {
-        let (a, b) = (point(k - 1), point(k));
-        let step = a.distance(b);
-        if step >= length {
-            return Some(a.lerp(b, length / step.max(f64::MIN_POSITIVE)));
-        }
-        length -= step;
-    }
-    None
 }
 
 #[cfg(test)]

@@ -11,9 +11,9 @@
 //! In: the strokes of one wall, those cut open and the beads of thin places.
 //! Out: fewer, longer ones. Ends are joined in pairs, those with the least
 //! turn first. Between two ends that lie beside each other both strokes are
-//! shortened, so that the way across is no steeper than about 40° where they
-//! are long enough, and there is as much material as before. An end that is left over is shortened until
-//! it does not lie on any other stroke.
+//! shortened, so that the way across is no steeper than about 25° where they
+//! are long enough, and there is as much material as before. An end that is
+//! left over is shortened until it does not lie on any other stroke.
 
 use crate::bead::Stroke;
 use crate::plane::grid::{EdgeGrid, nearest_on};
@@ -30,6 +30,12 @@ const APART: f64 = 0.5;
 /// Length of the way across from one line to another, as a share of their
 /// distance across.
 const RAMP: f64 = 2.4;
+/// Distance of the places on a way across at which its width is found, mm.
+const CROSS_STEP: Mm = 0.1;
+/// Least share of its width that a gentle way across has room for.
+const ROOMY: f64 = 0.8;
+/// Times that a way across may become half as gentle.
+const HALVES: usize = 3;
 /// Least width on the way across, as a share of the mean one.
 const LEAST: f64 = 0.5;
 /// Share of a stroke that may be taken from one of its ends.
@@ -126,7 +132,7 @@ pub(super) fn join(
         links.0[b.stroke][usize::from(b.last)] = Some((a.stroke, a.last));
     }
     for &(a, b) in &pairs {
-        let length = ends[a].ramp(&ends[b]);
+        let length = ramp([&ends[a], &ends[b]], &strokes, &room);
         for end in [&ends[a], &ends[b]] {
             shorten(&mut strokes[end.stroke], end.last, length);
         }
@@ -202,6 +208,43 @@ fn pairs(
         }
     }
     pairs
+}
+
+/// How much has to be taken from two ends for a gentle way across, if there is
+/// room for that; else as much as leaves room, if anything does.
+fn ramp(
+    ends: [&End; 2],
+    strokes: &[Stroke],
+    room: &impl Fn(DVec2) -> Mm,
+) -> Mm {
+    let place = |end: &End, length: Mm| {
+        let stroke = &strokes[end.stroke];
+        let taken = length.min(SHARE * stroke.length());
+        stroke.place(end.last, taken).unwrap_or(end.at)
+    };
+    let mut length = ends[0].ramp(ends[1]);
+    for _ in 0..HALVES {
+        let [p, q] = ends.map(|end| place(end, length));
+        let [v, w] = ends.map(|end| end.width);
+        if across([p, q], [v, w]).all(|(at, meant)| room(at) >= ROOMY * meant) {
+            break;
+        }
+        length *= 0.5;
+    }
+    length
+}
+
+/// Places on the straight way from one place and width to others, without its
+/// ends, and the widths there.
+fn across(
+    [p, q]: [DVec2; 2],
+    [v, w]: [Mm; 2],
+) -> impl Iterator<Item = (DVec2, Mm)> {
+    let parts = (p.distance(q) / CROSS_STEP).ceil().clamp(2.0, 32.0);
+    (1..parts as usize).map(move |k| {
+        let t = k as f64 / parts;
+        (p.lerp(q, t), v + t * (w - v))
+    })
 }
 
 /// Takes a length from one end of an open stroke, but no great share of it.
@@ -300,26 +343,24 @@ impl Chain {
     }
 }
 
-/// The way across from a stroke's end to where another begins: in its middle
-/// as wide as there is room.
+/// The way across from a stroke's end to where another begins: nowhere wider
+/// than there is room.
 fn cross(
     points: &mut Vec<DVec2>,
     widths: &mut Vec<Mm>,
     to: &Stroke,
     room: &impl Fn(DVec2) -> Mm,
 ) {
-    if let (Some(&p), Some(&w), Some(&q)) =
+    let (Some(&p), Some(&v), Some(&q)) =
         (points.last(), widths.last(), to.points.first())
-    {
-        let middle = p.midpoint(q);
-        let mean = 0.5 * (w + to.width_at(0));
-        // What was taken from both ends may have moved the middle to where
-        // there is next to no room: a bead still needs a width.
-        let most = room(middle).max(LEAST * mean);
-        if most < mean {
-            points.push(middle);
-            widths.push(most);
-        }
+    else {
+        return;
+    };
+    for (at, meant) in across([p, q], [v, to.width_at(0)]) {
+        points.push(at);
+        // What was taken from both ends may have moved the way to where there
+        // is next to no room: a bead still needs a width.
+        widths.push(meant.min(room(at).max(LEAST * meant)));
     }
 }
 

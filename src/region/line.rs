@@ -7,6 +7,7 @@
 //! in, each taking half.
 
 use super::ridge::Ridge;
+use super::widen::{Place, across, widened};
 use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, edges};
@@ -27,18 +28,8 @@ const STRETCH: usize = 16;
 const GROUP: usize = 8;
 /// Least size of the cells in which ridges are looked up, mm.
 const CELL: Mm = 0.8;
-/// Greatest change of a line's width along its way.
-const SLOPE: f64 = 0.25;
-/// Gaps between slivers that are shorter than this are none, mm.
-const GAP: Mm = 0.6;
 /// Slack in distances that are equal but for rounding and thinning, mm.
 const SLACK: Mm = 0.05;
-
-/// The ridge's stroke for a bead `extra` wider than the area is thick.
-pub(super) fn along(ridge: &Ridge, extra: Mm) -> Stroke {
-    let widths: Vec<Mm> = ridge.thickness.iter().map(|t| t + extra).collect();
-    Stroke::varying(ridge.points.clone(), widths, ridge.closed)
-}
 
 /// Ridges, to be asked for the nearest.
 pub(super) struct RidgeIndex<'a> {
@@ -281,75 +272,6 @@ pub(super) fn cut(
     lines
 }
 
-/// A place on a line, and what a sliver beside it does to the line there.
-#[derive(Clone, Copy)]
-struct Beside {
-    at: DVec2,
-    /// Across the line, to its left.
-    across: DVec2,
-    /// How far the line moves that way; nothing without a sliver.
-    share: Option<Mm>,
-    /// The line gets narrower and not wider.
-    thins: bool,
-}
-
-impl Beside {
-    fn moved(&self) -> DVec2 {
-        self.at + self.across * self.share.unwrap_or(0.0)
-    }
-
-    /// By how much the line gets wider.
-    fn more(&self) -> Mm {
-        let more = 2.0 * self.share.map_or(0.0, f64::abs);
-        if self.thins { -more } else { more }
-    }
-}
-
-/// Lets slivers reach across gaps between them that are shorter than any
-/// place that the line could get its own width back in: where a ridge has a
-/// kink, or one ends and another begins.
-fn bridge_gaps(places: &mut [Beside]) {
-    let mut last: Option<usize> = None;
-    for k in 0..places.len() {
-        let Some(to) = places[k].share else {
-            continue;
-        };
-        if let Some(i) = last.replace(k)
-            && i + 1 < k
-            && let Some(from) = places[i].share
-            && places[i].at.distance(places[k].at) < GAP
-            && from * to > 0.0
-            && places[i].thins == places[k].thins
-        {
-            for j in i + 1..k {
-                let t = (j - i) as f64 / (k - i) as f64;
-                places[j].share = Some(from + t * (to - from));
-                places[j].thins = places[i].thins;
-            }
-        }
-    }
-}
-
-/// Lets the line's width change no faster than its outer side can follow:
-/// slivers begin and end at once where a bead of their own takes over.
-fn taper(places: &mut [Beside], closed: bool) {
-    let n = places.len();
-    let ways = if closed { 2 * n } else { n };
-    let mut limit = |i: usize, j: usize| {
-        let from = places[i].share.map_or(0.0, f64::abs);
-        let most = from + 0.5 * SLOPE * places[i].at.distance(places[j].at);
-        if let Some(share) = &mut places[j].share {
-            *share = share.clamp(-most, most);
-        }
-    };
-    for k in 1..ways {
-        limit((k - 1) % n, k % n);
-    }
-    for k in (1..ways).rev() {
-        limit(k % n, (k - 1) % n);
-    }
-}
-
 /// Widens the lines beside slivers: `away` is how far a line is from the
 /// border of the area whose ridges the slivers are.
 pub(super) fn absorb(
@@ -378,21 +300,21 @@ fn widen(
     tolerance: Mm,
 ) -> Stroke {
     let n = line.points.len();
-    let mut places: Vec<Beside> = Vec::with_capacity(n);
-    // A point, the direction of the line there, and the slivers near to it.
-    let mut push = |p: DVec2, along: DVec2, near: &[u32]| {
+    let mut places: Vec<Place> = Vec::with_capacity(n);
+    // A point, the way across the line there, and the slivers near to it.
+    let mut push = |p: DVec2, across: DVec2, near: &[u32]| {
         let sliver = index
             .nearest_of(near, p, reach)
             .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
-        let across = along.perp().normalize_or_zero();
-        places.push(Beside {
+        let left = across.normalize_or_zero();
+        places.push(Place {
             at: p,
             across,
+            width: line.width,
             // Only straight inwards, lest the outer side moves.
-            share: sliver.map(|(q, t)| {
-                0.25 * t * across.dot((q - p).normalize_or_zero())
-            }),
-            thins: sliver.is_some_and(|(_, t)| t < 0.0),
+            moves: sliver
+                .map(|(q, t)| 0.25 * t * left.dot((q - p).normalize_or_zero())),
+            narrows: sliver.is_some_and(|(_, t)| t < 0.0),
         });
     };
     let mut near = Vec::new();
@@ -403,12 +325,8 @@ fn widen(
             clear = index.group_clear(&line.points, k, reach);
         }
         let (a, b) = (line.points[k], line.points[(k + 1) % n]);
-        let back = match (line.closed, k) {
-            (false, 0) => a,
-            _ => line.points[(k + n - 1) % n],
-        };
         let along = (b - a).normalize_or_zero();
-        let at_a = along + (a - back).normalize_or_zero();
+        let at_a = across(&line, k);
         if clear {
             near.clear();
             push(a, at_a, &[]);
@@ -427,39 +345,15 @@ fn widen(
                 index.around(place(first), place(last), reach, &mut near);
             }
             for i in first..last {
-                let along = if i == 0 { at_a } else { along };
-                push(place(i), along, &near);
+                let across = if i == 0 { at_a } else { along.perp() };
+                push(place(i), across, &near);
             }
         }
     }
-    if let (false, [.., a, b]) = (line.closed, line.points.as_slice()) {
-        push(*b, *b - *a, &near);
+    if let (false, [_, .., b]) = (line.closed, line.points.as_slice()) {
+        push(*b, across(&line, n - 1), &near);
     }
-    if places.iter().all(|p| p.share.is_none()) {
-        return line;
-    }
-    bridge_gaps(&mut places);
-    taper(&mut places, line.closed);
-    let points = places.iter().map(Beside::moved).collect();
-    let widths = places.iter().map(|p| line.width + p.more()).collect();
-    // Thinned as ridges are: the width is a third coordinate.
-    let mut ridge = Ridge {
-        points,
-        thickness: widths,
-        closed: line.closed,
-    };
-    if ridge.closed {
-        // Thinning keeps both ends: with the first point there again, the
-        // closing segment is thinned as well.
-        ridge.points.extend(ridge.points.first().copied());
-        ridge.thickness.extend(ridge.thickness.first().copied());
-    }
-    let mut thin = ridge.thinned(tolerance);
-    if thin.closed {
-        thin.points.pop();
-        thin.thickness.pop();
-    }
-    along(&thin, 0.0)
+    widened(places, line.closed, tolerance).unwrap_or(line)
 }
 
 #[cfg(test)]

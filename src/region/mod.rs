@@ -31,6 +31,7 @@ mod run;
 pub(crate) mod slit;
 mod thin;
 mod tip;
+mod widen;
 
 use crate::bead::{Stroke, spacing};
 use crate::plane::grid::EdgeGrid;
@@ -40,7 +41,7 @@ use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
-use line::{absorb, along, cut};
+use line::{absorb, cut};
 use pocket::Left;
 use ridge::{Ridge, ridges};
 use std::collections::HashSet;
@@ -155,7 +156,7 @@ pub(crate) fn lay(area: &Area, lay: Lay, tolerance: Mm) -> Laid {
     let beads = thin.beads(1, 0.0);
     Laid {
         lines: cut(&rings, &beads, lay.centre, lay.width),
-        thin: beads.iter().map(|r| along(r, lay.extra)).collect(),
+        thin: beads.iter().map(|r| r.stroke(lay.extra)).collect(),
         rings,
     }
 }
@@ -351,7 +352,7 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
             let least = plan.least;
             let beads = tip::lead_to_ends(beads, solid.grid(), depth, least);
             let beads: Vec<Stroke> =
-                beads.iter().map(|r| along(r, plan.extra)).collect();
+                beads.iter().map(|r| r.stroke(plan.extra)).collect();
             if outer {
                 tip::fill_posts(&mut walls, &beads, solid, *plan, tolerance);
             }

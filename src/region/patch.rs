@@ -12,7 +12,7 @@
 //! left for lines. Together they leave nothing open that is wider than the
 //! thinnest bead.
 
-use super::line::{RidgeIndex, absorb, along, cut};
+use super::line::{RidgeIndex, absorb, cut};
 use super::ridge::Ridge;
 use super::thin::Counts;
 use super::{Lay, Skeleton, joined, shrink};
@@ -55,7 +55,7 @@ pub(crate) fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
     let thin = single.iter().chain(&core);
     let (rings, thin) = joined(
         absorb(rings, &slivers, away, tolerance),
-        thin.map(|r| along(r, plan.extra)).collect(),
+        thin.map(|r| r.stroke(plan.extra)).collect(),
         &skeleton.solid,
         0.0,
         plan.extra,
@@ -134,7 +134,7 @@ pub(crate) fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
             let slivers = places.beads(2 * k + 2, depth + plan.inner);
             let (rings, thin) = joined(
                 absorb(rings, &slivers, away, tolerance),
-                beads.iter().map(|r| along(r, plan.extra)).collect(),
+                beads.iter().map(|r| r.stroke(plan.extra)).collect(),
                 &skeleton.solid,
                 depth,
                 plan.extra,

@@ -14,6 +14,7 @@
 
 use super::line::RidgeIndex;
 use super::ridge::Ridge;
+use super::widen::{Place, across, widened};
 use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::units::Mm;
@@ -63,7 +64,7 @@ impl Left<'_> {
         let beads = RidgeIndex::new(self.beads, self.reach());
         lines
             .into_iter()
-            .map(|line| self.widened(line, &beads, tolerance))
+            .map(|line| self.filled(line, &beads, tolerance))
             .collect()
     }
 
@@ -72,7 +73,7 @@ impl Left<'_> {
         2.0 * self.radius
     }
 
-    fn widened(
+    fn filled(
         &self,
         line: Stroke,
         beads: &RidgeIndex<'_>,
@@ -81,11 +82,9 @@ impl Left<'_> {
         crate::limits::check();
         let n = line.points.len();
         let segments = if line.closed { n } else { n.saturating_sub(1) };
-        // Places, their widths and inward directions, and the balls there.
-        let mut places: Vec<(DVec2, Mm, DVec2)> = Vec::with_capacity(n);
-        let mut balls: Vec<Mm> = Vec::with_capacity(n);
-        let mut push = |p: DVec2, width: Mm, along: DVec2, near: bool| {
-            let inwards = along.perp().normalize_or_zero();
+        let mut places: Vec<Place> = Vec::with_capacity(n);
+        let mut push = |p: DVec2, width: Mm, across: DVec2, near: bool| {
+            let inwards = across.normalize_or_zero();
             // Slivers may have widened it already.
             let more = (width - self.width).max(0.0);
             let usual = p - 0.5 * more * inwards;
@@ -93,20 +92,21 @@ impl Left<'_> {
                 true => self.pocket(usual, inwards, beads).unwrap_or(0.0),
                 false => 0.0,
             };
-            places.push((p, width, inwards));
             let lacks = ball - more;
-            balls.push(if lacks > LEAST { lacks } else { 0.0 });
+            places.push(Place {
+                at: p,
+                across,
+                width,
+                moves: (lacks > LEAST).then_some(0.5 * lacks),
+                narrows: false,
+            });
         };
         let mut near = false;
         for k in 0..segments {
             let next = (k + 1) % n;
             let (a, b) = (line.points[k], line.points[next]);
-            let back = match (line.closed, k) {
-                (false, 0) => a,
-                _ => line.points[(k + n - 1) % n],
-            };
             let along = (b - a).normalize_or_zero();
-            let at_a = along + (a - back).normalize_or_zero();
+            let at_a = across(&line, k);
             let before = near;
             near = !self.nodes.clear(a, b, self.around);
             push(a, line.width_at(k), at_a, near || before);
@@ -117,43 +117,21 @@ impl Left<'_> {
             for i in 1..count as usize {
                 let t = i as f64 / count;
                 let (v, w) = (line.width_at(k), line.width_at(next));
-                push(a.lerp(b, t), v + t * (w - v), along, true);
+                push(a.lerp(b, t), v + t * (w - v), along.perp(), true);
             }
         }
-        if let (false, [.., a, b]) = (line.closed, line.points.as_slice()) {
-            push(*b, line.width_at(n - 1), *b - *a, near);
+        if let (false, [_, .., b]) = (line.closed, line.points.as_slice()) {
+            push(*b, line.width_at(n - 1), across(&line, n - 1), near);
         }
-        // One place alone is no pocket, and no gap between two.
-        let even: Vec<Mm> = (0..balls.len())
-            .map(|i| {
-                let at = |k: usize| balls.get(k).copied().unwrap_or(0.0);
-                let (a, b, c) = (at(i.wrapping_sub(1)), balls[i], at(i + 1));
-                a.min(b).max(a.max(b).min(c))
-            })
-            .collect();
-        if even.iter().all(|ball| *ball <= 0.0) {
-            return line;
+        // One place alone is no pocket.
+        for i in 0..places.len() {
+            let stays =
+                |k: usize| places.get(k).is_none_or(|p| p.moves.is_none());
+            if stays(i.wrapping_sub(1)) && stays(i + 1) {
+                places[i].moves = None;
+            }
         }
-        let mut wide = Ridge {
-            points: Vec::with_capacity(places.len() + 1),
-            thickness: Vec::with_capacity(places.len() + 1),
-            closed: line.closed,
-        };
-        for ((p, width, inwards), ball) in places.into_iter().zip(even) {
-            wide.points.push(p + 0.5 * ball * inwards);
-            wide.thickness.push(width + ball);
-        }
-        if wide.closed {
-            // Thinning keeps both ends.
-            wide.points.extend(wide.points.first().copied());
-            wide.thickness.extend(wide.thickness.first().copied());
-        }
-        let mut thin = wide.thinned(tolerance);
-        if thin.closed {
-            thin.points.pop();
-            thin.thickness.pop();
-        }
-        Stroke::varying(thin.points, thin.thickness, thin.closed)
+        widened(places, line.closed, tolerance).unwrap_or(line)
     }
 
     /// True if there is room for other beads all along a segment.

@@ -18,6 +18,7 @@
 
 use super::ball::Border;
 use super::run::{Run, join, split_runs};
+use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::Room;
 use crate::plane::{Solid, path_length};
@@ -70,6 +71,12 @@ pub(crate) fn ridges(
 }
 
 impl Ridge {
+    /// Its stroke, for a bead `extra` wider than the area is thick.
+    pub(super) fn stroke(&self, extra: Mm) -> Stroke {
+        let widths = self.thickness.iter().map(|t| t + extra).collect();
+        Stroke::varying(self.points.clone(), widths, self.closed)
+    }
+
     /// The line with as few points as the tolerance permits (Douglas and
     /// Peucker 1973), half the thickness counting as a third coordinate.
     pub(super) fn thinned(&self, tolerance: Mm) -> Ridge {

@@ -35,7 +35,7 @@ const BESIDE: f64 = 0.25;
 
 /// How far a width may be from the line between those that stay, as a share
 /// of itself.
-const WIDTH: f64 = 0.02;
+const WIDTH: f64 = 0.015;
 
 /// How far the path of a bead of this role may be from where it was meant.
 pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
@@ -183,7 +183,7 @@ mod tests {
         for (p, w) in stroke.points.iter().zip(&stroke.widths) {
             assert!((w - meant(p.x)).abs() < 1e-9);
         }
-        assert!(stroke.points.iter().any(|p| (p.x - 5.0).abs() < 0.6));
+        assert!(stroke.points.iter().any(|p| (p.x - 5.0).abs() < 0.3));
     }
 
     #[test]

@@ -9,9 +9,9 @@
 //! A line at the middle of the deviations would need 15 % fewer corners, and
 //! rings would shrink by a third of the tolerance.
 //!
-//! Guarantee: points of the input are within `tolerance`, and 1 % of it, of the
-//! result's lines. Not guaranteed: that rings closer than the tolerance to each other
-//! (or to themselves) do not cross afterwards.
+//! Guarantee: points of the input are within `tolerance` of the result's
+//! lines. Not guaranteed: that rings closer than the tolerance to each other (or
+//! to themselves) do not cross afterwards.
 
 use super::{Ring, nearest_on, signed_area};
 use crate::Length;

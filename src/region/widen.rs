@@ -1,0 +1,277 @@
+//! Lines that become wider or narrower on their way, to one side only.
+//!
+//! ```text
+//!   ━━━━━━━━━━━━━━━━━━━━━━   The outer side of a wall stays where it is: the
+//!   ┄┄┄┄┄┄┄╮      ╭┄┄┄┄┄┄┄   centre line moves inwards by half of what the
+//!           ╰┄┄┄┄╯           wall is wider.
+//!   ━━━━╮            ╭━━━━
+//!        ╲━━━━━━━━━━╱
+//! ```
+//!
+//! In: places along a line, and how far each is to move. Out: the stroke.
+//!
+//! Guarantees: the width changes by no more than [`SLOPE`] along the way, so
+//! that pieces of constant width can follow it; the line does not fold over.
+
+use super::ridge::Ridge;
+use crate::bead::Stroke;
+use crate::units::Mm;
+use glam::DVec2;
+
+/// Greatest change of a line's width along its way.
+const SLOPE: f64 = 0.25;
+/// Gaps between places that move which are shorter than this are none, mm.
+const GAP: Mm = 0.6;
+/// How much farther a corner may move than its sides.
+const MITRE: f64 = 2.0;
+/// Least share of its length by which a piece of the line has to lead ahead
+/// when both its ends have moved.
+const AHEAD: f64 = 0.4;
+
+/// A place on a line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub at: DVec2,
+    /// Across the line, to its left ([`across`]).
+    pub across: DVec2,
+    /// The line's own width there.
+    pub width: Mm,
+    /// How far the line moves to its left; nothing where it stays.
+    pub moves: Option<Mm>,
+    /// The line gets narrower and not wider.
+    pub narrows: bool,
+}
+
+impl Place {
+    fn moved(&self) -> DVec2 {
+        self.at + self.across * self.moves.unwrap_or(0.0)
+    }
+
+    /// The width once it has moved.
+    fn widened(&self) -> Mm {
+        let more = 2.0 * self.moves.map_or(0.0, f64::abs);
+        match self.narrows {
+            true => self.width - more,
+            false => self.width + more,
+        }
+    }
+}
+
+/// Across a line to its left at one of its points: both sides of a corner move
+/// by one if the corner moves by this. Sharp ones move no farther than
+/// [`MITRE`].
+pub(super) fn across(line: &Stroke, k: usize) -> DVec2 {
+    let n = line.points.len();
+    let way = |from: usize| {
+        let (a, b) = (line.points[from % n], line.points[(from + 1) % n]);
+        (b - a).normalize_or_zero()
+    };
+    let (before, after) = match line.closed {
+        true => (way(k + n - 1), way(k)),
+        false => (way(k.saturating_sub(1)), way(k.min(n.saturating_sub(2)))),
+    };
+    let along = before + after;
+    let cos = 0.5 * along.length();
+    along.perp().normalize_or_zero() / cos.max(1.0 / MITRE)
+}
+
+/// The line with each place where it has to be, thinned to `tolerance`; nothing
+/// if none moves.
+pub(super) fn widened(
+    mut places: Vec<Place>,
+    closed: bool,
+    tolerance: Mm,
+) -> Option<Stroke> {
+    if places.iter().all(|p| p.moves.is_none()) {
+        return None;
+    }
+    bridge_gaps(&mut places);
+    unfold(&mut places, closed);
+    taper(&mut places, closed);
+    // Thinned as ridges are: the width is a third coordinate.
+    let mut ridge = Ridge {
+        points: places.iter().map(Place::moved).collect(),
+        thickness: places.iter().map(Place::widened).collect(),
+        closed,
+    };
+    if closed {
+        // Thinning keeps both ends: with the first point there again, the
+        // closing segment is thinned as well.
+        ridge.points.extend(ridge.points.first().copied());
+        ridge.thickness.extend(ridge.thickness.first().copied());
+    }
+    let mut thin = ridge.thinned(tolerance);
+    if closed {
+        thin.points.pop();
+        thin.thickness.pop();
+    }
+    Some(thin.stroke(0.0))
+}
+
+/// Moves what lies in a short gap between two places that move to the same
+/// side: the line has no room to come back there.
+fn bridge_gaps(places: &mut [Place]) {
+    let mut last: Option<usize> = None;
+    for k in 0..places.len() {
+        let Some(to) = places[k].moves else {
+            continue;
+        };
+        if let Some(i) = last.replace(k)
+            && i + 1 < k
+            && let Some(from) = places[i].moves
+            && places[i].at.distance(places[k].at) < GAP
+            && from * to > 0.0
+            && places[i].narrows == places[k].narrows
+        {
+            for j in i + 1..k {
+                let t = (j - i) as f64 / (k - i) as f64;
+                places[j].moves = Some(from + t * (to - from));
+                places[j].narrows = places[i].narrows;
+            }
+        }
+    }
+}
+
+/// Leaves places where they are that would pass each other: around a corner
+/// they move towards each other.
+fn unfold(places: &mut [Place], closed: bool) {
+    let n = places.len();
+    let ways = if closed { n } else { n.saturating_sub(1) };
+    let mut folded = true;
+    while folded {
+        folded = false;
+        for i in 0..ways {
+            let (a, b) = (places[i], places[(i + 1) % n]);
+            if a.moves.is_none() && b.moves.is_none() {
+                continue;
+            }
+            let way = b.at - a.at;
+            let ahead = (b.moved() - a.moved()).dot(way);
+            if ahead < AHEAD * way.length_squared() {
+                places[i].moves = None;
+                places[(i + 1) % n].moves = None;
+                folded = true;
+            }
+        }
+    }
+}
+
+/// Lets the width change no faster than pieces of constant width can follow.
+fn taper(places: &mut [Place], closed: bool) {
+    let n = places.len();
+    let ways = if closed { 2 * n } else { n };
+    let mut limit = |i: usize, j: usize| {
+        let from = places[i].moves.map_or(0.0, f64::abs);
+        let most = from + 0.5 * SLOPE * places[i].at.distance(places[j].at);
+        if let Some(moves) = &mut places[j].moves {
+            *moves = moves.clamp(-most, most);
+        }
+    };
+    for k in 1..ways {
+        limit((k - 1) % n, k % n);
+    }
+    for k in (1..ways).rev() {
+        limit(k % n, (k - 1) % n);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A place each 0.1 mm along a line to the right.
+    fn row(moves: impl Fn(usize) -> Option<Mm>) -> Vec<Place> {
+        (0..100)
+            .map(|i| Place {
+                at: DVec2::X * (0.1 * i as f64),
+                across: DVec2::Y,
+                width: 0.45,
+                moves: moves(i),
+                narrows: false,
+            })
+            .collect()
+    }
+
+    /// How far the right side is from where it was, and the steepest ramp.
+    fn measured(stroke: &Stroke) -> (Mm, f64) {
+        let n = stroke.points.len();
+        let off = |i: usize| {
+            let side = stroke.points[i].y - 0.5 * stroke.width_at(i);
+            (side + 0.225).abs()
+        };
+        let slope = |i: usize| {
+            let way = stroke.points[i].distance(stroke.points[i + 1]);
+            (stroke.width_at(i + 1) - stroke.width_at(i)).abs() / way
+        };
+        (
+            (0..n).map(off).fold(0.0, f64::max),
+            (0..n - 1).map(slope).fold(0.0, f64::max),
+        )
+    }
+
+    #[test]
+    fn the_outer_side_stays_and_the_width_has_no_steps() {
+        let places = row(|i| (40..60).contains(&i).then_some(0.05));
+        let stroke = widened(places, false, 1e-6).unwrap();
+        let (off, slope) = measured(&stroke);
+        assert!(off < 1e-5 && slope < 1.01 * SLOPE, "{off} {slope}");
+        let widest = stroke.widths.iter().copied().fold(0.0, f64::max);
+        assert!((widest - 0.55).abs() < 1e-9);
+    }
+
+    #[test]
+    fn short_gaps_are_none() {
+        let gap = |from: usize, to: usize| {
+            let moves = move |i| (!(from..to).contains(&i)).then_some(0.05);
+            let stroke = widened(row(moves), false, 1e-6).unwrap();
+            let n = stroke.points.len();
+            (0..n).map(|i| stroke.width_at(i)).fold(1.0, f64::min)
+        };
+        assert!((gap(50, 53) - 0.55).abs() < 1e-9);
+        assert!((gap(50, 70) - 0.45).abs() < 1e-9);
+    }
+
+    #[test]
+    fn lines_do_not_fold_over_in_a_corner() {
+        // A turn to the left: what is beside it moves towards each other.
+        let mut places = row(|_| Some(0.1));
+        for (i, place) in places[50..].iter_mut().enumerate() {
+            place.at = DVec2::new(5.0, 0.1 * i as f64);
+            place.across = -DVec2::X;
+        }
+        places[50].across = DVec2::new(-1.0, 1.0);
+        let stroke = widened(places, false, 1e-6).unwrap();
+        // It leads to the right and then up, on ramps to the corner and back.
+        let least = -0.5 * SLOPE - 1e-9;
+        for (a, b) in stroke.segments() {
+            let way = (b - a).normalize();
+            assert!(way.x > least && way.y > least, "{a} {b}");
+        }
+        let ends = [stroke.width_at(0), stroke.width_at(usize::MAX - 1)];
+        assert!(ends[0] > 0.6, "{ends:?}");
+    }
+
+    #[test]
+    fn both_sides_of_a_corner_move_alike() {
+        let points = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(DVec2::from);
+        let line = Stroke::new(points.to_vec(), false, 0.45);
+        let all = [0, 1, 2].map(|k| across(&line, k));
+        let meant = [DVec2::Y, DVec2::new(-1.0, 1.0), DVec2::NEG_X];
+        for (is, meant) in all.into_iter().zip(meant) {
+            assert!(is.distance(meant) < 1e-9, "{is} {meant}");
+        }
+        let back = [(0.0, 0.0), (1.0, 0.0), (0.0, 0.01)].map(DVec2::from);
+        let sharp = Stroke::new(back.to_vec(), true, 0.45);
+        assert!(across(&sharp, 1).length() < MITRE + 1e-9);
+        let ring = [0.0, 1.0, 2.0, 3.0]
+            .map(|k| DVec2::from_angle(0.5 * std::f64::consts::PI * k));
+        let ring = Stroke::new(ring.to_vec(), true, 0.45);
+        assert!((across(&ring, 0) + 2.0_f64.sqrt() * DVec2::X).length() < 1e-9);
+    }
+
+    #[test]
+    fn lines_that_do_not_move_stay_as_they_are() {
+        assert_eq!(widened(row(|_| None), false, 1e-6), None);
+        assert_eq!(widened(Vec::new(), true, 1e-6), None);
+    }
+}
