@@ -186,19 +186,18 @@ impl<'a> Rater<'a> {
         span: &LayerSpan,
         solid: Option<&EdgeGrid>,
     ) -> Result<Vec<(Bead, Rates)>, VaryError> {
-        let edge = self.settings.accuracy;
         let quantities =
             [self.speed(bead.role), &self.flow, &self.width, &self.fan];
         if !self.varies || quantities.iter().all(|q| q.constant().is_some()) {
             let [speed, flow, width, fan] =
                 quantities.map(|q| q.constant().unwrap_or(f64::NAN));
-            let pieces = pieces(bead, edge).into_iter();
+            let pieces = pieces(bead, self.settings).into_iter();
             return Ok(pieces
                 .map(|b| self.rated(b, span, [speed, flow, width, fan]))
                 .collect());
         }
         let mut out = Vec::new();
-        for piece in pieces(bead, edge) {
+        for piece in pieces(bead, self.settings) {
             crate::limits::check();
             let steps = steps(&piece);
             let places = self.places(&steps, span, solid)?;

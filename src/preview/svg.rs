@@ -3,7 +3,7 @@
 
 use crate::bead::Role;
 use crate::plane::Rect;
-use crate::resolution::pieces;
+use crate::resolution::pieces_within;
 use crate::travel::{LayerPath, Move};
 use glam::DVec2;
 use std::fmt::Write;
@@ -73,7 +73,7 @@ pub(crate) fn layer_svg(path: &LayerPath, frame: Rect) -> String {
     for m in &path.moves {
         match m {
             Move::Print(bead) => {
-                for piece in pieces(bead.clone(), EDGE) {
+                for piece in pieces_within(bead.clone(), EDGE, 0.0) {
                     let _ = write!(
                         svg,
                         "<polyline stroke=\"{}\" stroke-width=\"{:.3}\" \

@@ -474,7 +474,10 @@ impl Line {
             return 0.0;
         };
         let at = from + along;
-        if at < self.left.0 || at > self.left.1 {
+        // Of a stroke that yields nothing is left, not even its beginning.
+        let laid = self.left.0 < self.left.1
+            && (self.left.0..=self.left.1).contains(&at);
+        if !laid {
             return 0.0;
         }
         let t = along / (to - from).max(f64::MIN_POSITIVE);
@@ -576,6 +579,18 @@ mod tests {
         assert_eq!(beads.len(), 2);
         let shorter = beads.iter().map(Stroke::length).fold(99.0, f64::min);
         assert!((shorter - 5.8).abs() < 0.05, "{shorter}");
+    }
+
+    /// What yields must not make the other one yield as well.
+    #[test]
+    fn of_two_strokes_as_long_as_each_other_one_stays() {
+        for longer in [0.0, 0.004] {
+            let long = line(&[(0.0, 0.0), (4.0 + longer, 0.0)], 0.5);
+            let back = line(&[(4.0, 0.0), (0.0, 0.0)], 0.5);
+            let (_, thin) = join(Vec::new(), vec![long, back], anywhere);
+            let length: Mm = thin.iter().map(Stroke::length).sum();
+            assert!((length - 4.0).abs() < 0.01, "{thin:?}");
+        }
     }
 
     #[test]

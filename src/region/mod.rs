@@ -47,13 +47,13 @@ use ridge::{Ridge, ridges};
 use std::collections::HashSet;
 use thin::Counts;
 
-/// Share of `accuracy` for the outline, and for an offset of it. The next
-/// stage takes some as well, and all shares together are more than one: the
-/// greatest deviations of different steps do not meet (measured: 99 % of a
-/// gyroid ball's outer wall are within 4.6 µm of where they should be if the
-/// accuracy is 5 µm).
-pub(crate) const OUTLINE_SHARE: f64 = 0.7;
-const OFFSET_SHARE: f64 = 0.15;
+/// Share of `accuracy` for the outline, and for an offset of it. A polygon's
+/// corners lie as far outside of a curve as the middles of its edges lie
+/// inside. Both shares together are more than one, as an offset is off only at
+/// corners, to the inside (measured: of a gyroid ball's outer wall 99 % are
+/// within 4.1 µm of where they should be if the accuracy is 5 µm).
+pub(crate) const OUTLINE_SHARE: f64 = 0.8;
+const OFFSET_SHARE: f64 = 0.3;
 
 /// Beads of no joint are wider than twice this, mm.
 const JOINT: Mm = 20.0;
@@ -342,10 +342,6 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
         for (k, plan) in pair.iter().enumerate() {
             // The outer wall is seen.
             let outer = lines.is_empty();
-            let tolerance = match outer {
-                true => tolerance,
-                false => 2.0 * tolerance,
-            };
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
             let mut walls = cut(&rings, &beads, plan.centre, plan.width);
@@ -552,7 +548,7 @@ mod tests {
             assert_eq!(lines.len(), 1);
             assert!(lines[0].closed && lines[0].widths.is_empty());
             for p in &lines[0].points {
-                assert!((p.length() - r).abs() < 0.002, "{k}: {p}");
+                assert!((p.length() - r).abs() < 0.0016, "{k}: {p}");
             }
         }
         assert!(w.thin.iter().all(Vec::is_empty));

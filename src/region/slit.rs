@@ -10,19 +10,19 @@
 //! In: an outline. Out: the same with its slits filled, or nothing if there
 //! are none, as on most layers. Edges face each other if they are parallel to
 //! within 30°: a notch that opens wider is a notch, however narrow its end
-//! is. What the filled places enclose and is no wider than a slit, as where
-//! two of them cross, is filled as well.
+//! is. On an island with slits, holes that are no wider than a slit are filled
+//! as well: where two slits cross, or where the edges of one touch.
 //!
 //! Guarantee: whatever is filled lies between edges that are nearer to each
-//! other than the limit, or is enclosed by that and hardly wider, lest a slit
-//! as wide as the limit become a row of holes. Elsewhere the outline is the
-//! same; on islands with slits it is within the tolerance.
+//! other than the limit, or is a hole that is hardly wider, lest a slit as wide
+//! as the limit become a row of holes. Elsewhere the outline is the same; on
+//! islands with slits it is within the tolerance.
 
 use super::cover::{Covered, Islands};
 use crate::plane::clip::{union, unite};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
-use crate::plane::{Area, Rect, Ring, Solid, edges, signed_area};
+use crate::plane::{Area, Ring, Solid, edges, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -147,13 +147,7 @@ pub(crate) fn filled(
     }
     let mut all = union(&touched, slits);
     all.rings.retain(|ring| {
-        let around = Rect::around(ring);
-        let enclosed = signed_area(ring) < 0.0
-            && places.grid().meets(Rect {
-                min: around.min - tolerance,
-                max: around.max + tolerance,
-            });
-        !(enclosed && narrow(ring, width, tolerance))
+        signed_area(ring) > 0.0 || !narrow(ring, width, tolerance)
     });
     for ring in &mut all.rings {
         *ring = simplify(ring, TIDY * tolerance);

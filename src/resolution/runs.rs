@@ -8,10 +8,12 @@
 //! [`FEW`] widths, and the edges of a bead that shows by no more than twice
 //! `edge`. The piece has their mean, so that no volume is lost. A ramp may be so
 //! steep that a piece would be shorter than [`shortest`]: a bead that shows is
-//! then hardly wider than the ramp's narrow end. Pieces end at the bead's points
-//! where that is possible: each cut elsewhere is a move more.
+//! then hardly wider than the ramp's narrow end. The middle of a piece is within
+//! `path` of the bead's. Each line is chosen as long as its width and the path
+//! permit together, lest it is cut once for its width and once for its path.
 
 use crate::bead::{Bead, Role, Stroke, cross_section};
+use crate::plane::simplify::simplify_path;
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
 
@@ -20,9 +22,9 @@ use glam::DVec2;
 const AREA: f64 = 0.03;
 
 /// A piece no longer than this many widths may be off by twice as much at its
-/// ends: the neighbouring piece is off the other way, so that over a length of
-/// a width half of it is made up for.
-const FEW: f64 = 2.0;
+/// ends: the neighbouring piece is off the other way, and so is its own other
+/// half, so that most of it is made up for within a width or two.
+const FEW: f64 = 3.0;
 
 /// By how much a piece of a steep ramp is wider than its narrow end, mm, if the
 /// bead shows: 10 µm on each side.
@@ -30,18 +32,18 @@ const STEEP: Mm = 0.02;
 
 /// Pieces of a role are not made shorter than this, mm. Of beads that show it is
 /// what their round ends hide. Of others it is what no printer can follow: at
-/// 60 mm/s 0.3 mm are 5 ms, and the pressure in a nozzle takes longer to change.
+/// 60 mm/s 0.6 mm are 10 ms, and the pressure in a nozzle takes longer to change.
 pub(super) fn shortest(role: Role) -> Mm {
     match role.shows() {
-        true => 0.03,
-        false => 0.3,
+        true => 0.1,
+        false => 0.6,
     }
 }
 
-/// A stretch of a bead that gets one width.
-struct Run {
-    points: Vec<DVec2>,
-    /// Least and greatest width that is meant.
+/// What is meant along a stretch of a bead.
+#[derive(Clone, Copy)]
+struct Stretch {
+    /// Least and greatest width.
     low: Mm,
     high: Mm,
     length: Mm,
@@ -49,12 +51,11 @@ struct Run {
     content: Mm2,
 }
 
-impl Run {
+impl Stretch {
     /// A straight ramp from a place and a width to others.
-    fn ramp([a, b]: [DVec2; 2], [from, to]: [Mm; 2]) -> Run {
+    fn ramp([a, b]: [DVec2; 2], [from, to]: [Mm; 2]) -> Stretch {
         let length = a.distance(b);
-        Run {
-            points: vec![a, b],
+        Stretch {
             low: from.min(to),
             high: from.max(to),
             length,
@@ -62,32 +63,19 @@ impl Run {
         }
     }
 
-    /// Goes on in a run that begins where this one ends. What is too short for
-    /// a width of its own has no say if the other one is not.
-    fn extend(&mut self, other: Run, short: Mm) {
-        let low = self.low.min(other.low);
-        let high = self.high.max(other.high);
-        (self.low, self.high) = match self.length < short {
-            true if other.length >= short => (other.low, other.high),
-            _ => (low, high),
+    /// With another stretch after it. What is shorter than `short` has no say if
+    /// the other one is not.
+    fn and(self, other: Stretch, short: Mm) -> Stretch {
+        let (low, high) = match (self.length < short, other.length < short) {
+            (true, false) => (other.low, other.high),
+            _ => (self.low.min(other.low), self.high.max(other.high)),
         };
-        self.length += other.length;
-        self.content += other.content;
-        self.points.extend(other.points.into_iter().skip(1));
-    }
-
-    /// True if what follows has to have the same width, as this is too short
-    /// for one of its own, or may have it, as it differs little enough.
-    fn takes(
-        &self,
-        other: &Run,
-        short: Mm,
-        slack: impl Fn(Mm, Mm) -> Mm,
-    ) -> bool {
-        let low = self.low.min(other.low);
-        let high = self.high.max(other.high);
-        let length = self.length + other.length;
-        high - low <= 2.0 * slack(low, length) || self.length < short
+        Stretch {
+            low,
+            high,
+            length: self.length + other.length,
+            content: self.content + other.content,
+        }
     }
 
     /// Its mean width.
@@ -99,70 +87,133 @@ impl Run {
     }
 }
 
-/// The bead in pieces of constant width. `edge` is how far the edges of a bead
-/// that shows may be off.
-pub(crate) fn pieces(bead: Bead, edge: Mm) -> Vec<Bead> {
-    if bead.widths.len() != bead.points.len() || bead.points.is_empty() {
-        return vec![bead];
+/// How far widths may be from what is meant.
+struct Slack {
+    /// Height and least width that counts.
+    height: Mm,
+    narrowest: Mm,
+    /// The most that is permitted, whatever the width.
+    most: Mm,
+    /// Shortest piece.
+    short: Mm,
+    /// Stretches shorter than this have no say beside longer ones.
+    silent: Mm,
+}
+
+impl Slack {
+    fn of(bead: &Bead, edge: Mm) -> Slack {
+        Slack {
+            height: bead.height,
+            // A share of next to nothing would be too little to count.
+            narrowest: 0.5 * bead.width,
+            most: match bead.role.shows() {
+                true => 2.0 * edge,
+                false => f64::INFINITY,
+            },
+            short: shortest(bead.role),
+            // Nothing of a bead that shows may stick out.
+            silent: match bead.role.shows() {
+                true => 0.0,
+                false => shortest(bead.role),
+            },
+        }
     }
-    let slack = |width: Mm, length: Mm| {
-        // A share of next to nothing would be too little to count.
-        let width = width.max(0.5 * bead.width);
+
+    /// Of a piece of some width and length.
+    fn at(&self, width: Mm, length: Mm) -> Mm {
+        let width = width.max(self.narrowest);
         let share = match length <= FEW * width {
             true => 2.0 * AREA,
             false => AREA,
         };
-        let area = share * cross_section(width, bead.height) / bead.height;
-        match bead.role.shows() {
-            true => area.min(2.0 * edge),
-            false => area,
+        let area = share * cross_section(width, self.height) / self.height;
+        area.min(self.most)
+    }
+
+    /// True if one width will do for a stretch, or has to.
+    fn takes(&self, all: &Stretch) -> bool {
+        let slack = self.at(all.low, all.length);
+        all.high - all.low <= 2.0 * slack || all.length < self.short
+    }
+
+    /// In how many parts a ramp is cut, so that pieces can end in it.
+    fn parts(&self, ramp: &Stretch) -> usize {
+        let parts = |slack: Mm| {
+            let all = (ramp.high - ramp.low) / (2.0 * slack);
+            let most = (ramp.length / self.short).floor();
+            all.ceil().min(most).max(1.0)
+        };
+        // Parts may be so short that they have more slack.
+        let mut count = parts(self.at(ramp.low, 0.0));
+        if ramp.length / count > FEW * ramp.low {
+            count = parts(self.at(ramp.low, ramp.length));
         }
-    };
-    let short = shortest(bead.role);
-    let mut runs: Vec<Run> = Vec::new();
+        // Of what is no number there is one part.
+        count as usize
+    }
+}
+
+/// The bead in pieces of constant width. `edge` is how far the edges of a bead
+/// that shows may be off, `path` how far the middle of a piece may be from the
+/// bead's.
+pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
+    if bead.widths.len() != bead.points.len() || bead.points.is_empty() {
+        return vec![bead];
+    }
+    let slack = Slack::of(&bead, edge);
+    // The bead in parts, each from a point to the next one.
+    let mut points = vec![bead.points[0]];
+    let mut parts: Vec<Stretch> = Vec::new();
     for (i, (a, b)) in bead.segments().enumerate() {
         let widths = [bead.width_at(i), bead.width_at(i + 1)];
-        let ramp = Run::ramp([a, b], widths);
+        let ramp = Stretch::ramp([a, b], widths);
         // Without a length the width jumps.
         if ramp.length <= 0.0 {
             continue;
         }
-        let most = (ramp.length / short).floor();
-        let parts = |slack: Mm| {
-            let all = (ramp.high - ramp.low) / (2.0 * slack);
-            all.ceil().min(most).max(1.0)
-        };
-        // Parts may be so short that they have more slack.
-        let mut count = parts(slack(ramp.low, 0.0));
-        if ramp.length / count > FEW * ramp.low {
-            count = parts(slack(ramp.low, ramp.length));
-        }
-        // Of what is no number there is one part.
-        for k in 0..count as usize {
-            let [s, t] = [k, k + 1].map(|k| k as f64 / count);
+        let count = slack.parts(&ramp);
+        for k in 0..count {
+            let [s, t] = [k, k + 1].map(|k| k as f64 / count as f64);
             let width = |t: f64| widths[0] + t * (widths[1] - widths[0]);
-            let part =
-                Run::ramp([a.lerp(b, s), a.lerp(b, t)], [width(s), width(t)]);
-            match runs.last_mut() {
-                Some(run) if run.takes(&part, short, slack) => {
-                    run.extend(part, short);
-                }
-                _ => runs.push(part),
-            }
+            let ends = [a.lerp(b, s), a.lerp(b, t)];
+            parts.push(Stretch::ramp(ends, [width(s), width(t)]));
+            points.push(ends[1]);
         }
     }
-    let piece = |run: Run| {
-        let mut width = run.width();
+    let all = |i: usize, j: usize| {
+        let mut parts = parts[i..j].iter().copied();
+        let first = parts.next();
+        first.map(|p| parts.fold(p, |all, p| all.and(p, slack.silent)))
+    };
+    let fits =
+        |i: usize, j: usize| all(i, j).is_some_and(|all| slack.takes(&all));
+    let corners = simplify_path(&points, false, path, fits);
+    let mut pieces: Vec<(Vec<DVec2>, Stretch)> = Vec::new();
+    for ends in corners.windows(2) {
+        let Some(edge) = all(ends[0].1, ends[1].1) else {
+            continue;
+        };
+        let and = pieces.last().map(|p| p.1.and(edge, slack.silent));
+        match (pieces.last_mut(), and) {
+            (Some(piece), Some(and)) if slack.takes(&and) => {
+                piece.0.push(ends[1].0);
+                piece.1 = and;
+            }
+            _ => pieces.push((vec![ends[0].0, ends[1].0], edge)),
+        }
+    }
+    let piece = |(points, all): (Vec<DVec2>, Stretch)| {
+        let mut width = all.width();
         if bead.role.shows() {
             // Of a steep ramp the wide end lies under the round end of the
             // piece beside it: the narrow end matters.
-            let slack = slack(run.low, run.length).max(STEEP);
-            width = width.min(run.low + slack);
+            let slack = slack.at(all.low, all.length).max(STEEP);
+            width = width.min(all.low + slack);
         }
-        let stroke = Stroke::new(run.points, false, width);
+        let stroke = Stroke::new(points, false, width);
         Bead { stroke, ..bead }
     };
-    runs.into_iter().map(piece).collect()
+    pieces.into_iter().map(piece).collect()
 }
 
 #[cfg(test)]
@@ -183,10 +234,10 @@ mod tests {
     fn pieces_are_as_long_as_the_width_allows() {
         for (role, edge, least, most) in [
             (Role::OuterWall, 0.008, 10, 21),
-            (Role::OuterWall, 0.001, 95, 105),
+            (Role::OuterWall, 0.002, 45, 55),
             (Role::InnerWall, 0.001, 10, 21),
         ] {
-            let pieces = pieces(bead(role), edge);
+            let pieces = pieces_within(bead(role), edge, 0.0);
             let n = pieces.len();
             assert!((least..=most).contains(&n), "{role:?} {edge}: {n}");
             for pair in pieces.windows(2) {
@@ -212,7 +263,7 @@ mod tests {
         steep.points = [(0.0, 0.0), (1.0, 0.0), (1.02, 0.0)]
             .map(DVec2::from)
             .to_vec();
-        let pieces = pieces(steep, 0.005);
+        let pieces = pieces_within(steep, 0.005, 0.0);
         assert_eq!(pieces.len(), 2);
         // No wider than the narrow end allows.
         assert!(pieces[1].width < 0.4201, "{}", pieces[1].width);
@@ -222,11 +273,11 @@ mod tests {
     fn constant_and_odd_beads_stay() {
         let mut even = bead(Role::GapFill);
         even.widths = vec![0.4; 3];
-        assert_eq!(pieces(even.clone(), 0.005).len(), 1);
+        assert_eq!(pieces_within(even.clone(), 0.005, 0.0).len(), 1);
         even.widths.clear();
-        assert_eq!(pieces(even.clone(), 0.005), [even.clone()]);
+        assert_eq!(pieces_within(even.clone(), 0.005, 0.0), [even.clone()]);
         even.points[1] = DVec2::NAN;
         even.widths = vec![0.4, f64::NAN, 0.5];
-        assert!(!pieces(even, 0.005).is_empty());
+        assert!(!pieces_within(even, 0.005, 0.0).is_empty());
     }
 }

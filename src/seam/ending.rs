@@ -204,7 +204,7 @@ fn inwards(bead: &Bead, length: Mm, solid: &EdgeGrid) -> Option<DVec2> {
 /// Length of a path, with the parts that are printed twice.
 #[cfg(test)]
 fn printed(bead: &Bead) -> f64 {
-    let pieces = crate::resolution::pieces(bead.clone(), 0.005);
+    let pieces = crate::resolution::pieces(bead.clone(), &Settings::default());
     pieces.iter().map(|p| p.area() * p.length()).sum()
 }
 

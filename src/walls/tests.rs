@@ -33,7 +33,7 @@ fn print(part: &Area) -> Print {
     let laid = walls(part, HEIGHT, &settings);
     let pieces: Vec<Bead> = beads(&laid, HEIGHT, 0.0)
         .into_iter()
-        .flat_map(|b| crate::resolution::pieces(b, 0.005))
+        .flat_map(|b| crate::resolution::pieces(b, &Settings::default()))
         .collect();
     let bounds = part.bounds();
     let origin = bounds.min - 0.5;

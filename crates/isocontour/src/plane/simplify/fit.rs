@@ -1,0 +1,205 @@
+//! Moves the corners of a thinned path to where they fit the path best.
+
+use super::points::{Joint, Points};
+use crate::Length;
+use glam::DVec2;
+
+/// How often each corner is fitted to its neighbours. Each round leaves a
+/// quarter of the error: a corner weighs twice as much as both of them.
+const ROUNDS: usize = 8;
+
+/// A step of the path, seen from the edge that takes its place: how far along
+/// the edge it begins and ends, from 0 to 1, and how far to the left.
+type Step = ((f64, Length), (f64, Length));
+
+/// Moves each corner across the path so that the squares of the distances
+/// between the path and its edges are least.
+///
+/// Corners that stay do not move. Those beside an edge that would leave the
+/// path farther away than `tolerance` move by at most `least`, so that edges
+/// which are off by no more than the difference remain within the tolerance.
+/// The first corner of a closed path is in the list once more, at its end.
+pub(super) fn settle(
+    points: &Points<'_>,
+    joints: &mut [Joint],
+    tolerance: Length,
+    least: Length,
+) {
+    let mut fit = Fit::new(points, joints);
+    fit.solve();
+    // Each further try holds back at least one more corner.
+    while fit.hold_where_off(points, joints, tolerance, least) {
+        fit.solve();
+    }
+    fit.apply(joints);
+}
+
+/// How far a corner moves, and along which way.
+#[derive(Clone, Copy)]
+struct Move {
+    /// One unit along it takes both edges a unit to their left, as far as the
+    /// angle between them permits.
+    way: DVec2,
+    by: Length,
+    /// The farthest that it may move to either side.
+    most: Length,
+}
+
+/// What an edge asks of the corners at its ends.
+#[derive(Clone, Copy)]
+struct Edge {
+    left: DVec2,
+    length: Length,
+    /// How far the path is to the left of it, summed over its length: weighed
+    /// by the nearness of its beginning, and of its end.
+    off: [f64; 2],
+}
+
+struct Fit {
+    /// One for each corner; the first of a closed path is not repeated.
+    moves: Vec<Move>,
+    /// Edge `i` goes from corner `i` to the next one.
+    edges: Vec<Edge>,
+}
+
+impl Fit {
+    fn new(points: &Points<'_>, joints: &[Joint]) -> Self {
+        let edges: Vec<Edge> = joints
+            .windows(2)
+            .map(|ends| {
+                let along = ends[1].at - ends[0].at;
+                let mut off = [0.0; 2];
+                for ((u, d), (v, e)) in steps(points, &ends[0], &ends[1]) {
+                    // Exact for a product of two linear functions (Simpson).
+                    let share = (v - u) * along.length() / 6.0;
+                    let (middle, mean) = (0.5 * (u + v), 0.5 * (d + e));
+                    let end = u * d + 4.0 * middle * mean + v * e;
+                    off[0] += share * (6.0 * mean - end);
+                    off[1] += share * end;
+                }
+                Edge {
+                    left: along.perp().normalize_or_zero(),
+                    length: along.length(),
+                    off,
+                }
+            })
+            .collect();
+        let corners = joints.len() - usize::from(points.closed);
+        let moves = (0..corners)
+            .map(|i| {
+                let after = i.min(edges.len() - 1);
+                let [u, v] =
+                    [before(i, &edges), after].map(|edge| edges[edge].left);
+                Move {
+                    way: (u + v) / (1.0 + u.dot(v)).max(1.0),
+                    by: 0.0,
+                    most: if joints[i].stays { 0.0 } else { f64::INFINITY },
+                }
+            })
+            .collect();
+        Fit { moves, edges }
+    }
+
+    /// Finds the moves by the method of Gauss and Seidel.
+    fn solve(&mut self) {
+        for _ in 0..ROUNDS {
+            for i in 0..self.moves.len() {
+                let most = self.moves[i].most;
+                if most > 0.0 {
+                    self.moves[i].by = self.best(i).clamp(-most, most);
+                }
+            }
+        }
+    }
+
+    /// The best move of a corner if its neighbours are where they are.
+    fn best(&self, i: usize) -> Length {
+        let before = before(i, &self.edges);
+        let (mut weight, mut asked) = (0.0, 0.0);
+        // Each edge beside it, the corner at the other end of that edge, and at
+        // which end this corner is.
+        for (edge, other, end) in [(before, before, 1), (i, self.after(i), 0)] {
+            let edge = &self.edges[edge];
+            let (own, other) = (&self.moves[i], &self.moves[other]);
+            let leftwards = own.way.dot(edge.left);
+            let theirs = other.by * other.way.dot(edge.left);
+            weight += leftwards * leftwards * edge.length / 3.0;
+            asked += leftwards * (edge.off[end] - theirs * edge.length / 6.0);
+        }
+        if weight > 0.0 { asked / weight } else { 0.0 }
+    }
+
+    /// The corner after one.
+    fn after(&self, i: usize) -> usize {
+        (i + 1) % self.moves.len()
+    }
+
+    /// Holds back the corners beside edges that leave the path farther away
+    /// than the tolerance: they move by at most `least`. True if one of them
+    /// could move farther before.
+    fn hold_where_off(
+        &mut self,
+        points: &Points<'_>,
+        joints: &[Joint],
+        tolerance: Length,
+        least: Length,
+    ) -> bool {
+        let mut held = false;
+        for (i, edge) in self.edges.iter().enumerate() {
+            let ends = [i, self.after(i)];
+            if ends.iter().all(|&k| self.moves[k].most <= least) {
+                continue;
+            }
+            let [from, to] = ends
+                .map(|k| self.moves[k].by * self.moves[k].way.dot(edge.left));
+            let far = |(u, d): (f64, Length)| {
+                (d - from - u * (to - from)).abs() > tolerance
+            };
+            let mut steps = steps(points, &joints[i], &joints[i + 1]);
+            if steps.any(|(a, b)| far(a) || far(b)) {
+                held = true;
+                for k in ends {
+                    let m = &mut self.moves[k];
+                    m.most = m.most.min(least);
+                }
+            }
+        }
+        held
+    }
+
+    fn apply(&self, joints: &mut [Joint]) {
+        let n = self.moves.len();
+        for (i, joint) in joints.iter_mut().enumerate() {
+            let m = &self.moves[i % n];
+            joint.at += m.by * m.way;
+        }
+    }
+}
+
+/// The edge before a corner.
+fn before(i: usize, edges: &[Edge]) -> usize {
+    (i + edges.len() - 1) % edges.len()
+}
+
+/// The steps of the path between two corners.
+fn steps(
+    points: &Points<'_>,
+    from: &Joint,
+    to: &Joint,
+) -> impl Iterator<Item = Step> {
+    let along = to.at - from.at;
+    let (start, length) = (from.at, along.length());
+    let on = along.normalize_or_zero();
+    let seen = move |p: DVec2| {
+        let p = p - start;
+        let share = p.dot(on) / length.max(f64::MIN_POSITIVE);
+        (share.clamp(0.0, 1.0), on.perp_dot(p))
+    };
+    let mut last = seen(points.place(from.place));
+    let inner = (from.place as usize + 1)..(to.place.ceil() as usize);
+    let (points, end) = (*points, points.place(to.place));
+    inner
+        .map(move |k| points.at(k))
+        .chain([end])
+        .map(move |p| (std::mem::replace(&mut last, seen(p)), last))
+}

@@ -1,0 +1,76 @@
+//! The path that is thinned, and the corners of what comes of it.
+
+use crate::Length;
+use glam::DVec2;
+
+/// Turn at a point, in radians, from which it is a corner that stays.
+const CORNER: f64 = 0.45;
+
+/// The points of a path. Those of a closed one are counted on from the first
+/// after the last, which is not the first again.
+#[derive(Clone, Copy)]
+pub(super) struct Points<'a> {
+    pub all: &'a [DVec2],
+    pub closed: bool,
+}
+
+impl Points<'_> {
+    pub(super) fn at(&self, k: usize) -> DVec2 {
+        self.all[k % self.all.len()]
+    }
+
+    /// The place on the path that lies at a number of points and a part.
+    pub(super) fn place(&self, at: f64) -> DVec2 {
+        let k = at as usize;
+        self.at(k).lerp(self.at(k + 1), at - k as f64)
+    }
+
+    /// The ways to point `k` and on from it; none at the ends of an open path.
+    pub(super) fn ways(&self, k: usize) -> Option<(DVec2, DVec2)> {
+        let n = self.all.len();
+        if !self.closed && (k == 0 || k + 1 >= n) {
+            return None;
+        }
+        let here = self.at(k);
+        Some((here - self.at(k + n - 1), self.at(k + 1) - here))
+    }
+
+    /// True if the path turns sharply at point `k`.
+    pub(super) fn turns(&self, k: usize) -> bool {
+        let Some((u, v)) = self.ways(k) else {
+            return true;
+        };
+        // By the cosine: the angle itself costs ten times as much.
+        let along = u.dot(v);
+        let bound = CORNER.cos().powi(2) * u.length_squared();
+        along < 0.0 || along * along < bound * v.length_squared()
+    }
+
+    /// True if a line between the points beside point `k` leaves it farther
+    /// away than the tolerance.
+    pub(super) fn stands_out(&self, k: usize, tolerance: Length) -> bool {
+        self.ways(k).is_none_or(|(u, v)| {
+            let reach = tolerance * (u + v).length();
+            u.dot(v) < 0.0 || u.perp_dot(v).abs() > reach
+        })
+    }
+
+    /// From point `k` to the left end of a gate that reaches so far to both
+    /// sides. The gate is at the same angle to the ways before and after it.
+    pub(super) fn gate(&self, k: usize, half: Length) -> DVec2 {
+        let along = self.ways(k).map_or(DVec2::ZERO, |(u, v)| {
+            u.normalize_or_zero() + v.normalize_or_zero()
+        });
+        half * along.perp().normalize_or_zero()
+    }
+}
+
+/// A corner of the result.
+#[derive(Clone, Copy)]
+pub(super) struct Joint {
+    pub at: DVec2,
+    /// The place on the path beside it, as a number of points and a part.
+    pub place: f64,
+    /// It stays where it is.
+    pub stays: bool,
+}

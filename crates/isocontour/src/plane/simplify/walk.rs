@@ -1,0 +1,257 @@
+//! The walk through gates that finds the corners.
+
+use super::fit::settle;
+use super::points::{Joint, Points};
+use crate::Length;
+use glam::DVec2;
+
+/// Half the width of the gates, as a share of the tolerance.
+pub(super) const GATE: f64 = 0.72;
+/// What lies between two directions, less than half a turn apart: a gate as it
+/// is seen from a point, or the ways that lead through some gates.
+#[derive(Clone, Copy)]
+struct Gate {
+    right: DVec2,
+    left: DVec2,
+}
+
+impl Gate {
+    /// The direction in it that is nearest to another.
+    fn nearest_to(&self, along: DVec2) -> DVec2 {
+        if self.left.perp_dot(along) > 0.0 {
+            self.left
+        } else if self.right.perp_dot(along) < 0.0 {
+            self.right
+        } else {
+            along
+        }
+    }
+}
+
+/// The ways through a gate that also lead through others, if there are any.
+fn narrowed(others: Option<Gate>, gate: Gate) -> Option<Gate> {
+    let mut wedge = others.unwrap_or(gate);
+    if wedge.right.perp_dot(gate.right) > 0.0 {
+        wedge.right = gate.right;
+    }
+    if wedge.left.perp_dot(gate.left) < 0.0 {
+        wedge.left = gate.left;
+    }
+    // Of a gate that is crossed the wrong way the right end is on the left.
+    let right_way = gate.right.perp_dot(gate.left) >= 0.0;
+    (right_way && wedge.right.perp_dot(wedge.left) >= 0.0).then_some(wedge)
+}
+
+/// The gates that one edge leads through.
+struct Reach {
+    /// Directions that lead through all of them.
+    wedge: Gate,
+    /// The last of them, and its number.
+    gate: Gate,
+    last: usize,
+    /// The next one, if no direction leads through that as well.
+    beyond: Option<Gate>,
+}
+
+/// Where a ray from the origin meets the line through two points: the share of
+/// the way from the first to the second.
+fn meet(along: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let share = along.perp_dot(a) / along.perp_dot(a - b);
+    if share.is_finite() {
+        share.clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// How to go along a path.
+pub(super) struct Walk<'a, C, F> {
+    pub points: Points<'a>,
+    /// How far gates reach to each side.
+    pub half: Length,
+    /// True for points that stay.
+    pub corner: C,
+    /// True if one edge may lead along the path from one point to another.
+    pub fits: F,
+    /// Edges may meet between two gates; else they meet in gates.
+    pub between: bool,
+}
+
+impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
+    /// The corners of the result. Those of a closed path begin anywhere.
+    pub(super) fn joints(&self) -> Vec<Joint> {
+        let n = self.points.all.len();
+        let fixed = |k: usize| Joint {
+            at: self.points.at(k),
+            place: k as f64,
+            stays: true,
+        };
+        let (mut from, mut end) = (fixed(0), fixed(n));
+        if !self.points.closed {
+            end = fixed(n - 1);
+        } else if !(self.corner)(0) {
+            // Any point would do: one in which an edge ends is a good one.
+            from = self.next(&from, &end);
+            from.place %= n as f64;
+            end = Joint {
+                place: from.place + n as f64,
+                ..from
+            };
+        }
+        let mut joints = vec![from];
+        while from.place < end.place {
+            from = self.next(&from, &end);
+            joints.push(from);
+        }
+        let tolerance = self.half / GATE;
+        settle(&self.points, &mut joints, tolerance, tolerance - self.half);
+        if self.points.closed {
+            joints.pop();
+        }
+        joints
+    }
+
+    /// The ends of the gate `k` as seen from a point; nothing between them where
+    /// edges end. The last gate is the end of the path.
+    fn gate(&self, k: usize, end: &Joint, from: DVec2) -> Gate {
+        let (p, to_left) = match k as f64 >= end.place {
+            true => (end.at, DVec2::ZERO),
+            false if (self.corner)(k) => (self.points.at(k), DVec2::ZERO),
+            false => (self.points.at(k), self.points.gate(k, self.half)),
+        };
+        Gate {
+            right: p - to_left - from,
+            left: p + to_left - from,
+        }
+    }
+
+    /// The gates that one edge from a corner of the result leads through, up to
+    /// gate `most`; nothing if it reaches none.
+    fn reach(&self, from: &Joint, end: &Joint, most: usize) -> Option<Reach> {
+        let start = from.place as usize;
+        let mut reach: Option<Reach> = None;
+        for k in start + 1..=most {
+            let gate = self.gate(k, end, from.at);
+            let step = self.points.at(k) - self.points.at(k - 1);
+            let wedge = narrowed(reach.as_ref().map(|r| r.wedge), gate);
+            // An edge must not lead back along the path.
+            let on = wedge.filter(|w| {
+                w.right.dot(step) >= 0.0 || w.left.dot(step) >= 0.0
+            });
+            let Some(wedge) = on else {
+                if let Some(reach) = &mut reach {
+                    reach.beyond = Some(gate);
+                }
+                break;
+            };
+            reach = Some(Reach {
+                wedge,
+                last: k,
+                gate,
+                beyond: None,
+            });
+            if gate.right == gate.left {
+                break;
+            }
+        }
+        reach
+    }
+
+    /// The end of the longest edge from a corner of the result.
+    fn next(&self, from: &Joint, end: &Joint) -> Joint {
+        let start = from.place as usize;
+        let point = |k: usize| match k as f64 >= end.place {
+            true => *end,
+            false => Joint {
+                at: self.points.at(k),
+                place: k as f64,
+                stays: (self.corner)(k),
+            },
+        };
+        let Some(mut reach) = self.reach(from, end, end.place.ceil() as usize)
+        else {
+            // Gates that cross: the path is rough where points are closer to
+            // each other than the tolerance.
+            return point(start + 1);
+        };
+        let fit = |k: usize| (self.fits)(start, k).then_some(());
+        let (fitting, _) = longest(start, reach.last, 2, fit);
+        if fitting < reach.last
+            && let Some(nearer) = self.reach(from, end, fitting)
+        {
+            reach = nearer;
+        }
+        let Reach {
+            wedge,
+            last,
+            gate,
+            beyond,
+        } = reach;
+        if gate.right == gate.left {
+            return point(last);
+        }
+        // The direction, and the ends of both gates on the side on which it
+        // leaves the strip between them.
+        let (along, border) = match beyond {
+            Some(next) if wedge.left.perp_dot(next.right) > 0.0 => {
+                (wedge.left, Some((gate.right, next.right)))
+            }
+            Some(next) if wedge.right.perp_dot(next.left) < 0.0 => {
+                (wedge.right, Some((gate.left, next.left)))
+            }
+            _ => (wedge.nearest_to(self.points.at(last) - from.at), None),
+        };
+        let (place, (a, b)) = match border.filter(|_| self.between) {
+            Some(border) => (last as f64, border),
+            None => (last as f64, (gate.right, gate.left)),
+        };
+        let share = meet(along, a, b);
+        let on = if self.between && border.is_some() {
+            share
+        } else {
+            0.0
+        };
+        Joint {
+            at: from.at + a.lerp(b, share),
+            place: (place + on).min(end.place),
+            stays: false,
+        }
+    }
+}
+
+/// The farthest end, up to `last`, of a piece that begins at the point
+/// `start`, and what `fit` says of a piece that ends there; nothing if the
+/// piece has but two points. `fit` says nothing of a piece that is too long.
+///
+/// The piece is lengthened in growing steps until it no longer fits, then the
+/// rest is halved. The first try is as long as `like`, the piece before.
+pub fn longest<T>(
+    start: usize,
+    last: usize,
+    like: usize,
+    fit: impl Fn(usize) -> Option<T>,
+) -> (usize, Option<T>) {
+    let mut best = (start + 1, None);
+    let mut bad = last + 1;
+    let (mut end, mut step) = (start + like.max(2), 1);
+    while best.0 < last {
+        end = end.min(last);
+        match fit(end) {
+            Some(line) => best = (end, Some(line)),
+            None => {
+                bad = end;
+                break;
+            }
+        }
+        end += step;
+        step *= 2;
+    }
+    while bad - best.0 > 1 && best.0 < last {
+        let middle = best.0 + (bad - best.0) / 2;
+        match fit(middle) {
+            Some(line) => best = (middle, Some(line)),
+            None => bad = middle,
+        }
+    }
+    best
+}
