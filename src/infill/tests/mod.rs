@@ -16,20 +16,6 @@ fn square(half: f64) -> Area {
     Area { rings: vec![ring] }
 }
 
-const ALL: [InfillPattern; 11] = [
-    InfillPattern::Rectilinear,
-    InfillPattern::Grid,
-    InfillPattern::Triangles,
-    InfillPattern::Hexagons,
-    InfillPattern::Cubic,
-    InfillPattern::Concentric,
-    InfillPattern::Gyroid,
-    InfillPattern::SchwarzP,
-    InfillPattern::Diamond,
-    InfillPattern::Neovius,
-    InfillPattern::Lidinoid,
-];
-
 fn settings(pattern: InfillPattern, density: f64) -> Settings {
     Settings {
         infill_density: density.into(),
