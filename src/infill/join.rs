@@ -19,11 +19,13 @@ use crate::units::Mm;
 #[derive(Clone, Copy, Debug)]
 struct End {
     foot: Foot,
-    /// Twice the piece's number, and one more for its last point.
+    /// Twice the piece's number for its first point, and one more for its last
+    /// point.
     number: usize,
 }
 
-/// A join: from which end, to which, and whether it goes along the ring.
+/// A join: the end it leaves, the end it leads to, and whether it goes along
+/// the ring.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     to: usize,
@@ -144,7 +146,7 @@ impl Paths {
         i
     }
 
-    /// Makes two paths one; false if they are already.
+    /// Makes two paths one; false if they are one already.
     fn unite(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a] = b;
@@ -234,7 +236,7 @@ mod tests {
         let border = Border::new(&area);
         for path in &paths {
             for p in path.points.windows(2) {
-                // A hair inside wherever it is not on the border.
+                // Points that are not on the border are a hair inside.
                 let middle = p[0].midpoint(p[1]);
                 let near = area.rings.iter().flat_map(|r| {
                     crate::plane::edges(r).map(|(a, b)| {

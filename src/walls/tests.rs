@@ -14,7 +14,7 @@ const HEIGHT: f64 = 0.2;
 /// Side of the raster's cells.
 const CELL: f64 = 0.02;
 
-/// What beads make of a part.
+/// How well beads fill a part.
 #[derive(Debug)]
 struct Print {
     /// Share of the part that no bead covers.
@@ -42,7 +42,7 @@ fn print(part: &Area) -> Print {
     let centre = |i: usize, j: usize| {
         origin + CELL * (DVec2::new(i as f64, j as f64) + 0.5)
     };
-    // What is to be filled otherwise counts as covered.
+    // Areas that are left to skin or infill count as covered.
     let filled = EdgeGrid::new(&laid.fill, 0.3);
     let edges = EdgeGrid::new(part, 0.3);
     let mut covered = vec![false; columns * rows];
@@ -288,7 +288,7 @@ fn stars_are_covered_but_for_their_points() {
         let star = area(&star, 0.1);
         let p = print(&star);
         let content = star.content();
-        // Each point is left open where it is thinner than a bead.
+        // Each pointed end is left open where it is thinner than a bead.
         faults.check(p.hole < 0.15, "hole", &format!("{points}"), &p);
         faults.check(
             p.open * content < 0.3 * f64::from(points),
