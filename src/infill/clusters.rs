@@ -91,7 +91,7 @@ pub(super) fn clusters(area: &Area) -> Vec<Cluster> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::shapes::rect;
     use glam::DVec2;
 
     #[test]

@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn rings_are_cut_where_the_limit_is_passed() {
         let ring: Vec<DVec2> = [(2.0, 1.0), (8.0, 1.0), (8.0, 4.0), (2.0, 4.0)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec();
         let mut pieces = Vec::new();
         ramp().above(&ring, 0.45, &mut pieces);

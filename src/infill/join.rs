@@ -158,14 +158,9 @@ impl Paths {
 mod tests {
     use super::*;
     use crate::plane::hatch::{Lines, hatch_border};
+    use crate::plane::shapes::square_ring;
     use crate::plane::{Area, path_length};
     use glam::DVec2;
-
-    fn ring(half: f64) -> Vec<DVec2> {
-        [(-half, -half), (half, -half), (half, half), (-half, half)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec()
-    }
 
     fn joined(area: &Area, angle: f64, limit: f64) -> (usize, Vec<Piece>) {
         let border = Border::new(area);
@@ -185,7 +180,7 @@ mod tests {
     #[test]
     fn lines_across_a_square_become_one_zigzag() {
         let area = Area {
-            rings: vec![ring(10.0)],
+            rings: vec![square_ring(10.0)],
         };
         for angle in [0.0, 30.0, 45.0, 90.0] {
             let (count, paths) = joined(&area, angle, 8.0);
@@ -204,7 +199,10 @@ mod tests {
     #[test]
     fn islands_are_not_joined() {
         let at = |x: f64| -> Vec<DVec2> {
-            ring(5.0).iter().map(|p| *p + DVec2::new(x, 0.0)).collect()
+            square_ring(5.0)
+                .iter()
+                .map(|p| *p + DVec2::new(x, 0.0))
+                .collect()
         };
         let area = Area {
             rings: vec![at(-20.0), at(0.0), at(20.0), at(40.0)],
@@ -226,10 +224,10 @@ mod tests {
 
     #[test]
     fn joins_follow_the_border_and_never_cross_a_hole() {
-        let mut hole = ring(4.0);
+        let mut hole = square_ring(4.0);
         hole.reverse();
         let area = Area {
-            rings: vec![ring(10.0), hole],
+            rings: vec![square_ring(10.0), hole],
         };
         let (count, paths) = joined(&area, 45.0, 8.0);
         assert!(paths.len() <= 3 && count > 14, "{} of {count}", paths.len());

@@ -121,7 +121,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn bead(points: &[(f64, f64)]) -> Bead {
-        let points = points.iter().map(|&(x, y)| DVec2::new(x, y));
+        let points = points.iter().map(|&p| DVec2::from(p));
         Bead::new(
             Role::SparseInfill,
             Stroke::new(points.collect(), false, 0.45),

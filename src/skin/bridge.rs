@@ -245,7 +245,7 @@ pub(crate) fn hung(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::shapes::rect;
 
     fn bridges(area: &Area, below: &Area) -> (Vec<Bridge>, Area) {
         let settings = Settings::default();

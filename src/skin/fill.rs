@@ -422,7 +422,7 @@ mod tests {
 
     fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Vec<DVec2> {
         [(x0, low), (x1, low), (x1, high), (x0, high)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec()
     }
 

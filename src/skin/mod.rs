@@ -115,6 +115,7 @@ mod tests {
     use super::*;
     use crate::bead::{Role, Stroke, spacing};
     use crate::plane::clip::difference;
+    use crate::plane::shapes::square;
     use crate::settings::SkinPattern;
     use glam::DVec2;
 
@@ -123,13 +124,6 @@ mod tests {
             outline: solid,
             rough: solid,
         }
-    }
-
-    fn square(half: f64) -> Area {
-        let ring = [(-half, -half), (half, -half), (half, half), (-half, half)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec();
-        Area { rings: vec![ring] }
     }
 
     #[test]
@@ -225,7 +219,7 @@ mod tests {
         let rect = |x0: f64, x1: f64| Area {
             rings: vec![
                 [(x0, -12.0), (x1, -12.0), (x1, 12.0), (x0, 12.0)]
-                    .map(|(x, y)| DVec2::new(x, y))
+                    .map(DVec2::from)
                     .to_vec(),
             ],
         };

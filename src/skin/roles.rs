@@ -131,7 +131,7 @@ mod tests {
 
     fn rect(x0: f64, x1: f64) -> EdgeGrid {
         let ring = [(x0, -9.0), (x1, -9.0), (x1, 9.0), (x0, 9.0)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec();
         EdgeGrid::new(&Area { rings: vec![ring] }, 1.0)
     }

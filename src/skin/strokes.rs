@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn lines_across_a_square_are_plain() {
         let ring = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec();
         let area = Area { rings: vec![ring] };
         let slanted = Lines {

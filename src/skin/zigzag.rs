@@ -283,9 +283,10 @@ mod tests {
     use super::super::strokes::strokes;
     use super::*;
     use crate::bead::spacing;
+    use crate::plane::Area;
     use crate::plane::clip::difference;
     use crate::plane::hatch::Lines;
-    use crate::plane::{Area, rect};
+    use crate::plane::shapes::rect;
     use crate::skin::{sweep, tests::laid};
     use glam::DVec2;
 
@@ -388,7 +389,7 @@ mod tests {
         let triangle = Area {
             rings: vec![
                 [(0.0, 0.0), (20.0, 0.0), (10.0, 17.0)]
-                    .map(|(x, y)| DVec2::new(x, y))
+                    .map(DVec2::from)
                     .to_vec(),
             ],
         };

@@ -256,12 +256,7 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
 mod tests {
     use super::*;
     use crate::plane::Area;
-
-    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<DVec2> {
-        [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec()
-    }
+    use crate::plane::shapes::rect_ring;
 
     fn wall(points: Vec<DVec2>) -> Bead {
         Bead::new(Role::OuterWall, Stroke::new(points, true, 0.4), 0.2)
@@ -269,7 +264,7 @@ mod tests {
 
     /// Cuts a bead in a large part over one that ends.
     fn cut(bead: Bead, below: Vec<DVec2>, share: f64) -> Vec<Bead> {
-        cut_in(rect(-50.0, -50.0, 50.0, 50.0), bead, below, share)
+        cut_in(rect_ring(-50.0, -50.0, 50.0, 50.0), bead, below, share)
     }
 
     fn cut_in(
@@ -296,8 +291,8 @@ mod tests {
     #[test]
     fn a_wall_is_cut_where_it_leaves_the_layer_below() {
         // The layer below ends at x = 6; the wall goes on to 10.
-        let loop_ = wall(rect(0.0, 0.0, 10.0, 4.0));
-        let below = rect(-1.0, -1.0, 6.0, 5.0);
+        let loop_ = wall(rect_ring(0.0, 0.0, 10.0, 4.0));
+        let below = rect_ring(-1.0, -1.0, 6.0, 5.0);
         let pieces = cut(loop_.clone(), below.clone(), 50.0);
         let found = lengths(&pieces);
         let expected = [
@@ -322,9 +317,9 @@ mod tests {
         }
         let whole = vec![loop_.clone()];
         assert_eq!(cut(loop_.clone(), below, 100.0), whole);
-        let wide = rect(-1.0, -1.0, 11.0, 5.0);
+        let wide = rect_ring(-1.0, -1.0, 11.0, 5.0);
         assert_eq!(cut(loop_.clone(), wide, 50.0), whole);
-        let away = rect(50.0, 0.0, 51.0, 1.0);
+        let away = rect_ring(50.0, 0.0, 51.0, 1.0);
         let all = cut(loop_, away, 50.0);
         assert_eq!((all.len(), all[0].role), (1, Role::Overhang));
         assert!(all[0].closed);
@@ -336,8 +331,8 @@ mod tests {
         let mut fin = wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)]);
         fin.closed = false;
         fin.widths = vec![0.6, 0.6];
-        let below = rect(-1.0, -5.0, 5.0, 5.0);
-        let thin = rect(0.0, -0.3, 20.0, 0.3);
+        let below = rect_ring(-1.0, -5.0, 5.0, 5.0);
+        let thin = rect_ring(0.0, -0.3, 20.0, 0.3);
         let found =
             lengths(&cut_in(thin.clone(), fin.clone(), below.clone(), 50.0));
         assert_eq!(found, [(Role::OuterWall, 5.0), (Role::Overhang, 15.0)]);
@@ -346,33 +341,33 @@ mod tests {
         let mut bent = fin.clone();
         bent.points = [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec();
         bent.widths = vec![0.6; 3];
-        let away = rect(-9.0, -5.0, -5.0, 5.0);
+        let away = rect_ring(-9.0, -5.0, -5.0, 5.0);
         let found = lengths(&cut_in(thin.clone(), bent, away, 50.0));
         assert_eq!(found, [(Role::Overhang, 20.0)]);
         // The same bead as a wall of something thicker leans on the rest.
-        let thick = rect(0.0, -0.3, 20.0, 5.0);
+        let thick = rect_ring(0.0, -0.3, 20.0, 5.0);
         let found = lengths(&cut_in(thick, fin, below, 50.0));
         assert_eq!(found, [(Role::OuterWall, 20.0)]);
     }
 
     #[test]
     fn widths_go_with_their_pieces_and_short_ones_do_not_count() {
-        let mut bead = wall(rect(0.0, 0.0, 10.0, 4.0));
+        let mut bead = wall(rect_ring(0.0, 0.0, 10.0, 4.0));
         bead.widths = vec![0.36, 0.4, 0.4, 0.36];
-        let pieces = cut(bead.clone(), rect(-1.0, -1.0, 5.0, 5.0), 50.0);
+        let pieces = cut(bead.clone(), rect_ring(-1.0, -1.0, 5.0, 5.0), 50.0);
         assert!((pieces[0].widths[1] - 0.38).abs() < 1e-9);
         assert!(pieces.iter().all(|p| p.widths.len() == p.points.len()));
         // One side is wider and leans on another wall.
         let mut wide = bead.clone();
         wide.widths = vec![0.4, 0.4, 0.6, 0.6];
-        let pieces = cut(wide, rect(-1.0, -1.0, 5.0, 5.0), 50.0);
+        let pieces = cut(wide, rect_ring(-1.0, -1.0, 5.0, 5.0), 50.0);
         let found = lengths(&pieces);
         assert_eq!(found.len(), 3, "{found:?}");
         assert!((found[1].1 - 7.0).abs() < 2.1 && found[1].0 == Role::Overhang);
         // A notch 0.5 mm wide in the layer below.
-        let mut below = rect(-1.0, -1.0, 11.0, 5.0);
+        let mut below = rect_ring(-1.0, -1.0, 11.0, 5.0);
         let notch = [(5.0, -1.0), (5.0, 1.0), (5.5, 1.0), (5.5, -1.0)];
-        below.splice(1..1, notch.map(|(x, y)| DVec2::new(x, y)));
+        below.splice(1..1, notch.map(DVec2::from));
         assert_eq!(cut(bead.clone(), below, 50.0), [bead]);
     }
 }

@@ -4,11 +4,12 @@
 use crate::bead::Bead;
 use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
+use crate::plane::shapes::circle;
 use crate::region::{wall_depths, walls};
 use crate::settings::Settings;
 use crate::walls::beads;
 use glam::DVec2;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 const HEIGHT: f64 = 0.2;
 /// Side of the raster's cells.
@@ -149,12 +150,6 @@ fn area(points: &[(f64, f64)], turn: f64) -> Area {
     Area {
         rings: vec![ring(points, turn)],
     }
-}
-
-fn circle(r: f64, n: usize) -> Vec<DVec2> {
-    (0..n)
-        .map(|i| DVec2::from_angle(TAU * i as f64 / n as f64) * r)
-        .collect()
 }
 
 /// Thicknesses from the narrowest bead to five walls, and an angle each.
@@ -425,7 +420,7 @@ fn walls_of_two_widths_lie_a_spacing_apart() {
         walls: 3,
         ..Settings::default()
     };
-    let square = crate::plane::rect(-HALF, -HALF, HALF, HALF);
+    let square = crate::plane::shapes::rect(-HALF, -HALF, HALF, HALF);
     let laid = walls(&square, HEIGHT, &settings);
     let depth = |bead: &Bead| {
         let middles = bead.segments().map(|(a, b)| a.midpoint(b));
