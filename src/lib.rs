@@ -44,7 +44,7 @@
 //!     whether it is safe to run. [`preview`] draws it. [`report`] measures how
 //!     far outlines and walls are from f = 0.
 //!
-//! The types that flow are a [`Model`](model::Model), its
+//! The types that flow are a [`Model`], its
 //! [`LayerSpan`](layers::LayerSpan)s, for each span an
 //! [`Outline`](isocontour::Outline), its [`Walls`](region::Walls), the
 //! [`Bead`](bead::Bead)s of walls and areas, a layer's
