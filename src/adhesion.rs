@@ -284,12 +284,12 @@ fn around(role: Role, points: Ring, width: Mm, height: Mm) -> Bead {
 mod tests {
     use super::*;
     use crate::plane::grid::EdgeGrid;
-    use crate::plane::rect;
+    use crate::plane::shapes::rect;
 
     #[test]
     fn the_skirt_keeps_its_distance() {
         let ring = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec();
         let outline = Area { rings: vec![ring] };
         let mut settings = Settings::default();

@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn walls_keep_their_corners_and_get_points_between() {
         let ring = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec();
         let mut square =
             Bead::new(Role::OuterWall, Stroke::new(ring, true, 0.45), 0.2);

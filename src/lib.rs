@@ -44,13 +44,21 @@
 //!     whether it is safe to run. [`preview`] draws it. [`report`] measures how
 //!     far outlines and walls are from f = 0.
 //!
+//! The types that flow are a [`Model`], its
+//! [`LayerSpan`](layers::LayerSpan)s, for each span an
+//! [`Outline`](isocontour::Outline), its [`Walls`](region::Walls), the
+//! [`Bead`](bead::Bead)s of walls and areas, a layer's
+//! [`LayerBeads`](order::LayerBeads), its [`LayerPath`](travel::LayerPath) with
+//! the travels between them, and its [`PacedLayer`](pace::PacedLayer), which is
+//! written.
+//!
 //! Settings that are expressions get their values from [`vary`].
 //!
-//! [`pipeline`] runs these stages over a window of layers that moves up the
-//! part, on any number of threads, which does not change the result.
-//! [`timings`] measures the stages, [`limits`] stops them when they take too
-//! much time or memory, [`files`] reads files, [`encoding`] reads text from
-//! bytes, and [`units`] names units.
+//! [`pipeline`] runs these stages (`pipeline/stages.rs` names them one after
+//! the other) over a window of layers that moves up the part, on any number of
+//! threads, which does not change the result. [`timings`] measures the stages,
+//! [`limits`] stops them when they take too much time or memory, [`files`]
+//! reads files, [`encoding`] reads text from bytes, and [`units`] names units.
 //!
 //! # A ball
 //!
@@ -120,7 +128,6 @@
 //! | slab | layers whose field is evaluated together |
 //! | spacing | distance between the centre lines of neighbouring beads |
 //! | tolerance | slack of one step of an algorithm, such as thinning a ring: a share of the accuracy, so that all steps together keep it |
-//!
 //! | travel | move without extruding |
 //! | wall | bead along the outline; the outer wall is the one that shows |
 //! | wipe | going on along a bead while retracting |

@@ -63,6 +63,16 @@ fn isoslice(folder: &Path) -> Command {
     command
 }
 
+/// A line of the shell, in which `$ISOSLICE` is the program.
+fn shell(folder: &Path, line: &str) -> Command {
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", line])
+        .current_dir(folder)
+        .env("ISOSLICE", program());
+    command
+}
+
 /// Names in a folder, hidden ones included.
 fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<_> = fs::read_dir(folder)
@@ -139,16 +149,13 @@ fn a_full_disk_leaves_the_old_output() {
 fn a_file_that_may_not_grow_is_not_there() {
     let models = folder();
     fs::write(models.path().join("ball.rhai"), LARGE).unwrap();
-    let line = format!(
-        "trap '' XFSZ; ulimit -f 16; exec '{}' slice ball.rhai \
+    let output = shell(
+        models.path(),
+        "trap '' XFSZ; ulimit -f 16; exec \"$ISOSLICE\" slice ball.rhai \
          --set layer_height=0.4",
-        program().display()
-    );
-    let output = Command::new("sh")
-        .args(["-c", &line])
-        .current_dir(models.path())
-        .output()
-        .unwrap();
+    )
+    .output()
+    .unwrap();
     assert_fails(&output, "File too large");
     assert_eq!(names(models.path()), ["ball.rhai"]);
 }
@@ -160,15 +167,14 @@ fn a_new_part_is_there_or_not() {
     // Blocks of 512 bytes.
     for blocks in 0..20 {
         let folder = folder();
-        let line = format!(
-            "trap '' XFSZ; ulimit -f {blocks}; exec '{}' new part",
-            program().display()
-        );
-        let output = Command::new("sh")
-            .args(["-c", &line])
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
+        let output = shell(
+            folder.path(),
+            &format!(
+                "trap '' XFSZ; ulimit -f {blocks}; exec \"$ISOSLICE\" new part"
+            ),
+        )
+        .output()
+        .unwrap();
         let whole = output.status.success();
         if whole {
             assert_eq!(names(folder.path()), ["part.rhai", "part.toml"]);
@@ -503,13 +509,10 @@ fn a_reader_that_goes_away_ends_the_run_quietly() {
 fn at_work_after(folder: &Path, orders: &str) -> Child {
     fs::write(folder.join("ball.rhai"), LARGE).unwrap();
     let line = format!(
-        "{orders}; exec '{}' slice ball.rhai --set layer_height=0.05 \
-         --set sample_spacing=0.05",
-        program().display()
+        "{orders}; exec \"$ISOSLICE\" slice ball.rhai \
+         --set layer_height=0.05 --set sample_spacing=0.05"
     );
-    let mut child = Command::new("sh")
-        .args(["-c", &line])
-        .current_dir(folder)
+    let mut child = shell(folder, &line)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
@@ -568,15 +571,7 @@ fn other_ways_to_be_ended_clean_up() {
 fn a_file_that_grows_too_large_is_an_error() {
     let models = folder();
     fs::write(models.path().join("ball.rhai"), LARGE).unwrap();
-    let line = format!(
-        "ulimit -f 16; exec '{}' slice ball.rhai --set layer_height=0.4",
-        program().display()
-    );
-    let output = Command::new("sh")
-        .args(["-c", &line])
-        .current_dir(models.path())
-        .output()
-        .unwrap();
+    let output = shell(models.path(), "ulimit -f 16; exec \"$ISOSLICE\" slice ball.rhai --set layer_height=0.4").output().unwrap();
     assert_fails(&output, "File too large");
     assert_eq!(names(models.path()), ["ball.rhai"]);
 }
@@ -589,12 +584,8 @@ fn a_standard_output_that_is_closed_is_an_error() {
     let root = folder.path();
     fs::write(root.join("ball.rhai"), SMALL).unwrap();
     let run = |arguments: &str, streams: &str| {
-        let line = format!("'{}' {arguments} {streams}", program().display());
-        Command::new("sh")
-            .args(["-c", &line])
-            .current_dir(root)
-            .output()
-            .unwrap()
+        let line = format!("\"$ISOSLICE\" {arguments} {streams}");
+        shell(root, &line).output().unwrap()
     };
     for arguments in [
         "slice ball.rhai -o -",
@@ -632,15 +623,12 @@ fn too_little_address_space_is_said() {
         (100_000, &format!("info {formula}")),
         (200_000, &format!("slice {formula}")),
     ] {
-        let line = format!(
-            "ulimit -v {kilobytes}; exec '{}' {arguments}",
-            program().display()
-        );
-        let output = Command::new("sh")
-            .args(["-c", &line])
-            .current_dir(root)
-            .output()
-            .unwrap();
+        let output = shell(
+            root,
+            &format!("ulimit -v {kilobytes}; exec \"$ISOSLICE\" {arguments}"),
+        )
+        .output()
+        .unwrap();
         assert_fails(&output, "ulimit -v");
         assert_eq!(names(root), ["ball.rhai"], "{arguments}");
     }
@@ -724,15 +712,12 @@ fn a_pipe_does_not_outlast_the_limit() {
         assert_eq!(names(root), before, "{arguments}");
     }
     // One that somebody does write to is as good as a file.
-    let line = format!(
-        "cat ball.rhai > pipe.rhai & exec '{}' info pipe.rhai",
-        program().display()
-    );
-    let output = Command::new("sh")
-        .args(["-c", &line])
-        .current_dir(root)
-        .output()
-        .unwrap();
+    let output = shell(
+        root,
+        "cat ball.rhai > pipe.rhai & exec \"$ISOSLICE\" info pipe.rhai",
+    )
+    .output()
+    .unwrap();
     assert!(output.status.success(), "{output:?}");
 }
 
@@ -768,15 +753,12 @@ fn reading_and_drawing_have_their_limits() {
     let check = "check - --time-limit 0.3";
     for arguments in [render, check] {
         let started = Instant::now();
-        let line = format!(
-            "yes 'G1 X1\nG1 X2' | exec '{}' {arguments}",
-            program().display()
-        );
-        let output = Command::new("sh")
-            .args(["-c", &line])
-            .current_dir(root)
-            .output()
-            .unwrap();
+        let output = shell(
+            root,
+            &format!("yes 'G1 X1\nG1 X2' | exec \"$ISOSLICE\" {arguments}"),
+        )
+        .output()
+        .unwrap();
         assert_fails(&output, "the time limit (--time-limit)");
         assert!(started.elapsed() < PATIENCE, "{arguments}");
         assert_eq!(names(root), ["dust.rhai"], "{arguments}");

@@ -21,7 +21,10 @@ use isoslice::model::{Source, SourceKind, load};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
-use std::time::{Duration, Instant};
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher, Hasher};
+use std::sync::LazyLock;
+use std::time::Instant;
 
 const DETAIL: Detail = Detail {
     accuracy: 0.005,
@@ -34,14 +37,40 @@ const SLIVER: f64 = 0.027;
 /// box of 4 mm whose middle is 1.5 mm away along each axis.
 const HALF: f64 = 5.0;
 
-fn config(cases: u32) -> Config {
+/// The seed of the cases that are the same in every run.
+const FIXED: u64 = 20;
+/// Solids that a run draws with a seed of its own.
+const FRESH: u32 = 1000;
+/// The share of random solids whose outline may be wrong somewhere, over all
+/// of [`SPACINGS`]. `survey` finds two thirds of it.
+const RATE: f64 = 0.015;
+const SPACINGS: [f64; 5] = [0.1, 0.2, 0.4, 1.0, 2.0];
+
+fn config(cases: u32, seed: u64) -> Config {
     Config {
         cases,
         failure_persistence: None,
         rng_algorithm: RngAlgorithm::ChaCha,
-        rng_seed: RngSeed::Fixed(20),
+        rng_seed: RngSeed::Fixed(seed),
         ..Config::default()
     }
+}
+
+/// The seed of this run's own cases: another one in every run, or that of the
+/// environment's `SEED`. A test that fails shows how to repeat it.
+fn fresh() -> u64 {
+    static SEED: LazyLock<u64> = LazyLock::new(|| {
+        let given = std::env::var("SEED").ok();
+        given.map_or_else(
+            || RandomState::new().build_hasher().finish(),
+            |text| text.parse().expect("SEED must be a whole number"),
+        )
+    });
+    println!(
+        "repeat with: SEED={} cargo test --release --test property",
+        *SEED
+    );
+    *SEED
 }
 
 fn sliced(solid: &Solid, spacing: f64, z: f64) -> Outline {
@@ -67,7 +96,7 @@ fn judge(solid: &Solid, outline: &Outline, z: f64) -> Result<(), String> {
 }
 
 proptest! {
-    #![proptest_config(config(150))]
+    #![proptest_config(config(150, FIXED))]
 
     #[test]
     fn outlines_of_solids_are_exact(
@@ -82,7 +111,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(100))]
+    #![proptest_config(config(100, FIXED))]
 
     /// Nothing that can be printed is lost, however coarse the lattice.
     #[test]
@@ -105,6 +134,44 @@ proptest! {
     }
 }
 
+/// Everything wrong with the outlines of random solids at one spacing.
+fn wrong(spacing: f64, count: u32, seed: u64) -> Vec<String> {
+    let mut runner = TestRunner::new(config(1, seed));
+    let mut faults = Vec::new();
+    for _ in 0..count {
+        let strategy = (solid(), -0.7..0.7_f64);
+        let (solid, z) = strategy.new_tree(&mut runner).unwrap().current();
+        let outline = sliced(&solid, spacing, z);
+        if let Err(fault) = judge(&solid, &outline, z) {
+            faults.push(format!("{spacing} mm: {fault}: {solid:?} at {z}"));
+        }
+    }
+    faults
+}
+
+/// Nobody knows these solids before the run draws them. A wrong outline is no
+/// failure yet: outlines may be wrong at [`RATE`]. The test fails by chance once
+/// in 100,000 runs at that rate, and never at the rate that `survey` finds. It
+/// notices a rate four times as high with a probability of more than 0.99.
+#[test]
+fn outlines_of_fresh_solids_are_wrong_at_the_known_rate() {
+    let each = FRESH / SPACINGS.len() as u32;
+    let seed = fresh();
+    let faults: Vec<String> = SPACINGS
+        .into_iter()
+        .flat_map(|spacing| wrong(spacing, each, seed))
+        .collect();
+    let mean = RATE * f64::from(FRESH);
+    // Five standard deviations of Poisson's distribution.
+    let most = mean + 5.0 * mean.sqrt();
+    let count = faults.len();
+    assert!(
+        count as f64 <= most,
+        "{count} of {FRESH} outlines are wrong, more than {most:.0}:\n{}",
+        faults.join("\n")
+    );
+}
+
 /// How often the outlines of random solids are wrong, by spacing: for
 /// whoever changes how they are found.
 ///
@@ -113,22 +180,14 @@ proptest! {
 #[ignore = "takes minutes"]
 fn survey() {
     let count = std::env::var("SOLIDS").map_or(1000, |n| n.parse().unwrap());
-    for spacing in [0.1, 0.2, 0.4, 1.0, 2.0] {
-        let mut runner = TestRunner::new(config(1));
-        let mut faults: Vec<String> = Vec::new();
-        let mut time = Duration::ZERO;
-        for _ in 0..count {
-            let strategy = (solid(), -0.7..0.7_f64);
-            let (solid, z) = strategy.new_tree(&mut runner).unwrap().current();
-            let start = Instant::now();
-            let outline = sliced(&solid, spacing, z);
-            time += start.elapsed();
-            faults.extend(judge(&solid, &outline, z).err());
-        }
+    for spacing in SPACINGS {
+        let start = Instant::now();
+        let faults = wrong(spacing, count, FIXED);
+        let time = start.elapsed().as_secs_f64();
         println!(
-            "spacing {spacing}: {} of {count} wrong; {:.2} ms each",
+            "spacing {spacing}: {} of {count} wrong; {:.2} ms each, judged",
             faults.len(),
-            1000.0 * time.as_secs_f64() / f64::from(count)
+            1000.0 * time / f64::from(count)
         );
         for fault in faults {
             println!("    {fault}");
@@ -168,7 +227,7 @@ fn formula() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(config(100))]
+    #![proptest_config(config(100, fresh()))]
 
     /// Whatever the field: the program ends, and the rings are rings.
     #[test]

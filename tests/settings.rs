@@ -4,8 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 use isoslice::settings::{
-    Builder, Infill, InfillPattern, Key, Seam, SeamRule, Settings,
-    SettingsError, keys,
+    Builder, Infill, InfillPattern, Key, SeamRule, Settings, SettingsError,
+    Varying, keys,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -275,7 +275,7 @@ fn the_last_one_wins() {
     let settings = builder.settings();
     assert_eq!(settings.walls, 5);
     assert_eq!(settings.skirt.loops, 0);
-    assert_eq!(settings.seam, Seam::Rule(SeamRule::Rear));
+    assert_eq!(settings.seam, Varying::Constant(SeamRule::Rear));
 }
 
 #[test]

@@ -1,4 +1,8 @@
-//! What differs between firmwares, in one place.
+//! Words in which firmwares differ.
+//!
+//! Labels of parts stand in `label`, and which lines a file has at all in
+//! `limits` and `progress`. How fast a firmware takes corners is the matter of
+//! its [`Planner`].
 //!
 //! In: the settings. Out: the firmware's own words for its limits, pressure
 //! advance, fan, progress and retraction, and the start and end templates

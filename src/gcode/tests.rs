@@ -16,7 +16,7 @@ fn settings() -> Settings {
 }
 
 fn points(at: &[(f64, f64)]) -> Vec<DVec2> {
-    at.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
+    at.iter().map(|&p| DVec2::from(p)).collect()
 }
 
 fn bead(role: Role, width: f64, closed: bool, at: &[(f64, f64)]) -> Bead {

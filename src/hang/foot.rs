@@ -139,7 +139,7 @@ impl Foot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::shapes::rect;
     use crate::settings::{Brim, BrimPlace};
 
     fn holds(outline: &Area) -> Mm {

@@ -360,7 +360,7 @@ fn under_lids(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::shapes::rect;
 
     #[test]
     fn a_bridge_is_held_wherever_its_ring_begins() {

@@ -28,9 +28,9 @@ pub(super) struct Cluster {
 const GAP: Mm = 0.01;
 
 impl Cluster {
-    /// True if a point of the area is one of this cluster's.
+    /// True if a point of the area belongs to this cluster.
     pub(super) fn has(&self, p: glam::DVec2) -> bool {
-        // Points on the border are off it by rounding.
+        // Points meant to be on the border are off it by rounding.
         let reach = 0.25 * GAP;
         let grown = Rect {
             min: self.bounds.min - reach,
@@ -91,7 +91,7 @@ pub(super) fn clusters(area: &Area) -> Vec<Cluster> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::shapes::rect;
     use glam::DVec2;
 
     #[test]
@@ -103,7 +103,7 @@ mod tests {
         let parts = [
             rect(5.0, 5.0, 6.0, 6.0),
             rect(30.0, 0.0, 31.0, 1.0),
-            // Its box meets that of the one after the next.
+            // Its box meets the box of the second island after it.
             rect(40.0, 0.0, 41.0, 9.0),
             rect(50.0, 0.0, 51.0, 1.0),
             rect(40.5, 5.0, 45.0, 6.0),

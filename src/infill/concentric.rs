@@ -31,7 +31,8 @@ impl Pattern for Concentric {
             Density::Graded(_) => layer.solid,
         };
         let mut pieces = Vec::new();
-        // From the border of the sparse area, not from that of its lines.
+        // Distances count from the border of the sparse area, not from the
+        // border that lines end at.
         let first = (0.5 + layer.phase).fract() * spacing - layer.margin;
         let area = layer.border.area();
         let mut area: Area = offset(area, -first.max(0.0), TOLERANCE);

@@ -73,7 +73,7 @@ pub(super) fn threshold(row: i64) -> f64 {
     (row as u64).reverse_bits() as f64 / 2.0_f64.powi(64)
 }
 
-/// What there is of a line's piece where its threshold is passed.
+/// The parts of a line's piece where the share passes the line's threshold.
 fn thresholded(
     row: i64,
     piece: Piece,

@@ -17,9 +17,9 @@ pub(super) struct Grading {
     shares: Vec<f64>,
 }
 
-/// Distance of the lattice's nodes, mm; less in small areas.
+/// Distance of the lattice's nodes, mm; they are closer in small areas.
 const STEP: Mm = 1.0;
-/// Nodes along the longer side at least, and at most.
+/// Least and greatest number of nodes along the longer side.
 const SIDE: (f64, f64) = (40.0, 1024.0);
 /// Nodes are no closer than this, mm.
 const FINEST: Mm = 0.2;
@@ -75,7 +75,7 @@ impl Grading {
         sum / (self.shares.len() as f64).max(1.0)
     }
 
-    /// The share at a point; beyond the box that at its side.
+    /// The share at a point; beyond the box it is the share at the box's side.
     pub(super) fn share(&self, p: DVec2) -> f64 {
         let q = (p - self.origin) / self.step;
         let last =
@@ -94,14 +94,15 @@ impl Grading {
         low + v * (high - low)
     }
 
-    /// What a closed ring has where the share is more than `limit`.
+    /// The parts of a closed ring where the share is more than `limit`.
     pub(super) fn above(
         &self,
         ring: &[DVec2],
         limit: f64,
         pieces: &mut Vec<Piece>,
     ) {
-        // Its points, close enough to each other.
+        // The ring with points close enough to each other for the share to be
+        // read at them.
         let mut points: Vec<DVec2> = Vec::new();
         for (a, b) in crate::plane::edges(ring) {
             let count = (a.distance(b) / self.step).ceil().max(1.0);
@@ -172,7 +173,7 @@ mod tests {
     #[test]
     fn rings_are_cut_where_the_limit_is_passed() {
         let ring: Vec<DVec2> = [(2.0, 1.0), (8.0, 1.0), (8.0, 4.0), (2.0, 4.0)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec();
         let mut pieces = Vec::new();
         ramp().above(&ring, 0.45, &mut pieces);

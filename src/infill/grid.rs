@@ -1,4 +1,4 @@
-//! Lines in two directions in every layer, the same in all: square tubes.
+//! Lines in two directions, at equal places in every layer: square tubes.
 //!
 //! ```text
 //!   ╱╲╱╲╱╲

@@ -17,8 +17,8 @@ pub(super) struct Hexagons;
 
 impl Pattern for Hexagons {
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
-        // Of a side a, a zigzag is 4·a long on 3·a, and two of them are
-        // a·sin 60° and half a bead on either side apart.
+        // With sides of length a, a zigzag is 4·a long for each 3·a of way, and
+        // the next zigzag is a·sin 60° and half a bead on either side away.
         let pitch = 4.0 / 3.0 * layer.solid / layer.density.mean();
         let rise = (pitch - layer.solid).max(0.0);
         let side = rise / (0.75_f64).sqrt();

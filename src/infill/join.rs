@@ -19,11 +19,13 @@ use crate::units::Mm;
 #[derive(Clone, Copy, Debug)]
 struct End {
     foot: Foot,
-    /// Twice the piece's number, and one more for its last point.
+    /// Twice the piece's number for its first point, and one more for its last
+    /// point.
     number: usize,
 }
 
-/// A join: from which end, to which, and whether it goes along the ring.
+/// A join: the end it leaves, the end it leads to, and whether it goes along
+/// the ring.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     to: usize,
@@ -144,7 +146,7 @@ impl Paths {
         i
     }
 
-    /// Makes two paths one; false if they are already.
+    /// Makes two paths one; false if they are one already.
     fn unite(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a] = b;
@@ -156,14 +158,9 @@ impl Paths {
 mod tests {
     use super::*;
     use crate::plane::hatch::{Lines, hatch_border};
+    use crate::plane::shapes::square_ring;
     use crate::plane::{Area, path_length};
     use glam::DVec2;
-
-    fn ring(half: f64) -> Vec<DVec2> {
-        [(-half, -half), (half, -half), (half, half), (-half, half)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec()
-    }
 
     fn joined(area: &Area, angle: f64, limit: f64) -> (usize, Vec<Piece>) {
         let border = Border::new(area);
@@ -183,7 +180,7 @@ mod tests {
     #[test]
     fn lines_across_a_square_become_one_zigzag() {
         let area = Area {
-            rings: vec![ring(10.0)],
+            rings: vec![square_ring(10.0)],
         };
         for angle in [0.0, 30.0, 45.0, 90.0] {
             let (count, paths) = joined(&area, angle, 8.0);
@@ -202,7 +199,10 @@ mod tests {
     #[test]
     fn islands_are_not_joined() {
         let at = |x: f64| -> Vec<DVec2> {
-            ring(5.0).iter().map(|p| *p + DVec2::new(x, 0.0)).collect()
+            square_ring(5.0)
+                .iter()
+                .map(|p| *p + DVec2::new(x, 0.0))
+                .collect()
         };
         let area = Area {
             rings: vec![at(-20.0), at(0.0), at(20.0), at(40.0)],
@@ -224,17 +224,17 @@ mod tests {
 
     #[test]
     fn joins_follow_the_border_and_never_cross_a_hole() {
-        let mut hole = ring(4.0);
+        let mut hole = square_ring(4.0);
         hole.reverse();
         let area = Area {
-            rings: vec![ring(10.0), hole],
+            rings: vec![square_ring(10.0), hole],
         };
         let (count, paths) = joined(&area, 45.0, 8.0);
         assert!(paths.len() <= 3 && count > 14, "{} of {count}", paths.len());
         let border = Border::new(&area);
         for path in &paths {
             for p in path.points.windows(2) {
-                // A hair inside wherever it is not on the border.
+                // Points that are not on the border are a hair inside.
                 let middle = p[0].midpoint(p[1]);
                 let near = area.rings.iter().flat_map(|r| {
                     crate::plane::edges(r).map(|(a, b)| {

@@ -1,8 +1,8 @@
 //! Sparse infill: a pattern's lines inside the covered areas.
 //!
-//! One pattern per file, each a `Pattern`. A pattern's place depends on
-//! the settings, the layer's height and where the part stands only, so that
-//! layers stand on each other and islands continue each other.
+//! Each pattern has a file and is a `Pattern`. A pattern's place depends only
+//! on the settings, on the layer's height and on where the part stands, so that
+//! layers stand on each other and islands continue each other's lines.
 //!
 //! ```text
 //!   pattern ──► pieces inside the area ──join──► long paths ──► beads
@@ -69,8 +69,7 @@ enum Density<'a> {
 }
 
 impl Density<'_> {
-    /// The share over all of the area, or what is taken for it where there is
-    /// next to nothing.
+    /// The mean share of the area; a least value stands for next to nothing.
     fn mean(&self) -> f64 {
         match self {
             Density::Even(share) => *share,
@@ -84,7 +83,7 @@ impl Density<'_> {
 struct Layer<'a> {
     /// Border of the area that the lines end at.
     border: &'a Border<'a>,
-    /// How far that is inside the area to be filled.
+    /// How far that border is inside the area to be filled.
     margin: Mm,
     /// Number of the layer.
     number: usize,
@@ -154,7 +153,7 @@ trait Pattern: Send + Sync {
 /// Why infill cannot be laid.
 #[derive(Debug, thiserror::Error)]
 pub enum InfillError {
-    /// The expression of the pattern is none.
+    /// The pattern's text is not an expression.
     #[error("infill = \"expr: {text}\": {error}")]
     Expression {
         /// Its text.
@@ -183,7 +182,8 @@ pub enum InfillError {
         /// The pattern's name.
         pattern: &'static str,
     },
-    /// The density is no expression, or has no value somewhere.
+    /// The density's text is not an expression, or the expression has no value
+    /// somewhere.
     #[error(transparent)]
     Density(#[from] VaryError),
 }
@@ -203,7 +203,7 @@ pub(crate) struct Site {
     pub height: Mm,
     /// The middle of the bed.
     pub bed: DVec2,
-    /// What its formulas' x and y are more than its coordinates.
+    /// By how much x and y in formulas are more than the coordinates of layers.
     pub origin: DVec2,
 }
 
@@ -219,9 +219,8 @@ pub(crate) struct Infill<'a> {
 impl<'a> Infill<'a> {
     /// The infill that the settings ask for.
     ///
-    /// # Errors
-    /// If an expression is none, a script cannot be run, or the pattern
-    /// cannot have the density.
+    /// # Errors If a text is not an expression, if a script cannot be run, or
+    /// if the pattern cannot have the density.
     pub(crate) fn new(
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
@@ -288,7 +287,8 @@ impl<'a> Infill<'a> {
             surroundings: self.around,
             solid,
         };
-        // A shape has the density that it has.
+        // The density setting does not apply to shapes: a shape's own function
+        // gives its density.
         let even = match &self.kind {
             Kind::Pattern(_) => self.density.constant(),
             Kind::Shape(_) => Some(100.0),

@@ -7,10 +7,11 @@
 //! ```
 //!
 //! An expression of x, y and z is a field, whose outlines in each layer are
-//! found as the part's own are, if less exactly. One that asks for d, the
-//! distance to the part's surface, is none: it is sampled on a lattice of half
-//! a line's width, near the area that is to be filled; its nodes keep their
-//! places from layer to layer. Where it is not a number is outside. What is thinner than the lattice may be missed.
+//! found as the part's own are, if less exactly. An expression that asks for d,
+//! the distance to the part's surface, is no field: it is sampled near the area
+//! that is to be filled, on a lattice of half a line's width whose nodes keep
+//! their places from layer to layer. Places where it is not a number are
+//! outside. Features thinner than the lattice may be missed.
 
 use super::clusters::clusters;
 use super::{InfillError, Layer, Site};
@@ -32,9 +33,9 @@ use isocontour::level::{Lattice, thin, trace};
 
 /// An expression, ready to be evaluated.
 pub(super) enum Shape {
-    /// One of x, y and z.
+    /// An expression of x, y and z.
     Field(Box<Field>),
-    /// One of d as well.
+    /// An expression that also asks for d.
     Deep(Expression),
 }
 
@@ -42,29 +43,29 @@ pub(super) enum Shape {
 const STEP: f64 = 0.5;
 /// Nodes of a lattice at most; beyond that they are farther apart.
 const MOST: f64 = 4e6;
-/// Cells along the side of a block, which is looked at or not.
+/// Cells along the side of a block; a block is sampled whole, or not at all.
 const BLOCK: usize = 8;
 /// Nodes evaluated at once: their places take little memory, and the time
 /// between the calls does not matter.
 const AT_ONCE: usize = 1 << 14;
 /// Lines may be off by this, mm; nobody sees them.
 const CHORD: Mm = 0.05;
-/// A field's box is so much larger than the part's, mm: what closes its
-/// outlines there is outside of every layer.
+/// A field's box is larger than the part's by this, mm: the sides that close
+/// its outlines there are outside of every layer.
 const MARGIN: Mm = 1.0;
 /// Tolerance of the offsets of a solid, mm.
 const TOLERANCE: Mm = 0.01;
 
-/// What surrounds a layer's area.
+/// A layer's solid and place, for expressions that ask about them.
 #[derive(Clone, Copy)]
 pub(super) struct Around<'a> {
     pub surroundings: &'a Surroundings<'a>,
-    /// The layer's solid, if it is there to be asked.
+    /// The layer's solid, if it is known.
     pub solid: Option<&'a EdgeGrid>,
 }
 
 impl Shape {
-    /// Of a formula.
+    /// The shape of a formula.
     pub(super) fn of_formula(
         text: &str,
         site: &Site,
@@ -79,14 +80,14 @@ impl Shape {
             return Ok(Shape::Deep(expression));
         }
         match Shape::of_source(&formula(text.to_owned()), text, site, width) {
-            // It names d, if only to multiply it by nothing.
+            // The formula names d and yet does not depend on it, as in 0·d.
             Err(InfillError::Shape { .. }) => Ok(Shape::Deep(expression)),
             made => made,
         }
     }
 
-    /// Of a script, or a formula that does not ask for d; `name` is what the
-    /// setting says.
+    /// The shape of a script, or of a formula that does not ask for d; `name`
+    /// is the text of the setting.
     pub(super) fn of_source(
         source: &Source,
         name: &str,
@@ -103,7 +104,7 @@ impl Shape {
             min: site.part.min - MARGIN,
             max: site.part.max + MARGIN,
         };
-        // Within a box, so that the outlines close.
+        // The field is cut by a box, so that its outlines close.
         let (middle, half) =
             (rect.min.midpoint(rect.max), 0.5 * (rect.max - rect.min));
         let walls = format!(
@@ -116,7 +117,7 @@ impl Shape {
         Ok(Shape::Field(Box::new(field)))
     }
 
-    /// What the area has of the zero set.
+    /// The parts of the zero set within the area.
     pub(super) fn lines(
         &self,
         layer: &Layer<'_>,
@@ -155,7 +156,7 @@ impl Shape {
         Ok(pieces)
     }
 
-    /// Where it is negative in `area`.
+    /// The part of `area` where the expression is negative.
     fn inside(
         &self,
         area: &Area,
@@ -239,15 +240,16 @@ fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
         accuracy: CHORD,
         smallest: STEP * width,
     };
-    // Its time is the infill's, not that of the part's outlines.
+    // No time is noted here: it belongs to the infill, not to the part's
+    // outlines.
     let timings = Timings::default();
     let found = outlines(field, &[z], detail, &timings)?;
     Ok(found.into_iter().next().map_or(Area::EMPTY, |o| o.area))
 }
 
-/// The zero lines of an expression within a border's part in a box, and
-/// whether each is closed; there are others away from that part. `whole`
-/// closes them along the box's sides.
+/// The zero lines of an expression near the part of a border that lies in a
+/// box, and whether each is closed. There may be more lines elsewhere in the
+/// box. `whole` closes lines along the box's sides.
 fn curves(
     expression: &Expression,
     border: &Border<'_>,
@@ -259,7 +261,8 @@ fn curves(
 ) -> Result<Vec<(Ring, bool)>, VaryError> {
     let extent = bounds.max - bounds.min;
     let step = (STEP * width).max((extent.x * extent.y / MOST).sqrt());
-    // Whole steps from the origin: the same nodes in every layer.
+    // Nodes lie whole steps from the origin, so that every layer has them at
+    // equal places.
     let origin = ((bounds.min / step).floor() - 1.0) * step;
     let size = (bounds.max - origin) / step;
     let lattice = Lattice {
@@ -337,8 +340,8 @@ fn nodes_near(lattice: &Lattice, border: &Border<'_>) -> Vec<u32> {
         for i in (0..nx).step_by(BLOCK) {
             let (right, top) =
                 ((i + BLOCK).min(nx - 1), (j + BLOCK).min(ny - 1));
-            // A step more, lest the lines that end where nothing is known
-            // come into the area when they are thinned.
+            // One step is added: lines end where no value is known, and such an
+            // end must not come into the area when the lines are thinned.
             let block = Rect {
                 min: lattice.node(i, j) - lattice.step,
                 max: lattice.node(right, top) + lattice.step,

@@ -11,10 +11,10 @@
 //! and single ones have more or less.
 //!
 //! **Where the density varies**, so does the size of the cells, in octaves:
-//! each place lies between a surface and the one with cells twice as large,
-//! and gets the zero set of a mixture of their functions. By how much of each
-//! is taken from how long the mixtures' lines are, which is measured as well.
-//! A mixture that changes slowly has a zero set without ends or steps.
+//! each place lies between a surface and the one with cells twice as large, and
+//! gets the zero set of a mixture of their functions. How much of each is
+//! needed follows from the length of the mixtures' lines, which is measured as
+//! well. A mixture that changes slowly has a zero set without ends or steps.
 
 use super::clusters::clusters;
 use super::grading::Grading;
@@ -39,7 +39,7 @@ impl Turn {
         Turn { sin, cos }
     }
 
-    /// Of twice the angle.
+    /// Sine and cosine of twice the angle.
     pub(super) fn double(self) -> Turn {
         Turn {
             sin: 2.0 * self.sin * self.cos,
@@ -48,7 +48,7 @@ impl Turn {
     }
 }
 
-/// Of x, y and z, a full turn to a cell.
+/// The angles of x, y and z, a full turn to a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Angles {
     pub x: Turn,
@@ -113,7 +113,7 @@ impl<S: Surface> Sheet<S> {
             .flat_map(|z| sheet.cell(z * TAU))
             .map(|c| path_length(&unrolled(&c), false))
             .sum();
-        // A period of 2π, its lines' length per its content.
+        // The period is 2π; the lines' length per area follows from one period.
         sheet.length = total / HEIGHTS as f64 / TAU;
         if graded {
             sheet.mixtures = sheet.measure_mixtures();
@@ -155,7 +155,8 @@ impl<S: Surface> Sheet<S> {
             + coarse * self.surface.value(wide)
     }
 
-    /// By how much of the coarser surface the lines' length falls to half.
+    /// For each density of an octave, the share of the coarser surface whose
+    /// mixture has lines of that length.
     fn measure_mixtures(&self) -> Vec<f64> {
         const SIDE: usize = 2 * NODES;
         let lattice = Lattice {
@@ -187,7 +188,8 @@ impl<S: Surface> Sheet<S> {
         let found: Vec<f64> = (0..=MIXTURES)
             .map(|k| length(k as f64 / MIXTURES as f64))
             .collect();
-        // The logarithm's way from the finer to the coarser, never back.
+        // How far the logarithm of the length has gone from the finer to the
+        // coarser surface; it never goes back.
         let (first, last) = (found[0], found[MIXTURES]);
         let mut so_far: f64 = 0.0;
         let way: Vec<f64> = found
@@ -211,7 +213,7 @@ impl<S: Surface> Sheet<S> {
             .collect()
     }
 
-    /// How much of the coarser surface, part of the way to it.
+    /// How much of the coarser surface is mixed in, this part of the way to it.
     fn coarse(&self, way: f64) -> f64 {
         let last = self.mixtures.len() - 1;
         let at = way.clamp(0.0, 1.0) * last as f64;
@@ -295,7 +297,8 @@ impl<S: Surface> Sheet<S> {
             return Vec::new();
         }
         let finest = self.length * layer.solid;
-        // Octaves above the finest: the first and the last that there are.
+        // Octaves count upwards from the finest cells. The area needs those
+        // from `first` on.
         let octave = |share: f64| -share.clamp(LEAST, 1.0).log2();
         let first = octave(most).floor();
         let shift = DVec2::X * layer.phase * finest / most;
@@ -311,7 +314,7 @@ impl<S: Surface> Sheet<S> {
             let lattice = Lattice {
                 origin,
                 step,
-                // Whole blocks.
+                // The lattice has whole blocks.
                 size: [size.x, size.y]
                     .map(|n| (n as usize + 2).div_ceil(BLOCK) * BLOCK + 1),
                 periodic: false,
@@ -388,7 +391,7 @@ impl<S: Surface> Sheet<S> {
                     cutter.line(&thin(part, tolerance), false);
                 }
             }
-            // Its lattice reaches into the next one's box.
+            // The cluster's lattice reaches into the next cluster's box.
             let own =
                 |p: &Piece| p.points.first().is_some_and(|&p| cluster.has(p));
             pieces.extend(cutter.finish().into_iter().filter(own));
@@ -431,7 +434,8 @@ fn sample(
         let k = j * (bx + 1) + i;
         exact[k] || exact[k + 1] || exact[k + bx + 1] || exact[k + bx + 2]
     };
-    // First what is exact: blocks beside it take over its values.
+    // The exact blocks come first, since blocks beside them take over their
+    // values.
     for pass in [true, false] {
         for j in 0..by {
             for i in (0..bx).filter(|&i| is_fine(i, j) == pass) {
@@ -463,7 +467,8 @@ fn sample(
     values
 }
 
-/// A closed curve with its end, which is its beginning some periods away.
+/// A closed curve's points with its end, which is its first point some periods
+/// away.
 fn unrolled(curve: &Curve) -> Vec<DVec2> {
     let mut points = curve.points.clone();
     let [x, y] = curve.winding.map(f64::from);
@@ -499,7 +504,7 @@ impl Strand {
         let ([x, y], [u, v]) = (self.winding, self.aside);
         let det = x * v - y * u;
         if det == 0 {
-            // A line that does not wind.
+            // The line does not wind.
             return (i, j);
         }
         ((x * j - y * i) / det, (i * v - j * u) / det)

@@ -11,8 +11,8 @@
 //! beads that nothing holds; a bubble is left out until it meets something
 //! that stands.
 //!
-//! Patterns of one density have no such places. Those that vary, and people's
-//! own, may.
+//! Patterns of one density have no such places. Patterns whose density varies,
+//! and people's own patterns, may have them.
 
 use crate::bead::Bead;
 use crate::plane::grid::EdgeGrid;
@@ -30,12 +30,12 @@ pub(crate) struct Standing {
     below: Option<EdgeGrid>,
     /// Beads that have been left out.
     left_out: usize,
-    /// The infill is people's own.
+    /// Whether the pattern is one of people's own.
     own: bool,
 }
 
 impl Standing {
-    /// For infill that needs to be looked at.
+    /// A check of infill, if the infill is of a kind that needs it.
     pub(crate) fn new(settings: &Settings) -> Option<Standing> {
         let own = !matches!(settings.infill, settings::Infill::Pattern(_));
         let graded = settings.infill_density.constant().is_none();
@@ -76,7 +76,8 @@ impl Standing {
         let mut stays: Vec<bool> = infill.iter().map(stands).collect();
         kept.extend(infill.iter().zip(&stays).filter(|b| *b.1).map(|b| b.0));
         let mut here = grid(&kept);
-        // What touches what stands is held by it, and may hold more.
+        // A bead that touches one that stands is held by it, and may hold more
+        // beads.
         loop {
             let mut found = false;
             for (bead, stays) in infill.iter().zip(&mut stays) {
@@ -99,7 +100,8 @@ impl Standing {
         infill
     }
 
-    /// What the user should know: patterns are not to blame.
+    /// The warning about beads that were left out of people's own patterns. Of
+    /// the shipped patterns nobody needs to know.
     pub(crate) fn warning(&self) -> Option<String> {
         (self.own && self.left_out > 0).then(|| {
             format!(
@@ -119,7 +121,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn bead(points: &[(f64, f64)]) -> Bead {
-        let points = points.iter().map(|&(x, y)| DVec2::new(x, y));
+        let points = points.iter().map(|&p| DVec2::from(p));
         Bead::new(
             Role::SparseInfill,
             Stroke::new(points.collect(), false, 0.45),
@@ -149,13 +151,15 @@ mod tests {
         };
         // All of the first layer stands on the bed.
         assert_eq!(layer(&[ring(15.0, 1.0)]), 1);
-        // The second ring stands on nothing, nor does what comes of it.
+        // The second ring stands on nothing, and what is printed above it does
+        // not stand, either.
         assert_eq!(layer(&[ring(15.0, 1.2), ring(7.0, 0.3)]), 1);
         assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 0.6)]), 1);
-        // Until it meets the line.
+        // It stands once it meets the line.
         assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 4.8)]), 2);
         assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 4.9)]), 2);
-        // What begins at a wall is held by it, and holds what it touches.
+        // A bead that begins at a wall is held by the wall, and holds what it
+        // touches.
         let from_wall = bead(&[(0.3, -4.0), (3.0, -4.0)]);
         let beside = bead(&[(3.2, -4.0), (3.2, -8.0)]);
         let alone = bead(&[(13.2, -4.0), (13.2, -8.0)]);

@@ -7,7 +7,7 @@ use super::jobs::{Job, print};
 use super::tour::{Stop, tour};
 use super::{SEAM_REACH, sweep};
 use crate::bead::{Bead, Role};
-use crate::settings::{Settings, WallOrder};
+use crate::settings::{SeamRule, Settings, Varying, WallOrder};
 use crate::skin::{Fill, Patch};
 use glam::DVec2;
 
@@ -59,7 +59,8 @@ fn loop_job(
         return (None, Vec::new());
     };
     let (mut beside, mut away) = (Vec::new(), Vec::new());
-    let anywhere = outer.closed && settings.seam.is_nearest();
+    let anywhere =
+        outer.closed && settings.seam == Varying::Constant(SeamRule::Nearest);
     let seam = outer.points.first().copied().filter(|_| outer.closed);
     for mut wall in walls {
         let spot = seam

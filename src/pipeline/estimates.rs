@@ -110,12 +110,7 @@ fn the_estimate_is_what_the_text_takes() {
     };
     let cup = place(&load(&source, &[]).unwrap(), &Placement::default(), bed);
     let cup = cup.unwrap();
-    for flavour in [
-        Flavour::Klipper,
-        Flavour::Marlin,
-        Flavour::Prusa,
-        Flavour::Rrf,
-    ] {
+    for flavour in Flavour::ALL {
         for relative in [false, true] {
             let mut settings = Settings::default();
             settings.gcode.flavour = flavour;

@@ -321,21 +321,7 @@ impl Border<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn ring(half: f64) -> Vec<DVec2> {
-        [(-half, -half), (half, -half), (half, half), (-half, half)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec()
-    }
-
-    /// A square of 10 mm with a square hole of 4 mm.
-    fn frame() -> Area {
-        let mut hole = ring(2.0);
-        hole.reverse();
-        Area {
-            rings: vec![ring(5.0), hole],
-        }
-    }
+    use crate::plane::shapes::{frame, square_ring};
 
     #[test]
     fn a_line_across_a_frame_has_two_pieces() {
@@ -425,8 +411,14 @@ mod tests {
         let border = Border::new(&area);
         let foot = |at| Foot { ring: 0, at };
         assert_eq!(border.way(foot(35.0), foot(5.0)), 10.0);
-        assert_eq!(border.between(foot(35.0), foot(5.0)), [ring(5.0)[0]]);
-        assert_eq!(border.between(foot(5.0), foot(35.0)), ring(5.0)[1..]);
+        assert_eq!(
+            border.between(foot(35.0), foot(5.0)),
+            [square_ring(5.0)[0]]
+        );
+        assert_eq!(
+            border.between(foot(5.0), foot(35.0)),
+            square_ring(5.0)[1..]
+        );
         assert!(border.between(foot(1.0), foot(2.0)).is_empty());
     }
 }

@@ -229,17 +229,8 @@ fn from_shapes(shapes: Vec<Vec<Contour>>) -> Area {
 
 #[cfg(test)]
 mod tests {
+    use super::super::shapes::rect;
     use super::*;
-
-    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
-        let r = vec![
-            DVec2::new(x0, y0),
-            DVec2::new(x1, y0),
-            DVec2::new(x1, y1),
-            DVec2::new(x0, y1),
-        ];
-        Area { rings: vec![r] }
-    }
 
     #[test]
     fn booleans_of_rectangles() {

@@ -136,19 +136,7 @@ fn pairs(hits: &[Hit], shortest: Mm) -> impl Iterator<Item = (Hit, Hit)> + '_ {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn frame() -> Area {
-        let ring = |h: f64| -> Vec<DVec2> {
-            [(-h, -h), (h, -h), (h, h), (-h, h)]
-                .map(|(x, y)| DVec2::new(x, y))
-                .to_vec()
-        };
-        let mut hole = ring(2.0);
-        hole.reverse();
-        Area {
-            rings: vec![ring(5.0), hole],
-        }
-    }
+    use crate::plane::shapes::frame;
 
     #[test]
     fn pieces_know_where_on_the_border_they_end() {

@@ -16,6 +16,8 @@ pub(crate) mod offset;
 #[cfg(test)]
 mod oracle;
 pub(crate) mod places;
+#[cfg(test)]
+pub(crate) mod shapes;
 mod solid;
 mod trim;
 
@@ -23,13 +25,6 @@ pub(crate) use isocontour::plane::{
     Area, Rect, Ring, edges, nest, path_length, point_beside, ring_length,
     signed_area, simplify,
 };
-pub(crate) use solid::Solid;
-
-/// A rectangle, for tests.
 #[cfg(test)]
-pub(crate) fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
-    let ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-        .map(|(x, y)| glam::DVec2::new(x, y))
-        .to_vec();
-    Area { rings: vec![ring] }
-}
+pub(crate) use shapes::rect;
+pub(crate) use solid::Solid;

@@ -365,7 +365,7 @@ impl Sides {
 #[cfg(test)]
 mod tests {
     use super::super::clip::{difference, unite};
-    use super::super::rect;
+    use super::super::shapes::rect;
     use super::*;
     use std::f64::consts::PI;
 
@@ -490,7 +490,7 @@ mod tests {
             (5.0, 5.0),
             (0.0, 5.0),
         ]
-        .map(|(x, y)| DVec2::new(x, y))
+        .map(DVec2::from)
         .to_vec();
         let area = Area { rings: vec![ring] };
         let inner = offset(&area, -1.0, 1e-3);

@@ -65,7 +65,7 @@ impl Places {
 #[cfg(test)]
 mod tests {
     use super::super::grid::EdgeGrid;
-    use super::super::rect;
+    use super::super::shapes::rect;
     use super::*;
 
     #[test]

@@ -508,7 +508,8 @@ fn crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::super::offset::moved;
-    use super::super::{Area, edges, rect};
+    use super::super::shapes::rect;
+    use super::super::{Area, edges};
     use super::*;
     use std::f64::consts::PI;
 
@@ -615,7 +616,7 @@ mod tests {
             (4.0, 4.0),
             (0.0, 4.0),
         ];
-        let ring = bell.map(|(x, y)| DVec2::new(x, y)).to_vec();
+        let ring = bell.map(DVec2::from).to_vec();
         let area = Area { rings: vec![ring] };
         let by = 0.5;
         let left = shrunk(&area, by).trim().unwrap();

@@ -212,20 +212,19 @@ fn printed(bead: &Bead) -> f64 {
 mod tests {
     use super::*;
     use crate::plane::Area;
-
-    fn square(half: f64) -> Vec<DVec2> {
-        [(-half, -half), (half, -half), (half, half), (-half, half)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec()
-    }
+    use crate::plane::shapes::square_ring;
 
     fn wall(half: f64) -> Bead {
-        Bead::new(Role::OuterWall, Stroke::new(square(half), true, 0.45), 0.2)
+        Bead::new(
+            Role::OuterWall,
+            Stroke::new(square_ring(half), true, 0.45),
+            0.2,
+        )
     }
 
     fn ended(bead: Bead, settings: &Settings) -> Ended {
         let area = Area {
-            rings: vec![square(10.0)],
+            rings: vec![square_ring(10.0)],
         };
         let grid = EdgeGrid::new(&area, 1.0);
         endings(vec![bead], &grid, settings).remove(0)
@@ -294,8 +293,8 @@ mod tests {
         let mut hole = wall(2.0);
         hole.points.reverse();
         let area = Area {
-            rings: vec![square(10.0), {
-                let mut ring = square(1.775);
+            rings: vec![square_ring(10.0), {
+                let mut ring = square_ring(1.775);
                 ring.reverse();
                 ring
             }],
@@ -306,8 +305,8 @@ mod tests {
         assert!(wipe.abs().min_element() > 2.2, "{wipe}");
         // In a place too thin for a wipe there is none.
         let thin = Area {
-            rings: vec![square(9.775 + 0.2), {
-                let mut ring = square(9.775 - 0.2);
+            rings: vec![square_ring(9.775 + 0.2), {
+                let mut ring = square_ring(9.775 - 0.2);
                 ring.reverse();
                 ring
             }],

@@ -28,7 +28,7 @@ use crate::bead::{Bead, Role};
 use crate::model::Place;
 use crate::plane::grid::{EdgeGrid, nearest_on};
 use crate::plane::path_length;
-use crate::settings::{Seam, SeamRule, Settings, Varying};
+use crate::settings::{SeamRule, Settings, Varying};
 use crate::units::Mm;
 use crate::vary::{Quantity, Surroundings, VaryError};
 use corners::Corners;
@@ -58,7 +58,7 @@ const PULL: Mm = 0.1;
 
 /// The rule for a run's seams.
 pub(crate) struct Seams<'a> {
-    rule: Seam,
+    rule: Varying<SeamRule>,
     expression: Option<Quantity>,
     around: &'a Surroundings<'a>,
     accuracy: Mm,
@@ -73,16 +73,12 @@ impl<'a> Seams<'a> {
         settings: &Settings,
         around: &'a Surroundings<'a>,
     ) -> Result<Seams<'a>, VaryError> {
-        let expression = match &settings.seam {
-            Seam::Expression(text) => {
-                let varying = Varying::Expression(text.clone());
-                Some(Quantity::new("seam", &varying)?)
-            }
-            Seam::Rule(_) => None,
-        };
+        let expression = settings.seam.expression().map(|text| {
+            Quantity::new("seam", &Varying::Expression(text.to_owned()))
+        });
         Ok(Seams {
             rule: settings.seam.clone(),
-            expression,
+            expression: expression.transpose()?,
             around,
             accuracy: settings.accuracy,
         })
@@ -120,12 +116,12 @@ impl<'a> Seams<'a> {
         solid: &EdgeGrid,
     ) -> Result<Site, VaryError> {
         let at = match (&self.rule, &self.expression) {
-            (Seam::Rule(SeamRule::Aligned), _) => {
+            (Varying::Constant(SeamRule::Aligned), _) => {
                 return Ok(aligned(ring, self.accuracy));
             }
-            (Seam::Rule(SeamRule::Rear), _) => rear(ring, self.accuracy),
-            (Seam::Rule(SeamRule::Random), _) => random(ring, number),
-            (Seam::Expression(_), Some(value)) => {
+            (Varying::Constant(SeamRule::Rear), _) => rear(ring, self.accuracy),
+            (Varying::Constant(SeamRule::Random), _) => random(ring, number),
+            (Varying::Expression(_), Some(value)) => {
                 let measure = value.uses_depth();
                 let mut places: Vec<Place> = Vec::new();
                 lowest(ring, self.accuracy, |points, out| {

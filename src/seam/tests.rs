@@ -1,4 +1,5 @@
 use super::*;
+use crate::plane::shapes::ring;
 use std::f64::consts::TAU;
 
 const ACCURACY: f64 = 0.005;
@@ -14,10 +15,6 @@ fn circle(centre: DVec2, radius: f64, begin: f64) -> Vec<DVec2> {
         angle += facet * uneven;
     }
     ring
-}
-
-fn polygon(points: &[(f64, f64)]) -> Vec<DVec2> {
-    points.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
 }
 
 #[test]
@@ -59,7 +56,7 @@ fn the_least_is_found_between_the_vertices() {
         }
     }
     // At a corner it is the corner, on a level side its end at the back.
-    let ring = polygon(&[(0.0, -3.0), (4.0, 0.0), (4.0, 5.0), (-4.0, 5.0)]);
+    let ring = ring(&[(0.0, -3.0), (4.0, 0.0), (4.0, 5.0), (-4.0, 5.0)]);
     let least = |f: fn(&DVec2) -> f64| {
         let found = lowest(&ring, ACCURACY, |points, out| {
             out.extend(points.iter().map(f));
@@ -77,7 +74,7 @@ fn the_least_is_found_between_the_vertices() {
 #[test]
 fn concave_corners_come_first_and_the_middle_of_round_ones() {
     // An L whose inner corner is an arc of 0.225 mm, as walls have it.
-    let mut l = polygon(&[(0.0, 9.0), (0.0, 0.0), (9.0, 0.0), (9.0, 3.0)]);
+    let mut l = ring(&[(0.0, 9.0), (0.0, 0.0), (9.0, 0.0), (9.0, 3.0)]);
     let centre = DVec2::new(3.3, 3.3);
     for k in 0..=5 {
         let angle = (270.0 - 18.0 * f64::from(k)).to_radians();
@@ -90,7 +87,7 @@ fn concave_corners_come_first_and_the_middle_of_round_ones() {
     assert!(site.corners[0].distance(wanted) < 0.02, "{site:?}");
     assert_eq!(site.at, Some(site.corners[0]));
     // Without one, convex ones: the rearmost, to the right.
-    let square = polygon(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
+    let square = ring(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
     let site = aligned(&square, ACCURACY);
     assert_eq!(site.corners.len(), 4);
     assert!(site.at.unwrap().distance(square[2]) < 1e-9);
@@ -98,7 +95,7 @@ fn concave_corners_come_first_and_the_middle_of_round_ones() {
 
 #[test]
 fn seams_follow_their_corner_or_go_back_bit_by_bit() {
-    let square = polygon(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
+    let square = ring(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
     let site = aligned(&square, ACCURACY);
     let near = DVec2::new(0.0, 0.7);
     assert!(follow(&site, &square, Some(near)).unwrap().length() < 1e-9);

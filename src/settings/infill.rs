@@ -1,7 +1,9 @@
 //! What the sparse infill is: one of the patterns, or an expression.
 
-use super::value::{Kind, Measure, Raw, Refused, Value};
-use super::{InfillPattern, Varying};
+use super::InfillPattern;
+use super::value::{
+    Kind, Measure, Raw, Refused, Value, formula, formula_to_toml,
+};
 
 /// Sparse infill. Settings keep expressions and scripts as text;
 /// [`crate::model`] knows what they mean.
@@ -24,29 +26,29 @@ impl Value for Infill {
         raw: Raw<'_>,
         measure: Measure,
     ) -> Result<(), Refused> {
-        if let Raw::Text(text) | Raw::Word(text) = raw {
-            let text = text.trim();
-            if let Some(formula) = text.strip_prefix(<Varying>::PREFIX) {
-                *self = Infill::Expression(formula.trim().to_owned());
-                return Ok(());
-            }
-            if text.ends_with(SCRIPT) {
-                *self = Infill::Script(text.to_owned());
-                return Ok(());
-            }
+        if let Some(formula) = formula(raw) {
+            *self = Infill::Expression(formula);
+            return Ok(());
         }
-        let mut pattern = InfillPattern::Rectilinear;
-        pattern.assign(raw, measure)?;
-        *self = Infill::Pattern(pattern);
+        *self = match raw {
+            Raw::Text(text) | Raw::Word(text)
+                if text.trim().ends_with(SCRIPT) =>
+            {
+                Infill::Script(text.trim().to_owned())
+            }
+            _ => {
+                let mut pattern = InfillPattern::default();
+                pattern.assign(raw, measure)?;
+                Infill::Pattern(pattern)
+            }
+        };
         Ok(())
     }
 
     fn to_toml(&self) -> String {
         match self {
             Infill::Pattern(pattern) => pattern.to_toml(),
-            Infill::Expression(text) => {
-                format!("{} {text}", <Varying>::PREFIX).to_toml()
-            }
+            Infill::Expression(text) => formula_to_toml(text),
             Infill::Script(path) => path.to_toml(),
         }
     }
@@ -56,7 +58,7 @@ impl Value for Infill {
     }
 
     fn kind(&self) -> Kind {
-        match InfillPattern::Rectilinear.kind() {
+        match InfillPattern::default().kind() {
             Kind::Word(words) => Kind::WordOrShape(words),
             kind => kind,
         }

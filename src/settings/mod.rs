@@ -40,7 +40,6 @@ mod infill;
 mod profile;
 mod read;
 mod rows;
-mod seam;
 mod shipped;
 mod sizes;
 mod table;
@@ -58,7 +57,6 @@ pub use rows::{
     Acceleration, Brim, Cooling, Filament, FuzzySkin, Gcode, Printer, Retract,
     Settings, Skirt, Speed, Support, Travel,
 };
-pub use seam::Seam;
 pub use shipped::ProfileKind;
 pub use sizes::{ImageFormat, PictureSize, Sizes};
 pub use table::{Key, keys};

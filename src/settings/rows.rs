@@ -13,7 +13,7 @@
 
 use super::table;
 use super::words::*;
-use super::{ByNozzle, Infill, Seam, Sizes, Varying};
+use super::{ByNozzle, Infill, Sizes, Varying};
 use crate::units::*;
 
 table::settings! {
@@ -75,7 +75,7 @@ table::settings! {
         elephant_foot_layers: u32 = 1, in 1..=1000;
         /// Where outer walls begin and end; an expression puts each wall's seam
         /// where its value is least.
-        seam: Seam = Seam::Rule(SeamRule::Aligned);
+        seam: Varying<SeamRule> = Varying::Constant(SeamRule::Aligned);
         /// How far before its beginning an outer wall ends.
         seam_gap: Mm = 0.0, in 0.0..=5.0;
         /// Length over which the flow of an outer wall grows at its beginning,

@@ -162,15 +162,29 @@ fn in_range(value: f64, measure: Measure) -> Result<f64, Refused> {
     }
 }
 
-/// A number that may differ from place to place.
+/// A number, or another choice, that may differ from place to place.
 ///
 /// Settings keep an expression as text; [`crate::model`] knows what it means.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Varying<T = f64> {
-    /// One number everywhere.
+    /// One value everywhere.
     Constant(T),
     /// A formula of x, y, z and d.
     Expression(String),
+}
+
+/// The formula of an expression, if a value is one.
+pub(super) fn formula(raw: Raw<'_>) -> Option<String> {
+    let (Raw::Text(text) | Raw::Word(text)) = raw else {
+        return None;
+    };
+    let formula = text.trim().strip_prefix(<Varying>::PREFIX)?;
+    Some(formula.trim().to_owned())
+}
+
+/// A formula as TOML that [`formula`] reads back.
+pub(super) fn formula_to_toml(text: &str) -> String {
+    format!("{} {text}", <Varying>::PREFIX).to_toml()
 }
 
 impl Varying {
@@ -185,17 +199,19 @@ impl Varying {
         }
     }
 
+    /// True if it is this number everywhere.
+    pub fn is(&self, value: f64) -> bool {
+        self.constant() == Some(value)
+    }
+}
+
+impl<T> Varying<T> {
     /// The formula, if there is one.
     pub fn expression(&self) -> Option<&str> {
         match self {
             Varying::Constant(_) => None,
             Varying::Expression(text) => Some(text),
         }
-    }
-
-    /// True if it is this number everywhere.
-    pub fn is(&self, value: f64) -> bool {
-        self.constant() == Some(value)
     }
 }
 
@@ -205,39 +221,42 @@ impl From<f64> for Varying {
     }
 }
 
-impl Value for Varying {
+impl<T: Value + Default> Value for Varying<T> {
     fn assign(
         &mut self,
         raw: Raw<'_>,
         measure: Measure,
     ) -> Result<(), Refused> {
-        if let Raw::Text(text) | Raw::Word(text) = raw
-            && let Some(formula) = text.trim().strip_prefix(Self::PREFIX)
-        {
-            *self = Varying::Expression(formula.trim().to_owned());
-            return Ok(());
-        }
-        let mut value = 0.0;
-        value.assign(raw, measure)?;
-        *self = Varying::Constant(value);
+        *self = match formula(raw) {
+            Some(formula) => Varying::Expression(formula),
+            None => {
+                let mut value = T::default();
+                value.assign(raw, measure)?;
+                Varying::Constant(value)
+            }
+        };
         Ok(())
     }
 
     fn to_toml(&self) -> String {
         match self {
             Varying::Constant(value) => value.to_toml(),
-            Varying::Expression(text) => {
-                format!("{} {text}", Self::PREFIX).to_toml()
-            }
+            Varying::Expression(text) => formula_to_toml(text),
         }
     }
 
     fn number(&self) -> Option<f64> {
-        self.constant()
+        match self {
+            Varying::Constant(value) => value.number(),
+            Varying::Expression(_) => None,
+        }
     }
 
     fn kind(&self) -> Kind {
-        Kind::Varying
+        match T::default().kind() {
+            Kind::Word(words) => Kind::WordOrFormula(words),
+            _ => Kind::Varying,
+        }
     }
 }
 
@@ -393,7 +412,16 @@ macro_rules! words {
             $($(#[doc = $variant_doc])+ $variant,)+
         }
 
+        impl Default for $name {
+            fn default() -> Self {
+                Self::ALL[0]
+            }
+        }
+
         impl $name {
+            /// Every value, in the order of the documentation.
+            pub const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
+
             /// The value's word in files and assignments.
             pub fn word(self) -> &'static str {
                 match self {

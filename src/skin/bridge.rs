@@ -9,15 +9,15 @@
 //! ```
 //!
 //! In: an area to be filled, and the layer below. Out: the parts of the area
-//! that are bridges, each with the direction of its lines. What hangs in the
-//! air and has no two sides to hang from (the next ring of a dome's inside,
-//! a balcony) is no bridge, and left to be printed as ordinary skin.
+//! that are bridges, each with the direction of its lines. An area that hangs
+//! in the air without two sides to hang from (the next ring of a dome's inside,
+//! a balcony) is no bridge: it is left, and printed as ordinary skin.
 //!
-//! The direction is the best of a fan of angles and of the directions of the
-//! gap's longer sides: that with the shortest spans, an end that nothing holds
-//! counting for several. Corners, where any slant makes short ones, do not
-//! count: what does is the span that three quarters of the lines' length stay
-//! below.
+//! The directions tried are a fan of angles and those of the gap's longer
+//! sides. The one with the shortest spans wins, where an end that nothing holds
+//! makes a span several times as long. Near a corner any slanting line is
+//! short, so the shortest lines must not decide: a direction is judged by the
+//! span that three quarters of the lines' length stay below.
 
 use crate::plane::clip::{difference, intersection};
 use crate::plane::grid::EdgeGrid;
@@ -36,13 +36,15 @@ use std::collections::BTreeSet;
 /// A part of a fill whose lines hang between supports.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bridge {
-    /// Where, with what its lines reach onto.
+    /// The area of the bridge, with the strips on both sides that its lines
+    /// reach onto.
     pub area: Area,
     /// Direction of the lines.
     pub angle: Degrees,
 }
 
-/// Tolerance of the offsets: borders between lines inside the part.
+/// Tolerance of the offsets. They are borders between lines inside the part,
+/// which nobody sees.
 const TOLERANCE: Mm = 0.02;
 /// Step of the fan of angles.
 const FAN: Degrees = 7.5;
@@ -64,7 +66,8 @@ pub(super) fn bridges(
     let width = settings.bottom_skin_width();
     let below = below.near(area);
     let hanging = difference(area, &below);
-    // What a bead's own width bridges needs no care.
+    // A gap no wider than a bead is bridged by any bead: no direction is
+    // needed.
     let core = offset(&hanging, -0.5 * width, TOLERANCE);
     if core.is_empty() {
         return (Vec::new(), area.clone());
@@ -82,7 +85,8 @@ pub(super) fn bridges(
         found.push(Bridge { area, angle });
         grown.push(offset(&gap, reach, TOLERANCE));
     }
-    // Many at a time: one by one, each would be clipped with all of the area.
+    // Many places are clipped at a time: one by one, each would be clipped with
+    // the whole area.
     let mut left = area.clone();
     for set in apart(&grown) {
         let rings = set.iter().flat_map(|&i| grown[i].rings.iter().cloned());
@@ -102,8 +106,9 @@ pub(super) fn bridges(
     (found, left)
 }
 
-/// Areas in sets of which no two boxes meet, as numbers; few sets, where few
-/// boxes meet at one place. Empty areas are in none.
+/// Sorts areas into sets in which no two boxes meet, and returns their numbers.
+/// There are few sets if few boxes meet at one place. Empty areas are in no
+/// set.
 fn apart(areas: &[Area]) -> Vec<Vec<usize>> {
     let filled = (0..areas.len()).filter(|&i| !areas[i].is_empty());
     let boxes = filled.map(|i| {
@@ -160,7 +165,7 @@ pub(crate) fn direction(
     sides.truncate(SIDES);
     let sides = sides.iter().map(|s| s.1);
     let across = sides.clone().map(|a| (a + 90.0).rem_euclid(180.0));
-    // The sides first: of equals the first one wins.
+    // The sides come first: of equally good directions the first one wins.
     sides
         .chain(across)
         .chain(fan)
@@ -169,7 +174,7 @@ pub(crate) fn direction(
             (held >= HELD).then_some((cost, angle))
         })
         .reduce(|best, next| {
-            // Not for what rounding makes better.
+            // A direction that is better by rounding alone does not win.
             let better = next.0 < best.0 * (1.0 - 1e-3);
             if better { next } else { best }
         })
@@ -240,7 +245,7 @@ pub(crate) fn hung(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::rect;
+    use crate::plane::shapes::rect;
 
     fn bridges(area: &Area, below: &Area) -> (Vec<Bridge>, Area) {
         let settings = Settings::default();
@@ -256,7 +261,7 @@ mod tests {
 
     #[test]
     fn lines_run_from_pillar_to_pillar() {
-        // Wider than the gap is long: the free sides do not tempt.
+        // The gap is wider than it is long: the free sides do not tempt.
         let settings = Settings::default();
         let deck = rect(0.0, 0.0, 30.0, 40.0);
         let pillars = joined(&[
@@ -271,7 +276,7 @@ mod tests {
         let reach = 10.0 + 2.0 * settings.bridge_anchor;
         let content = found[0].area.content();
         assert!((content - 40.0 * reach).abs() < 1.0, "{content}");
-        // Turned by 20° with everything else.
+        // The direction turns by 20° when everything else does.
         let turn = DVec2::from_angle(20.0_f64.to_radians());
         let turned = |a: &Area| Area {
             rings: a
@@ -327,7 +332,8 @@ mod tests {
 
     #[test]
     fn neighbours_share_what_is_between_them() {
-        // A lattice of holes nearer to each other than two anchors.
+        // The holes of the lattice are nearer to each other than two anchors
+        // are long.
         let deck = rect(0.0, 0.0, 60.0, 60.0);
         let mut below = rect(-1.0, -1.0, 61.0, 61.0);
         let pitch = 6.0;

@@ -1,7 +1,7 @@
-//! What is inside one skin's rings.
+//! Fills the inside of one skin's rings.
 //!
 //! In: an island of skin, and how much its neighbours cover of it. Out: its
-//! rings, and its fills by role, in print order: what is seen comes last.
+//! rings, and its fills by role, in print order: fills that are seen come last.
 
 use super::bridge::{Bridge, bridges};
 use super::roles::Sides;
@@ -25,8 +25,9 @@ use std::cell::OnceCell;
 /// Tolerance of the offsets inside a skin; nobody sees them.
 const TOLERANCE: Mm = 0.01;
 
-/// Areas nowhere wider than so many lines are filled with strokes along them:
-/// the arms of a lattice and what is between them, not a plate.
+/// An area that is nowhere wider than this many lines is filled with strokes
+/// along it. That suits the arms of a lattice and the nodes between them, not a
+/// plate.
 const NESTED: f64 = 14.0;
 
 /// How one kind of skin is filled.
@@ -53,7 +54,7 @@ pub(super) struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    /// For the layer there, if there is one.
+    /// The neighbouring layer as an island's neighbour, if there is one.
     pub(super) fn new(face: Option<Face<'a>>) -> Side<'a> {
         Side {
             face,
@@ -106,9 +107,9 @@ impl Filler<'_> {
         0.5 * s.printer.nozzle_diameter + s.skin_ring_gap
     }
 
-    /// The beads of an island that is nowhere wider than some lines, one
-    /// inside the other; nothing if it is wider, if its parts are to look
-    /// different, or if it hangs: bridges run across.
+    /// The beads of an island that is nowhere wider than some lines: rings one
+    /// inside the other. There are none if the island is wider, if its parts
+    /// are to look different, or if it hangs, as bridges run across.
     fn nested(&self, island: &Area, sides: Sides<'_>) -> Option<Patch> {
         let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
         let looks = kinds.map(|role| self.look(role));
@@ -119,7 +120,8 @@ impl Filler<'_> {
         };
         let space = spacing(look.width, look.width, self.height);
         let half = 0.5 * NESTED * space;
-        // Lines in a wide area: mostly its content tells.
+        // An area that is all within `half` of its border has no more content
+        // than this, so the cheap comparison settles most wide areas.
         let wide = island.content() > half * island.perimeter()
             || !offset(island, -half, TOLERANCE).is_empty();
         if wide || !self.bridged(island, sides).0.is_empty() {
@@ -165,7 +167,7 @@ impl Filler<'_> {
     ) -> Vec<Fill> {
         let (bridged, rest) = self.bridged(inside, sides);
         let free = around.free();
-        // From below to above: what is seen is printed last.
+        // The roles go from below to above: what is seen is printed last.
         let kinds = [Role::InternalSkin, Role::BottomSkin, Role::TopSkin];
         let looks = kinds.map(|role| self.look(role));
         let only = sides.only();
@@ -223,8 +225,8 @@ impl Filler<'_> {
         Look { pattern, width }
     }
 
-    /// An area split by role, each part wide enough for a bead: what is not
-    /// goes with the part beside it.
+    /// Splits an area by role into parts that are wide enough for a bead. A
+    /// narrower part goes with the part beside it.
     fn areas(&self, area: &Area, sides: Sides<'_>) -> Vec<(Area, Role)> {
         let half = 0.5 * self.settings.skin_width();
         let wide = |area: &Area| {
@@ -264,7 +266,7 @@ impl Filler<'_> {
     ) -> Vec<(i64, Stroke)> {
         if look.pattern == SkinPattern::Concentric {
             let plan = Lay::inside(look.width, self.height, self.settings);
-            // Up to the ring's own side.
+            // Lines reach the near side of the ring's bead.
             let rings = concentric(area, plan, TOLERANCE);
             return rings.into_iter().map(|l| (0, l)).collect();
         }
@@ -394,7 +396,7 @@ fn by_role(
             push(*role, (row, line));
             continue;
         }
-        // A ring's beginning is no place to cut it.
+        // A ring that has one role across its beginning is not cut there.
         if line.closed
             && let Some(last) = pieces.pop()
         {
@@ -420,7 +422,7 @@ mod tests {
 
     fn rect(x0: f64, x1: f64, low: f64, high: f64) -> Vec<DVec2> {
         [(x0, low), (x1, low), (x1, high), (x0, high)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec()
     }
 
@@ -452,7 +454,8 @@ mod tests {
         };
         assert_eq!(lengths(Role::InternalSkin), [20.0]);
         assert!(lengths(Role::BottomSkin).is_empty());
-        // In one piece, although the ring begins in it; one ring stays whole.
+        // The part without anything above is one piece although the ring begins
+        // in it; the other ring stays whole.
         assert_eq!(lengths(Role::TopSkin), [20.0, 12.0]);
         assert_eq!(parts[2].1[1], lines[1]);
         let piece = &parts[2].1[0].1;

@@ -9,13 +9,14 @@
 //! ```
 //!
 //! Lines go on in their neighbours over narrow turns ([`zigzag`]). An area that
-//! is nowhere wider than some lines gets rings one inside the other, and beads
-//! in the middle, instead.
+//! is nowhere wider than some lines gets no lines: it gets rings one inside the
+//! other, and beads in the middle.
 //!
 //! Inside the ring the area is split by what the neighbouring layers leave
-//! open: bridges where it hangs between supports, then bottom, top and
-//! internal skin, each with its own width and pattern. Where these are the
-//! same, lines run on from one to the other and only their roles change.
+//! open. It has bridges where it hangs between supports, then bottom, top and
+//! internal skin, each with its own width and pattern. Where two kinds have
+//! equal widths and patterns, lines run on from one kind to the other and only
+//! their roles change.
 
 pub(crate) mod bridge;
 mod fill;
@@ -48,10 +49,11 @@ pub(crate) struct Patch {
 pub(crate) struct Fill {
     /// The beads.
     pub lines: Vec<Bead>,
-    /// For each bead those that have to be printed before it; empty if any
+    /// For each bead the beads that have to be printed before it; empty if any
     /// order will do.
     pub after: Vec<Vec<u32>>,
-    /// Whether each bead has to be printed the way it runs; empty if none.
+    /// Whether each bead has to be printed the way it runs; empty if no bead
+    /// has to.
     pub one_way: Vec<bool>,
 }
 
@@ -67,9 +69,9 @@ pub(crate) struct Faces<'a> {
 /// A neighbouring layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Face<'a> {
-    /// Its outline: right at its edge lines change their role.
+    /// Its exact outline: lines change their role right at its edge.
     pub outline: &'a Solid<'a>,
-    /// The outline as exact as areas need it.
+    /// Its outline, only as exact as areas need it.
     pub rough: &'a Solid<'a>,
 }
 
@@ -113,6 +115,7 @@ mod tests {
     use super::*;
     use crate::bead::{Role, Stroke, spacing};
     use crate::plane::clip::difference;
+    use crate::plane::shapes::square;
     use crate::settings::SkinPattern;
     use glam::DVec2;
 
@@ -121,13 +124,6 @@ mod tests {
             outline: solid,
             rough: solid,
         }
-    }
-
-    fn square(half: f64) -> Area {
-        let ring = [(-half, -half), (half, -half), (half, half), (-half, half)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec();
-        Area { rings: vec![ring] }
     }
 
     #[test]
@@ -186,7 +182,8 @@ mod tests {
         }
     }
 
-    /// What a stroke lays whose share of the plane is its width less `less`.
+    /// The content that a stroke lays if its share of the plane is its width
+    /// less `less`.
     pub(super) fn laid(s: &Stroke, less: Mm) -> f64 {
         let widths = |i: usize| 0.5 * (s.width_at(i) + s.width_at(i + 1));
         let segments = s.segments().enumerate();
@@ -222,7 +219,7 @@ mod tests {
         let rect = |x0: f64, x1: f64| Area {
             rings: vec![
                 [(x0, -12.0), (x1, -12.0), (x1, 12.0), (x0, 12.0)]
-                    .map(|(x, y)| DVec2::new(x, y))
+                    .map(DVec2::from)
                     .to_vec(),
             ],
         };
@@ -245,7 +242,7 @@ mod tests {
             assert_eq!(*role, own);
             assert!((is / should - 1.0).abs() < 0.02, "{role:?} {is}");
         }
-        // The same areas with other widths and patterns.
+        // These are the areas above, with other widths and patterns.
         let all = patches(&square(10.0), faces, 1, 0.2, &wider);
         let fills = &all[0].fills;
         assert_eq!(fills.len(), 3);
@@ -258,7 +255,7 @@ mod tests {
             assert_eq!(fill.lines[0].width, width);
             let closed = role == Role::BottomSkin;
             assert_eq!(fill.lines[0].closed, closed);
-            // Rings are as wide as their places.
+            // A ring's width is what its place leaves it.
             assert!((is / should - 1.0).abs() < 0.06, "{role:?} {is}");
         }
     }

@@ -1,8 +1,9 @@
-//! What a place of the skin is: top, bottom or internal.
+//! Tells whether a place of the skin is top, bottom or internal.
 //!
-//! The next layer's outline tells where skin faces upwards, that of the layer
-//! below where it faces downwards; what both cover is skin for a layer farther
-//! away. Lines are cut where they pass these outlines.
+//! The next layer's outline tells where skin faces upwards, and the outline of
+//! the layer below where it faces downwards. A place that both cover is skin on
+//! account of a layer farther away. Lines are cut where they pass these
+//! outlines.
 
 use super::short::join_short;
 use crate::bead::{Role, Stroke};
@@ -13,9 +14,9 @@ use glam::DVec2;
 /// The neighbours of an island of skin.
 #[derive(Clone, Copy)]
 pub(super) struct Sides<'a> {
-    /// What is above: how much of the island it covers, and where.
+    /// The layer above: how much of the island it covers, and where.
     pub above: (Covered, Option<&'a EdgeGrid>),
-    /// What is below.
+    /// The layer below: how much of the island it covers, and where.
     pub below: (Covered, Option<&'a EdgeGrid>),
 }
 
@@ -34,7 +35,7 @@ impl Sides<'_> {
         }
     }
 
-    /// The role of all of the island, if it is the same everywhere.
+    /// The island's role, if all of the island has one.
     pub(super) fn only(&self) -> Option<Role> {
         match (self.below.0, self.above.0) {
             (Covered::Not, _) => Some(Role::BottomSkin),
@@ -94,7 +95,9 @@ impl Sides<'_> {
                 match pieces.last_mut() {
                     Some((own, piece)) if *own == role => {
                         if from > 0.0 {
-                            // Straight on.
+                            // The role is the same on both sides of this
+                            // crossing, so the crossing is no point of the
+                            // piece.
                             piece.points.pop();
                             piece.widths.pop();
                         }
@@ -128,14 +131,15 @@ mod tests {
 
     fn rect(x0: f64, x1: f64) -> EdgeGrid {
         let ring = [(x0, -9.0), (x1, -9.0), (x1, 9.0), (x0, 9.0)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec();
         EdgeGrid::new(&Area { rings: vec![ring] }, 1.0)
     }
 
     #[test]
     fn a_line_is_cut_where_its_role_changes() {
-        // Below ends at 3; above begins at 5, and has a slit near 8.
+        // The layer below ends at 3; the layer above begins at 5, and has a
+        // slit near 8.
         let (below, left) = (rect(3.0, 20.0), rect(5.0, 20.0));
         let sides = Sides {
             above: (Covered::Partly, Some(&left)),
@@ -160,7 +164,7 @@ mod tests {
         }
         assert_eq!(pieces[1].1.widths, [0.4, 0.4, 0.45]);
         assert_eq!(sides.most(&line), InternalSkin);
-        // A top 0.5 mm long is none.
+        // A top of 0.5 mm is too short to be one.
         let above = rect(3.5, 20.0);
         let sides = Sides {
             above: (Covered::Partly, Some(&above)),

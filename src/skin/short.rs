@@ -1,9 +1,10 @@
 //! Pieces of a path that are too short for a role of their own.
 //!
 //! In: a path's pieces, each of another role than the one before. Out: the
-//! same, where short ones have the role of the longer one beside them and are
-//! one with it. The shortest comes first, and is measured again once it has
-//! grown: with a heap that takes n·log n for n pieces.
+//! path's pieces again, where each short one has taken the role of the longer
+//! one beside it and is joined with it. The shortest piece comes first, and a
+//! piece that has grown is measured again. A heap makes that n·log n steps for
+//! n pieces.
 
 use crate::bead::{Role, Stroke};
 use crate::units::Mm;
@@ -28,7 +29,8 @@ pub(super) fn join_short(pieces: Vec<(Role, Stroke)>) -> Vec<(Role, Stroke)> {
             break;
         }
         crate::limits::check();
-        // Others have grown since, or become part of another.
+        // This entry is out of date: its run has grown since, or is part of
+        // another run.
         if runs.all[next.first].last == Some(next.last)
             && let Some(grown) = runs.join(next.first)
         {
@@ -44,17 +46,18 @@ struct Run {
     length: Mm,
     /// The run before.
     before: Option<usize>,
-    /// Its last piece; nothing if it is part of another run.
+    /// The run's last piece; nothing if the run is part of another one.
     last: Option<usize>,
 }
 
 struct Runs {
-    /// By piece; what is part of another run is not looked at.
+    /// The runs, by their first piece. Entries of pieces that begin no run are
+    /// not looked at.
     all: Vec<Run>,
 }
 
 impl Runs {
-    /// Of one piece each.
+    /// Runs of one piece each.
     fn new(pieces: &[(Role, Stroke)]) -> Runs {
         let run = |(i, (role, path)): (usize, &(Role, Stroke))| Run {
             role: *role,
@@ -77,7 +80,7 @@ impl Runs {
     }
 
     /// Joins a run with the longer one beside it, and with the other one if
-    /// that has the same role. The first piece of what comes of it.
+    /// that has the same role. Returns the first piece of the joined run.
     fn join(&mut self, run: usize) -> Option<usize> {
         let before = self.all[run].before;
         let last = self.all[run].last?;
@@ -181,7 +184,8 @@ mod tests {
         of.iter().map(&mut piece).collect()
     }
 
-    /// The same by looking through all pieces for each that is joined.
+    /// What `join` should do, done slowly: all pieces are looked through for
+    /// each one that is joined.
     fn one_by_one(mut all: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
         loop {
             let least = |i: &usize, j: &usize| all[*i].1.total_cmp(&all[*j].1);
@@ -213,7 +217,8 @@ mod tests {
         assert_eq!(found.len(), 2);
         assert_eq!(found[0].1.points.len(), 3);
         assert_eq!(found[0].1.widths.len(), 3);
-        // Of two of equal length the one before; at an end the only one.
+        // Of two neighbours of equal length the one before wins; at an end
+        // there is only one.
         let roles = |of: &[(usize, f64)]| -> Vec<Role> {
             join_short(row(of)).iter().map(|p| p.0).collect()
         };
@@ -222,9 +227,9 @@ mod tests {
             [ROLES[0], ROLES[2]]
         );
         assert_eq!(roles(&[(0, 0.5), (1, 2.0)]), [ROLES[1]]);
-        // What is between two of one role joins both.
+        // A piece between two of one role joins both.
         assert_eq!(roles(&[(0, 2.0), (1, 0.5), (0, 2.0)]), [ROLES[0]]);
-        // Short ones that grow long together stay.
+        // Short pieces that grow long together stay.
         let all = [(0, 0.6), (1, 0.5), (2, 0.7)];
         assert_eq!(roles(&all), [ROLES[2]]);
         assert_eq!(roles(&[(1, 0.5)]), [ROLES[1]]);
@@ -244,8 +249,8 @@ mod tests {
             for _ in 0..count {
                 let before = all.last().map_or(0, |p| p.0);
                 let role = (before + 1 + random(2) as usize) % 3;
-                // In binary fractions, so that sums are exact; equal ones
-                // occur.
+                // Lengths are binary fractions, so that sums are exact; equal
+                // lengths occur.
                 all.push((role, (1 + random(120)) as f64 / 64.0));
             }
             let found = join_short(row(&all));

@@ -11,7 +11,8 @@
 //! widths where they vary. How far the border is from a row is known by rows
 //! a quarter of the spacing apart: widths are right to a tenth of the spacing.
 //!
-//! Not filled: what no line passes, as it is narrower than two rows.
+//! Not filled: places that no line passes, since they are narrower than two
+//! rows.
 
 use crate::bead::Stroke;
 use crate::plane::Area;
@@ -25,15 +26,16 @@ const FINE: i64 = 4;
 /// them, mm.
 const SHORT: Mm = 0.3;
 /// How far the round end of a line covers the side of its row, as a share of
-/// its width: half a row off its centre line it is not yet at its end.
+/// the line's width: half a row off the centre line the end is set back.
 const ROUND: f64 = 0.3;
-/// Length over which a width changes at once, mm.
+/// Length over which a width that changes at once does so, mm.
 const JUMP: Mm = 0.05;
 
 /// A range of coordinates along the rows.
 type Span = (f64, f64);
 
-/// By how much a line grows to one side: at coordinates along it.
+/// By how much a line grows to one side, as pairs of a coordinate along the
+/// line and the growth there.
 type Profile = Vec<(f64, Mm)>;
 
 /// The lines as strokes `width` wide, each with its row; neighbouring rows
@@ -56,7 +58,7 @@ pub(super) fn strokes(
         return Vec::new();
     };
     let last = all.last().map_or(first, |s| s.row.div_euclid(FINE));
-    // By fine row, with a drawn one more at both ends.
+    // The area's spans by fine row, with one more drawn row at both ends.
     let mut rows: Vec<Vec<Span>> =
         vec![Vec::new(); ((last - first + 3) * FINE) as usize];
     let index = |row: i64| (row - (first - 1) * FINE) as usize;
@@ -109,8 +111,9 @@ pub(super) fn strokes(
     strokes
 }
 
-/// What a row has to grow by to one side. `beside` are the area's spans
-/// half a row away, three quarters, and those drawn on the next row.
+/// The growth of a row to one side. `beside` has the area's spans half a row
+/// away, those three quarters of a row away, and the spans drawn on the next
+/// row.
 fn wedges(beside: [&[Span]; 3], spacing: Mm, cap: Mm) -> Vec<Profile> {
     let [half, far, next] = beside;
     let mut profiles = Vec::new();
@@ -154,7 +157,7 @@ fn profile(
         let ends = closed.1 && b >= open.1;
         knots.push((a, if begins { 1.8 * quarter } else { quarter }));
         if !begins && !ends {
-            // Half way a parabola's height is a third more than its ends'.
+            // Half way a parabola's height is a third more than at its ends.
             knots.push((0.5 * (a + b), 1.6 * quarter));
         }
         knots.push((b, if ends { 1.8 * quarter } else { quarter }));
@@ -176,7 +179,7 @@ fn profile(
         knots.push((open.1, 0.0));
     }
     if knots.len() == 2 && knots.iter().all(|k| k.1 == 0.0) {
-        // Less than a quarter row at its highest.
+        // The growth is less than a quarter row at its highest.
         knots.insert(1, (0.5 * (open.0 + open.1), 0.4 * quarter));
     }
     knots
@@ -226,7 +229,7 @@ mod tests {
     #[test]
     fn lines_across_a_square_are_plain() {
         let ring = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
-            .map(|(x, y)| DVec2::new(x, y))
+            .map(DVec2::from)
             .to_vec();
         let area = Area { rings: vec![ring] };
         let slanted = Lines {
@@ -258,7 +261,8 @@ mod tests {
                     let w = s.width_at(i);
                     let side = p.y.abs() + 0.5 * (w - 0.04);
                     let reach = DVec2::new(p.x, side).length();
-                    // Plain ends stand out by half a row, as they did.
+                    // Ends without growth stand out by half a row, as plain
+                    // lines' ends do.
                     if w > 0.45 {
                         assert!(reach < 6.0 + 0.06, "{p} {w}");
                     }

@@ -1,5 +1,5 @@
-//! What a monotonic order asks for: a line comes after those beside it in
-//! the row before.
+//! The rules of a monotonic order: a line is printed after the lines beside it
+//! in the row before.
 //!
 //! ```text
 //!    4 ─────────   5 ──────   a row may be in pieces, and each piece only
@@ -11,8 +11,9 @@ use crate::bead::Stroke;
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
 
-/// For each of the lines, which are in the order of their rows, those it has
-/// to wait for. `width` is how near the ends of two count as beside.
+/// For each line the lines that it has to wait for. The lines come in the order
+/// of their rows. Two lines whose ends are nearer than `width` count as beside
+/// each other.
 pub(super) fn after(
     lines: &[(i64, Stroke)],
     angle: Degrees,
@@ -29,7 +30,7 @@ pub(super) fn after(
         })
         .collect();
     let mut after = Vec::with_capacity(lines.len());
-    // The row before: its first line, and the first behind it.
+    // The row before: its first line, and the first line behind the row.
     let (mut before, mut start) = (0..0, 0);
     for (i, (row, _)) in lines.iter().enumerate() {
         if i > 0 && *row != lines[i - 1].0 {

@@ -10,12 +10,13 @@
 //! In: lines in the order of their rows, and which of them wait for which.
 //! Out: strokes of one line or many, and which strokes wait for which.
 //!
-//! A turn lies between two rows, along the border that the lines end at. With
-//! the share t of the plane, over a way a, it takes t·a, by which both lines
-//! end early, together. Where they meet the border at an angle, the one whose
-//! other side is in the sharp corner ends less early: nothing else fills that.
-//! Ends are not joined across the border, nor where the way is long: there the
-//! lines meet the border so flatly that they grow wider beside it.
+//! A turn lies between two rows, along the border that the lines end at. A turn
+//! whose share of the plane is t takes t·a over a way a, and by that length
+//! both lines together end early. Where the lines meet the border at an angle,
+//! the line whose other side is in the sharp corner ends less early: nothing
+//! else fills that corner. Ends are not joined across the border, nor where the
+//! way is long: there the lines meet the border so flatly that they grow wider
+//! beside it.
 
 use crate::bead::{Stroke, narrowest};
 use crate::plane::grid::EdgeGrid;
@@ -32,12 +33,13 @@ pub(super) struct Turns<'a> {
     pub height: Mm,
 }
 
-/// Strokes, and what their order has to be.
+/// Strokes, and the order in which they have to be printed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Joined {
     /// The strokes, those that begin in lower rows first.
     pub strokes: Vec<Stroke>,
-    /// For each stroke those that it has to wait for, if the lines had to.
+    /// For each stroke the strokes that it has to wait for, if the lines had to
+    /// wait.
     pub after: Vec<Vec<u32>>,
     /// Whether each stroke has to begin with its first line, if the lines had
     /// to wait.
@@ -71,22 +73,23 @@ const JUMP: Mm = 0.05;
 struct Turn {
     length: Mm,
     lines: [usize; 2],
-    /// By how much each of them ends early.
+    /// By how much each of the two lines ends early.
     early: [Mm; 2],
-    /// At the lines' last points, not at their first.
+    /// Whether the turn is at the lines' last points, not at their first ones.
     last: bool,
 }
 
-/// Joins lines. `after` has for each line those that it has to wait for, or
-/// is empty: a line that waits is joined to the one that it waits for if it
-/// waits for no other, and no other for that.
+/// Joins lines. `after` is empty, or has for each line the lines that it has to
+/// wait for. A waiting line is joined to the line that it waits for if it waits
+/// for no other line and no other line waits for that one.
 pub(super) fn join(
     lines: Vec<(i64, Stroke)>,
     after: &[Vec<u32>],
     turns: Turns<'_>,
 ) -> Joined {
     let links = links(&lines, after, turns);
-    // What each line goes on with, and whether something goes on with it.
+    // The turn over which each line goes on, and whether a stroke begins with
+    // it.
     let mut next: Vec<Option<Turn>> = vec![None; lines.len()];
     let mut begins = vec![true; lines.len()];
     for link in links {
@@ -223,14 +226,15 @@ impl Turns<'_> {
             (*a.points.last()? - *a.points.first()?).normalize_or_zero();
         let out = if last { along } else { -along };
         let lean = out.dot((q - p).normalize_or_zero());
-        // The less even they end, the longer the turn, and the earlier both.
+        // The farther one line ends behind the other, the longer is the turn,
+        // and the earlier both lines end.
         let mut half = 0.0;
         for _ in 0..4 {
             let turn = q - p + 2.0 * half * lean * out;
             half = 0.5 * self.early(turn.length());
         }
         let early = [half * (1.0 + lean), half * (1.0 - lean)];
-        // Both ends of a line may turn, and some of it has to stay.
+        // Both ends of a line may have turns, and some of the line has to stay.
         let rest = 4.0 * half + 0.25 * self.spacing;
         let (from, to) = (p - out * early[0], q - out * early[1]);
         let fits = a.length().min(b.length()) > rest
@@ -243,8 +247,8 @@ impl Turns<'_> {
         })
     }
 
-    /// Lets a stroke go on with a line over one turn and up to another, if
-    /// there are such.
+    /// Lets a stroke go on over the turn `before`, if there is one, and along a
+    /// line up to the turn `after`, if there is one.
     fn append(
         &self,
         stroke: &mut Stroke,
@@ -279,9 +283,10 @@ mod tests {
     use super::super::strokes::strokes;
     use super::*;
     use crate::bead::spacing;
+    use crate::plane::Area;
     use crate::plane::clip::difference;
     use crate::plane::hatch::Lines;
-    use crate::plane::{Area, rect};
+    use crate::plane::shapes::rect;
     use crate::skin::{sweep, tests::laid};
     use glam::DVec2;
 
@@ -293,7 +298,7 @@ mod tests {
     }
 
     /// The lines that fill an area, and the strokes made of them, which lay as
-    /// much as they do.
+    /// much as the lines do.
     fn joined(area: &Area, angle: f64, swept: bool) -> (usize, Joined) {
         let lines = Lines {
             angle,
@@ -384,7 +389,7 @@ mod tests {
         let triangle = Area {
             rings: vec![
                 [(0.0, 0.0), (20.0, 0.0), (10.0, 17.0)]
-                    .map(|(x, y)| DVec2::new(x, y))
+                    .map(DVec2::from)
                     .to_vec(),
             ],
         };
@@ -413,7 +418,7 @@ mod tests {
         let border = EdgeGrid::new(&area, 1.0);
         let (_, found) = joined(&area, 0.0, false);
         for s in &found.strokes {
-            // Turns, and not lines that move over.
+            // Turns are meant here, not lines that move over.
             for (a, b) in s.segments().filter(|(a, b)| a.x == b.x) {
                 assert!(border.crossings(a, b).is_empty(), "{a} {b}");
             }

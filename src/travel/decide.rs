@@ -289,8 +289,8 @@ mod tests {
 
     #[test]
     fn ways_lose_their_ends() {
-        let way = [(0.0, 0.0), (1.0, 0.0), (1.0, 3.0), (2.0, 3.0)]
-            .map(|(x, y)| DVec2::new(x, y));
+        let way =
+            [(0.0, 0.0), (1.0, 0.0), (1.0, 3.0), (2.0, 3.0)].map(DVec2::from);
         let short = trimmed(&way, 1.5);
         let wanted = [DVec2::new(1.0, 0.5), DVec2::new(1.0, 2.5)];
         assert_eq!(short.len(), 2);

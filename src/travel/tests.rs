@@ -1,6 +1,6 @@
 use super::*;
 use crate::bead::Stroke;
-use crate::plane::rect;
+use crate::plane::shapes::rect;
 use crate::region::wall_depths;
 use crate::settings::{Combing, Hidden, HopWhen};
 use decide::Obstacles;

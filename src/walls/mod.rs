@@ -15,10 +15,10 @@ use crate::units::Mm;
 use glam::DVec2;
 use std::iter;
 
-/// The walls' lines as beads, the outer wall's first. A part too thin for
-/// walls is an outer wall. A bead in the middle of walls fills a gap, unless it
-/// goes on in one of the walls. Rings shorter than `small` are marked: later
-/// they may be opened, or cut.
+/// The walls' lines as beads, the outer wall's first. A part too thin for walls
+/// is an outer wall. A bead in the middle of walls fills a gap, unless it goes
+/// on in one of the walls. Rings shorter than `small` are marked here, since
+/// later stages may open or cut them.
 pub(crate) fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
     let all = walls.lines.iter().zip(roles(Role::InnerWall));
     all.chain(walls.thin.iter().zip(roles(Role::GapFill)))
@@ -39,8 +39,9 @@ pub(crate) fn thin(walls: &mut Walls, settings: &Settings) {
     }
 }
 
-/// The walls with arcs laid along those of one width, as fine polygons. The
-/// arcs begin at each wall's first point; in the print they begin at its seam.
+/// The walls, where arcs are laid along walls of one width and stand as fine
+/// polygons. The arcs begin at each wall's first point; in the print they begin
+/// at its seam.
 pub(crate) fn rounded(walls: &Walls, settings: &Settings) -> Walls {
     /// How near the polygons are to the arcs, mm.
     const FLAT: Mm = 0.0002;
@@ -59,7 +60,8 @@ pub(crate) fn rounded(walls: &Walls, settings: &Settings) -> Walls {
     walls
 }
 
-/// The roles of lines by their walls: `inside` for those that are not seen.
+/// The roles of lines by their walls; `inside` is the role of walls that are
+/// not seen.
 fn roles(inside: Role) -> impl Iterator<Item = Role> {
     iter::once(Role::OuterWall).chain(iter::repeat(inside))
 }

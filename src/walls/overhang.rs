@@ -1,4 +1,4 @@
-//! Which parts of the walls hang over the layer below.
+//! Finds the parts of walls that hang over the layer below.
 //!
 //! ```text
 //!   ───┄┄┄┄┄┄┄┄┄───     a wall's centre line, dotted where the layer below
@@ -7,12 +7,12 @@
 //! ```
 //!
 //! In: a bead, and the solid of the layer below. Out: the bead, cut where it
-//! begins or ceases to hang, if it is a wall. A wall that
-//! has grown wider reaches another one beside it, which holds it, and is left
-//! as it is, as is what fills the gaps between walls; the one bead of a thin
-//! place has air on both sides. By how much a bead may hang over is a share
-//! of its width: at half of it, it is the centre line that must not leave the
-//! solid.
+//! begins or ceases to hang, if it is a wall. A wall that has grown wider
+//! reaches another wall beside it, which holds it, so such a wall is left as it
+//! is. Beads that fill gaps between walls are left, too. The only bead of a
+//! thin place has air on both sides, so it may hang. A bead may hang over by a
+//! share of its width: at half of the width, it is the centre line that must
+//! not leave the solid.
 
 use crate::bead::{Bead, Role, Stroke};
 use crate::plane::Solid;
@@ -22,7 +22,7 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// What holds a layer's walls.
+/// The solid that holds a layer's walls.
 pub(crate) struct Support<'a> {
     below: &'a EdgeGrid,
     /// The solid shrunk or grown for outer and for inner walls, if not half
@@ -34,13 +34,13 @@ pub(crate) struct Support<'a> {
     own: &'a EdgeGrid,
 }
 
-/// Shorter pieces, and shorter gaps between two, go with what is beside
-/// them, mm.
+/// A piece shorter than this, or a shorter gap between two pieces, goes with
+/// what is beside it, mm.
 const SHORT: Mm = 1.0;
-/// Share by which a wall that reaches what is beside it is wider than usual.
+/// A wall that is wider than usual by this share reaches what is beside it.
 const WIDER: f64 = 0.1;
-/// How far from a bead's middle there is something beside it, as a share of
-/// its width: a little more than half.
+/// How far from a bead's middle to look for something beside the bead, as a
+/// share of its width: a little more than half.
 const BESIDE: f64 = 0.6;
 /// Tolerance of the moved solid, mm.
 const TOLERANCE: Mm = 0.01;
@@ -79,9 +79,9 @@ impl<'a> Support<'a> {
         }
     }
 
-    /// Is there more of the part beside this place of a bead?
+    /// Whether there is more of the part beside this place of a bead.
     fn leans(&self, bead: &Bead, place: f64, width: Mm) -> bool {
-        // The segment that the place is on, or begins.
+        // The segment that the place is on, or that begins there.
         let from = place.floor();
         let (a, b) = (at(bead, from).0, at(bead, from + 1.0).0);
         let side = (b - a).perp().normalize_or_zero() * BESIDE * width;
@@ -93,7 +93,8 @@ impl<'a> Support<'a> {
         let wall = usize::from(bead.role != Role::OuterWall);
         let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
         let n = bead.points.len();
-        // Where along the bead, as segment + share of it, edges are crossed.
+        // The places where edges are crossed, each as the segment's number plus
+        // the share of it.
         let mut cuts: Vec<f64> = Vec::new();
         for (i, (a, b)) in bead.segments().enumerate() {
             let first = cuts.len();
@@ -142,7 +143,7 @@ impl<'a> Support<'a> {
     }
 }
 
-/// A part of a bead, in segments.
+/// A part of a bead, from one place to another, counted in segments.
 #[derive(Clone, Copy)]
 struct Piece {
     from: f64,
@@ -152,7 +153,7 @@ struct Piece {
     wide: bool,
 }
 
-/// Adds a piece, to the last one if it is like it.
+/// Adds a piece; it is joined to the last one if both hang, or neither does.
 fn add(pieces: &mut Vec<Piece>, piece: Piece) {
     match pieces.last_mut() {
         Some(last) if last.hangs == piece.hangs => {
@@ -191,7 +192,8 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
         }
     }
     push(piece.to);
-    // Exactly where the loop closes: the next piece must find it.
+    // The point where the loop closes must be exact: the next piece begins
+    // there.
     if bead.closed && piece.to >= n as f64 {
         points.pop();
         points.push(bead.points[0]);
@@ -225,15 +227,16 @@ fn length(bead: &Bead, piece: &Piece) -> Mm {
     sum + last.distance(at(bead, piece.to).0)
 }
 
-/// Joins short pieces to those beside them: what holds between two hanging
-/// pieces hangs with them, and a short one that hangs does not count.
+/// Joins short pieces to the pieces beside them. A short held piece between two
+/// hanging ones hangs with them, and a short hanging piece does not count.
 fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
     let length = |p: &Piece| length(bead, p);
-    // Gaps between hanging pieces first, so that a row of short ones counts.
+    // Gaps between hanging pieces come first, so that a row of short hanging
+    // pieces counts.
     for hangs in [false, true] {
         let last = pieces.len().saturating_sub(1);
         for (i, piece) in pieces.iter_mut().enumerate() {
-            // The ends of a bead have but one neighbour.
+            // A piece at the end of a bead has only one neighbour.
             let inside = i > 0 && i < last;
             let short = piece.hangs == hangs && length(piece) < SHORT;
             if short && (hangs || inside) && !piece.wide {
@@ -253,12 +256,7 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
 mod tests {
     use super::*;
     use crate::plane::Area;
-
-    fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<DVec2> {
-        [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-            .map(|(x, y)| DVec2::new(x, y))
-            .to_vec()
-    }
+    use crate::plane::shapes::rect_ring;
 
     fn wall(points: Vec<DVec2>) -> Bead {
         Bead::new(Role::OuterWall, Stroke::new(points, true, 0.4), 0.2)
@@ -266,7 +264,7 @@ mod tests {
 
     /// Cuts a bead in a large part over one that ends.
     fn cut(bead: Bead, below: Vec<DVec2>, share: f64) -> Vec<Bead> {
-        cut_in(rect(-50.0, -50.0, 50.0, 50.0), bead, below, share)
+        cut_in(rect_ring(-50.0, -50.0, 50.0, 50.0), bead, below, share)
     }
 
     fn cut_in(
@@ -293,8 +291,8 @@ mod tests {
     #[test]
     fn a_wall_is_cut_where_it_leaves_the_layer_below() {
         // The layer below ends at x = 6; the wall goes on to 10.
-        let loop_ = wall(rect(0.0, 0.0, 10.0, 4.0));
-        let below = rect(-1.0, -1.0, 6.0, 5.0);
+        let loop_ = wall(rect_ring(0.0, 0.0, 10.0, 4.0));
+        let below = rect_ring(-1.0, -1.0, 6.0, 5.0);
         let pieces = cut(loop_.clone(), below.clone(), 50.0);
         let found = lengths(&pieces);
         let expected = [
@@ -307,7 +305,7 @@ mod tests {
             assert_eq!(*role, own);
             assert!((is - should).abs() < 1e-9);
         }
-        // One path without a gap, back to where it began.
+        // The pieces are one path without a gap, back to where it began.
         for pair in pieces.windows(2) {
             assert_eq!(pair[0].points.last(), pair[1].points.first());
         }
@@ -319,9 +317,9 @@ mod tests {
         }
         let whole = vec![loop_.clone()];
         assert_eq!(cut(loop_.clone(), below, 100.0), whole);
-        let wide = rect(-1.0, -1.0, 11.0, 5.0);
+        let wide = rect_ring(-1.0, -1.0, 11.0, 5.0);
         assert_eq!(cut(loop_.clone(), wide, 50.0), whole);
-        let away = rect(50.0, 0.0, 51.0, 1.0);
+        let away = rect_ring(50.0, 0.0, 51.0, 1.0);
         let all = cut(loop_, away, 50.0);
         assert_eq!((all.len(), all[0].role), (1, Role::Overhang));
         assert!(all[0].closed);
@@ -333,42 +331,43 @@ mod tests {
         let mut fin = wall(vec![DVec2::new(0.0, 0.0), DVec2::new(20.0, 0.0)]);
         fin.closed = false;
         fin.widths = vec![0.6, 0.6];
-        let below = rect(-1.0, -5.0, 5.0, 5.0);
-        let thin = rect(0.0, -0.3, 20.0, 0.3);
+        let below = rect_ring(-1.0, -5.0, 5.0, 5.0);
+        let thin = rect_ring(0.0, -0.3, 20.0, 0.3);
         let found =
             lengths(&cut_in(thin.clone(), fin.clone(), below.clone(), 50.0));
         assert_eq!(found, [(Role::OuterWall, 5.0), (Role::Overhang, 15.0)]);
-        // Also where the middle of what hangs is one of its points.
+        // This holds also where the middle of the hanging piece is one of its
+        // points.
         let mut bent = fin.clone();
         bent.points = [0.0, 10.0, 20.0].map(|x| DVec2::new(x, 0.0)).to_vec();
         bent.widths = vec![0.6; 3];
-        let away = rect(-9.0, -5.0, -5.0, 5.0);
+        let away = rect_ring(-9.0, -5.0, -5.0, 5.0);
         let found = lengths(&cut_in(thin.clone(), bent, away, 50.0));
         assert_eq!(found, [(Role::Overhang, 20.0)]);
         // The same bead as a wall of something thicker leans on the rest.
-        let thick = rect(0.0, -0.3, 20.0, 5.0);
+        let thick = rect_ring(0.0, -0.3, 20.0, 5.0);
         let found = lengths(&cut_in(thick, fin, below, 50.0));
         assert_eq!(found, [(Role::OuterWall, 20.0)]);
     }
 
     #[test]
     fn widths_go_with_their_pieces_and_short_ones_do_not_count() {
-        let mut bead = wall(rect(0.0, 0.0, 10.0, 4.0));
+        let mut bead = wall(rect_ring(0.0, 0.0, 10.0, 4.0));
         bead.widths = vec![0.36, 0.4, 0.4, 0.36];
-        let pieces = cut(bead.clone(), rect(-1.0, -1.0, 5.0, 5.0), 50.0);
+        let pieces = cut(bead.clone(), rect_ring(-1.0, -1.0, 5.0, 5.0), 50.0);
         assert!((pieces[0].widths[1] - 0.38).abs() < 1e-9);
         assert!(pieces.iter().all(|p| p.widths.len() == p.points.len()));
         // One side is wider and leans on another wall.
         let mut wide = bead.clone();
         wide.widths = vec![0.4, 0.4, 0.6, 0.6];
-        let pieces = cut(wide, rect(-1.0, -1.0, 5.0, 5.0), 50.0);
+        let pieces = cut(wide, rect_ring(-1.0, -1.0, 5.0, 5.0), 50.0);
         let found = lengths(&pieces);
         assert_eq!(found.len(), 3, "{found:?}");
         assert!((found[1].1 - 7.0).abs() < 2.1 && found[1].0 == Role::Overhang);
         // A notch 0.5 mm wide in the layer below.
-        let mut below = rect(-1.0, -1.0, 11.0, 5.0);
+        let mut below = rect_ring(-1.0, -1.0, 11.0, 5.0);
         let notch = [(5.0, -1.0), (5.0, 1.0), (5.5, 1.0), (5.5, -1.0)];
-        below.splice(1..1, notch.map(|(x, y)| DVec2::new(x, y)));
+        below.splice(1..1, notch.map(DVec2::from));
         assert_eq!(cut(bead.clone(), below, 50.0), [bead]);
     }
 }

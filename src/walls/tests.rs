@@ -4,17 +4,18 @@
 use crate::bead::Bead;
 use crate::plane::Area;
 use crate::plane::grid::EdgeGrid;
+use crate::plane::shapes::circle;
 use crate::region::{wall_depths, walls};
 use crate::settings::Settings;
 use crate::walls::beads;
 use glam::DVec2;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 const HEIGHT: f64 = 0.2;
 /// Side of the raster's cells.
 const CELL: f64 = 0.02;
 
-/// What beads make of a part.
+/// How well beads fill a part.
 #[derive(Debug)]
 struct Print {
     /// Share of the part that no bead covers.
@@ -42,7 +43,7 @@ fn print(part: &Area) -> Print {
     let centre = |i: usize, j: usize| {
         origin + CELL * (DVec2::new(i as f64, j as f64) + 0.5)
     };
-    // What is to be filled otherwise counts as covered.
+    // Areas that are left to skin or infill count as covered.
     let filled = EdgeGrid::new(&laid.fill, 0.3);
     let edges = EdgeGrid::new(part, 0.3);
     let mut covered = vec![false; columns * rows];
@@ -149,12 +150,6 @@ fn area(points: &[(f64, f64)], turn: f64) -> Area {
     Area {
         rings: vec![ring(points, turn)],
     }
-}
-
-fn circle(r: f64, n: usize) -> Vec<DVec2> {
-    (0..n)
-        .map(|i| DVec2::from_angle(TAU * i as f64 / n as f64) * r)
-        .collect()
 }
 
 /// Thicknesses from the narrowest bead to five walls, and an angle each.
@@ -288,7 +283,7 @@ fn stars_are_covered_but_for_their_points() {
         let star = area(&star, 0.1);
         let p = print(&star);
         let content = star.content();
-        // Each point is left open where it is thinner than a bead.
+        // Each pointed end is left open where it is thinner than a bead.
         faults.check(p.hole < 0.15, "hole", &format!("{points}"), &p);
         faults.check(
             p.open * content < 0.3 * f64::from(points),
@@ -425,7 +420,7 @@ fn walls_of_two_widths_lie_a_spacing_apart() {
         walls: 3,
         ..Settings::default()
     };
-    let square = crate::plane::rect(-HALF, -HALF, HALF, HALF);
+    let square = crate::plane::shapes::rect(-HALF, -HALF, HALF, HALF);
     let laid = walls(&square, HEIGHT, &settings);
     let depth = |bead: &Bead| {
         let middles = bead.segments().map(|(a, b)| a.midpoint(b));

@@ -21,13 +21,13 @@ use isoslice::pipeline::{self, Options, Summary};
 use isoslice::settings::{Builder, Settings};
 use std::path::Path;
 
-/// Settings from assignments as `--set` takes them, without pictures, which
-/// cost more than many a test's part.
 /// Cross-section of a filament.
 pub fn filament_area(diameter: f64) -> f64 {
     0.25 * std::f64::consts::PI * diameter * diameter
 }
 
+/// Settings from assignments as `--set` takes them, without pictures, which
+/// cost more than many a test's part.
 pub fn settings(assignments: &[&str]) -> Settings {
     let mut builder = Builder::new();
     builder.set("gcode.thumbnails=").unwrap();

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn density_is_the_share_of_the_volume_in_beads() {
     let area = square(50.0);
-    for kind in ALL {
+    for kind in InfillPattern::ALL {
         for density in [10.0, 15.0, 25.0, 60.0] {
             let settings = settings(kind, density);
             // Off the walls, where the joins are, and over several periods.
@@ -74,7 +74,7 @@ fn a_varying_density_is_met_everywhere() {
     let area = square(48.0);
     // That of hexagons cannot vary.
     let varied = |kind: &InfillPattern| *kind != InfillPattern::Hexagons;
-    for kind in ALL.into_iter().filter(varied) {
+    for kind in InfillPattern::ALL.into_iter().filter(varied) {
         let settings = graded(kind, "35 + 0.6*x");
         let places = (0..40).map(spread);
         let layers = lay(&settings, HERE, &area, places);

@@ -85,7 +85,7 @@ fn islands_continue_each_other() {
     };
     let mut both = shifted(-20.0);
     both.rings.extend(shifted(20.0).rings);
-    for kind in ALL {
+    for kind in InfillPattern::ALL {
         if kind == InfillPattern::Concentric {
             continue;
         }

@@ -7,28 +7,8 @@ mod shapes;
 
 use super::*;
 use crate::model::{self, BuildVolume, Model, Placement, SourceKind, load};
+use crate::plane::shapes::square;
 use crate::settings::Varying;
-
-fn square(half: f64) -> Area {
-    let ring = [(-half, -half), (half, -half), (half, half), (-half, half)]
-        .map(|(x, y)| DVec2::new(x, y))
-        .to_vec();
-    Area { rings: vec![ring] }
-}
-
-const ALL: [InfillPattern; 11] = [
-    InfillPattern::Rectilinear,
-    InfillPattern::Grid,
-    InfillPattern::Triangles,
-    InfillPattern::Hexagons,
-    InfillPattern::Cubic,
-    InfillPattern::Concentric,
-    InfillPattern::Gyroid,
-    InfillPattern::SchwarzP,
-    InfillPattern::Diamond,
-    InfillPattern::Neovius,
-    InfillPattern::Lidinoid,
-];
 
 fn settings(pattern: InfillPattern, density: f64) -> Settings {
     Settings {

@@ -58,7 +58,7 @@ fn paths_are_long_and_stay_inside() {
     hole.reverse();
     area.rings.push(hole);
     let grid = crate::plane::grid::EdgeGrid::new(&area, 1.0);
-    for kind in ALL {
+    for kind in InfillPattern::ALL {
         let settings = settings(kind, 20.0);
         let places = [0, 7, 12].map(layer);
         for (i, beads) in lay(&settings, HERE, &area, places).iter().enumerate()
@@ -92,7 +92,7 @@ fn points(settings: &Settings, site: Site, at: Place) -> Vec<DVec2> {
 
 #[test]
 fn angle_phase_and_centre_move_the_pattern() {
-    for kind in ALL {
+    for kind in InfillPattern::ALL {
         let plain = settings(kind, 20.0);
         let at = layer(5);
         let here = points(&plain, HERE, at);

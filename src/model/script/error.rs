@@ -66,9 +66,6 @@ fn place(line: Option<usize>, column: Option<usize>) -> String {
     }
 }
 
-/// What a function that scripts call returns.
-pub(super) type Outcome<T> = Result<T, Box<EvalAltResult>>;
-
 /// Turns rhai's error into ours.
 pub(super) fn explain(
     error: &EvalAltResult,

@@ -1,7 +1,6 @@
 //! The functions that scripts have beside fidget's: powers, `draw`, `param`.
 
-use super::error::Outcome;
-use super::shape::{describe, shape};
+use super::shape::{Outcome, describe, shape};
 use crate::model::param::{ParamError, Table, Value};
 use crate::model::power::{power, power_of};
 use fidget::context::Tree;

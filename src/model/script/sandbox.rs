@@ -1,10 +1,10 @@
 //! What the interpreter may not do: the sandbox.
 
-use super::error::Outcome;
 use super::limits::{
     MAX_ARRAY, MAX_CALLS, MAX_DEPTH, MAX_FUNCTIONS, MAX_MAP, MAX_STRING,
     MAX_VARIABLES, Stop,
 };
+use super::shape::Outcome;
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Position};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};

@@ -1,7 +1,10 @@
-//! The shapes among a script's values.
+//! The shapes among a script's values, and what functions return to scripts.
 
 use fidget::context::Tree;
-use rhai::Dynamic;
+use rhai::{Dynamic, EvalAltResult};
+
+/// What a function that scripts call returns.
+pub(super) type Outcome<T> = Result<T, Box<EvalAltResult>>;
 
 /// The smallest of all fields, as a balanced tree: a chain of 10,000 bodies
 /// would make a deep one.

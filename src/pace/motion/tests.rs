@@ -5,12 +5,6 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 const A: f64 = 1000.0;
 /// Speed of right-angled corners.
 const CORNER: f64 = 5.0;
-const ALL: [Flavour; 4] = [
-    Flavour::Klipper,
-    Flavour::Marlin,
-    Flavour::Prusa,
-    Flavour::Rrf,
-];
 
 fn motion(flavour: Flavour) -> Motion {
     let limits = Limits {
@@ -44,7 +38,7 @@ fn long(end: f64) -> f64 {
 
 #[test]
 fn a_single_move_is_a_trapezoid() {
-    for flavour in ALL {
+    for flavour in Flavour::ALL {
         let mut m = motion(flavour);
         travel(&mut m, DVec3::new(30.0, 40.0, 0.0));
         // d/v + v/a
@@ -63,7 +57,7 @@ fn a_short_move_is_a_triangle() {
 
 #[test]
 fn a_right_angle_is_taken_at_the_square_corner_velocity() {
-    for flavour in ALL {
+    for flavour in Flavour::ALL {
         let mut m = motion(flavour);
         travel(&mut m, DVec3::X * 50.0);
         travel(&mut m, DVec3::Y * 50.0);
@@ -219,7 +213,7 @@ fn rrf_stops_where_printing_begins() {
 
 #[test]
 fn z_is_as_slow_as_it_can_be() {
-    for flavour in ALL {
+    for flavour in Flavour::ALL {
         let mut m = motion(flavour);
         travel(&mut m, DVec3::Z * 20.0);
         close(time(&mut m), 20.0 / 10.0 + 10.0 / 100.0);
@@ -258,7 +252,7 @@ fn the_minimum_cruise_ratio_slows_short_moves_only() {
 
 #[test]
 fn nothing_takes_no_time() {
-    for flavour in ALL {
+    for flavour in Flavour::ALL {
         let mut m = motion(flavour);
         assert_eq!(time(&mut m), 0.0);
         travel(&mut m, DVec3::ZERO);
@@ -276,7 +270,7 @@ fn corners_are_numbers_whatever_meets() {
         DVec3::Z,
         DVec3::new(1e-3, 1.0, 1e-9),
     ];
-    for flavour in ALL {
+    for flavour in Flavour::ALL {
         for corner in [0.0, CORNER] {
             let mut m = motion(flavour);
             m.limits.planner = Planner::new(flavour, corner, A);

@@ -1,17 +1,10 @@
 use super::*;
+use crate::plane::shapes::{circle, ring};
 use crate::plane::{Area, path_length};
 use std::f64::consts::{PI, TAU};
 
-fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
-    points.iter().map(|&(x, y)| DVec2::new(x, y)).collect()
-}
-
-fn circle(at: (f64, f64), r: f64, n: usize) -> Vec<DVec2> {
-    (0..n)
-        .map(|i| {
-            DVec2::from(at) + r * DVec2::from_angle(TAU * i as f64 / n as f64)
-        })
-        .collect()
+fn moved(ring: Vec<DVec2>, by: (f64, f64)) -> Vec<DVec2> {
+    ring.into_iter().map(|p| DVec2::from(by) + p).collect()
 }
 
 fn hole(mut ring: Vec<DVec2>) -> Vec<DVec2> {
@@ -56,7 +49,7 @@ fn a_clear_way_is_straight() {
 #[test]
 fn round_a_hole_by_the_shorter_side() {
     // The tangents to the clearance's circle and the arc between them.
-    let rings = vec![ring(&SQUARE), hole(circle((0.0, 1.0), 5.0, 400))];
+    let rings = vec![ring(&SQUARE), hole(moved(circle(5.0, 400), (0.0, 1.0)))];
     let (length, points) = way(rings, (-15.0, 0.0), (15.0, 0.0)).unwrap();
     assert!(points.iter().all(|p| p.y < 0.0), "{points:?}");
     let (r, d) = (5.5_f64, 226.0_f64.sqrt());
@@ -95,7 +88,7 @@ fn between_many_holes() {
     for i in -4..=4 {
         for j in -4..=4 {
             let at = (4.0 * f64::from(i), 4.0 * f64::from(j));
-            rings.push(hole(circle(at, 1.4, 60)));
+            rings.push(hole(moved(circle(1.4, 60), at)));
         }
     }
     let (length, points) = way(rings, (-18.5, -17.0), (18.0, 18.5)).unwrap();
@@ -126,14 +119,10 @@ fn a_neck_narrower_than_the_clearance_is_passed() {
 
 #[test]
 fn islands_are_not_left() {
-    let rings = vec![circle((0.0, 0.0), 5.0, 90), circle((20.0, 0.0), 5.0, 90)];
+    let rings = vec![circle(5.0, 90), moved(circle(5.0, 90), (20.0, 0.0))];
     assert!(way(rings, (0.0, 0.0), (20.0, 0.0)).is_none());
     // An island in a hole is not the one around it.
-    let rings = vec![
-        circle((0.0, 0.0), 20.0, 90),
-        hole(circle((0.0, 0.0), 10.0, 90)),
-        circle((0.0, 0.0), 5.0, 90),
-    ];
+    let rings = vec![circle(20.0, 90), hole(circle(10.0, 90)), circle(5.0, 90)];
     assert!(way(rings.clone(), (0.0, 0.0), (15.0, 0.0)).is_none());
     // Past it there is a way.
     let (length, _) = way(rings, (-15.0, 0.1), (15.0, 0.1)).unwrap();

@@ -23,7 +23,7 @@ struct Candidate {
 
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
-        // Of boxes that reach equally far the deepest first: that one is the
+        // Of boxes that reach equally far the deepest comes first: it is the
         // nearest to a decision.
         self.reach
             .total_cmp(&other.reach)
@@ -81,7 +81,8 @@ impl Search<'_> {
         let far = (0..3)
             .map(|i| self.region.lo[i].abs().max(self.region.hi[i].abs()))
             .fold(0.0, f64::max);
-        // Not below what f64 coordinates can tell apart.
+        // The tolerance is not below the distance that f64 coordinates can tell
+        // apart.
         let tolerance = (self.region.largest_side() * self.options.tolerance)
             .min(1e-4)
             .max(far * 1e-13);
@@ -148,9 +149,10 @@ impl Search<'_> {
                 if c.reach <= known + tolerance {
                     break;
                 }
-                // Cut below what is still to be decided, so that no box gets
-                // thinner than half the tolerance: over a rounded top whose
-                // height lies right at the cut, thinner ones never end.
+                // The cut is below the part that is still to be decided, so
+                // that no box gets thinner than half the tolerance: over a
+                // rounded top whose height lies right at the cut, ever thinner
+                // boxes would follow.
                 side.clip(&mut c.cell, known + 0.5 * tolerance);
             }
             if self.scratch.work > stop {
@@ -180,17 +182,18 @@ impl Search<'_> {
                     c.program = Rc::new(simple);
                 }
                 self.note_inside(start);
-                // Of a long program the boxes are halved instead.
+                // With a long program the boxes are halved instead.
                 if c.program.len() as u64 * CLIMB < budget {
                     self.climb(side, &c.program, start, c.reach);
                 }
-                // The same box again, cut at the new extent.
+                // This box comes back, cut at the new extent.
                 queue.push(c);
                 continue;
             }
             let whole = c.cell;
             c.cell = c.program.contracted(&whole, &self.scratch);
-            // What the jumps leave of the box may be too thin to count.
+            // The part of the box that the jumps leave may be too thin to
+            // count.
             let too_thin =
                 |i: usize| c.cell.width(i) < whole.width(i).min(thinnest);
             if (0..3).any(too_thin) {
@@ -326,7 +329,7 @@ impl Search<'_> {
         }
     }
 
-    /// Moves the known extent from an inside point outwards to a surface.
+    /// Moves the known extent outwards from an inside point to a surface.
     fn climb(
         &mut self,
         side: Side,

@@ -1,8 +1,8 @@
-//! What a search knows of the model, and its coarse beginning: the region in
-//! which the field may be negative, narrowed by proofs over a grid.
+//! The state of a search, and its coarse beginning: the region in which the
+//! field may be negative is narrowed by proofs over a grid.
 
 use super::side::Side;
-use super::undefined::Undefined;
+use super::undefined::{Undefined, undefined};
 use super::{Bounds, BoundsError, SearchOptions};
 use crate::cancel::Cancel;
 use crate::cell::Cell;
@@ -81,6 +81,11 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// How much of the field is NaN.
+    fn undefined(&mut self, program: &Program) -> Undefined {
+        undefined(program, self.options, self.cancel, &mut self.scratch)
+    }
+
     /// Nothing is inside, and why.
     pub(super) fn empty(&mut self, program: &Program) -> BoundsError {
         let searched = self.searched();
@@ -120,7 +125,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The ranges tell too little; perhaps since there are no values.
+    /// The error if the ranges tell too little; perhaps there are no values.
     pub(super) fn undecided(
         &mut self,
         side: Side,
@@ -204,7 +209,7 @@ impl<'a> Search<'a> {
     }
 
     /// Takes slabs off the region's sides as long as one of them is proved to
-    /// be empty: few boxes for much of the region, whatever the program's
+    /// be empty. A few boxes settle much of the region, whatever the program's
     /// size.
     fn peel(&mut self, mut program: Rc<Program>) -> Rc<Program> {
         /// What is left of the way from the middle to the side; the most
@@ -215,7 +220,8 @@ impl<'a> Search<'a> {
         let mut least = 0;
         loop {
             let mut peeled = false;
-            // Where much could not be taken off once, it will not be later.
+            // A share that could not be taken off once will not be taken off
+            // later.
             let mut best = LEAVES.len();
             let centre = self.region.centre();
             for side in Side::all() {

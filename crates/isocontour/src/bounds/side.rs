@@ -14,7 +14,7 @@ pub(super) struct Side {
 impl Side {
     pub(super) fn all() -> [Self; 6] {
         std::array::from_fn(|i| Self {
-            // z first: it is the side the part stands on.
+            // z comes first: the part stands on that side.
             axis: 2 - i / 2,
             up: i % 2 == 1,
         })
@@ -48,7 +48,7 @@ impl Side {
         }
     }
 
-    /// Removes what is less far out than `from`.
+    /// Removes the part that is less far out than `from`.
     pub(super) fn clip(self, cell: &mut Cell, from: f64) {
         if self.up {
             cell.lo[self.axis] = cell.lo[self.axis].max(from);

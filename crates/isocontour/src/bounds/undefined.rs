@@ -1,7 +1,8 @@
 //! Where a field is no number, and which operation makes it so.
 
-use super::search::Search;
-use crate::program::Program;
+use super::SearchOptions;
+use crate::cancel::Cancel;
+use crate::program::{Program, Scratch};
 
 /// How much of a field is NaN.
 pub(super) struct Undefined {
@@ -11,47 +12,49 @@ pub(super) struct Undefined {
     pub cause: Option<String>,
 }
 
-impl Search<'_> {
-    /// Looks at points all over what is searched, near the origin and far.
-    pub(super) fn undefined(&mut self, program: &Program) -> Undefined {
-        /// How far out the points are, if the search has no bounds.
-        const FAR: [f64; 4] = [0.9, 11.0, 130.0, 7_000.0];
-        /// Points along each axis, as shares of the way; none of them on a
-        /// plane of symmetry.
-        const AT: [f64; 5] = [-0.93, -0.48, 0.04, 0.53, 0.97];
-        let frames: Vec<[[f64; 2]; 3]> = match self.options.within {
-            Some(b) => {
-                let (lo, hi) = (b.min.to_array(), b.max.to_array());
-                let half = |i: usize| 0.5 * (hi[i] - lo[i]);
-                vec![std::array::from_fn(|i| [lo[i] + half(i), half(i)])]
+/// Looks at points all over what is searched, near the origin and far.
+pub(super) fn undefined(
+    program: &Program,
+    options: &SearchOptions,
+    cancel: &Cancel,
+    scratch: &mut Scratch,
+) -> Undefined {
+    /// How far out the points are, if the search has no bounds.
+    const FAR: [f64; 4] = [0.9, 11.0, 130.0, 7_000.0];
+    /// Points along each axis, as shares of the way; none of them on a
+    /// plane of symmetry.
+    const AT: [f64; 5] = [-0.93, -0.48, 0.04, 0.53, 0.97];
+    let frames: Vec<[[f64; 2]; 3]> = match options.within {
+        Some(b) => {
+            let (lo, hi) = (b.min.to_array(), b.max.to_array());
+            let half = |i: usize| 0.5 * (hi[i] - lo[i]);
+            vec![std::array::from_fn(|i| [lo[i] + half(i), half(i)])]
+        }
+        None => FAR.iter().map(|&far| [[0.0, far]; 3]).collect(),
+    };
+    let (mut points, mut without) = (0.0, 0.0);
+    let mut cause = None;
+    for frame in frames {
+        for n in 0..AT.len().pow(3) {
+            if cancel.is_asked() {
+                break;
             }
-            None => FAR.iter().map(|&far| [[0.0, far]; 3]).collect(),
-        };
-        let (mut points, mut without) = (0.0, 0.0);
-        let mut cause = None;
-        for frame in frames {
-            for n in 0..AT.len().pow(3) {
-                if self.cancel.is_asked() {
-                    break;
-                }
-                let at = [n % 5, n / 5 % 5, n / 25].map(|i| AT[i]);
-                let point: [f64; 3] =
-                    std::array::from_fn(|i| frame[i][0] + at[i] * frame[i][1]);
-                points += 1.0;
-                if program.value(point, &mut self.scratch).is_nan() {
-                    without += 1.0;
-                    cause = cause
-                        .or_else(|| program.why_nan(point, &mut self.scratch));
-                }
-                // Enough, of a program that takes its time.
-                if self.scratch.work > 2 * self.options.max_work {
-                    break;
-                }
+            let at = [n % 5, n / 5 % 5, n / 25].map(|i| AT[i]);
+            let point: [f64; 3] =
+                std::array::from_fn(|i| frame[i][0] + at[i] * frame[i][1]);
+            points += 1.0;
+            if program.value(point, scratch).is_nan() {
+                without += 1.0;
+                cause = cause.or_else(|| program.why_nan(point, scratch));
+            }
+            // A program that takes its time is looked at no longer.
+            if scratch.work > 2 * options.max_work {
+                break;
             }
         }
-        Undefined {
-            share: without / points,
-            cause,
-        }
+    }
+    Undefined {
+        share: without / points,
+        cause,
     }
 }

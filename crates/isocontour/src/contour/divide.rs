@@ -10,8 +10,9 @@
 //!   └───────────┴─/──────\──┘   divided, too.
 //! ```
 //!
-//! Both cells at a side see the same nodes on it, so both come to the same
-//! conclusion, whichever is divided first, or alone.
+//! Both cells at a side see the same nodes on it. So both come to one
+//! conclusion, whichever cell is divided first, and also if only one is
+//! divided.
 
 use super::link::Crossing;
 use super::refine::{Bracket, refine};
@@ -36,7 +37,7 @@ pub(super) struct Cell {
     pub vertices: [Option<Vertex>; 4],
 }
 
-/// A piece of outline in a divided cell.
+/// A piece of the outline in a divided cell.
 pub(super) struct Piece {
     pub layer: usize,
     /// Vertices, counted within the batch of cells.
@@ -54,8 +55,8 @@ pub(super) struct Divided {
     /// Per cell, the sides where the lattice's edge was wrong: south, east,
     /// north, west.
     pub wrong: Vec<[bool; 4]>,
-    /// Per cell, how wide what is inside and outside is on average, if that is
-    /// too fine for its outline to be followed.
+    /// Per cell, how wide its inside and its outside are on average, if they
+    /// are too fine for the outline to be followed.
     pub widths: Vec<Option<Length>>,
 }
 
@@ -70,16 +71,15 @@ pub(super) struct Fineness {
     pub smallest: Length,
 }
 
-/// Sign changes along a line, over the length of the smallest feature, from
-/// which on the field is too fine: three whole pieces lie in between.
+/// The field is too fine where a line has this many sign changes within the
+/// length of the smallest feature: three whole pieces lie between them.
 const DENSE: usize = 4;
-/// The share of a cell's lines from which on it is too fine if they are like
-/// that.
+/// A cell is too fine if this share of its lines is too fine.
 const DENSE_LINES: f64 = 1.0 / 6.0;
 
-/// Pieces of outline in a divided cell that the gradients at their ends
-/// contradict from which on it is too fine, if they are half of all: there is
-/// more of it between the nodes.
+/// A divided cell is too fine if the gradients at their ends contradict at
+/// least so many of its pieces, and at least half of all: more of the outline
+/// is hidden between the nodes.
 const AGAINST: usize = 8;
 
 /// The field on a divided cell.
@@ -115,14 +115,14 @@ impl Patch {
         (f64::from(self.x[last]) - f64::from(self.x[0])) / last as f64
     }
 
-    /// How wide what is inside and what is outside is on average, as in
+    /// How wide the inside and the outside are on average, reckoned as in
     /// `noise`, if that is much less than the smallest feature: a third of it
-    /// all over or in some places, or less than it and so fine that every
-    /// fourth edge has a sign change.
+    /// all over or in some places, or less than it where every fourth edge has
+    /// a sign change.
     fn too_fine(&self, smallest: Length) -> Option<Length> {
         let n = self.x.len();
         let step = self.step();
-        // Edges in a row that are as long as the smallest feature.
+        // This many edges in a row are as long as the smallest feature.
         let span = ((smallest / step) as usize).max(DENSE);
         let (mut changes, mut dense) = (0, 0);
         let mut line = |at: &dyn Fn(usize) -> usize| {
@@ -132,7 +132,7 @@ impl Patch {
                 if self.inside[at(k - 1)] != self.inside[at(k)] {
                     places[count % DENSE] = k;
                     count += 1;
-                    // The oldest of the last few is next to be overwritten.
+                    // The oldest of the last few changes is overwritten next.
                     found |= count >= DENSE && k - places[count % DENSE] < span;
                 }
             }
@@ -268,7 +268,7 @@ fn find_vertices(
             let next = patch.node(a + 1 - dir, b + dir);
             patch.inside[patch.node(a, b)] != patch.inside[next]
         };
-        // Crossings of the sides first: they have names.
+        // Crossings of the sides come first: they have names.
         let mut names = vec![Crossing::NONE; patch.slots.len()];
         let mut wrong = [false; 4];
         let mut known = Vec::new();
@@ -333,8 +333,8 @@ fn find_vertices(
     Ok(())
 }
 
-/// True if the field at one of its ends rises to the other side of a piece of
-/// outline than that on which its nodes are outside.
+/// True if the gradient at an end of a piece of outline contradicts the nodes:
+/// it rises to the side on which the nodes are inside.
 fn is_against(from: End, to: End) -> bool {
     let out = -(to.point - from.point).perp();
     [from, to].iter().any(|end| end.gradient.dot(out) < 0.0)
@@ -380,7 +380,8 @@ fn connect(
     }
     let mut centres = centres.into_iter();
     let mut chords: Vec<Chord> = Vec::new();
-    // Per chord its piece, and whether the one before is in the same cell.
+    // For each chord its piece, and whether the chord before is in the same
+    // cell.
     let mut owners: Vec<(usize, bool)> = Vec::new();
     for (n, (cell, p)) in cells.iter().zip(patches).enumerate() {
         let in_vain = out.widths[n].is_some();
@@ -407,7 +408,8 @@ fn connect(
                 count += 1;
                 against += usize::from(is_against(ends[0], ends[1]));
                 let (near, far) = (fineness.tolerance, fineness.trusted);
-                // Both of a saddle, so that they can be compared.
+                // A saddle's two pieces are both followed, so that they can be
+                // compared.
                 if !in_vain
                     && (list.len() > 1
                         || !matches!(

@@ -9,9 +9,10 @@
 //!     │           V
 //! ```
 //!
-//! For a field that is convex between the nodes (as one is near a thin wall)
-//! the two lines lie below it, so nothing that reaches the row is missed; they
-//! are taken to reach farther, for what lies between two rows.
+//! A field that is convex between the nodes, as it is near a thin wall, lies
+//! above the two lines, so no feature that reaches the row is missed. The lines
+//! are taken to reach farther than that, for features that lie between two
+//! rows.
 //!
 //! Not guaranteed: that a feature shows where another one's field hides it
 //! from all of the nodes around it.
@@ -19,48 +20,40 @@
 use super::samples::Samples;
 use crate::cells::{Place, bits};
 use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
-use glam::{DVec2, Vec4};
+use glam::DVec2;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Parts of the cell that the field's fall from both sides, each going on to
-/// zero, may leave between them. Below 1 they cross zero on the row itself,
-/// as they do for all that is wider than the lattice; a pin half a cell off
-/// the row shows by about 1.6.
+/// The field is carried on from both sides as it falls there, each time to
+/// zero. An edge is doubtful if the ways from its nodes to these two zeros add
+/// up to fewer cells than this. With less than 1 the two zeros have passed each
+/// other on the row itself, as they do for every feature that reaches the row; a
+/// pin half a cell off the row shows by about 1.6.
 const NEAR: f32 = 1.0;
 const FAR: f32 = 1.6;
-/// Doubtful cells of a leaf that are looked into, where the lattice is as
-/// fine as the smallest feature: where more are in doubt the field is noise.
+/// Doubtful cells of a leaf that are looked into, where the lattice is as fine
+/// as the smallest feature: a field with more doubtful cells is noise.
 const MOST: usize = 16;
-
-/// Where the field may pass zero between two neighbouring nodes with values
-/// `a` and `b` of the same sign; `before` and `after` are those beside them.
-/// A bit for each of four.
-fn doubtful([before, a, b, after]: [Vec4; 4], reach: f32) -> u32 {
-    let side = Vec4::select(a.cmplt(Vec4::ZERO), Vec4::NEG_ONE, Vec4::ONE);
-    let (a, b) = (side * a, side * b);
-    let (fall, rise) = (side * before - a, side * after - b);
-    b.cmpge(Vec4::ZERO).bitmask()
-        & fall.cmpgt(Vec4::ZERO).bitmask()
-        & rise.cmpgt(Vec4::ZERO).bitmask()
-        & (a * rise + b * fall).cmplt(reach * fall * rise).bitmask()
-}
 
 /// A leaf's values.
 type Values = [f32; NODES * NODES];
 
-/// Looks through leaves for those without a doubtful edge: most have none, and
-/// that is sooner told than which edges are.
+/// Looks through leaves for those with a doubtful edge. Most leaves have none,
+/// and that is sooner told than which edges are doubtful.
 struct Sift<'a> {
     leaves: &'a [Values],
     reach: f32,
-    /// By leaf, whether it may have one.
+    /// By leaf, whether it has a doubtful edge.
     out: &'a mut Vec<bool>,
 }
 
+/// The lines at each of a leaf's borders, from the border inwards.
+const BORDERS: [[usize; 3]; 2] = [[0, 1, 2], [LEAF, LEAF - 1, LEAF - 2]];
 /// Numbers that are looked at together.
 const WIDTH: usize = 8;
 
-/// Greater than zero where an edge is [`doubtful`].
+/// Greater than zero if the field may pass zero between two neighbouring nodes
+/// with values `a` and `b` of one sign; `before` and `after` are the values at
+/// the nodes beside them.
 #[inline(always)]
 fn doubt([before, a, b, after]: [f32; 4], reach: f32) -> f32 {
     let side = if a < 0.0 { -1.0 } else { 1.0 };
@@ -72,9 +65,9 @@ fn doubt([before, a, b, after]: [f32; 4], reach: f32) -> f32 {
     if b >= 0.0 { least } else { -1.0 }
 }
 
-/// The same of an edge from `a` at a border inwards to `b`, as long as the
-/// node beyond is not known. However steep it is there: four times as steep
-/// as here is the most that is thought of.
+/// Greater than zero if the field may pass zero on an edge from `a` at a leaf's
+/// border inwards to `b`, whatever is at the node beyond the border. The field
+/// is taken to be at most four times as steep there as it is inside.
 #[inline(always)]
 fn doubt_at_border([a, b, c]: [f32; 3], reach: f32) -> f32 {
     let step = (c - b).abs();
@@ -92,8 +85,9 @@ fn some(list: &[f32], at: usize) -> [f32; WIDTH] {
 }
 
 impl Sift<'_> {
-    /// Edges between nodes that are `step` places apart, with a node on either
-    /// side; of those along x, some reach from one row into the next.
+    /// Looks at edges between nodes that are `step` places apart, with a node
+    /// on either side. Along x some of these reach from one row into the next,
+    /// which does no harm here.
     #[inline(always)]
     fn inner(&self, leaf: &Values, step: usize, best: &mut [f32; WIDTH]) {
         let last = NODES * NODES - 3 * step - WIDTH;
@@ -109,11 +103,12 @@ impl Sift<'_> {
         }
     }
 
-    /// Edges from the nodes of a border to those of the next line inwards.
+    /// Looks at edges from the nodes of a border to those of the next line
+    /// inwards.
     #[inline(always)]
     fn border(
         &self,
-        [first, second, third]: [&[f32]; 3],
+        [first, second, third]: [&Line; 3],
         best: &mut [f32; WIDTH],
     ) {
         for at in [0, NODES - WIDTH] {
@@ -136,64 +131,52 @@ impl WithSimd for Sift<'_> {
             let mut best = [0.0; WIDTH];
             self.inner(leaf, 1, &mut best);
             self.inner(leaf, NODES, &mut best);
-            let row = |j: usize| &leaf[j * NODES..(j + 1) * NODES];
-            let mut column = [[0.0; NODES]; 6];
-            for j in 0..NODES {
-                for (k, i) in [0, 1, 2, 8, 7, 6].into_iter().enumerate() {
-                    column[k][j] = leaf[j * NODES + i];
+            for rows in [false, true] {
+                let lines = lines(leaf, rows);
+                for nodes in BORDERS {
+                    self.border(nodes.map(|k| &lines[k]), &mut best);
                 }
             }
-            let [a, b, c, d, e, f] = &column;
-            self.border([row(0), row(1), row(2)], &mut best);
-            self.border([row(8), row(7), row(6)], &mut best);
-            self.border([a, b, c], &mut best);
-            self.border([d, e, f], &mut best);
             self.out.push(best != [0.0; WIDTH]);
         }
     }
 }
 
-/// The values along a line of a leaf's nodes; what is over is of no doubt.
-type Line = [Vec4; NODES.div_ceil(4)];
+/// The values along a line of a leaf's nodes.
+type Line = [f32; NODES];
 
 /// A leaf's lines, across the edges that are looked at: its columns, or its
 /// rows.
-fn lines(values: &[f32], rows: bool) -> [Line; NODES] {
-    let mut out = [[1.0; 4 * NODES.div_ceil(4)]; NODES];
-    let all: &[[f32; NODES]] = values.as_chunks().0;
-    for (j, row) in all.iter().enumerate().take(NODES) {
-        if rows {
-            out[j][..NODES].copy_from_slice(row);
-        } else {
-            for (line, &v) in out.iter_mut().zip(row) {
-                line[j] = v;
-            }
-        }
-    }
-    let four = |line: &[f32], k: usize| Vec4::from_slice(&line[4 * k..]);
-    out.map(|line| std::array::from_fn(|k| four(&line, k)))
+fn lines(values: &Values, rows: bool) -> [Line; NODES] {
+    let at = |i: usize, j: usize| values[j * NODES + i];
+    std::array::from_fn(|k| {
+        std::array::from_fn(|n| if rows { at(n, k) } else { at(k, n) })
+    })
 }
 
-/// Where `test` is true of the numbers of four lines: a bit for each place.
-fn places([a, b, c, d]: [&Line; 4], test: impl Fn([Vec4; 4]) -> u32) -> u16 {
-    let mut mask = 0;
-    for k in 0..a.len() {
-        mask |= test([a[k], b[k], c[k], d[k]]) << (4 * k);
-    }
-    mask as u16
+/// Where a doubt about the values on some lines is greater than zero: a bit for
+/// each place.
+fn places<const N: usize>(
+    lines: [&Line; N],
+    doubt: impl Fn([f32; N]) -> f32,
+) -> u16 {
+    (0..NODES)
+        .map(|k| u16::from(doubt(lines.map(|line| line[k])) > 0.0) << k)
+        .sum()
 }
 
 /// An edge at a leaf's border, in doubt until the node beyond is known.
 struct Border {
     leaf: usize,
-    /// The edge's nodes, from the border inwards, and the one after.
+    /// The values at the edge's nodes, from the border inwards, and at the node
+    /// after them.
     inner: [f32; 3],
     /// The cells beside it, in the leaf.
     cells: [Option<[usize; 2]>; 2],
 }
 
-/// The doubtful cells of a batch, in order, and if only a `few` are wanted per
-/// leaf, the leaves with more, which are left out.
+/// The doubtful cells of a batch, in order. If only a `few` are wanted per
+/// leaf, leaves with more are left out, and returned as well.
 pub(super) fn doubts(
     leaves: &[Leaf],
     values: &[f32],
@@ -218,7 +201,8 @@ pub(super) fn doubts(
         if !sifted[n] {
             continue;
         }
-        // Along x, then along y: `k` runs along the edges, `across` them.
+        // Edges along x come first, then those along y. `k` counts along the
+        // edges, `across` counts across them.
         for flip in [false, true] {
             let lines = lines(values, flip);
             let cells = |k: usize, across: usize| {
@@ -231,27 +215,17 @@ pub(super) fn doubts(
             };
             for k in 1..LEAF - 1 {
                 let four = [k - 1, k, k + 1, k + 2].map(|k| &lines[k]);
-                for across in bits(places(four, |f| doubtful(f, reach))) {
+                for across in bits(places(four, |f| doubt(f, reach))) {
                     let cells = cells(k, across).into_iter().flatten();
                     found.extend(cells.map(|c| (n, c)));
                 }
             }
-            for (k, nodes, beyond) in [
-                (0, [0, 1, 2], -1),
-                (LEAF - 1, [LEAF, LEAF - 1, LEAF - 2], 9),
-            ] {
-                let [a, b, c] = nodes.map(|k| &lines[k]);
-                // However steep it is on the other side; four times as steep
-                // as here is the most that is thought of.
-                let may = |[a, b, c, _]: [Vec4; 4]| {
-                    let step = (c - b).abs();
-                    let steep = a + (4.0 * step).copysign(a);
-                    b.abs().cmplt(reach * step).bitmask()
-                        & doubtful([steep, a, b, c], reach)
-                };
-                for across in bits(places([a, b, c, c], may)) {
-                    let inner =
-                        [a, b, c].map(|line| line[across / 4][across % 4]);
+            let ends = [(0, -1), (LEAF - 1, LEAF as i64 + 1)];
+            for (nodes, (k, beyond)) in BORDERS.into_iter().zip(ends) {
+                let three = nodes.map(|k| &lines[k]);
+                let may = |f| doubt_at_border(f, reach);
+                for across in bits(places(three, may)) {
+                    let inner = three.map(|line| line[across]);
                     let (dx, dy) = match flip {
                         false => (beyond, across as i64),
                         true => (across as i64, beyond),
@@ -280,8 +254,7 @@ pub(super) fn doubts(
         sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
         for (b, &beyond) in borders.iter().zip(&s.values) {
             let [first, second, third] = b.inner;
-            let four = [beyond, first, second, third].map(Vec4::splat);
-            if doubtful(four, reach) != 0 {
+            if doubt([beyond, first, second, third], reach) > 0.0 {
                 let cells = b.cells.into_iter().flatten();
                 found.extend(cells.map(|c| (b.leaf, c)));
             }
@@ -310,35 +283,6 @@ mod tests {
             out: &mut out,
         });
         out[0]
-    }
-
-    #[test]
-    fn the_sift_doubts_what_the_closer_look_does() {
-        const SOME: [f32; 12] = [
-            -3.0,
-            -1.0,
-            -0.1,
-            -0.0,
-            0.0,
-            1e-40,
-            0.1,
-            1.0,
-            3.0,
-            f32::INFINITY,
-            f32::NEG_INFINITY,
-            f32::NAN,
-        ];
-        let n = SOME.len();
-        let mut doubted = 0;
-        for k in 0..n.pow(4) {
-            let four = [0, 1, 2, 3].map(|d| SOME[k / n.pow(d) % n]);
-            for reach in [NEAR, FAR] {
-                let close = doubtful(four.map(Vec4::splat), reach) & 1 == 1;
-                assert_eq!(doubt(four, reach) > 0.0, close, "{four:?}");
-                doubted += usize::from(close);
-            }
-        }
-        assert!(doubted > 100, "{doubted}");
     }
 
     #[test]

@@ -14,12 +14,13 @@ const COUNT: usize = NODES * NODES;
 /// Edges of a leaf: the horizontal ones, then the vertical ones.
 const EDGES: usize = 2 * LEAF * NODES;
 
-/// Place of a leaf's horizontal edge that begins at a node, among its edges.
+/// The number, among a leaf's edges, of the horizontal edge that begins at a
+/// node.
 fn horizontal(i: usize, j: usize) -> usize {
     j * LEAF + i
 }
 
-/// The same of a vertical one.
+/// The number of the vertical edge that begins at a node.
 fn vertical(i: usize, j: usize) -> usize {
     NODES * LEAF + j * NODES + i
 }
@@ -29,7 +30,7 @@ fn vertical(i: usize, j: usize) -> usize {
 pub(super) struct Edge {
     pub inside: DVec2,
     pub outside: DVec2,
-    /// Field at both.
+    /// The field at both ends.
     pub field: [f32; 2],
     /// Its number in the lattice.
     pub number: u32,
@@ -56,7 +57,7 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Finds those of a batch.
+    /// Finds the crossed edges of a batch.
     pub(super) fn find(&mut self, batch: &Batch<'_>, lattice: &Lattice) {
         self.all.clear();
         self.rows.clear();
@@ -80,8 +81,8 @@ impl Edges {
             let (i, j) = (leaf.i.checked_sub(di)?, leaf.j.checked_sub(dj)?);
             let known = &batch.leaves[..n];
             let place = |l: &Leaf| (l.layer, l.j, l.i);
-            // Batches are in this order; of one that is not, some leaves are
-            // not found, and their edges are theirs.
+            // Batches come in this order. If one does not, some leaves are not
+            // found here, and an edge that they share is noted for both.
             known.binary_search_by_key(&(leaf.layer, j, i), place).ok()
         };
         if let Some(left) = beside(LEAF, 0) {

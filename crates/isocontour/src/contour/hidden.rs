@@ -13,9 +13,10 @@
 //! So a feature is found if it holds a disc as wide as the smallest one asked
 //! for: there is a sample in it.
 //!
-//! Not on lattices that are hardly coarser than the smallest feature: there the
-//! proofs would cost several times what the samples do, and little is hidden.
-//! What is certain there is that a disc 1.4 times as wide as a cell holds a node.
+//! This is not done on lattices that are hardly coarser than the smallest
+//! feature: there the proofs would cost several times what the samples do, and
+//! little is hidden. Certain is only that a disc 1.4 times as wide as a cell
+//! holds a node.
 
 use super::samples::Samples;
 use crate::Length;
@@ -30,15 +31,15 @@ const FINE: f64 = 2.0;
 /// smallest feature: a disc as wide as that holds one of them.
 const PITCH: f64 = 0.7;
 
-/// Parts of a cell that are smaller than this many distances of samples are
-/// sampled all over: sooner done than ruling some of them out.
+/// A part of a cell that is smaller than this many distances of samples is
+/// sampled all over, which is sooner done than ruling some of it out.
 const CHEAP: f64 = 8.0;
 
-/// Parts of cells that are looked into at once, about: their bounds need
-/// some hundred bytes for every input of the expression.
+/// About so many parts of cells are looked into at once: their bounds need some
+/// hundred bytes for every input of the expression.
 const AT_ONCE: f64 = 16384.0;
 
-/// What the search needs.
+/// The batch that is searched, and how finely.
 struct Search<'a> {
     leaves: &'a [Leaf],
     /// By leaf, its nodes' values.
@@ -61,7 +62,7 @@ struct Part {
     area: Rect,
 }
 
-/// The cells of a batch that hide something, or may do.
+/// The cells of a batch that hide something, or may hide something.
 pub(super) fn hidden(
     leaves: &[Leaf],
     values: &[f32],
@@ -151,7 +152,8 @@ impl Search<'_> {
         }
     }
 
-    /// The owners of parts whose centre's sign is not that of the corners.
+    /// The cells of those parts whose centre has another sign than their
+    /// corners.
     fn other_sign(&mut self, parts: &[Part]) -> Result<Vec<Place>, FieldError> {
         if parts.is_empty() {
             return Ok(Vec::new());

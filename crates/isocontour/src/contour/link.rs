@@ -1,11 +1,12 @@
 //! Joins the leaves' pieces of outline into closed rings.
 //!
-//! Within a batch of leaves the pieces are connected as they are found. A vertex
-//! on the border of two batches exists once in each, at the same place (both
-//! brought it onto f = 0 on the same lattice edge): where one batch's chain
-//! ends, the other's goes on. So it is between a cell that was divided (`divide`) and the next:
-//! a crossing has the number of its lattice edge, and one that only a divided
-//! cell knows of has the number of the edge's part besides.
+//! Within a batch of leaves the pieces are connected as they are found. A
+//! vertex on the border of two batches exists once in each, at the same place
+//! (both brought it onto f = 0 on the same lattice edge): where one batch's
+//! chain ends, the other's goes on. Chains go on in this way from a divided
+//! cell (`divide`) to the next cell, too. A crossing has the number of its
+//! lattice edge; a crossing that only a divided cell knows of also has the
+//! number of the edge's part.
 
 use crate::field::{LEAF, Lattice, Leaf};
 use crate::plane::Ring;
@@ -24,9 +25,9 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
-    /// For the part: the edge as a whole.
+    /// Stands for the edge as a whole in place of a part's number.
     pub(super) const WHOLE: u32 = u32::MAX;
-    /// Of a vertex that lies within a cell.
+    /// The key of a vertex that lies within a cell.
     pub(super) const NONE: Crossing = Crossing {
         edge: u32::MAX,
         part: 0,
@@ -53,7 +54,7 @@ impl Crossing {
 /// A crossing's key and the vertex there at which a chain breaks off.
 type Loose = (u64, u32);
 
-/// What is missing from a layer whose chains do not close.
+/// The samples that are missing from a layer whose chains do not close.
 #[derive(Default)]
 pub(super) struct Missing {
     /// Leaves beside loose ends that were not sampled.
@@ -86,16 +87,17 @@ struct Link {
     point: DVec2,
     crossing: Crossing,
     next: u32,
-    /// The points on the way to the next one, by their numbers: most points of
-    /// a finely curved outline, which is why they are no vertices.
+    /// The points on the way to the next vertex, as numbers. Most points of a
+    /// finely curved outline are such points, so they are kept apart from
+    /// vertices, which need more memory.
     between: [u32; 2],
     has_previous: bool,
 }
 
 /// One layer's vertices and how they follow each other.
 ///
-/// What is missing is asked for again and again, each time after a little was
-/// added: so what is known of the vertices before is kept.
+/// Missing samples are asked for again and again, each time after a little was
+/// added. So results about earlier vertices are kept.
 #[derive(Default)]
 pub(super) struct Chains {
     links: Vec<Link>,
@@ -107,20 +109,22 @@ pub(super) struct Chains {
     /// Leaves of which no more cells are to be divided.
     left: BTreeSet<[usize; 2]>,
     loose: LooseEnds,
-    /// Vertices on whole lattice edges, by edge, among the first so many.
+    /// The first so many vertices have been looked through, and these of them
+    /// are on whole lattice edges, in the order of the edges.
     whole: (Vec<(u32, u32)>, usize),
 }
 
 /// The vertices at which chains break off.
 #[derive(Default)]
 struct LooseEnds {
-    /// Those at which one ends and those at which one begins, in order.
+    /// The vertices at which a chain ends, and those at which one begins, in
+    /// order.
     lists: [Vec<Loose>; 2],
     /// How many vertices they were looked for among.
     among: usize,
-    /// Vertices before these that have lost what followed or came before.
+    /// Earlier vertices that have lost their next or their previous one since.
     cut: Vec<u32>,
-    /// With those lists, nothing was missing.
+    /// Whether nothing was missing with these lists.
     closed: bool,
 }
 
@@ -199,7 +203,7 @@ impl Chains {
             }
         }
         for list in &mut loose.lists {
-            // The stable sort knows what is in order already.
+            // The stable sort is fast on lists that are in order already.
             list.sort();
             list.dedup();
         }
@@ -258,7 +262,7 @@ impl Chains {
     pub(super) fn clear(&mut self, cells: &[[usize; 2]], lattice: &Lattice) {
         let width = lattice.width() + 1;
         let node = |i: usize, j: usize| 2 * (j * width + i) as u32;
-        // By edge, the cells that it belongs to.
+        // For each edge the cells that it belongs to.
         let mut owners: Vec<(u32, usize)> = Vec::with_capacity(4 * cells.len());
         for (n, &[i, j]) in cells.iter().enumerate() {
             let [south, north] = [node(i, j), node(i, j + 1)];
@@ -290,7 +294,8 @@ impl Chains {
         for &(_, first) in edges.into_iter().flat_map(of) {
             let first = first as usize;
             let crossing = self.links[first].crossing;
-            // To where the outline leaves the cell it enters here.
+            // Follows the outline to where it leaves the cell that it enters
+            // here.
             let mut path = vec![first];
             let mut at = self.links[first].next;
             while at != NONE {
@@ -333,7 +338,7 @@ impl Chains {
     pub(super) fn into_rings(mut self) -> (Vec<Joined>, usize) {
         self.find_loose();
         let [ends, starts] = std::mem::take(&mut self.loose.lists);
-        // What is left of them on an edge: its number, the place along it,
+        // The remaining ends on edges: the edge's number, the place along it,
         // the vertex, and whether a chain ends there.
         let mut lonely: Vec<(u32, f64, u32, bool)> = Vec::new();
         let mut taken = vec![false; starts.len()];
@@ -342,8 +347,8 @@ impl Chains {
             if let Some(&(c, start)) = starts.get(at)
                 && c == crossing
             {
-                // Where leaves were sampled again, perhaps once found, and
-                // once put between others.
+                // A leaf that was sampled again may have a vertex twice: once
+                // on a whole edge, and once among the parts.
                 self.links[start as usize].point =
                     self.links[end as usize].point;
                 self.connect(end, start);
@@ -357,9 +362,9 @@ impl Chains {
                 lonely.push(self.lonely(crossing, start, false));
             }
         }
-        // Where the cells on both sides of an edge do not agree, and nothing
-        // more was to be found out: what only one of them holds to be inside
-        // ends at the edge.
+        // The cells on both sides of an edge do not agree, and nothing more was
+        // to be found out. A part of the edge that only one of them takes to be
+        // inside then ends at the edge.
         lonely.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         for edge in lonely.chunk_by(|a, b| a.0 == b.0) {
             for pair in edge.as_chunks::<2>().0 {
@@ -375,7 +380,7 @@ impl Chains {
         let mut seen = vec![false; self.links.len()];
         let mut rings = Vec::new();
         let mut forced = 0;
-        // Open chains first, from their beginnings; then the closed ones.
+        // Open chains come first, from their beginnings, then the closed ones.
         let open = (0..seen.len()).filter(|&i| !self.links[i].has_previous);
         for first in open.chain(0..seen.len()) {
             if seen[first] || self.links[first].next == NONE {

@@ -1,8 +1,8 @@
 //! Marching squares over sampled leaves (Lorensen and Cline 1987, in 2D).
 //!
 //! Which edges of a cell the outline joins is a matter of its corners
-//! (`cells`). The two cells in which opposite corners are inside and the others are not
-//! are decided by the field at the cell's centre.
+//! (`cells`). Two cases are ambiguous, where two opposite corners are inside
+//! and the other two are not. The field at the cell's centre decides them.
 //!
 //! Where the straight pieces do not explain the outline, it is followed within
 //! its cell (`trace`); where that fails, where a saddle's pieces bend, and
@@ -39,7 +39,7 @@ struct Segment {
     /// Vertices, counted within the batch.
     from: u32,
     to: u32,
-    /// There is another one in the cell.
+    /// Whether the cell has another piece.
     saddle: bool,
 }
 
@@ -52,9 +52,9 @@ pub(super) struct Precision {
     pub smallest: Length,
 }
 
-/// Parts at least that a cell is divided into, along its side.
+/// Least number of parts that a cell is divided into, along its side.
 const PARTS: usize = 8;
-/// Parts at most: a million samples would be too many for a cell.
+/// Greatest number of parts: a million samples would be too many for a cell.
 const MOST_PARTS: usize = 64;
 
 impl Precision {
@@ -75,13 +75,13 @@ impl Precision {
     }
 }
 
-/// How much steeper than from node to node the field is on the outline, and in
-/// how many cells of a leaf, where it may wave between the nodes.
+/// The field may wave between the nodes of a leaf in which it is so many times
+/// as steep on the outline as from node to node, in at least so many cells.
 const STEEP: f64 = 4.0;
 const STEEP_PLACES: usize = 4;
 
-/// Samples for which cells are divided at a time, about: what becomes of them
-/// needs several times their memory.
+/// Cells are divided together up to about this many samples: the lines found in
+/// the samples need several times their memory.
 const AT_ONCE: usize = 1 << 16;
 
 /// Walks batches of leaves and adds their pieces to the layers' chains.
@@ -97,7 +97,7 @@ pub(super) struct Marcher<'a> {
     segments: Vec<Segment>,
     /// Ambiguous cells: (leaf, cell in the leaf), centre inside.
     saddles: Vec<(usize, usize, bool)>,
-    /// Segments that bend, and the points they bend through.
+    /// Segments that bend, each with the point that it bends through.
     bends: Vec<(usize, DVec2)>,
     scratch: Samples,
 }
@@ -123,7 +123,7 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// Samples per layer that were not numbers.
+    /// For each layer the number of samples that were not numbers.
     pub(super) fn nan_samples(&self) -> Vec<usize> {
         self.nan.clone()
     }
@@ -225,10 +225,9 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// To be asked when the whole slab has been looked at.
+    /// Judges the whole slab, once all of it has been looked at.
     ///
-    /// # Errors
-    /// If too much of it is too fine.
+    /// # Errors If too much of the slab is too fine.
     pub(super) fn finish(&self) -> Result<(), FieldError> {
         self.noise.finish()
     }
@@ -279,8 +278,8 @@ impl<'a> Marcher<'a> {
         steep.map(|segments| segments[0].leaf).collect()
     }
 
-    /// Follows the outline where the segments are not within tolerance of it.
-    /// Returns their numbers, and what became of them.
+    /// Follows the outline where a segment is not within tolerance of it.
+    /// Returns the numbers of these segments, and the outcome for each.
     fn trace(
         &mut self,
         sampler: &mut dyn Sampler,
@@ -317,7 +316,7 @@ impl<'a> Marcher<'a> {
                     min: node(i, j),
                     max: node(i + 1, j + 1),
                 },
-                // What goes on there is for the cell's division to find.
+                // The cell's division will find out about the corner.
                 beyond: 0.0,
                 z: self.z[s.layer],
             });
@@ -378,7 +377,7 @@ impl<'a> Marcher<'a> {
                 scratch: &mut self.scratch,
             };
             self.noise.dividing(batch.leaves, &wanted, &mut eyes)?;
-            // Those that are not found by spreading have no outline by now.
+            // Cells that were not found by spreading have no outline any more.
             wanted.retain(|&(leaf, _)| !(spread && self.noise.is_in(leaf)));
             if wanted.is_empty() {
                 return Ok(rounds);
@@ -447,7 +446,8 @@ impl<'a> Marcher<'a> {
         for (n, leaf) in leaves.iter().enumerate() {
             for j in 0..LEAF {
                 let [low, high] = self.edges.row(n, j);
-                // Opposite corners alike, neighbours not.
+                // Opposite corners are on the same side, neighbouring ones are
+                // not.
                 let mask = (low ^ (low >> 1))
                     & (high ^ (high >> 1))
                     & (low ^ high)

@@ -14,11 +14,11 @@
 //! last the rings are thinned so that they do not cross (`untangle`). A field of
 //! which nothing would be left is refused before any of that (`noise`).
 //!
-//! Inside is f < 0; a NaN is outside. Where the field jumps from one to the
-//! other, that is the outline. Rings smaller than a given size are left out
-//! and counted. Not guaranteed: on a lattice about as fine as that size, that
-//! a feature without a node in it is found where the field of another one hides
-//! it.
+//! Inside is f < 0; a NaN is outside. Where the field jumps from one side to
+//! the other, the outline is at the jump. Rings smaller than a given size are
+//! left out and counted. Not guaranteed: on a lattice about as fine as that
+//! size, that a feature without a node in it is found where the field of
+//! another one hides it.
 //!
 //! The `contour` crate is the oracle of the tests and not the engine: it
 //! stitches through hash maps and nested vectors over the whole grid handed
@@ -72,11 +72,11 @@ pub struct Detail {
 /// on the outline; thinning gets the rest.
 const CHORD_SHARE: f64 = 0.15;
 
-/// Leaves that are asked for at once, after the first look: what is made of
-/// each on the way needs memory.
+/// Leaves that are asked for at once after the first look: each needs memory
+/// while its outline is found.
 const AT_ONCE: usize = 1024;
 
-/// What is done at a time.
+/// The phases of the work, for measuring them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Proofs and samples of the field.
@@ -279,7 +279,7 @@ mod tests {
                 seen[ring] += p.perp_dot(q) / 2.0;
             }
             seen.sort_by(f64::total_cmp);
-            // The hole is the other way round.
+            // The hole runs the other way round.
             let [outer, inner] = radii(z);
             for (area, r) in seen.into_iter().zip([-inner, outer]) {
                 let whole = std::f64::consts::PI * r * r.abs();

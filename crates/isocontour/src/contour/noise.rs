@@ -10,22 +10,23 @@
 //!   └──────────┘   between is on average as wide as the inverse of that.
 //! ```
 //!
-//! Where that is less than the smallest feature, or what is inside (or outside)
-//! is so thin that there is no room in it for a disc of that size, next to
-//! nothing of the field is left in the outline. Following its outline there would
-//! be hours of work for what is dropped at the end: such a leaf is taken as its
-//! nodes say. So is one of which many cells had to be divided for it: waves may
-//! have nearly the distance of the nodes, which then see next to nothing of
-//! them.
+//! Where that width is less than the smallest feature, or where the inside (or
+//! the outside) has no room for a disc of that size, next to nothing of the
+//! field would be left in the outline. To follow the outline there would be
+//! hours of work on rings that are dropped at the end, so such a leaf is taken
+//! as its nodes show it. A leaf is also looked at if many of its cells had to
+//! be divided: waves nearly as long as the distance of the nodes show in next
+//! to none of them.
 //!
 //! A slab is refused if such leaves are more than some mm² and a tenth of the
 //! leaves that hold some of its surface, or very many. Cells beside them that
 //! were divided in vain count as well: a rough skin is in no leaf but along its
-//! middle. A tenth, since what a leaf costs that is taken as its nodes say is
-//! bounded, so that the run takes little longer than the rest of the part does.
-//! A fan of n blades with the radius R is too fine up to r = n w / π, where w is
-//! the smallest feature: (r / R)² of it, and the rest is coarse enough. What waves
-//! finely all over does so in nearly all of these leaves.
+//! middle. A tenth can be afforded: the cost of a leaf that is taken as its
+//! nodes show it is bounded, so the run takes little longer than the rest of
+//! the part does. A fan of n blades with the radius R is too fine up to r = n w
+//! / π, where w is the smallest feature, which is (r / R)² of it, and the rest
+//! is coarse enough. A field that waves finely all over does so in nearly all
+//! of these leaves.
 //!
 //! The verdict depends on the slab's layers and on nothing else. Not noticed:
 //! waves that the lattice's nodes all miss, which are as cheap as none.
@@ -38,12 +39,12 @@ use glam::DVec2;
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
-/// Sign changes between the 144 pairs of neighbouring nodes of a leaf below
-/// which it is not looked at. A field without any order has 72, one that waves
-/// along one axis alone 36, a single outline across the leaf 16.
+/// A leaf with fewer sign changes between its 144 pairs of neighbouring nodes
+/// is not looked at. A field without any order has 72, one that waves along one
+/// axis alone 36, a single outline across the leaf 16.
 const MANY: u32 = 20;
-/// Cells of a leaf, of 64, from which on it is looked at as well if they are to
-/// be divided.
+/// A leaf is also looked at if at least so many of its 64 cells are to be
+/// divided.
 const DIVIDED: usize = 12;
 /// Lines across a leaf, each way.
 const LINES: usize = 4;
@@ -51,21 +52,22 @@ const LINES: usize = 4;
 /// last one's: the golden section. Lines at even distances could all pass
 /// through a row of pins, or all between two.
 const UNEVEN: f64 = 0.618_033_988_749_895;
-/// What is inside and outside may be as wide as this many of the smallest
-/// features on average, if one of them is too thin: a single thin wall is none
-/// of our business.
+/// If only the inside or only the outside is too thin, the two may be as wide
+/// as this many of the smallest features on average: a single thin wall is not
+/// noise.
 const SPARSE: f64 = 2.0;
-/// Distance of the points along them, as a share of the smallest feature.
+/// Distance of the points along the lines, as a share of the smallest feature.
 const PITCH: f64 = 0.25;
-/// The same where something that they do not show is between the nodes.
+/// Distance of the points where the nodes hide something, as a share of the
+/// smallest feature.
 const CLOSE_PITCH: f64 = 1.0 / 16.0;
-/// What is let pass in a slab's layers, together, whatever share it is: where
-/// forty blades of a fan meet there are 6 mm² in each.
+/// So much too fine area is let pass in all layers of a slab together, whatever
+/// its share: where forty blades of a fan meet there are 6 mm² in each layer.
 const LET_PASS: Content = 200.0;
 /// The share of the leaves beyond which a slab is refused.
 const SHARE: f64 = 0.1;
-/// What is never let pass: the rings that the nodes of such leaves make have to
-/// be filled and travelled to.
+/// More too fine area than this is never let pass: the rings that the nodes of
+/// such leaves make have to be filled and travelled to.
 const MOST: Content = 2000.0;
 /// A divided cell counts as so many cells: it costs as much as a quarter of a
 /// leaf.
@@ -77,7 +79,8 @@ pub(super) struct Noise {
     area: Content,
     /// Area of all leaves so far.
     all: Content,
-    /// Where it was first, and how wide what is there is on average.
+    /// The first place that was too fine, and how wide its inside and outside
+    /// are on average.
     first: Option<([f64; 3], Length)>,
     /// By leaf of the batch, whether it is too fine.
     found: Vec<bool>,
@@ -108,7 +111,8 @@ fn changes(values: &[f32; NODES * NODES]) -> u32 {
 }
 
 impl Noise {
-    /// None seen so far; `smallest` is the size of what is left out.
+    /// A count that has seen nothing so far; rings below the size `smallest`
+    /// are left out.
     pub(super) fn new(smallest: Length) -> Self {
         Noise {
             smallest,
@@ -122,8 +126,7 @@ impl Noise {
 
     /// Looks at a batch of leaves.
     ///
-    /// # Errors
-    /// If there is now more of it than is let pass.
+    /// # Errors If more is too fine by now than is let pass.
     pub(super) fn look(
         &mut self,
         leaves: &[Leaf],
@@ -231,10 +234,9 @@ impl Noise {
         self.verdict(MOST)
     }
 
-    /// To be asked when all leaves have been looked at.
+    /// Judges the slab, once all leaves have been looked at.
     ///
-    /// # Errors
-    /// If more of them is too fine than is let pass.
+    /// # Errors If more of the leaves are too fine than is let pass.
     pub(super) fn finish(&self) -> Result<(), FieldError> {
         self.verdict(LET_PASS.max(SHARE * self.all))
     }
@@ -250,8 +252,8 @@ impl Noise {
         }
     }
 
-    /// How wide what is inside and what is outside is in a leaf, on average, if
-    /// that is too fine.
+    /// How wide the inside and the outside of a leaf are on average, if the
+    /// leaf is too fine.
     fn too_fine(
         &self,
         leaf: &Leaf,

@@ -1,11 +1,11 @@
 //! Moves vertices along their lattice edges onto f = 0.
 //!
 //! The root is kept between an inside and an outside point at all times
-//! (Illinois variant of the regula falsi: Dowell and Jarratt 1971), so a
-//! vertex never leaves its edge and neighbouring ones never change places.
-//! Where the field jumps, has a kink or is not a number, halving takes over.
-//! A bracket remembers whether the field jumps in it: what its gradient says
-//! there is then no one's business.
+//! (Illinois variant of the regula falsi: Dowell and Jarratt 1971), so a vertex
+//! never leaves its edge and neighbouring ones never change places. Where the
+//! field jumps, has a kink or is not a number, halving takes over. A bracket
+//! remembers whether the field jumps in it: a gradient found at a jump says
+//! nothing about the outline, and is not used.
 
 use super::samples::Samples;
 use crate::Length;
@@ -25,7 +25,7 @@ pub(super) struct Bracket {
     f_hi: f64,
     /// Field at the ends as it was found, for telling a jump from a root.
     ends: [f64; 2],
-    /// |f| at both ends of the whole, together.
+    /// |f| at both ends of the whole edge, added up.
     whole: f64,
     /// Distance from the inside node to the outside one.
     length: Length,
@@ -45,14 +45,14 @@ const FREE_STEPS: usize = 6;
 /// A vertex has arrived when it moves by less than this: far
 /// below any accuracy that is asked for.
 const ARRIVED: f64 = 1e-6;
-/// A last step below this, need not be checked when the field fell so
-/// steeply before it that the next one would arrive.
+/// A last step below this need not be checked if the field fell so steeply
+/// before it that the next step would arrive.
 const NEAR: f64 = 3e-4;
-/// A first step up to this, is the last one if chord and slope agree on
-/// it within a tenth: on a lattice edge that leaves an error of nanometres.
+/// A first step up to this is the last one if chord and slope agree on it
+/// within a tenth: on a lattice edge that leaves an error of nanometres.
 const CLOSE: f64 = 3e-3;
-/// Where the field jumps, its ends still differ by this share of what they
-/// did, however close they have come.
+/// Where the field jumps, its values at a bracket's ends still differ by this
+/// share of what they did, however close the ends have come.
 const JUMP: f64 = 0.02;
 
 impl Bracket {
@@ -90,7 +90,7 @@ impl Bracket {
         let rest = self.ends[0].abs() + self.ends[1].abs();
         let open = (self.hi - self.lo) * self.length;
         let falls = rest <= JUMP * self.whole;
-        // Nor does it if either is not a number.
+        // It does not, either, if a value is not a number.
         open < ARRIVED && !falls
     }
 
@@ -106,10 +106,9 @@ impl Bracket {
         }
     }
 
-    /// After the first step, with the field and its gradient as they were
-    /// where that began: true if it was the last one. It is where the slope
-    /// says about the same as the chord, and the way is so short that both
-    /// are the same at its end.
+    /// True if the first step was the last one, by the field and its gradient
+    /// where the step began. It was if the slope tells about the same step as
+    /// the chord, and if the step is so short that neither changes on the way.
     fn arrives(&mut self, f: f64, gradient: DVec2) -> bool {
         if self.done {
             return !self.jumps();
@@ -177,8 +176,8 @@ pub(super) fn refine(
     sampler: &mut dyn Sampler,
     scratch: &mut Samples,
 ) -> Result<Vec<DVec2>, FieldError> {
-    // The first estimate is so good for most that the slope there takes them
-    // the rest of the way, and is theirs.
+    // For most brackets the first estimate is so good that the slope there
+    // leads the rest of the way, and serves as the gradient at the root.
     slopes(brackets, z, sampler, scratch, 0..brackets.len());
     let mut gradients = Vec::with_capacity(brackets.len());
     let mut open: Vec<u32> = Vec::new();
@@ -267,7 +266,8 @@ mod tests {
             out: &mut Vec<[f32; 3]>,
         ) {
             out.clear();
-            // Where the difference says nothing, neither does this.
+            // Where the quotient of differences says nothing, the gradient is
+            // not judged.
             let slope = |x: f32| (self.0(x + 1e-4) - self.0(x - 1e-4)) / 2e-4;
             out.extend(x.iter().map(|&x| [(self.0)(x), slope(x), 0.0]));
         }

@@ -1,4 +1,4 @@
-//! Points to be evaluated at once, and what is found there.
+//! Points to be evaluated at once, and the results.
 
 use glam::DVec2;
 

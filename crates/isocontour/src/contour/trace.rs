@@ -36,7 +36,7 @@ use glam::DVec2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
     pub end: End,
-    /// Of the lattice edge it lies on, if it does.
+    /// The number of the lattice edge that it lies on, if it lies on one.
     pub crossing: Crossing,
 }
 
@@ -57,7 +57,7 @@ const DEPTH: u8 = 12;
 /// An end of a chord.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct End {
-    /// Place.
+    /// Where it is.
     pub point: DVec2,
     /// In-plane gradient of the field; zero or not finite if it says nothing.
     pub gradient: DVec2,
@@ -76,7 +76,7 @@ pub(super) struct Chord {
     pub z: f32,
 }
 
-/// What became of a chord.
+/// The outcome for a chord.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Traced {
     /// Points between its ends, with their place along it from 0 to 1.
@@ -97,7 +97,7 @@ struct Open {
     depth: u8,
 }
 
-/// One about which the field is asked.
+/// A part of a chord about which the field is asked.
 struct Asked {
     o: Open,
     question: Question,
@@ -105,7 +105,7 @@ struct Asked {
     count: usize,
 }
 
-/// What a chord's ends say of it.
+/// What the gradients at a chord's ends say about it.
 pub(super) enum Look {
     /// The outline follows it.
     Straight,
@@ -115,15 +115,16 @@ pub(super) enum Look {
     Ask(Question),
 }
 
-/// What is to be asked about a chord.
+/// The questions about a chord that the field has to answer.
 #[derive(Clone, Copy)]
 pub(super) struct Question {
     /// How far off the outline may be.
     reach: Length,
-    /// The field in the chord's middle up to which it is straight after all.
+    /// The chord is straight after all if the field in its middle is no more
+    /// than this.
     flat: f64,
-    /// Where the outline passes if it is an arc, and the field there up to
-    /// which it does.
+    /// Where the outline passes if it is an arc; it is one if the field there
+    /// is no more than the given number.
     arc: Option<([DVec2; 3], f64)>,
 }
 
@@ -146,8 +147,8 @@ fn fits(p: End, q: End, tolerance: Length) -> bool {
             >= COS_TURN * COS_TURN * u.length_squared() * v.length_squared()
 }
 
-/// What is to be done about a chord; its gradients are believed if it is no
-/// longer than `trusted`.
+/// What the gradients at a chord's ends say about it. They are believed if the
+/// chord is no longer than `trusted`.
 pub(super) fn look(p: End, q: End, tolerance: Length, trusted: Length) -> Look {
     let chord = q.point - p.point;
     let fits = fits(p, q, tolerance);
@@ -180,8 +181,8 @@ pub(super) fn look(p: End, q: End, tolerance: Length, trusted: Length) -> Look {
     if u.dot(v) <= COS_TURN || length > trusted {
         return ask(reach, 0.0, None);
     }
-    // The cubic with the directions at both ends, off the chord's middle and
-    // its quarters.
+    // How far the cubic with the directions at both ends stands off the chord
+    // in its middle and in its quarters.
     let on = |along: f64, near: f64, far: f64| {
         p.point + chord * along + out * (far * t - near * s)
     };
@@ -190,7 +191,8 @@ pub(super) fn look(p: End, q: End, tolerance: Length, trusted: Length) -> Look {
     if bound <= 2.0 * tolerance {
         return Look::Bent(middle);
     }
-    // It may be anything else. The halves of an arc stand off a quarter as far.
+    // It may be a curve of any other kind. The halves of an arc stand off a
+    // quarter as far.
     let even = (s + t).abs() <= 0.25 * (t - s).abs();
     let arc = (even && bound <= 3.0 * tolerance).then(|| {
         let slope = p.gradient.length().min(q.gradient.length());
@@ -311,8 +313,8 @@ pub(super) fn cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
 }
 
 fn crosses_itself(line: &[DVec2]) -> bool {
-    // Not if it never turns back, as almost none does: looking at all pairs
-    // of segments takes long on a line of thousands.
+    // A line that never turns back does not cross itself. Almost no line does,
+    // and to look at all pairs of segments takes long on a line of thousands.
     if let (Some(first), Some(last)) = (line.first(), line.last()) {
         let way = last - first;
         if line.windows(2).all(|s| (s[1] - s[0]).dot(way) > 0.0) {
@@ -331,7 +333,7 @@ pub(super) fn lines_cross(a: &[DVec2], b: &[DVec2]) -> bool {
         .any(|s| b.windows(2).any(|t| cross(s[0], s[1], t[0], t[1])))
 }
 
-/// What a round of questions needs.
+/// The means of a round of questions: the sampler and the memory.
 struct Round<'a> {
     chords: &'a [Chord],
     tolerance: Length,
@@ -407,7 +409,8 @@ impl Round<'_> {
                 let off = [next(), next(), next()].map(f64::abs);
                 let room = grown(&self.chords[asked.o.chord]);
                 if off.iter().all(|f| *f <= most) && room.contains(arc[1]) {
-                    // An arc is no corner: no candidate's values follow.
+                    // An arc needs no test for a corner: no values of a
+                    // candidate follow.
                     traced[asked.o.chord].points.push((place, arc[1]));
                     continue;
                 }

@@ -1,11 +1,12 @@
 //! Makes sure that a layer's thinned rings do not cross.
 //!
-//! Straight lines between vertices on the lattice's edges cannot cross; what
-//! was put between them, and what thinning made of it, can, where outlines
-//! come closer to each other than the tolerance. Where they do, they are taken
-//! back step by step: not thinned at all, then to the lattice's vertices. Where
-//! that does not help, or has to be done in many places, the whole ring is
-//! thinned less, hardly at all, and last taken to the lattice's vertices.
+//! Straight lines between vertices on the lattice's edges cannot cross. Lines
+//! through the points that were put between the vertices can, and so can
+//! thinned lines, where outlines come closer to each other than the tolerance.
+//! Lines that cross are taken back step by step: first they are not thinned at
+//! all, then they lead from lattice vertex to lattice vertex. Where that does
+//! not help, or has to be done in many places, the whole ring is thinned less,
+//! hardly at all, and last taken to the lattice's vertices.
 
 use super::link::Joined;
 use super::trace::cross;
@@ -16,7 +17,7 @@ use crate::plane::simplify::{simplify, simplify_but};
 use crate::plane::{Ring, edges};
 use glam::DVec2;
 
-/// What a ring is thinned less for.
+/// The places for which a ring is thinned less.
 #[derive(Default)]
 struct Care {
     /// Its edges that crossed others, and how often they did.
@@ -58,7 +59,7 @@ impl Care {
         let before = self.knots.len();
         if self.whole == 0 && before + edges.len() <= KNOTS {
             for edge in edges {
-                // Where it was not thinned, and crosses all the same.
+                // The edge was not thinned, and crosses all the same.
                 let same = |k: &&Knot| k.holds(edge.0) && k.holds(edge.1);
                 let old = self.knots[..before].iter().filter(same);
                 self.knots.push(Knot {
@@ -340,7 +341,8 @@ mod tests {
         assert!(crossing(&[]).is_empty());
     }
 
-    /// Long slanting lines are in few squares, and meet what crosses them.
+    /// Long slanting lines are in few squares, and meet the lines that cross
+    /// them.
     #[test]
     fn long_edges_are_where_they_pass() {
         let teeth = |from: DVec2, along: DVec2| -> Ring {
@@ -393,7 +395,7 @@ mod tests {
         points.extend(up.map(|y| DVec2::new(side(y) + 1e-3, y)));
         points.extend(down.map(|y| DVec2::new(side(y), y)));
         points.extend([DVec2::new(0.0, 10.0), DVec2::new(0.0, 0.0)]);
-        // Every eighth on the lattice.
+        // Every eighth point is on the lattice.
         let fixed = (0..points.len()).map(|k| k % 8 == 0).collect();
         let joined = Joined { points, fixed };
         assert!(!crossing(&[simplify(&joined.points, 0.01)]).is_empty());

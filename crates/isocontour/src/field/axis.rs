@@ -59,9 +59,9 @@ pub(super) struct Axis {
 /// Points along an axis, found among its nodes.
 #[derive(Default)]
 pub(super) struct Located {
-    /// The node each point is on; any, for those on none.
+    /// The node that each point is on; any number for points on none.
     on: Vec<u32>,
-    /// Which points are on none, and where they are.
+    /// The points that are on no node, and where they are.
     off: Vec<u32>,
     missing: Vec<f32>,
 }
@@ -151,13 +151,13 @@ impl Axis {
         let from = nodes.first().map_or(0.0, |&v| f64::from(v));
         let mut node = 0;
         for (&p, k) in points.iter().zip(0..) {
-            // Often the same as the one before.
+            // Often it is the node of the point before.
             if nodes.get(node) != Some(&p) {
                 let guess = if self.density == 0.0 {
                     let found = nodes.binary_search_by(|v| v.total_cmp(&p));
                     found.unwrap_or(usize::MAX)
                 } else {
-                    // Not by way of an `usize`, which takes longer.
+                    // A conversion by way of `usize` takes longer.
                     let place = (f64::from(p) - from) * self.density + 0.5;
                     place as i32 as usize
                 };

@@ -13,8 +13,9 @@
 //! ```
 //!
 //! In: an expression. Out: one with the same values, bit for bit, in which
-//! `min` and `max` choose. Also where exponentials overflow: what is made of
-//! the sum, like a shell or an offset, compares it with other numbers.
+//! `min` and `max` choose. The values are equal also where exponentials
+//! overflow, since a shell or an offset made of the sum compares it with other
+//! numbers.
 
 use super::hoist::in_order;
 use fidget::context::{
@@ -26,10 +27,11 @@ use std::sync::Arc;
 /// Exponents this far apart: e⁻²⁰ is less than an eighth of the last bit of
 /// an `f32`.
 const APART: f32 = 20.0;
-/// Times itself, and the least lead there is, infinite: e⁻²⁰ is compared at
-/// steps of 2·10⁻⁶. Infinity itself would make a lead of 0 not a number.
+/// This number's square is infinite, and so is its product with the least lead
+/// that occurs: e⁻²⁰ is compared at steps of 2·10⁻⁶. Infinity itself would make
+/// a lead of 0 not a number.
 const MUCH: f32 = 1.5e38;
-/// What is taken for an infinite exponent: two of them can be compared.
+/// Stands for an infinite exponent, since two of these can be compared.
 const FARTHEST: f32 = 1e30;
 
 type Term = Arc<TreeOp>;
@@ -174,7 +176,7 @@ mod tests {
             assert!(range.contains(0.0) && range.is_finite());
             assert_eq!(exponentials, 1);
         }
-        // Half way between them, neither.
+        // Half way between the balls neither is cut off.
         assert_eq!(over(&with, 15.0).1, 2);
     }
 

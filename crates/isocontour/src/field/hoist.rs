@@ -1,4 +1,4 @@
-//! Taking out of the expression what one coordinate alone decides.
+//! Takes those parts out of the expression that depend on one coordinate alone.
 //!
 //! The lattice is aligned with the axes, so `sin(k·x)` has one value per
 //! column, `sin(k·y)` one per row and `sin(k·z)` one per layer. The largest
@@ -30,8 +30,8 @@ pub(super) struct Hoisted {
     pub parts: Vec<Part>,
 }
 
-/// What of a part's work makes it worth a variable: an addition would cost
-/// as much as reading the variable does.
+/// The work from which on a part is worth a variable: an addition would cost as
+/// much as reading the variable does.
 const WORTHWHILE: u32 = 2;
 /// No more parts than this, the dearest first: each costs memory for every
 /// column, row or layer.
@@ -129,7 +129,8 @@ pub(super) fn hoist(ctx: &Context, root: Node) -> Hoisted {
             .get(n)
             .filter(|k| k.axes.count_ones() == 1 && k.cost >= WORTHWHILE)
     };
-    // The largest ones: those that something with more coordinates uses.
+    // The largest parts are taken: those that an operation on more coordinates
+    // uses.
     let mut largest: Vec<(u32, Node)> = Vec::new();
     let mut taken: HashMap<Node, Var> = HashMap::new();
     let mut take = |node: Node| {

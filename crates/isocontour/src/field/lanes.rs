@@ -2,12 +2,12 @@
 //!
 //! fidget's interpreter runs each operation over the whole batch through
 //! bounds-checked vectors of vectors. Its native code is slow where functions
-//! are called, costs its compilation, needs AVX2, and was no faster than this on
-//! any model measured (docs/decisions.md). Here an operation runs over a fixed
-//! number of lanes, which stay in the nearest cache, with the widest vector
-//! instructions the processor has. They change nothing but the time: a value
-//! is the same, bit for bit, on any processor, and where no function is called
-//! (`wide` has its own) the same as fidget's.
+//! are called, costs its compilation, needs AVX2, and was no faster than this
+//! on any model measured (docs/decisions.md). Here an operation runs over a
+//! fixed number of lanes, which stay in the nearest cache, with the widest
+//! vector instructions the processor has. These change nothing but the time: a
+//! value is equal, bit for bit, on any processor. It also equals fidget's where
+//! no function is called, of which `wide` has its own.
 
 use super::boxes::Slope;
 use crate::interval::Interval;
@@ -70,7 +70,7 @@ impl Lanes {
         out: &mut Vec<f32>,
     ) {
         let tape = f.data().asm();
-        // All in long passes, or the last of them in a short one.
+        // All passes are long, or the last one is short.
         let left = count % LANES;
         let long = if left > FEW { count } else { count - left };
         if long > 0 {
@@ -177,8 +177,8 @@ impl Lanes {
     }
 }
 
-/// Numbers `from` and on of a list. Lanes to spare repeat the last one:
-/// whatever was there before could be slow to compute with.
+/// The numbers of a list from place `from` on. Spare lanes repeat the last
+/// number: numbers left from an earlier pass could be slow to compute with.
 #[inline(always)]
 fn load(list: &[f32], from: usize) -> Wide {
     if let Some(all) = list.get(from..from + WIDTH)
@@ -385,7 +385,7 @@ mod tests {
             0 => AWKWARD[k / 3 % AWKWARD.len()],
             _ => (k as f32 * 0.7311).sin() * 6.0,
         };
-        // More than one pass, and a last one that is not full.
+        // This takes more than one pass, the last of which is not full.
         let n = 3 * LANES + 7;
         let points: [Vec<f32>; 3] = [7, 11, 13]
             .map(|step| (0..n).map(|k| pick(k * step + step)).collect());
@@ -402,7 +402,7 @@ mod tests {
             Lanes::default().eval(&f, &inputs, n, &mut out);
             for (a, b) in out.iter().zip(&expected[0]) {
                 let bits = a.to_bits() == b.to_bits();
-                // Sines and the like are not the system's.
+                // Sines and the like are our own, not the system's.
                 let near = (a - b).abs() <= 2e-6 * (1.0 + b.abs());
                 let same = bits || near || a.is_nan() && b.is_nan();
                 assert!(same, "{k}: {a} for {b}");

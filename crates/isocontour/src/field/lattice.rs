@@ -9,8 +9,8 @@ use glam::DVec2;
 /// same for all layers; a whole number of leaves wide and high.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
-    /// x of the node columns. `f32`, because it is there that the field is
-    /// evaluated: a vertex between nodes must lie between *these* values.
+    /// x of the node columns. These are `f32`, as the field is evaluated there:
+    /// a vertex between nodes must lie between these very values.
     pub x: Vec<f32>,
     /// y of the node rows.
     pub y: Vec<f32>,

@@ -19,12 +19,11 @@
 //! border, and asks for it with [`Field::leaves`].
 //!
 //! Sums of exponentials, as smooth unions have, get branches that proofs can
-//! rule out (`blend`).
-//! What one coordinate alone decides, like sin(k·x), is taken out of the
-//! expression (`hoist`, `split`) and evaluated once per column, row or layer
-//! (`axis`); `ranges` proves, `lanes` interprets (`tape`), for many points
-//! (`wide`, `dual`) or boxes (`span`) at a time, and `workspace` brings them together for the walk in `engine`. `sight`
-//! looks at the whole part from somewhere.
+//! rule out (`blend`). Parts that depend on one coordinate alone, like
+//! sin(k·x), are taken out of the expression (`hoist`, `split`) and evaluated
+//! once per column, row or layer (`axis`). `lanes` evaluates the rest, for many
+//! points or boxes at a time. `workspace` brings both together for the walk in
+//! `engine`. `sight` looks at the whole part from somewhere.
 //!
 //! This is the one place where `f64` millimetres become fidget's `f32`.
 
@@ -59,10 +58,10 @@ pub const LEAF: usize = 8;
 pub const NODES: usize = LEAF + 1;
 /// Layers that share one walk over the tiles, at most.
 pub const SLAB: usize = 32;
-/// Cells in a slab of a large lattice, at most: what its layers' outlines need of
-/// memory is then bounded by the extent in the plane, and not by the height. A
-/// cell with an outline takes some 60 bytes until the slab is done. More layers
-/// would save only proofs.
+/// Greatest number of cells in a slab of a large lattice: the memory of its
+/// layers' outlines is then bounded by the extent in the plane, and not by the
+/// height. A cell with an outline takes some 60 bytes until the slab is done.
+/// More layers would save only proofs.
 const SLAB_CELLS: usize = 4_000_000;
 
 /// Why a field cannot be evaluated.
@@ -79,7 +78,8 @@ pub enum FieldError {
         /// Distance of the samples.
         spacing: Length,
     },
-    /// It changes its sign finer than what is asked for, over large parts.
+    /// The field changes its sign more finely than the smallest feature asked
+    /// for, over large parts.
     #[error(
         "the field changes its sign too finely near x = {:.1}, y = {:.1}, \
          z = {:.1}: what is inside and what is outside is {width:.3} wide on \
@@ -87,9 +87,9 @@ pub enum FieldError {
         .at[0], .at[1], .at[2]
     )]
     TooFine {
-        /// Where it does, for one.
+        /// A place where it does.
         at: [Length; 3],
-        /// How wide what is there is on average.
+        /// How wide its inside and outside are there, on average.
         width: Length,
         /// Size of what is left out.
         smallest: Length,
@@ -212,15 +212,14 @@ impl Field {
         self
     }
 
-    /// Who stops it.
+    /// The hook that stops work on the field.
     pub(crate) fn cancel(&self) -> &Cancel {
         &self.cancel
     }
 
     /// Stops if that was asked.
     ///
-    /// # Errors
-    /// If it was.
+    /// # Errors If the hook asked to stop.
     pub(crate) fn check(&self) -> Result<(), FieldError> {
         Ok(self.cancel.check()?)
     }

@@ -1,5 +1,5 @@
-//! An expression split into what one coordinate decides and the rest, and
-//! where the rest's inputs come from.
+//! An expression split into parts that depend on one coordinate, and the rest;
+//! and where the rest's inputs come from.
 
 use super::axis::{Axis, Level};
 use super::hoist::{Hoisted, hoist};
@@ -20,7 +20,7 @@ pub(super) enum Source {
     Part(usize, usize),
 }
 
-/// An expression split into what one coordinate decides and the rest.
+/// An expression split into parts that depend on one coordinate, and the rest.
 pub(super) struct Split {
     /// Context and root of the rest.
     pub context: Context,
@@ -66,7 +66,8 @@ impl Split {
 pub(super) struct Axes<'a>(pub [&'a Axis; 3]);
 
 impl<'a> Axes<'a> {
-    /// What a source is at the nodes of its axis, which is number `.0`.
+    /// The values of a source at the nodes of its axis, whose number comes
+    /// first.
     pub(super) fn along(&self, source: Source) -> (usize, &'a [f32]) {
         match source {
             Source::Coordinate(a) => (a, self.0[a].nodes()),

@@ -10,14 +10,15 @@ use crate::interval::Interval;
 use fidget::eval::Function;
 use fidget::vm::VmFunction;
 
-/// Leaves evaluated at once: what they need of memory fits a core's cache.
+/// Leaves evaluated at once: their memory fits a core's cache.
 const AT_ONCE: usize = 12;
 
 /// What interval arithmetic says of a box.
 pub(super) enum Proof {
     /// No sign change in it.
     Uniform,
-    /// May have one; the expression for use inside, if a simpler one exists.
+    /// It may have a sign change. The expression is one for use inside the box,
+    /// if a simpler one exists.
     Ambiguous(Option<Expr>),
 }
 
@@ -34,7 +35,7 @@ pub(super) struct Workspace<'a> {
     lanes: Lanes,
     simplify: <VmFunction as Function>::Workspace,
     axis: axis::Scratch,
-    /// Memory of functions that are done with.
+    /// Memory of functions that are no longer needed, to be used again.
     functions: Vec<<VmFunction as Function>::Storage>,
     /// By input: what it is at each point.
     values: Vec<Vec<f32>>,
@@ -71,8 +72,8 @@ impl<'a> Workspace<'a> {
         }
     }
 
-    /// Keeps of the boxes, numbers of the axes' `level`s, those in which the
-    /// field may change its sign.
+    /// Keeps those boxes in which the field may change its sign; a box is given
+    /// by its numbers along the axes on a `level`.
     pub(super) fn sift(
         &mut self,
         expr: &Expr,

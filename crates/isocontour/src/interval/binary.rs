@@ -7,7 +7,7 @@ impl Interval {
     #[inline]
     pub(crate) fn add(self, o: Self) -> Self {
         let (lo, hi) = (self.lo + o.lo, self.hi + o.hi);
-        // Nearly always: then no end is infinite, and neither is empty.
+        // This is nearly always so: then no end is infinite, and no operand is empty.
         if lo.is_finite() && hi.is_finite() {
             let nan = self.nan || o.nan;
             return Self { lo, hi, nan };
@@ -66,7 +66,7 @@ impl Interval {
             self.hi * o.lo,
             self.hi * o.hi,
         ];
-        // Nearly always: then no end is infinite, and neither is empty.
+        // This is nearly always so: then no end is infinite, and no operand is empty.
         Self::of_four(p, self.nan || o.nan)
             .unwrap_or_else(|| self.mul_infinite(o))
     }

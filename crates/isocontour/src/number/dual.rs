@@ -15,7 +15,7 @@ pub(crate) struct Dual<T, const D: usize> {
 }
 
 impl<T: Part, const D: usize> Dual<T, D> {
-    /// With value `v`, and `by` times the derivatives.
+    /// A number with the value `v` and `by` times the derivatives of `self`.
     #[inline(always)]
     fn chain(self, v: T, by: T) -> Self {
         self.map(v, |d| d.along(by))
@@ -39,7 +39,7 @@ impl<T: Part, const D: usize> Dual<T, D> {
         Dual { v, d }
     }
 
-    /// Something that does not change.
+    /// A number that does not change, so that its derivatives are zero.
     #[inline(always)]
     pub(crate) fn flat(v: T) -> Self {
         Dual {
@@ -48,7 +48,7 @@ impl<T: Part, const D: usize> Dual<T, D> {
         }
     }
 
-    /// Coordinate number `axis`.
+    /// The coordinate number `axis`, whose derivative along its own axis is 1.
     #[inline(always)]
     pub(crate) fn coordinate(v: T, axis: usize) -> Self {
         let mut out = Dual::flat(v);
@@ -63,7 +63,7 @@ impl<T: Part, const D: usize> Dual<T, D> {
         self.steps(self, v)
     }
 
-    /// Value `v` of two operands, which goes in steps.
+    /// The value `v`, made of two operands, if it goes in steps.
     #[inline(always)]
     fn steps(self, o: Self, v: T) -> Self {
         self.zip(o, v, |a, b| v.step(a, b))
@@ -87,7 +87,8 @@ impl<T: Part, const D: usize> Number for Dual<T, D> {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        // Where it is less than zero, its negative.
+        // Where the value is less than zero, the derivative is the negative
+        // one.
         let zero = T::splat(0.0);
         let of = |d: T| T::choose(self.v, zero, d.neg(), d);
         self.map(self.v.abs(), of)

@@ -49,7 +49,7 @@ impl Number for Interval {
     }
 }
 
-/// A derivative along an axis on which nothing changes.
+/// The derivative along an axis along which nothing changes.
 fn is_flat(d: Interval) -> bool {
     d == Interval::ZERO
 }
@@ -57,7 +57,7 @@ fn is_flat(d: Interval) -> bool {
 impl Part for Interval {
     #[inline]
     fn along(self, by: Self) -> Self {
-        // 0 · ∞ would be anything.
+        // Without this 0 · ∞ would be any number.
         if is_flat(self) { self } else { self.mul(by) }
     }
     #[inline]
@@ -86,7 +86,7 @@ impl Part for Interval {
         }
     }
     fn leap(self, x: Self, along: Self) -> Self {
-        // Across the negative x axis, on which `self` is zero.
+        // The angle jumps across the negative x axis, on which `self` is zero.
         match self.contains(0.0) && x.lo <= 0.0 && !is_flat(along) {
             true => Interval::ANYTHING,
             false => Interval::ZERO,

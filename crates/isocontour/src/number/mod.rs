@@ -23,7 +23,9 @@ pub(crate) mod wide;
 
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 
-/// What a tape's operations can be carried out on.
+/// Values on which fidget's operations can be carried out. The methods are
+/// named after the operations, and do what fidget's evaluators do: a NaN in an
+/// operand of `min` or `max`, for one, makes the result NaN.
 pub(crate) trait Number: Copy {
     fn splat(v: f32) -> Self;
     fn neg(self) -> Self;
@@ -68,8 +70,8 @@ pub(crate) trait Part: Number {
     fn along(self, by: Self) -> Self {
         self.mul(by)
     }
-    /// `x` where `a` is less than `b`, else `y`; both, where that is not
-    /// certain.
+    /// `x` where `a` is less than `b`, else `y`. Where a range cannot tell, the
+    /// range of both.
     fn choose(a: Self, b: Self, x: Self, y: Self) -> Self;
     /// `x` where `a` is zero, else `y`.
     fn choose_zero(a: Self, x: Self, y: Self) -> Self;
@@ -79,15 +81,15 @@ pub(crate) trait Part: Number {
     fn unless_nan(self, _a: Self, _b: Self, _instead: f32) -> Self {
         self
     }
-    /// The derivative of `self`, a value that goes in steps, when those of
-    /// its operands are `a` and `b`.
+    /// The derivative of `self`, a value that goes in steps; `a` and `b` are the
+    /// derivatives of its operands.
     fn step(self, a: Self, b: Self) -> Self;
-    /// What the derivative of the angle of the point (`x`, `self`) has besides
-    /// the smooth part, when that of `self` is `along`: nothing, or unknown
-    /// where the angle jumps by a turn.
+    /// A term of the derivative of `self.atan2(x)`, added to the smooth part. It
+    /// is zero, or unknown where the angle may jump by a turn. `along` is the
+    /// derivative of `self`.
     fn leap(self, x: Self, along: Self) -> Self;
-    /// The derivative of the remainder of `self` by `o`, when theirs are `a`
-    /// and `b`.
+    /// The derivative of the remainder of `self` by `o`; `a` and `b` are the
+    /// derivatives of the two.
     fn wrap(self, o: Self, a: Self, b: Self) -> Self;
 }
 

@@ -23,7 +23,8 @@ impl Number for f64 {
     fn square(self) -> Self {
         self * self
     }
-    // Defined by bits or by exact zeros: fidget's own, in f32.
+    // These operations are defined by bits or by exact zeros, so fidget's own
+    // are used, in f32.
     fn not(self) -> Self {
         FloatExt::not(self as f32).into()
     }

@@ -51,7 +51,7 @@ pub(crate) fn run<T: Number, const N: usize>(
             right!($o, $a, $imm, $f)
         }};
     }
-    // With a constant on the right, or on the left.
+    // These have a constant on the right, or on the left.
     macro_rules! right {
         ($o:ident, $a:ident, $imm:ident, $f:expr) => {{
             let imm = T::splat($imm);

@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// Boxes in a [`Span`].
 pub(crate) const BOXES: usize = 8;
 
-/// What exp and ln may be off, as a share of the result, and sin, at most.
+/// Greatest errors of exp and ln, as a share of the result, and of sin.
 const SLACK: f64 = 2e-9;
 
 type Ends = [f64; BOXES];
@@ -42,20 +42,20 @@ fn zip(mut a: Ends, b: Ends, f: impl Fn(f64, f64) -> f64) -> Ends {
     a
 }
 
-/// The lesser one; NaN if both are.
+/// The lesser number; NaN if both are NaN.
 #[inline(always)]
 fn least(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The greater one; NaN if both are.
+/// The greater number; NaN if both are NaN.
 #[inline(always)]
 fn most(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
 impl Span {
-    /// Nothing is known.
+    /// Ranges of which nothing is known.
     pub(crate) const UNKNOWN: Span = Span {
         lo: [f64::NAN; BOXES],
         hi: [f64::NAN; BOXES],
@@ -75,7 +75,7 @@ impl Span {
         (lo <= hi).then_some(Interval::new(lo, hi))
     }
 
-    /// With both ends NaN where one is.
+    /// The ranges with both ends NaN where one end is.
     #[inline(always)]
     fn sane(lo: Ends, hi: Ends) -> Span {
         let mut out = Span { lo, hi };
@@ -87,7 +87,8 @@ impl Span {
         out
     }
 
-    /// A function that rises, and may be off by a share of its value.
+    /// The range of a function that rises, and may be off by a share of its
+    /// value.
     #[inline(always)]
     fn rising(self, f: impl Fn(f64) -> f64) -> Span {
         let (lo, hi) = (map(self.lo, &f), map(self.hi, &f));
@@ -97,7 +98,7 @@ impl Span {
         )
     }
 
-    /// Box by box.
+    /// The ranges that a function of intervals gives, box by box.
     #[inline(always)]
     fn each(self, o: Span, f: impl Fn(Interval, Interval) -> Interval) -> Span {
         let mut out = Span::UNKNOWN;
@@ -141,7 +142,7 @@ impl Number for Span {
         for k in 0..BOXES {
             let (lo, hi) = (self.lo[k], self.hi[k]);
             let (a, b) = (1.0 / hi, 1.0 / lo);
-            // Both of one sign.
+            // Both ends have one sign.
             let known = (lo > 0.0) | (hi < 0.0);
             out.lo[k] = if known { a } else { f64::NAN };
             out.hi[k] = if known { b } else { f64::NAN };
@@ -150,7 +151,7 @@ impl Number for Span {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        // Not a number below zero.
+        // The result is not a number below zero.
         Span::sane(map(self.lo, f64::sqrt), map(self.hi, f64::sqrt))
     }
     #[inline(always)]
@@ -188,7 +189,7 @@ impl Number for Span {
         for k in 0..BOXES {
             let (lo, hi) = (self.lo[k], self.hi[k]);
             let (a, b) = (Turn::of(lo).sin, Turn::of(hi).sin);
-            // Whether it has a peak inside, 2π apart from one another.
+            // Whether the range has a peak inside; peaks are 2π apart.
             let reaches = |peak: f64| {
                 let turns = ((lo - peak) / TAU).ceil();
                 peak + turns * TAU <= hi
@@ -235,7 +236,7 @@ impl Number for Span {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        // Not known where the series is not right.
+        // The result is not known where the series does not hold.
         self.rising(|v| {
             if v.abs() < 700.0 {
                 wide::exp(v)
@@ -274,7 +275,7 @@ impl Number for Span {
         for k in 0..BOXES {
             let (a, b) = (self.lo[k] * o.lo[k], self.lo[k] * o.hi[k]);
             let (c, d) = (self.hi[k] * o.lo[k], self.hi[k] * o.hi[k]);
-            // Infinite ends may make it none.
+            // Infinite ends may make a product that is not a number.
             let known = !((a + b) + (c + d)).is_nan();
             let lo = least(least(a, b), least(c, d));
             let hi = most(most(a, b), most(c, d));
@@ -315,7 +316,7 @@ impl Number for Span {
     }
     #[inline(always)]
     fn min(self, o: Self) -> Self {
-        // Where one is not known, neither is the sum.
+        // Where one operand is not known, the result is not known, either.
         let ends = |a: f64, b: f64| least(a, b) + 0.0 * (a + b);
         Span::sane(zip(self.lo, o.lo, ends), zip(self.hi, o.hi, ends))
     }
@@ -353,7 +354,7 @@ impl Part for Span {
     fn choose_zero(a: Self, x: Self, y: Self) -> Self {
         let mut out = Span::UNKNOWN;
         for k in 0..BOXES {
-            // Where it may or may not be zero, there is a step.
+            // Where the value may or may not be zero, there is a step.
             if a.lo[k] > 0.0 || a.hi[k] < 0.0 {
                 (out.lo[k], out.hi[k]) = (y.lo[k], y.hi[k]);
             } else if a.lo[k] == 0.0 && a.hi[k] == 0.0 {
@@ -364,7 +365,7 @@ impl Part for Span {
     }
     #[inline(always)]
     fn step(self, _: Self, _: Self) -> Self {
-        // Flat where the value does not change.
+        // The derivative is zero where the value does not change.
         let flat = zip(
             self.lo,
             self.hi,
@@ -378,7 +379,7 @@ impl Part for Span {
     fn leap(self, x: Self, _: Self) -> Self {
         let mut out = Span::UNKNOWN;
         for k in 0..BOXES {
-            // Across the negative x axis.
+            // The angle jumps across the negative x axis.
             let apart = (self.lo[k] > 0.0) | (self.hi[k] < 0.0);
             if apart | (x.lo[k] > 0.0) {
                 (out.lo[k], out.hi[k]) = (0.0, 0.0);
@@ -388,7 +389,8 @@ impl Part for Span {
     }
     #[inline(always)]
     fn wrap(self, o: Self, along: Self, other: Self) -> Self {
-        // As long as it stays in one period of a constant.
+        // The remainder is smooth as long as `self` stays in one period of a
+        // constant.
         let mut times = Span::UNKNOWN;
         for k in 0..BOXES {
             let a = Interval::new(self.lo[k], self.hi[k]);
@@ -412,7 +414,7 @@ mod tests {
     use fidget::eval::MathFunction;
     use fidget::vm::VmFunction;
 
-    /// What is said of a box among others is what is said of it alone.
+    /// A box among others gets the range that it gets alone.
     #[test]
     fn ranges_are_those_of_the_boxes_on_their_own() {
         let mut seed = 3u64;
@@ -442,7 +444,7 @@ mod tests {
             let slope = |slot, k| coordinate(over(slot, k), slot);
             lanes.bounds(&f, boxes.len(), slope, &mut bounds);
             assert_eq!([found.len(), bounds.len()], [boxes.len(); 2]);
-            // But for rounding.
+            // The two agree but for rounding.
             let same = |a: Interval, b: Interval| {
                 let near = |a: f64, b: f64| {
                     a == b || (a - b).abs() < 1e-7 * (1.0 + a.abs())

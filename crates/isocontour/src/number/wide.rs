@@ -1,11 +1,11 @@
 //! Eight numbers at a time, and the functions of them.
 //!
 //! Every function is a fixed sequence of additions, multiplications and
-//! divisions, each rounded as IEEE 754 says, without a branch. So the
-//! compiler can turn it into whatever vector instructions there are, and the
-//! result is the same, bit for bit, on any processor, which the system's sine
-//! is not. Inside they reckon in `f64`; what they return is the nearest `f32`
-//! but for one case in thousands, and there the one next to it.
+//! divisions, each rounded as IEEE 754 says, without a branch. So the compiler
+//! can turn it into whatever vector instructions there are, and the result is
+//! the same, bit for bit, on any processor, which the system's sine is not.
+//! Inside, the functions reckon in `f64`. They return the nearest `f32`, except
+//! for one case in thousands, where they return the one next to it.
 //!
 //! Sine and cosine: the kernels `__kernel_sindf` and `__kernel_cosdf` of
 //! FreeBSD's msun (Bruce D. Evans), after reduction by multiples of π/2 in two
@@ -24,7 +24,7 @@ use fidget::types::FloatExt;
 /// Numbers in a [`Wide`].
 pub(crate) const WIDTH: usize = 8;
 
-/// Some numbers, each on its own.
+/// Eight numbers, on each of which every operation works alone.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub(crate) struct Wide(pub [f32; WIDTH]);
@@ -50,7 +50,8 @@ impl Wide {
         out
     }
 
-    /// Where `mask` is true of own and another's values, `a`; else `b`.
+    /// The numbers of `a` where `mask` is true of the values of `self` and
+    /// another, and those of `b` elsewhere.
     #[inline(always)]
     pub(crate) fn choose_by(
         self,
@@ -67,8 +68,8 @@ impl Wide {
         out
     }
 
-    /// A function made of those of a turn's sine and cosine; by the `rare`
-    /// one where a number is too large for the common way.
+    /// A function of an angle's sine and cosine; `rare` computes it where a
+    /// number is too large for the common way.
     #[inline(always)]
     fn turn(self, f: impl Fn(Turn) -> f64, rare: impl Fn(f32) -> f32) -> Wide {
         let mut out = self.map(|v| f(Turn::of(f64::from(v))) as f32);
@@ -119,7 +120,8 @@ impl Turn {
         let cos = ((1.0 + z * -4.999_999_972_510_031e-1)
             + w * 4.166_662_332_373_906e-2)
             + (w * z) * r;
-        // By the quarter: which is which, and the signs.
+        // The quarter of the turn tells which of the two is the sine, and the
+        // signs.
         let n = raised.to_bits();
         let swap = n & 1 != 0;
         let (a, b) = if swap { (cos, sin) } else { (sin, cos) };
@@ -379,8 +381,8 @@ mod tests {
     #[test]
     fn functions_are_right_to_the_last_bit_or_next_to_it() {
         type Case = (&'static str, fn(Wide) -> Wide, fn(f64) -> f64, u64);
-        // The last one: of how many results one may be off. The tangents of
-        // very large numbers are libm's.
+        // The last number says that one in so many results may be off. The
+        // tangents of very large numbers are libm's.
         let cases: [Case; 5] = [
             ("exp", Wide::exp, f64::exp, 1000),
             ("ln", Wide::ln, f64::ln, 1000),
@@ -420,7 +422,7 @@ mod tests {
             let mut seed = 1u64;
             for _ in 0..300_000 {
                 seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-                // Any bits, and such as occur.
+                // Half of the numbers have any bits, half are such as occur.
                 check(f32::from_bits((seed >> 32) as u32));
                 check((seed >> 40) as f32 / (1 << 18) as f32 - 32.0);
             }

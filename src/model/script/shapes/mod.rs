@@ -14,7 +14,7 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-use super::error::Outcome;
+use super::shape::Outcome;
 use super::shape::{describe, shape};
 use fidget::context::Tree;
 use glam::DVec3;

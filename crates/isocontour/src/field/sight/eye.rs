@@ -38,7 +38,7 @@ pub(super) struct Eye<'a> {
     ranges: Boxes,
     lanes: Lanes,
     simplify: <VmFunction as Function>::Workspace,
-    /// Memory of functions that are done with.
+    /// Memory of functions that are no longer needed, to be used again.
     storage: Vec<<VmFunction as Function>::Storage>,
     points: [Vec<f32>; 3],
     values: Vec<f32>,
@@ -277,14 +277,14 @@ impl<'a> Eye<'a> {
     /// Finds the gradients where lines have just met something, and with them
     /// the surface itself, which is between two samples.
     fn arrive(&mut self, f: &VmFunction) -> Result<(), FieldError> {
-        // Twice a value and two slopes.
+        // The gradient takes two evaluations, each of a value and two slopes.
         self.sight.spend(f, 6 * self.fresh.len())?;
         let fresh = std::mem::take(&mut self.fresh);
         self.points.iter_mut().for_each(Vec::clear);
         for &(line, sample) in &fresh {
             self.ask(line, sample);
         }
-        // Slopes along x and y, then along z.
+        // Slopes along x and y come first, then the slope along z.
         for (slopes, along) in
             self.slopes.iter_mut().zip([[0, 1, 2], [1, 2, 0]])
         {
@@ -310,7 +310,8 @@ impl<'a> Eye<'a> {
             let beyond = -v / gradient.dot(towards);
             let beyond = match beyond >= 0.0 {
                 true => beyond.min(1.0),
-                // It does not rise towards the viewer, or nobody knows.
+                // The field does not rise towards the viewer, or its slope is
+                // not known.
                 false => 0.5,
             };
             self.hits[line] = Some(Hit {

@@ -14,9 +14,9 @@
 //!     what is met
 //! ```
 //!
-//! The result is that of sampling everything, but for rounding: what lies
-//! between the samples is missed. It depends neither on the number of threads
-//! nor on the processor.
+//! The result is equal, but for rounding, to that of sampling everything:
+//! features between the samples are missed. It depends neither on the number of
+//! threads nor on the processor.
 
 mod eye;
 #[cfg(test)]
@@ -58,9 +58,10 @@ pub struct Hit {
 /// A part to be looked at.
 pub struct Sight {
     f: VmFunction,
-    /// By input of the function, its coordinate.
+    /// For each input of the function its coordinate.
     axes: Vec<usize>,
-    /// Operations that all looks together may take, and have taken.
+    /// Operations that all looks together may take, and those that they have
+    /// taken.
     most: u64,
     taken: AtomicU64,
     cancel: Cancel,

@@ -1,0 +1,48 @@
+//! Rings and areas for tests.
+
+use super::{Area, Ring};
+use glam::DVec2;
+use std::f64::consts::TAU;
+
+/// A ring through some points.
+pub(crate) fn ring(points: &[(f64, f64)]) -> Ring {
+    points.iter().map(|&p| p.into()).collect()
+}
+
+/// A rectangle's ring.
+pub(crate) fn rect_ring(x0: f64, y0: f64, x1: f64, y1: f64) -> Ring {
+    ring(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+}
+
+/// A rectangle.
+pub(crate) fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Area {
+    Area {
+        rings: vec![rect_ring(x0, y0, x1, y1)],
+    }
+}
+
+/// The ring of a square around the origin, of half a side's length.
+pub(crate) fn square_ring(half: f64) -> Ring {
+    rect_ring(-half, -half, half, half)
+}
+
+/// A square around the origin, of half a side's length.
+pub(crate) fn square(half: f64) -> Area {
+    rect(-half, -half, half, half)
+}
+
+/// A square of 10 mm with a square hole of 4 mm.
+pub(crate) fn frame() -> Area {
+    let mut hole = square_ring(2.0);
+    hole.reverse();
+    Area {
+        rings: vec![square_ring(5.0), hole],
+    }
+}
+
+/// A circle around the origin, as a polygon of `n` corners.
+pub(crate) fn circle(radius: f64, n: usize) -> Ring {
+    (0..n)
+        .map(|i| DVec2::from_angle(TAU * i as f64 / n as f64) * radius)
+        .collect()
+}
