@@ -312,6 +312,43 @@ fn parts_thinner_than_any_bead() {
     }
 }
 
+/// Each ends after a look at some places: all outlines of the first one would
+/// take many minutes.
+#[test]
+fn parts_thinner_than_any_bead_nearly_everywhere() {
+    const GYROID: &str = "abs(sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x))";
+    let thin = [
+        format!("max(max(abs(x), max(abs(y), abs(z))) - 50, {GYROID} - 0.05)"),
+        format!("max(max(abs(x), max(abs(y), abs(z))) - 5, {GYROID} - 0.004)"),
+        "max(abs(mod(x + 50, 1) - 0.5) - 0.05, \
+         max(max(abs(x), abs(y)) - 20, abs(z - 10) - 10))"
+            .to_owned(),
+    ];
+    let settings = Settings::default();
+    for text in thin {
+        let error = slice(&text, None, &settings).unwrap_err();
+        assert!(error.contains("next to nothing"), "{text}: {error}");
+        assert!(error.contains("thin_min"), "{text}: {error}");
+    }
+    // Thin at its top, thin in its lower half, half of it thin, and thin only
+    // because slits are left open.
+    let thick = [
+        "max(max(abs(x), abs(y)) - min(8, 0.1 + max(0, 10 - z)), abs(z - 6) - 6)",
+        "min(max(max(abs(x), abs(y)) - 0.1, abs(z - 2) - 2), \
+         max(max(abs(x), abs(y)) - 6, abs(z - 5) - 1))",
+        "max(max(abs(mod(x + 50, 1) - 0.5) - 0.1, -x), \
+         max(max(abs(x), abs(y)) - 10, abs(z - 2) - 2))",
+        "max(0.02 - abs(mod(x + 50, 0.2) - 0.1), \
+         max(max(abs(x), abs(y)) - 5, abs(z - 1) - 1))",
+    ];
+    for text in thick {
+        match slice(text, None, &coarse()) {
+            Ok(gcode) => assert_valid(&gcode, &coarse(), text),
+            Err(e) => assert!(!e.contains("next to nothing"), "{text}: {e}"),
+        }
+    }
+}
+
 #[test]
 fn a_plate_as_large_as_the_bed() {
     let settings = common::settings(&[

@@ -199,9 +199,10 @@ mod tests {
             standing.kept(vec![line.clone()], [].into_iter(), true);
             let kept = standing.kept(dots.clone(), [].into_iter(), true);
             assert_eq!(kept.len(), left);
-            // Beside the longer one, the short one is not alone.
-            let beside = bead(&[(9.7, 4.0), (9.7, 6.0)]);
-            let both = vec![beside, short.clone()];
+            // Beside a longer one, the short one is not alone.
+            let beside = bead(&[(15.0, 4.0), (15.0, 6.0)]);
+            let near = bead(&[(15.3, 4.9), (15.3, 5.5)]);
+            let both = vec![beside, near];
             assert_eq!(standing.kept(both, [].into_iter(), true).len(), 2);
         }
     }

@@ -22,6 +22,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `layer` | what is known of a layer on its way |
+//! | `sound` | notices early that next to nothing can be printed |
 //! | `stages` | what can be done for many layers at a time |
 //! | `supply` | does that, a window of layers ahead of who writes them |
 //! | `exit` | what is done in order |
@@ -31,6 +32,7 @@
 mod estimates;
 mod exit;
 mod layer;
+mod sound;
 mod stages;
 mod supply;
 mod tally;
@@ -178,6 +180,22 @@ pub enum SliceError {
         /// How many layers were looked at.
         layers: usize,
         /// Width of the outer wall, mm.
+        line: Mm,
+    },
+    /// Next to nothing of the part is as thick as a line.
+    #[error(
+        "next to nothing of the part can be printed: in {looked} places looked \
+         at, {share:.0} % of its area is thinner than the thinnest line \
+         ({line:.2} mm, thin_min of the outer wall's width); make it thicker, \
+         scale it up with --size or --scale, or lower thin_min or \
+         outer_wall_width"
+    )]
+    TooThin {
+        /// In how many of the places looked at there was something.
+        looked: usize,
+        /// The share that is too thin, %.
+        share: f64,
+        /// Width of the thinnest line, mm.
         line: Mm,
     },
     /// The layers' pictures cannot be written.
@@ -347,7 +365,7 @@ fn write(
     })?;
     let no_picture = pictures.is_none().then(|| {
         "the file has no picture of the part, as drawing this expression would \
-         take too long; gcode.thumbnails = [] asks for none"
+         take too long; gcode.thumbnails = \"\" asks for none"
             .to_owned()
     });
     let header = Header {
