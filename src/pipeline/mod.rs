@@ -184,11 +184,10 @@ pub enum SliceError {
     },
     /// Next to nothing of the part is as thick as a line.
     #[error(
-        "next to nothing of the part can be printed: in {looked} places looked \
-         at, {share:.0} % of its area is thinner than the thinnest line \
-         ({line:.2} mm, thin_min of the outer wall's width); make it thicker, \
-         scale it up with --size or --scale, or lower thin_min or \
-         outer_wall_width"
+        "next to nothing to print: in {looked} places looked at, all over the \
+         part, {share:.0} % of its area is thinner than any line ({line:.2} mm, \
+         thin_min of the outer wall's width); make it thicker, scale it up \
+         with --size or --scale, or lower thin_min or outer_wall_width"
     )]
     TooThin {
         /// In how many of the places looked at there was something.

@@ -18,7 +18,7 @@
 //! nothing in the sample.
 
 use super::SliceError;
-use super::stages::Stages;
+use crate::contour::FieldError;
 use crate::layers::LayerSpan;
 use crate::limits;
 use crate::plane::Rect;
@@ -97,21 +97,25 @@ fn window(k: usize, part: Rect) -> (f64, Rect) {
     (share(2), Rect { min, max })
 }
 
-/// Looks at a sample of a part.
+/// Looks at a sample of a part, of layers `spans`, in the box `part`; `found_in`
+/// tells what is in a window of a layer, and `line` is the width of the thinnest
+/// line.
 ///
 /// # Errors
-/// If next to nothing of it can be printed.
+/// If next to nothing of it can be printed; those of `found_in`.
 pub(super) fn sample(
-    stages: &Stages<'_>,
     pool: &ThreadPool,
+    part: Rect,
     spans: &[LayerSpan],
+    line: Mm,
+    found_in: impl Fn(Rect, &LayerSpan) -> Result<Found, FieldError> + Sync,
 ) -> Result<(), SliceError> {
     let look = |k: usize| -> Result<Found, SliceError> {
         limits::check();
-        let (height, window) = window(k, stages.rect());
+        let (height, window) = window(k, part);
         let i = (height * spans.len() as f64) as usize;
         match spans.get(i) {
-            Some(span) => Ok(stages.found_in(window, span)?),
+            Some(span) => Ok(found_in(window, span)?),
             None => Ok(Found::default()),
         }
     };
@@ -135,7 +139,7 @@ pub(super) fn sample(
                 true => 100.0 * all.gap / all.solid,
                 false => 100.0,
             },
-            line: stages.thinnest(),
+            line,
         }),
     }
 }

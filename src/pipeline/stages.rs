@@ -8,7 +8,7 @@ use super::layer::{Inside, Layer, faces, window};
 use super::sound::{self, Found};
 use super::{BLOCK, SliceError};
 use crate::adhesion::{Skirt, loops};
-use crate::contour::{Detail, Field, FieldError, field, outlines};
+use crate::contour::{Detail, Field, FieldError, field, field_in, outlines};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
 use crate::infill::{self, Infill};
@@ -29,7 +29,6 @@ use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::Surroundings;
 use crate::{skin, walls};
-use fidget::context::Tree;
 use glam::DVec2;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -48,7 +47,7 @@ const SKIRT_SAMPLES: usize = 64;
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
-    tree: Tree,
+    model: &'a Model,
     /// The part's box in the plane.
     rect: Rect,
     field: Field,
@@ -69,7 +68,7 @@ pub(super) struct Stages<'a> {
 
 impl<'a> Stages<'a> {
     pub(super) fn new(
-        model: &Model,
+        model: &'a Model,
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
@@ -104,7 +103,7 @@ impl<'a> Stages<'a> {
         };
         let mut stages = Stages {
             settings,
-            tree: model.tree.clone(),
+            model,
             rect,
             field,
             wall_fields,
@@ -407,7 +406,11 @@ impl<'a> Stages<'a> {
             let highest = looked.iter().rposition(|l| l.prints);
             let thin = looked.iter().any(|l| l.found.is_suspicious());
             if thin && !sampled {
-                sound::sample(self, pool, spans)?;
+                let found_in = |window: Rect, span: &LayerSpan| {
+                    self.found_in(window, span)
+                };
+                let line = self.thinnest();
+                sound::sample(pool, self.rect, spans, line, found_in)?;
                 sampled = true;
             }
             if let Some(highest) = highest {
@@ -441,34 +444,21 @@ impl<'a> Stages<'a> {
     ///
     /// # Errors
     /// As [`Stages::layers`].
-    pub(super) fn found_in(
+    fn found_in(
         &self,
         window: Rect,
         span: &LayerSpan,
     ) -> Result<Found, FieldError> {
-        let [middle, half] =
-            [0.5, -0.5].map(|s: f64| 0.5 * window.max + s * window.min);
-        let (x, y, _) = Tree::axes();
-        let mut cut = self.tree.clone();
-        for (axis, middle, half) in
-            [(x, middle.x, half.x), (y, middle.y, half.y)]
-        {
-            cut = cut.max((axis - middle as f32).abs() - half as f32);
-        }
-        let field = field(&cut, 0.0, window, self.settings.sample_spacing)?;
+        let spacing = self.settings.sample_spacing;
+        let field = field_in(&self.model.tree, window, spacing)?;
         let span = std::slice::from_ref(span);
         let layers = self.layers_of(&field, &[], span, &(0..usize::MAX))?;
         let layer = layers.first();
         Ok(layer.map_or(Found::default(), |l| found(l, &self.inside(l))))
     }
 
-    /// The part's box in the plane.
-    pub(super) fn rect(&self) -> Rect {
-        self.rect
-    }
-
     /// Width of the thinnest line.
-    pub(super) fn thinnest(&self) -> Mm {
+    fn thinnest(&self) -> Mm {
         self.settings.thin_min / 100.0 * self.settings.outer_wall_width()
     }
 }
