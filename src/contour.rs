@@ -26,6 +26,24 @@ pub(crate) fn field(
     Ok(field.with_cancel(limits::cancel()))
 }
 
+/// As [`field`], of what is within a window that is parallel to the axes.
+///
+/// # Errors
+/// As [`field`].
+pub(crate) fn field_in(
+    tree: &Tree,
+    window: Rect,
+    spacing: Mm,
+) -> Result<Field, FieldError> {
+    let middle = 0.5 * (window.max + window.min);
+    let half = 0.5 * (window.max - window.min);
+    let (x, y, _) = Tree::axes();
+    let beyond_x = (x - middle.x as f32).abs() - half.x as f32;
+    let beyond_y = (y - middle.y as f32).abs() - half.y as f32;
+    let cut = tree.max(beyond_x.max(beyond_y));
+    field(&cut, 0.0, window, spacing)
+}
+
 /// Outlines of the layers at heights `z`, at most a slab of them; the time
 /// they take goes to `timings`.
 ///

@@ -1443,7 +1443,8 @@ fn a_part_of_which_nothing_is_printed_is_an_error() {
             .args(["slice", "-e", thin, "-o", "thin.gcode"])
             .assert()
             .code(1)
-            .stderr(contains("nothing to print: in each of the 30 layers"))
+            .stderr(contains("nothing to print: in"))
+            .stderr(contains("thinner than any line"))
             .stderr(contains("--scale"));
         assert!(names(folder.path()).is_empty());
     }
@@ -1511,6 +1512,18 @@ fn a_drawing_gets_a_height() {
         .assert()
         .failure()
         .stderr(contains("has a height of its own"));
+}
+
+/// Where it cannot be moved there, what is said of its digits comes first: the
+/// error names only what followed from them.
+#[test]
+fn a_ball_that_lost_its_digits_is_said_to_have() {
+    let folder = folder();
+    let formula = "x^2 - 60000*x + 9e8 + y^2 + z^2 - 25";
+    isoslice(&folder)
+        .args(["slice", "-e", formula, "-o", "far.gcode"])
+        .assert()
+        .stderr(starts_with("warning: the part lies 30 m from the origin"));
 }
 
 /// The text is that of a ball at the origin: f32 has the digits for it.

@@ -249,8 +249,6 @@ fn fields_that_oscillate_finer_than_can_be_printed() {
         "sin(60*x) + sqrt(x^2+y^2+z^2) - 15",
         "sqrt(x^2+y^2+z^2) - 10 + 0.05*sin(1000*x)*sin(1000*y)",
         "sqrt(x^2+y^2+z^2) - 10 + 0.05*sin(1e4*x)*sin(1e4*y)",
-        // Sheets that hardly any node meets.
-        &format!("max(abs({}) - 0.05, {CUBE})", gyroid("6")),
         // Blades, most of whose area is too fine.
         &format!("max(sin(400*atan2(y,x)), {CUBE})"),
         // A rough skin, no thicker than a hair.
@@ -308,6 +306,48 @@ fn parts_thinner_than_any_bead() {
             format!("abs(x + y*0.01) - {thickness}/2"),
         ] {
             let _ = check(&part);
+        }
+    }
+}
+
+/// Each ends after a look at some places: all outlines of the first one would
+/// take many minutes.
+#[test]
+fn parts_thinner_than_any_bead_nearly_everywhere() {
+    let sheets = |k: &str, thick: f64, half: f64| {
+        let sheet = format!("abs({}) - {thick}", gyroid(k));
+        format!("max(max(abs(x), max(abs(y), abs(z))) - {half}, {sheet})")
+    };
+    let thin = [
+        sheets("1", 0.05, 50.0),
+        sheets("1", 0.004, 5.0),
+        // Hardly any node meets these.
+        sheets("6", 0.05, 6.0),
+        "max(abs(mod(x + 50, 1) - 0.5) - 0.05, \
+         max(max(abs(x), abs(y)) - 20, abs(z - 10) - 10))"
+            .to_owned(),
+    ];
+    let settings = Settings::default();
+    for text in thin {
+        let error = slice(&text, None, &settings).unwrap_err();
+        assert!(error.contains("next to nothing"), "{text}: {error}");
+        assert!(error.contains("thin_min"), "{text}: {error}");
+    }
+    // Thin at its top, thin in its lower half, half of it thin, and thin only
+    // because slits are left open.
+    let thick = [
+        "max(max(abs(x), abs(y)) - min(8, 0.1 + max(0, 10 - z)), abs(z - 6) - 6)",
+        "min(max(max(abs(x), abs(y)) - 0.1, abs(z - 2) - 2), \
+         max(max(abs(x), abs(y)) - 6, abs(z - 5) - 1))",
+        "max(min(abs(mod(x + 50, 1) - 0.5) - 0.1, -x), \
+         max(max(abs(x), abs(y)) - 10, abs(z - 2) - 2))",
+        "max(0.02 - abs(mod(x + 50, 0.2) - 0.1), \
+         max(max(abs(x), abs(y)) - 5, abs(z - 1) - 1))",
+    ];
+    for text in thick {
+        match slice(text, None, &coarse()) {
+            Ok(gcode) => assert_valid(&gcode, &coarse(), text),
+            Err(e) => assert!(!e.contains("next to nothing"), "{text}: {e}"),
         }
     }
 }

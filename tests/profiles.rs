@@ -367,6 +367,14 @@ fn ones_own_profile_goes_before_and_may_start_from_the_shipped_one() {
     assert_eq!(listed.len(), count + 1);
 }
 
+/// It used to be unknown, and proposed as the name most like it.
+#[test]
+fn a_profile_that_is_no_file_is_said_to_be_none() {
+    let error = refused(&[("filaments/odd.toml/a.txt", "")], "odd");
+    assert!(error.contains("odd.toml"), "{error}");
+    assert!(!error.contains("did you mean"), "{error}");
+}
+
 #[test]
 fn a_profile_may_be_a_file_anywhere() {
     let (folder, profiles) = folder(&[(

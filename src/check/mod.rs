@@ -551,23 +551,28 @@ impl<'a> Checker<'a> {
         let needed = (0..3)
             .filter(|&i| step.prints() || (i < 2 && axes[i] > 0.0))
             .fold(0, |needed, i| needed | 1 << i);
-        let missing = needed & !self.homed;
-        if missing == 0 {
+        if needed & !self.homed == 0 {
             return;
         }
-        // Said once.
-        self.homed = HOMED;
         let names: Vec<&str> = ["x", "y", "z"]
             .into_iter()
             .enumerate()
-            .filter(|(i, _)| missing & 1 << i != 0)
+            .filter(|(i, _)| self.homed & 1 << i == 0)
             .map(|(_, name)| name)
             .collect();
+        // Said once, so it names all of them.
+        self.homed = HOMED;
         self.verdict.add(Kind::NotHomed, step.line, step.to, || {
+            let (names, was) = match names.split_last() {
+                Some((last, [])) => ((*last).to_owned(), "was"),
+                Some((last, others)) => {
+                    (format!("{} and {last}", others.join(", ")), "were")
+                }
+                None => (String::new(), "was"),
+            };
             format!(
-                "the head moves, and {} was not homed (G28), or not since \
-                 the motors were turned off",
-                names.join(", ")
+                "the head moves, and {names} {was} not homed (G28), or not \
+                 since the motors were turned off"
             )
         });
     }

@@ -437,6 +437,13 @@ fn axes_are_homed_before_they_move() {
     assert!(!homed("G28 X Y\n"));
     assert!(!homed("G1 X5 F900\nG28\n"));
     assert!(!homed("G28\nM84\n"));
+    // All that were not, though the first move needs some of them only.
+    let said = |head: &str| {
+        let all = verdict(&format!("{head}G1 X5 Y5 F900\n{bead}"));
+        all.sentences("a", Severity::Warning).join("\n")
+    };
+    assert!(said("").contains("x, y and z were not homed"));
+    assert!(said("G28 X Z\nM84 Z\n").contains("z was not homed"));
 }
 
 #[test]

@@ -208,7 +208,7 @@ impl PreviewArgs {
         bar.finish_and_clear();
         let summary =
             summary.with_context(|| format!("cannot slice {}", model.name))?;
-        terminal::warn(&[&model.warnings[..], &summary.warnings].concat());
+        terminal::warn(&summary.warnings);
         let mut file = gcode
             .into_inner()
             .map_err(io::IntoInnerError::into_error)

@@ -7,7 +7,7 @@ use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::limits;
-use isoslice::preview::{Picture, View, draw};
+use isoslice::preview::{View, draw};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -140,12 +140,12 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
         .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
         .build()
         .context("cannot start the worker threads; try --threads 1")?;
-    let picture = pool
+    let behind = args.background.colour();
+    let png = pool
         .install(|| {
-            limits::doing("picture", || draw(&model, view, args.pixels))
+            limits::doing("picture", || draw(&model, view, args.pixels, behind))
         })
         .with_context(|| format!("cannot draw {}", model.name))?;
-    let png = args.background.behind(picture).png()?;
     let no_picture = || format!("cannot write {}", path.display());
     output.write_all(&png).with_context(no_picture)?;
     output.finish().with_context(no_picture)
@@ -171,10 +171,10 @@ impl RenderArgs {
 }
 
 impl Background {
-    fn behind(self, picture: Picture) -> Picture {
+    fn colour(self) -> Option<[u8; 3]> {
         match self {
-            Background::None => picture,
-            Background::Colour(colour) => picture.over(colour),
+            Background::None => None,
+            Background::Colour(colour) => Some(colour),
         }
     }
 }

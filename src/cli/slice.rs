@@ -120,6 +120,8 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let format = format_of(&path)?;
     let report = args.report_output(&path, &inputs)?;
     let model = args.model.load(settings)?;
+    // What may be wrong with the model may be why it cannot be sliced.
+    terminal::warn(&model.warnings);
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| {
             format!("cannot make the folder {}", folder.display())
@@ -167,7 +169,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
 
-    let mut of_print = [&model.warnings[..], &summary.warnings].concat();
+    let mut of_print = summary.warnings.clone();
     let flavour = settings.gcode.flavour;
     if format == Format::Binary && flavour != Flavour::Prusa {
         of_print.push(
@@ -186,7 +188,8 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         timings: args.timings || terminal::wants_timings(),
     };
     let text = if args.json {
-        let warnings = [gathered.warnings, of_print].concat();
+        let warnings =
+            [gathered.warnings, model.warnings.clone(), of_print].concat();
         sums.to_json(&warnings)?
     } else if terminal::is_quiet() {
         String::new()

@@ -9,7 +9,10 @@
 //!
 //! In: layers from below, as they are printed. Out: their infill without the
 //! beads that nothing holds; a bubble is left out until it meets something
-//! that stands.
+//! that stands. Where cells blend, there are also rings and lines hardly longer
+//! than they are wide: each would be a dot beside its travel, so one that
+//! touches nothing in its layer is left out, even if something is below it.
+//! Shapes of people's own may mean their dots.
 //!
 //! Patterns of one density have no such places. Patterns whose density varies,
 //! and people's own patterns, may have them.
@@ -22,6 +25,8 @@ use crate::units::Mm;
 /// Beads whose middles are within this share of their width of each other
 /// hold each other.
 const HELD: f64 = 0.75;
+/// Beads shorter than this many widths are dots.
+const DOT: f64 = 2.0;
 
 /// What a layer's infill may stand on.
 pub(crate) struct Standing {
@@ -67,8 +72,10 @@ impl Standing {
             let mut edges = bead.segments();
             edges.any(|(a, b)| !by.clear(a, b, self.reach))
         };
-        let stands =
-            |bead: &Bead| below.as_ref().is_none_or(|below| held(bead, below));
+        let dot = |bead: &Bead| !self.own && bead.length() < DOT * bead.width;
+        let stands = |bead: &Bead| {
+            !dot(bead) && below.as_ref().is_none_or(|below| held(bead, below))
+        };
         let grid = |beads: &[&Bead]| {
             EdgeGrid::of_lines(beads.iter().map(|b| b.path()), self.reach)
         };
@@ -169,5 +176,38 @@ mod tests {
         assert_eq!(kept.len(), 1);
         assert_eq!(standing.left_out, 3);
         assert!(Standing::new(&Settings::default()).is_none());
+    }
+
+    #[test]
+    fn a_dot_is_left_out_unless_it_touches_something() {
+        let graded = Settings {
+            infill_density: settings::Varying::Expression("9+d".into()),
+            ..Settings::default()
+        };
+        let own = Settings {
+            infill: settings::Infill::Expression("x".into()),
+            ..Settings::default()
+        };
+        let line = bead(&[(0.0, 5.0), (20.0, 5.0)]);
+        // On the line below: a ring, a short line and one that is longer.
+        let ring = ring(5.0, 0.1);
+        let raised = |mut bead: Bead| {
+            bead.points.iter_mut().for_each(|p| p.y += 5.0);
+            bead
+        };
+        let short = bead(&[(10.0, 4.9), (10.0, 5.5)]);
+        let longer = bead(&[(15.0, 4.5), (15.0, 5.5)]);
+        let dots = vec![raised(ring), short.clone(), longer.clone()];
+        for (settings, left) in [(&graded, 1), (&own, 3)] {
+            let mut standing = Standing::new(settings).unwrap();
+            standing.kept(vec![line.clone()], [].into_iter(), true);
+            let kept = standing.kept(dots.clone(), [].into_iter(), true);
+            assert_eq!(kept.len(), left);
+            // Beside a longer one, the short one is not alone.
+            let beside = bead(&[(15.0, 4.0), (15.0, 6.0)]);
+            let near = bead(&[(15.3, 4.9), (15.3, 5.5)]);
+            let both = vec![beside, near];
+            assert_eq!(standing.kept(both, [].into_iter(), true).len(), 2);
+        }
     }
 }

@@ -22,6 +22,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `layer` | what is known of a layer on its way |
+//! | `sound` | notices early that next to nothing can be printed |
 //! | `stages` | what can be done for many layers at a time |
 //! | `supply` | does that, a window of layers ahead of who writes them |
 //! | `exit` | what is done in order |
@@ -31,6 +32,7 @@
 mod estimates;
 mod exit;
 mod layer;
+mod sound;
 mod stages;
 mod supply;
 mod tally;
@@ -178,6 +180,21 @@ pub enum SliceError {
         /// How many layers were looked at.
         layers: usize,
         /// Width of the outer wall, mm.
+        line: Mm,
+    },
+    /// Next to nothing of the part is as thick as a line.
+    #[error(
+        "next to nothing to print: in {looked} places looked at, all over the \
+         part, {share:.0} % of its area is thinner than any line ({line:.2} mm, \
+         thin_min of the outer wall's width); make it thicker, scale it up \
+         with --size or --scale, or lower thin_min or outer_wall_width"
+    )]
+    TooThin {
+        /// In how many of the places looked at there was something.
+        looked: usize,
+        /// The share that is too thin, %.
+        share: f64,
+        /// Width of the thinnest line, mm.
         line: Mm,
     },
     /// The layers' pictures cannot be written.
@@ -347,7 +364,7 @@ fn write(
     })?;
     let no_picture = pictures.is_none().then(|| {
         "the file has no picture of the part, as drawing this expression would \
-         take too long; gcode.thumbnails = [] asks for none"
+         take too long; gcode.thumbnails = \"\" asks for none"
             .to_owned()
     });
     let header = Header {

@@ -5,9 +5,10 @@
 //! which layers are worked on.
 
 use super::layer::{Inside, Layer, faces, window};
+use super::sound::{self, Found};
 use super::{BLOCK, SliceError};
 use crate::adhesion::{Skirt, loops};
-use crate::contour::{Detail, Field, FieldError, field, outlines};
+use crate::contour::{Detail, Field, FieldError, field, field_in, outlines};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
 use crate::infill::{self, Infill};
@@ -46,6 +47,9 @@ const SKIRT_SAMPLES: usize = 64;
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
+    model: &'a Model,
+    /// The part's box in the plane.
+    rect: Rect,
     field: Field,
     /// The fields of the walls by their depths, if they are offsets of the
     /// expression.
@@ -64,7 +68,7 @@ pub(super) struct Stages<'a> {
 
 impl<'a> Stages<'a> {
     pub(super) fn new(
-        model: &Model,
+        model: &'a Model,
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
@@ -99,6 +103,8 @@ impl<'a> Stages<'a> {
         };
         let mut stages = Stages {
             settings,
+            model,
+            rect,
             field,
             wall_fields,
             seams: Seams::new(settings, around)?,
@@ -165,6 +171,18 @@ impl<'a> Stages<'a> {
         spans: &[LayerSpan],
         needed: &Range<usize>,
     ) -> Result<Vec<Layer>, FieldError> {
+        self.layers_of(&self.field, &self.wall_fields, spans, needed)
+    }
+
+    /// As [`Stages::layers`], of a field and those of its walls, if walls are
+    /// offsets of the expression.
+    fn layers_of(
+        &self,
+        field: &Field,
+        wall_fields: &[(Mm, Field)],
+        spans: &[LayerSpan],
+        needed: &Range<usize>,
+    ) -> Result<Vec<Layer>, FieldError> {
         let z: Vec<Mm> =
             spans.iter().map(|s| s.sample_z() + self.bed).collect();
         let detail = Detail {
@@ -172,10 +190,9 @@ impl<'a> Stages<'a> {
             smallest: PRINTABLE * self.settings.outer_wall_width(),
         };
         let make = |f: &Field| outlines(f, &z, detail, &self.timings);
-        let outlines_of_slab = make(&self.field)?;
+        let outlines_of_slab = make(field)?;
         // For walls that are offsets of the expression: by depth, by layer.
-        let mut offset_outlines = self
-            .wall_fields
+        let mut offset_outlines = wall_fields
             .iter()
             .map(|(depth, f)| Ok((*depth, make(f)?.into_iter())))
             .collect::<Result<Vec<_>, FieldError>>()?;
@@ -371,6 +388,9 @@ impl<'a> Stages<'a> {
     /// How many of the part's layers there are up to the highest one that
     /// has something to print. The bounds may reach higher than the part, and
     /// what is thinner than any line is left out.
+    ///
+    /// # Errors
+    /// If next to nothing of the part can be printed: see [`super::sound`].
     pub(super) fn printed(
         &self,
         pool: &ThreadPool,
@@ -379,30 +399,79 @@ impl<'a> Stages<'a> {
         // Mostly it is the last one. If it is not, slab by slab.
         let (below, last) = spans.split_at(spans.len().saturating_sub(1));
         let slabs = below.rchunks(self.slab_layers());
+        let mut sampled = false;
         for slab in std::iter::once(last).chain(slabs) {
             limits::check();
-            let prints = pool.install(|| self.prints(slab))?;
-            if let Some(highest) = prints.iter().rposition(|p| *p) {
+            let looked = pool.install(|| self.look_at(slab))?;
+            let highest = looked.iter().rposition(|l| l.prints);
+            let thin = looked.iter().any(|l| l.found.is_suspicious());
+            if thin && !sampled {
+                let found_in = |window: Rect, span: &LayerSpan| {
+                    self.found_in(window, span)
+                };
+                let line = self.thinnest();
+                sound::sample(pool, self.rect, spans, line, found_in)?;
+                sampled = true;
+            }
+            if let Some(highest) = highest {
                 return Ok(slab.first().map_or(0, |s| s.index) + highest + 1);
             }
         }
         Ok(0)
     }
 
-    /// Which of some layers have something to print.
-    fn prints(&self, spans: &[LayerSpan]) -> Result<Vec<bool>, SliceError> {
+    /// What there is to print in some layers.
+    fn look_at(&self, spans: &[LayerSpan]) -> Result<Vec<Looked>, SliceError> {
         let layers = self.layers(spans, &(0..usize::MAX))?.into_par_iter();
-        let prints = |layer: Layer| {
-            if layer.area().is_empty() {
-                return Ok(false);
-            }
+        let look = |layer: Layer| {
             let inside = self.inside(&layer);
+            let found = found(&layer, &inside);
+            if layer.area().is_empty() {
+                let prints = false;
+                return Ok(Looked { prints, found });
+            }
             let alone = VecDeque::from([layer]);
             let (beads, _) = self.beads(&alone, 0, &inside)?;
-            Ok(!(beads.walls.is_empty()
+            let prints = !(beads.walls.is_empty()
                 && beads.infill.is_empty()
-                && beads.skin.is_empty()))
+                && beads.skin.is_empty());
+            Ok(Looked { prints, found })
         };
-        layers.map(prints).collect()
+        layers.map(look).collect()
     }
+
+    /// What a nozzle can make of a window of a layer.
+    ///
+    /// # Errors
+    /// As [`Stages::layers`].
+    fn found_in(
+        &self,
+        window: Rect,
+        span: &LayerSpan,
+    ) -> Result<Found, FieldError> {
+        let spacing = self.settings.sample_spacing;
+        let field = field_in(&self.model.tree, window, spacing)?;
+        let span = std::slice::from_ref(span);
+        let layers = self.layers_of(&field, &[], span, &(0..usize::MAX))?;
+        let layer = layers.first();
+        Ok(layer.map_or(Found::default(), |l| found(l, &self.inside(l))))
+    }
+
+    /// Width of the thinnest line.
+    fn thinnest(&self) -> Mm {
+        self.settings.thin_min / 100.0 * self.settings.outer_wall_width()
+    }
+}
+
+/// What is known of a layer that was looked at alone.
+struct Looked {
+    /// There is something to print.
+    prints: bool,
+    found: Found,
+}
+
+/// What a nozzle can make of a layer.
+fn found(layer: &Layer, inside: &Inside) -> Found {
+    let dropped = layer.found.dropped_rings;
+    Found::new(layer.area().content(), dropped, &inside.walls)
 }

@@ -2,6 +2,7 @@
 
 use super::raster::PictureError;
 use crate::settings::ImageFormat;
+use std::io::Write;
 
 /// Colour behind the part in a format without transparency, sRGB. It is dark,
 /// as are the hosts that show such pictures.
@@ -12,7 +13,7 @@ const QUALITY: u8 = 92;
 
 /// A picture: colours in linear light, multiplied by their opacity.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub(super) struct Picture {
     /// Pixels in a row.
     pub(super) width: usize,
     /// Rows, from the top.
@@ -22,27 +23,17 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Width and height, pixels.
-    pub fn size(&self) -> [usize; 2] {
-        [self.width, self.height]
-    }
-
     /// The picture in front of a colour, given as sRGB.
-    pub fn over(mut self, background: [u8; 3]) -> Picture {
-        let behind = background.map(linear);
-        for pixel in &mut self.pixels {
-            let through = 1.0 - pixel[3];
-            for k in 0..3 {
-                pixel[k] += through * behind[k];
-            }
-            pixel[3] = 1.0;
-        }
+    fn over(mut self, background: [u8; 3]) -> Picture {
+        self.pixels
+            .iter_mut()
+            .for_each(|p| *p = over(*p, background));
         self
     }
 
     /// The picture, smaller, in the middle of a frame that may have other
     /// proportions. Each new pixel is the mean of those that it covers.
-    pub fn shrunk(&self, width: usize, height: usize) -> Picture {
+    pub(super) fn shrunk(&self, width: usize, height: usize) -> Picture {
         let scale = (self.width as f64 / width as f64)
             .max(self.height as f64 / height as f64);
         let left = 0.5 * (self.width as f64 - scale * width as f64);
@@ -79,7 +70,10 @@ impl Picture {
     ///
     /// # Errors
     /// If a side is 0 or too large for the format.
-    pub fn file(self, format: ImageFormat) -> Result<Vec<u8>, PictureError> {
+    pub(super) fn file(
+        self,
+        format: ImageFormat,
+    ) -> Result<Vec<u8>, PictureError> {
         match format {
             ImageFormat::Png => self.png(),
             ImageFormat::Qoi => self.qoi(),
@@ -112,23 +106,70 @@ impl Picture {
         Ok(file)
     }
 
-    /// The picture as a PNG file.
-    ///
-    /// # Errors
-    /// If a side is 0 or too large for PNG.
-    pub fn png(&self) -> Result<Vec<u8>, PictureError> {
-        let bytes = self.bytes();
+    fn png(&self) -> Result<Vec<u8>, PictureError> {
         let mut file = Vec::new();
-        let (width, height) = self.sides();
-        let mut encoder = png::Encoder::new(&mut file, width, height);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&bytes)?;
+        let mut writer = png_of(&mut file, self.width, self.height)?;
+        writer.write_image_data(&self.bytes())?;
         writer.finish()?;
         Ok(file)
     }
+}
+
+/// Begins a PNG file.
+fn png_of(
+    file: &mut Vec<u8>,
+    width: usize,
+    height: usize,
+) -> Result<png::Writer<&mut Vec<u8>>, PictureError> {
+    let side = |n: usize| u32::try_from(n).unwrap_or(0);
+    let mut encoder = png::Encoder::new(file, side(width), side(height));
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    Ok(encoder.write_header()?)
+}
+
+/// Takes the pixels of a picture, some rows at a time: linear colours,
+/// multiplied by their opacity, and that.
+pub(super) type Rows<'a> =
+    dyn FnMut(&[[f32; 4]]) -> Result<(), PictureError> + 'a;
+
+/// A PNG file of a picture that is never in memory as a whole; `draw` hands
+/// over its rows. It lies in front of the colour `behind`, sRGB, if there is
+/// one.
+///
+/// # Errors
+/// Those of `draw`; if a side is 0 or too large for PNG, or there are not as
+/// many pixels as that.
+pub(super) fn png_by_rows(
+    [width, height]: [usize; 2],
+    behind: Option<[u8; 3]>,
+    draw: impl FnOnce(&mut Rows<'_>) -> Result<(), PictureError>,
+) -> Result<Vec<u8>, PictureError> {
+    let mut file = Vec::new();
+    let mut writer = png_of(&mut file, width, height)?;
+    let mut stream = writer.stream_writer()?;
+    let mut bytes: Vec<u8> = Vec::new();
+    let laid = |p: &[f32; 4]| behind.map_or(*p, |b| over(*p, b));
+    draw(&mut |pixels| {
+        bytes.clear();
+        bytes.extend(pixels.iter().flat_map(|p| srgb(laid(p))));
+        let written = stream.write_all(&bytes);
+        Ok(written.map_err(png::EncodingError::from)?)
+    })?;
+    stream.finish()?;
+    writer.finish()?;
+    Ok(file)
+}
+
+/// A pixel in front of a colour, given as sRGB.
+fn over(mut pixel: [f32; 4], background: [u8; 3]) -> [f32; 4] {
+    let through = 1.0 - pixel[3];
+    for k in 0..3 {
+        pixel[k] += through * linear(background[k]);
+    }
+    pixel[3] = 1.0;
+    pixel
 }
 
 /// The pixels, of `count`, that a length from `from` on covers, and each one's
@@ -185,6 +226,37 @@ mod tests {
             assert_eq!(half, [byte, byte, byte, 128]);
         }
         assert_eq!(srgb([f32::NAN, 0.0, 9.0, 1.0]), [0, 0, 255, 255]);
+    }
+
+    #[test]
+    fn a_file_made_row_by_row_is_the_same_picture() {
+        let (width, height) = (50, 40);
+        let pixels: Vec<[f32; 4]> = (0..width * height)
+            .map(|k| [k as f32 / 4000.0, 0.1, 0.2, (k % 3) as f32 / 2.0])
+            .collect();
+        let pixels_of = |file: &[u8]| {
+            let decoder = png::Decoder::new(std::io::Cursor::new(file));
+            let mut reader = decoder.read_info().unwrap();
+            let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+            reader.next_frame(&mut bytes).unwrap();
+            bytes
+        };
+        let whole = Picture {
+            width,
+            height,
+            pixels,
+        };
+        for behind in [None, Some([200, 100, 50])] {
+            let file = png_by_rows([width, height], behind, |rows| {
+                whole.pixels.chunks(3 * width).try_for_each(rows)
+            });
+            let laid = match behind {
+                Some(colour) => whole.clone().over(colour),
+                None => whole.clone(),
+            };
+            assert_eq!(pixels_of(&file.unwrap()), laid.bytes());
+            assert_eq!(pixels_of(&laid.png().unwrap()), laid.bytes());
+        }
     }
 
     #[test]

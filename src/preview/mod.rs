@@ -18,7 +18,6 @@ mod toolpath;
 
 pub(crate) use folder::Pictures;
 pub use html::write_html;
-pub use image::Picture;
 pub use picture::draw;
 pub(crate) use picture::thumbnails;
 pub(crate) use raster::outline_from_above;

@@ -5,7 +5,7 @@
 //! size give one picture on any number of threads and any machine of one
 //! architecture; on others sines may differ in the last bit.
 
-use super::image::Picture;
+use super::image::{Picture, Rows, png_by_rows};
 use super::raster::{PictureError, Subject, View};
 use super::shade::{KEY_FROM, shade};
 use crate::contour::FieldError;
@@ -36,30 +36,35 @@ const AFFORDABLE: u64 = 6_000_000_000;
 /// samples.
 const COARSER: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// Draws a model, on a transparent background.
+/// Draws a model, as a PNG file, in front of a colour (sRGB) or nothing.
 ///
 /// # Errors
-/// If fidget refuses the model's expression.
+/// If fidget refuses the model's expression, or a side is too large for PNG.
 pub fn draw(
     model: &Model,
     view: View,
     size: [usize; 2],
-) -> Result<Picture, PictureError> {
-    let [width, height] = size.map(|n| n.max(1));
-    let longest = width.max(height);
+    behind: Option<[u8; 3]>,
+) -> Result<Vec<u8>, PictureError> {
+    let size = size.map(|n| n.max(1));
+    let longest = size[0].max(size[1]);
     let block = if longest <= SMOOTHED { SMOOTH } else { 1 };
-    drawn(&Subject::new(model, view)?, [width, height], block)
+    png_by_rows(size, behind, |rows| {
+        drawn(&Subject::new(model, view)?, size, block, rows)
+    })
 }
 
-/// The picture, of blocks of `block` × `block` samples.
+/// Hands over the picture, of blocks of `block` × `block` samples, some rows at
+/// a time.
 fn drawn(
     subject: &Subject,
     [width, height]: [usize; 2],
     block: usize,
-) -> Result<Picture, PictureError> {
+    each: &mut Rows<'_>,
+) -> Result<(), PictureError> {
     let seen = subject.fitted(width * block, height * block)?;
     let lit = subject.seen_by(KEY_FROM.as_dvec3(), MAP * seen.pixel)?;
-    Ok(shade(&seen, &lit, block))
+    shade(&seen, lit, block, each)
 }
 
 /// Pictures of a model in several sizes, as files. The largest is drawn, and
@@ -83,9 +88,19 @@ pub(crate) fn thumbnails(
         let size = largest
             .map(|n| (share * finer * n as f64).ceil().max(1.0) as usize);
         let subject = Subject::at_most(AFFORDABLE, model, View::THUMBNAIL)?;
-        let drawn = match drawn(&subject, size, 1) {
+        let mut pixels = Vec::with_capacity(size[0] * size[1]);
+        match drawn(&subject, size, 1, &mut |some| {
+            pixels.extend_from_slice(some);
+            Ok(())
+        }) {
             Err(PictureError::Field(FieldError::Costly { .. })) => continue,
             drawn => drawn?,
+        }
+        let [width, height] = size;
+        let drawn = Picture {
+            width,
+            height,
+            pixels,
         };
         let file = |size: &PictureSize| {
             let [width, height] = whole(size);

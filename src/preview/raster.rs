@@ -102,13 +102,21 @@ pub enum PictureError {
     Jpg(#[from] jpeg_encoder::EncodingError),
 }
 
+/// What is seen beside the part is infinitely far behind it.
+pub(super) const BESIDE: f32 = f32::NEG_INFINITY;
+
+/// True for the depth of a pixel that shows the part.
+pub(super) fn is_part(depth: &f32) -> bool {
+    *depth != BESIDE
+}
+
 /// Depths and normals of the visible surface.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Seen {
     pub width: usize,
     pub height: usize,
-    /// Depths towards the viewer, in pixels; nothing beside the part.
-    pub depths: Vec<Option<f32>>,
+    /// Depths towards the viewer, in pixels; [`BESIDE`] beside the part.
+    pub depths: Vec<f32>,
     /// Normals, of length 1, along right, up and towards the viewer.
     pub normals: Vec<Vec3>,
     /// Position of the first pixel of the first row at depth 0, mm.
@@ -262,7 +270,7 @@ impl Subject {
     fn around(&self, coarse: &Frame, seen: &Seen, size: [usize; 2]) -> Frame {
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
         for (i, depth) in seen.depths.iter().enumerate() {
-            if depth.is_some() {
+            if is_part(depth) {
                 let at = [i % seen.width, i / seen.width];
                 for k in 0..2 {
                     low[k] = low[k].min(at[k]);
@@ -321,7 +329,8 @@ impl Subject {
         let mut depths = Vec::with_capacity(width * height);
         let mut normals = Vec::with_capacity(width * height);
         let looked = self.sight.look_by_rows(&grid, &mut |row| {
-            depths.extend(row.iter().map(|h| Some(h.as_ref()?.depth * scale)));
+            let depth = |h: &Option<Hit>| h.map_or(BESIDE, |h| h.depth * scale);
+            depths.extend(row.iter().map(depth));
             let normal =
                 |h: &Option<Hit>| h.map_or(Vec3::ZERO, |h| normal(h.gradient));
             normals.extend(row.iter().map(normal));
@@ -369,7 +378,7 @@ pub(crate) fn outline_from_above(
         let p = DVec2::new(i as f64, j as f64) - half;
         middle + frame.pixel * DVec2::new(p.x, -p.y)
     };
-    let corners = seen.depths.iter().enumerate().filter(|(_, d)| d.is_some());
+    let corners = seen.depths.iter().enumerate().filter(|(_, d)| is_part(d));
     let corners: MultiPoint = corners
         .flat_map(|(k, _)| {
             let (i, j) = (k % seen.width, k / seen.width);
@@ -417,7 +426,7 @@ mod tests {
     }
 
     fn hits(seen: &Seen) -> usize {
-        seen.depths.iter().flatten().count()
+        seen.depths.iter().filter(|d| is_part(d)).count()
     }
 
     /// Left, right, top and bottom ends of the visible part, in pixels.
@@ -425,7 +434,7 @@ mod tests {
         let at = |k: usize| (k % seen.width, k / seen.width);
         let all = seen.depths.iter().enumerate();
         let all: Vec<_> = all
-            .filter(|(_, d)| d.is_some())
+            .filter(|(_, d)| is_part(d))
             .map(|(k, _)| at(k))
             .collect();
         [
@@ -453,7 +462,7 @@ mod tests {
             let share = hits(&seen) as f64 / disc;
             assert!((share - 1.0).abs() < 0.02, "{name} {share}");
             for (k, depth) in seen.depths.iter().enumerate() {
-                if depth.is_none() {
+                if !is_part(depth) {
                     continue;
                 }
                 let p = DVec2::new((k % 200) as f64, (k / 200) as f64);
@@ -477,7 +486,7 @@ mod tests {
             let [left, right, top, bottom] = extent(&seen);
             let row = |j: usize| {
                 let row = &seen.depths[j * 300..(j + 1) * 300];
-                row.iter().position(Option::is_some).unwrap()
+                row.iter().position(is_part).unwrap()
             };
             let post_right = row(top + 3) > (left + right) / 2;
             let aspect = (right - left) as f64 / (bottom - top) as f64;

@@ -11,8 +11,8 @@
 //! keeps slanted surfaces out of their own shadow. The share of these pixels
 //! that is not hidden makes the shadow's edge soft.
 
-use super::image::Picture;
-use super::raster::Seen;
+use super::image::Rows;
+use super::raster::{PictureError, Seen, is_part};
 use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -53,27 +53,42 @@ const GRAZING: f32 = 0.05;
 /// surfaces bend.
 const FLAT: f32 = 1.5;
 
-/// The picture. Each `block` × `block` pixels of `seen` become one. `lit` is
-/// what the key light sees.
-pub(super) fn shade(seen: &Seen, lit: &Seen, block: usize) -> Picture {
+/// Rows that are lit at a time.
+const AT_ONCE: usize = 64;
+
+/// Hands over the picture from its top, some rows at a time. Each `block` ×
+/// `block` pixels of `seen` become one. `lit` is what the key light sees.
+///
+/// # Errors
+/// Those of `each`.
+pub(super) fn shade(
+    seen: &Seen,
+    lit: Seen,
+    block: usize,
+    each: &mut Rows<'_>,
+) -> Result<(), PictureError> {
     let (width, height) = (seen.width / block, seen.height / block);
     let light = Light::new(seen, Shadows::new(seen, lit));
-    let mut pixels = vec![[0.0; 4]; width * height];
-    pixels.par_chunks_mut(width).enumerate().for_each_init(
-        || Row::new(seen.width),
-        |row, (j, out)| {
-            for y in j * block..(j + 1) * block {
-                light.add(y, block, row, out);
-            }
-            let all = (block * block) as f32;
-            out.iter_mut().flatten().for_each(|c| *c /= all);
-        },
-    );
-    Picture {
-        width,
-        height,
-        pixels,
+    let mut pixels = Vec::new();
+    for first in (0..height).step_by(AT_ONCE) {
+        crate::limits::check();
+        let count = AT_ONCE.min(height - first);
+        pixels.clear();
+        pixels.resize(width * count, [0.0; 4]);
+        pixels.par_chunks_mut(width).enumerate().for_each_init(
+            || Row::new(seen.width),
+            |row, (j, out)| {
+                let j = first + j;
+                for y in j * block..(j + 1) * block {
+                    light.add(y, block, row, out);
+                }
+                let all = (block * block) as f32;
+                out.iter_mut().flatten().for_each(|c| *c /= all);
+            },
+        );
+        each(&pixels)?;
     }
+    Ok(())
 }
 
 /// A step from every pixel to another one.
@@ -120,8 +135,6 @@ impl Row {
 
 struct Light<'a> {
     seen: &'a Seen,
-    /// Depths; minus infinity beside the part.
-    depths: Vec<f32>,
     /// The model's z axis in the view.
     up: Vec3,
     key: Vec3,
@@ -137,7 +150,6 @@ struct Light<'a> {
 struct Shadows {
     width: usize,
     height: usize,
-    /// Depths; minus infinity beside the part.
     depths: Vec<f32>,
     /// The matrix from column, row and depth to those of the light's view.
     turn: Mat3,
@@ -145,12 +157,12 @@ struct Shadows {
 }
 
 impl Shadows {
-    fn new(seen: &Seen, lit: &Seen) -> Shadows {
-        let (turn, shift) = seen.to(lit);
+    fn new(seen: &Seen, lit: Seen) -> Shadows {
+        let (turn, shift) = seen.to(&lit);
         Shadows {
             width: lit.width,
             height: lit.height,
-            depths: bare(lit),
+            depths: lit.depths,
             turn: turn.as_mat3(),
             shift: shift.as_vec3(),
         }
@@ -203,12 +215,6 @@ impl Shadows {
     }
 }
 
-/// Depths; minus infinity beside the part.
-fn bare(seen: &Seen) -> Vec<f32> {
-    let depth = |d: &Option<f32>| d.unwrap_or(f32::NEG_INFINITY);
-    seen.depths.iter().map(depth).collect()
-}
-
 impl<'a> Light<'a> {
     fn new(seen: &'a Seen, shadows: Shadows) -> Self {
         let longest = seen.width.max(seen.height) as f32;
@@ -227,7 +233,6 @@ impl<'a> Light<'a> {
         };
         Light {
             seen,
-            depths: bare(seen),
             up: seen.axes.transpose().z_axis.as_vec3(),
             key,
             fill: FILL_FROM.normalize(),
@@ -243,11 +248,10 @@ impl<'a> Light<'a> {
     fn add(&self, y: usize, block: usize, row: &mut Row, out: &mut [[f32; 4]]) {
         let width = self.seen.width;
         let line = y * width..(y + 1) * width;
-        let depths = &self.depths[line.clone()];
-        let there = |z: &f32| *z != f32::NEG_INFINITY;
+        let depths = &self.seen.depths[line.clone()];
         let (Some(first), Some(last)) = (
-            depths.iter().position(there),
-            depths.iter().rposition(there),
+            depths.iter().position(is_part),
+            depths.iter().rposition(is_part),
         ) else {
             return;
         };
@@ -261,7 +265,7 @@ impl<'a> Light<'a> {
             let place = Vec3::new(x as f32, y as f32, row.z[x]);
             SHADOW + (1.0 - SHADOW) * self.shadows.lit(place, normals[x])
         };
-        for x in (first..=last).filter(|x| there(&row.z[*x])) {
+        for x in (first..=last).filter(|x| is_part(&row.z[*x])) {
             let share = row.hidden[x] / DIRECTIONS as f32 * 1.6;
             let open = 1.0 - DARKEST * share.min(1.0);
             let colour = self.colour(normals[x], open, lit(x));
@@ -301,7 +305,7 @@ impl<'a> Light<'a> {
         let own = from..pixels.end.min(end);
         let other = own.start.checked_add_signed(dx)?
             ..own.end.checked_add_signed(dx)?;
-        let row = &self.depths[y * width..(y + 1) * width];
+        let row = &self.seen.depths[y * width..(y + 1) * width];
         Some((row.get(other)?, own))
     }
 
@@ -380,18 +384,15 @@ mod tests {
             let seen = subject.fitted(300, 240).unwrap();
             let light = KEY_FROM.normalize().as_dvec3();
             let lit = subject.seen_by(light, 1.5 * seen.pixel).unwrap();
-            let shadows = Shadows::new(&seen, &lit);
+            let shadows = Shadows::new(&seen, lit);
             let way = seen.axes * light;
             let (mut dark, mut wrong, mut all) = (0, 0, 0);
             for (k, depth) in seen.depths.iter().enumerate() {
-                let at = |z: f32| {
-                    Vec3::new(
-                        (k % seen.width) as f32,
-                        (k / seen.width) as f32,
-                        z,
-                    )
-                };
-                let Some(place) = depth.map(at) else { continue };
+                if !is_part(depth) {
+                    continue;
+                }
+                let at = [k % seen.width, k / seen.width].map(|n| n as f32);
+                let place = Vec3::new(at[0], at[1], *depth);
                 let p = seen.place(place.as_dvec3());
                 let far = p.x.abs().max(p.y.abs()) < 29.0;
                 // On the plate, a little off the post.

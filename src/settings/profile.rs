@@ -266,7 +266,14 @@ impl Profiles {
         };
         let path = folder.join(kind.folder()).join(format!("{name}.toml"));
         if !path.is_file() {
-            return Ok(None);
+            return match path.symlink_metadata() {
+                Err(_) => Ok(None),
+                // A folder, a device, or a link to nothing.
+                Ok(_) => Err(SettingsError::Unreadable {
+                    path,
+                    cause: std::io::Error::other("it is no regular file"),
+                }),
+            };
         }
         let text = text::read(&path)?;
         Profile::new(kind, name, Origin::File(path), &text).map(Some)

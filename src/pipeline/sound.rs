@@ -1,0 +1,173 @@
+//! Notices a part of which next to nothing can be printed.
+//!
+//! In: a part of whose highest layer more than half is thinner than any line.
+//! Out: an error if nearly all of a sample of the part is. To find all outlines
+//! of sheets that are thinner than a line can take many minutes, and what would
+//! be printed in the end are the scraps where they lie flat.
+//!
+//! ```text
+//!   ┌─────────┐   The sample is some windows, each a piece of one layer, from
+//!   │ □     □ │   the bottom to the top and all over the part's box. The middle
+//!   │    □    │   comes first: it is all that a part with a pointed top costs,
+//!   │  □    □ │   if it is thick there.
+//!   └─────────┘
+//! ```
+//!
+//! Guaranteed: the verdict depends on the part and on the settings only. A part
+//! is not refused if most of its sample can be printed, or if there is next to
+//! nothing in the sample.
+
+use super::SliceError;
+use crate::contour::FieldError;
+use crate::layers::LayerSpan;
+use crate::limits;
+use crate::plane::Rect;
+use crate::region::Walls;
+use crate::units::{Mm, Mm2};
+use glam::DVec2;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use std::ops::AddAssign;
+
+/// Share of a layer's area that has to be thinner than any line for the rest to
+/// be looked at.
+const SUSPICIOUS: f64 = 0.5;
+/// Share of the sample's area that has to be thinner than any line.
+const MOST: f64 = 0.9;
+/// Number of windows, of which so many must have something in them.
+const WINDOWS: usize = 16;
+const ENOUGH: usize = 4;
+/// Greatest side of a window.
+const SIDE: Mm = 25.0;
+/// Shares by which a window's place differs from the last one's, along x, y and
+/// z: powers of the plastic number's inverse, and of the golden section. They
+/// spread any number of windows evenly.
+const STEPS: [f64; 3] = [0.754_877_666, 0.569_840_291, 0.618_033_989];
+
+/// What a nozzle can make of some of a part.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Found {
+    /// Its area, and how much of that is thinner than any line.
+    solid: Mm2,
+    gap: Mm2,
+    /// Islands and holes that are smaller than anything that can be printed.
+    dropped: usize,
+}
+
+impl Found {
+    /// Of a layer of that area, `dropped` of whose rings were left out.
+    pub(super) fn new(solid: Mm2, dropped: usize, walls: &Walls) -> Found {
+        Found {
+            solid,
+            gap: walls.gap,
+            dropped,
+        }
+    }
+
+    fn is_blank(&self) -> bool {
+        self.solid <= 0.0 && self.dropped == 0
+    }
+
+    /// True if more than a share of it is thinner than any line.
+    fn is_thinner(&self, share: f64) -> bool {
+        !self.is_blank() && self.gap >= share * self.solid
+    }
+
+    /// True if it is worth looking at the rest of the part.
+    pub(super) fn is_suspicious(&self) -> bool {
+        self.is_thinner(SUSPICIOUS)
+    }
+}
+
+impl AddAssign for Found {
+    fn add_assign(&mut self, other: Found) {
+        self.solid += other.solid;
+        self.gap += other.gap;
+        self.dropped += other.dropped;
+    }
+}
+
+/// The `k`th window: a share of the height, and a box.
+fn window(k: usize, part: Rect) -> (f64, Rect) {
+    let share = |axis: usize| (0.5 + k as f64 * STEPS[axis]).fract();
+    let size = (part.max - part.min).min(DVec2::splat(SIDE));
+    let room = part.max - part.min - size;
+    let min = part.min + room * DVec2::new(share(0), share(1));
+    let max = min + size;
+    (share(2), Rect { min, max })
+}
+
+/// Looks at a sample of a part, of layers `spans`, in the box `part`; `found_in`
+/// tells what is in a window of a layer, and `line` is the width of the thinnest
+/// line.
+///
+/// # Errors
+/// If next to nothing of it can be printed; those of `found_in`.
+pub(super) fn sample(
+    pool: &ThreadPool,
+    part: Rect,
+    spans: &[LayerSpan],
+    line: Mm,
+    found_in: impl Fn(Rect, &LayerSpan) -> Result<Found, FieldError> + Sync,
+) -> Result<(), SliceError> {
+    let look = |k: usize| -> Result<Found, SliceError> {
+        limits::check();
+        let (height, window) = window(k, part);
+        let i = (height * spans.len() as f64) as usize;
+        match spans.get(i) {
+            Some(span) => Ok(found_in(window, span)?),
+            None => Ok(Found::default()),
+        }
+    };
+    let middle = pool.install(|| look(0))?;
+    if !middle.is_blank() && !middle.is_suspicious() {
+        return Ok(());
+    }
+    let rest: Vec<Result<Found, SliceError>> =
+        pool.install(|| (1..WINDOWS).into_par_iter().map(look).collect());
+    let (mut all, mut looked) = (middle, usize::from(!middle.is_blank()));
+    for found in rest {
+        let found = found?;
+        all += found;
+        looked += usize::from(!found.is_blank());
+    }
+    match looked >= ENOUGH && all.is_thinner(MOST) {
+        false => Ok(()),
+        true => Err(SliceError::TooThin {
+            looked,
+            share: match all.solid > 0.0 {
+                true => 100.0 * all.gap / all.solid,
+                false => 100.0,
+            },
+            line,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_are_all_over_the_part_and_inside() {
+        let part = Rect {
+            min: DVec2::new(-10.0, 5.0),
+            max: DVec2::new(190.0, 15.0),
+        };
+        let (height, middle) = window(0, part);
+        assert_eq!(height, 0.5);
+        assert!(
+            (middle.min + middle.max - DVec2::new(180.0, 20.0)).length() < 1e-9
+        );
+        let mut seen = [[0; 4]; 2];
+        for k in 0..WINDOWS {
+            let (height, Rect { min, max }) = window(k, part);
+            assert!(min.cmpge(part.min - 1e-9).all());
+            assert!(max.cmple(part.max + 1e-9).all());
+            assert!((max - min - DVec2::new(25.0, 10.0)).length() < 1e-9);
+            seen[0][(height * 4.0) as usize] += 1;
+            seen[1][((min.x + 10.0) / 175.0 * 4.0) as usize] += 1;
+        }
+        assert!(seen.iter().flatten().all(|n| *n >= 2), "{seen:?}");
+    }
+}
