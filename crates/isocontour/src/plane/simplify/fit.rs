@@ -43,6 +43,11 @@ struct Move {
     by: Length,
     /// The farthest that it may move to either side.
     most: Length,
+    /// Where it is best if its neighbours do not move.
+    best: Length,
+    /// By how much less that is for each unit that the corner before it moves,
+    /// and the one after it.
+    less: [f64; 2],
 }
 
 /// What an edge asks of the corners at its ends.
@@ -85,15 +90,39 @@ impl Fit {
             })
             .collect();
         let corners = joints.len() - usize::from(points.closed);
-        let moves = (0..corners)
+        let ways: Vec<DVec2> = (0..corners)
             .map(|i| {
                 let after = i.min(edges.len() - 1);
                 let [u, v] =
                     [before(i, &edges), after].map(|edge| edges[edge].left);
+                (u + v) / (1.0 + u.dot(v)).max(1.0)
+            })
+            .collect();
+        let moves = (0..corners)
+            .map(|i| {
+                let before = before(i, &edges);
+                let after = (i + 1) % corners;
+                let (mut weight, mut asked) = (0.0, 0.0);
+                let mut less = [0.0; 2];
+                // Each edge beside it, the corner at the other end of that
+                // edge, and at which end this corner is.
+                for (edge, other, end) in [(before, before, 1), (i, after, 0)] {
+                    let Some(edge) = edges.get(edge) else {
+                        continue;
+                    };
+                    let leftwards = ways[i].dot(edge.left);
+                    let theirs = ways[other].dot(edge.left);
+                    weight += leftwards * leftwards * edge.length / 3.0;
+                    asked += leftwards * edge.off[end];
+                    less[1 - end] = leftwards * theirs * edge.length / 6.0;
+                }
+                let share = if weight > 0.0 { 1.0 / weight } else { 0.0 };
                 Move {
-                    way: (u + v) / (1.0 + u.dot(v)).max(1.0),
+                    way: ways[i],
                     by: 0.0,
                     most: if joints[i].stays { 0.0 } else { f64::INFINITY },
+                    best: share * asked,
+                    less: less.map(|l| share * l),
                 }
             })
             .collect();
@@ -102,31 +131,19 @@ impl Fit {
 
     /// Finds the moves by the method of Gauss and Seidel.
     fn solve(&mut self) {
+        let n = self.moves.len();
         for _ in 0..ROUNDS {
-            for i in 0..self.moves.len() {
-                let most = self.moves[i].most;
-                if most > 0.0 {
-                    self.moves[i].by = self.best(i).clamp(-most, most);
+            for i in 0..n {
+                let m = self.moves[i];
+                if m.most <= 0.0 {
+                    continue;
                 }
+                let before = self.moves[if i > 0 { i - 1 } else { n - 1 }].by;
+                let after = self.moves[if i + 1 < n { i + 1 } else { 0 }].by;
+                let by = m.best - m.less[0] * before - m.less[1] * after;
+                self.moves[i].by = by.clamp(-m.most, m.most);
             }
         }
-    }
-
-    /// The best move of a corner if its neighbours are where they are.
-    fn best(&self, i: usize) -> Length {
-        let before = before(i, &self.edges);
-        let (mut weight, mut asked) = (0.0, 0.0);
-        // Each edge beside it, the corner at the other end of that edge, and at
-        // which end this corner is.
-        for (edge, other, end) in [(before, before, 1), (i, self.after(i), 0)] {
-            let edge = &self.edges[edge];
-            let (own, other) = (&self.moves[i], &self.moves[other]);
-            let leftwards = own.way.dot(edge.left);
-            let theirs = other.by * other.way.dot(edge.left);
-            weight += leftwards * leftwards * edge.length / 3.0;
-            asked += leftwards * (edge.off[end] - theirs * edge.length / 6.0);
-        }
-        if weight > 0.0 { asked / weight } else { 0.0 }
     }
 
     /// The corner after one.
