@@ -8,6 +8,9 @@ use glam::DVec2;
 /// quarter of the error: a corner weighs twice as much as both of them.
 const ROUNDS: usize = 8;
 
+/// After so many tries all corners are held back.
+const TRIES: usize = 16;
+
 /// A step of the path, seen from the edge that takes its place: how far along
 /// the edge it begins and ends, from 0 to 1, and how far to the left.
 type Step = ((f64, Length), (f64, Length));
@@ -27,8 +30,13 @@ pub(super) fn settle(
 ) {
     let mut fit = Fit::new(points, joints);
     fit.solve();
-    // Each further try holds back at least one more corner.
+    let mut tries = 0;
     while fit.hold_where_off(points, joints, tolerance, least) {
+        tries += 1;
+        // One corner after the other would take the square of the time.
+        if tries == TRIES {
+            fit.hold_all(least);
+        }
         fit.solve();
     }
     fit.apply(joints);
@@ -182,6 +190,13 @@ impl Fit {
             }
         }
         held
+    }
+
+    /// Holds all corners back.
+    fn hold_all(&mut self, least: Length) {
+        for m in &mut self.moves {
+            m.most = m.most.min(least);
+        }
     }
 
     fn apply(&self, joints: &mut [Joint]) {
