@@ -155,8 +155,7 @@ fn rear_random_and_expressions_are_where_they_say() {
     let seams =
         only_begins(&layers(CYLINDER, &["seam=expr: x*cos(z/9) + y*sin(z/9)"]));
     // Each wall is a polygon of more than a hundred corners. One that lies 1 µm
-    // off turns an edge of 0.7 mm by as much as the circle turns in 40 µm, and
-    // where the polygon closes an edge may be shorter.
+    // off turns an edge of 0.7 mm by as much as the circle turns in 40 µm.
     let mut off: Vec<f64> = seams
         .iter()
         .enumerate()
@@ -168,7 +167,7 @@ fn rear_random_and_expressions_are_where_they_say() {
     off.sort_by(f64::total_cmp);
     let nearly_all = off[off.len() * 98 / 100];
     assert!(nearly_all < 0.05, "{nearly_all}");
-    assert!(off.last().is_some_and(|d| *d < 0.2), "{off:?}");
+    assert!(off.last().is_some_and(|d| *d < 0.06), "{off:?}");
     let seams = only_begins(&layers(CYLINDER, &["seam=random"]));
     let mut eighths = [0; 8];
     for p in &seams {

@@ -22,7 +22,7 @@ use super::cover::{Covered, Islands};
 use crate::plane::clip::{union, unite};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
-use crate::plane::{Area, Ring, Solid, edges, signed_area};
+use crate::plane::{Area, Ring, Solid, edges, path_length, signed_area};
 use crate::units::Mm;
 use glam::DVec2;
 
@@ -159,11 +159,16 @@ pub(crate) fn filled(
 
 /// True if a hole is nowhere wider than a slit, or hardly.
 fn narrow(hole: &[DVec2], width: Mm, tolerance: Mm) -> bool {
+    let width = width + HARDLY * tolerance;
+    // What is that narrow has no more content than a strip half as long as its
+    // border; most holes have more.
+    if signed_area(hole).abs() > 0.5 * width * path_length(hole, true) {
+        return false;
+    }
     let inside = Area {
         rings: vec![hole.iter().rev().copied().collect()],
     };
-    let half = 0.5 * (width + HARDLY * tolerance);
-    offset(&inside, -half, tolerance).is_empty()
+    offset(&inside, -0.5 * width, tolerance).is_empty()
 }
 
 #[cfg(test)]

@@ -256,6 +256,42 @@ mod tests {
         }
     }
 
+    /// A bead along an arc of 10 mm that grows from 0.4 to 0.6 mm.
+    fn arc(role: Role) -> Bead {
+        let share = |i: usize| i as f64 / 400.0;
+        let points = (0..=400).map(|i| 5.0 * DVec2::from_angle(2.0 * share(i)));
+        let mut stroke = Stroke::new(points.collect(), false, 0.5);
+        stroke.widths = (0..=400).map(|i| 0.4 + 0.2 * share(i)).collect();
+        Bead::new(role, stroke, 0.2)
+    }
+
+    #[test]
+    fn each_line_is_as_long_as_width_and_path_permit_together() {
+        let path = 0.015;
+        for role in [Role::OuterWall, Role::InnerWall] {
+            let bead = arc(role);
+            let pieces = pieces_within(bead.clone(), 0.008, path);
+            let lines: usize =
+                pieces.iter().map(|p| p.segments().count()).sum();
+            let of_path = simplify_path(&bead.points, false, path, |_, _| true);
+            let more = of_path.len() - 1;
+            // Hardly more than the worse of both needs alone.
+            let worse = more.max(pieces.len());
+            assert!(lines <= worse + worse / 4, "{lines} {more}");
+            let content: Mm2 =
+                pieces.iter().map(|p| p.width * p.length()).sum();
+            assert!((content / (10.0 * 0.5) - 1.0).abs() < 0.005, "{content}");
+            for piece in &pieces {
+                for (a, b) in piece.segments() {
+                    for share in [0.0, 0.25, 0.5, 0.75] {
+                        let off = a.lerp(b, share).length() - 5.0;
+                        assert!(off.abs() <= 1.01 * path, "{off}");
+                    }
+                }
+            }
+        }
+    }
+
     #[test]
     fn steep_ramps_have_no_tiny_pieces() {
         let mut steep = bead(Role::OuterWall);

@@ -131,10 +131,11 @@ pub fn simplify_path(
         .map(|j| (j.at, (first + j.place as usize) % n))
         .collect();
     // A ring narrower than the tolerance may fold over.
-    let ring: Ring = out.iter().map(|o| o.0).collect();
-    if closed
-        && (out.len() < 3 || signed_area(&ring) * signed_area(path) <= 0.0)
-    {
+    let folded = || {
+        let ring: Ring = out.iter().map(|o| o.0).collect();
+        out.len() < 3 || signed_area(&ring) * signed_area(path) <= 0.0
+    };
+    if closed && folded() {
         return whole();
     }
     out
@@ -200,6 +201,19 @@ mod tests {
             assert!(mean.abs() < 0.0005, "{mean}");
             let content = signed_area(&s) / (PI * r * r) - 1.0;
             assert!(content.abs() * r < 0.001, "{content}");
+        }
+    }
+
+    #[test]
+    fn no_short_rest_is_left_where_a_ring_closes() {
+        for k in 0..40 {
+            let r = 3.0 + 0.05 * f64::from(k);
+            let s = simplify(&circle(r, 2000), 0.005);
+            let sides = super::super::edges(&s).map(|(a, b)| a.distance(b));
+            let (short, long) = sides.fold((f64::INFINITY, 0.0), |m, side| {
+                (f64::min(m.0, side), f64::max(m.1, side))
+            });
+            assert!(short > 0.4 * long, "{r}: {short} {long}");
         }
     }
 

@@ -7,6 +7,8 @@ use glam::DVec2;
 
 /// Half the width of the gates, as a share of the tolerance.
 pub(super) const GATE: f64 = 0.72;
+/// Number of gates that are looked at together at first.
+const WINDOW: usize = 16;
 /// What lies between two directions, less than half a turn apart: a gate as it
 /// is seen from a point, or the ways that lead through some gates.
 #[derive(Clone, Copy)]
@@ -102,6 +104,9 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         while from.place < end.place {
             from = self.next(&from, &end);
             joints.push(from);
+            if from.stays || from.place >= end.place {
+                self.share_last(&mut joints, &end);
+            }
         }
         let tolerance = self.half / GATE;
         settle(&self.points, &mut joints, tolerance, tolerance - self.half);
@@ -109,6 +114,40 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
             joints.pop();
         }
         joints
+    }
+
+    /// Makes the last two edges about equally long if the last one is a short
+    /// rest and they lead through all gates then as well.
+    fn share_last(&self, joints: &mut [Joint], end: &Joint) {
+        let [.., a, b, c] = joints else {
+            return;
+        };
+        let (before, rest) = (a.at.distance(b.at), b.at.distance(c.at));
+        if b.stays || rest >= 0.5 * before {
+            return;
+        }
+        let half = 0.5 * (before + rest);
+        let off = |k: &usize| (a.at.distance(self.points.at(*k)) - half).abs();
+        let (start, last) = (a.place as usize, c.place.ceil() as usize);
+        let inner = start + 1..b.place.ceil() as usize;
+        let Some(k) = inner.min_by(|i, j| off(i).total_cmp(&off(j))) else {
+            return;
+        };
+        let middle = Joint {
+            at: self.points.at(k),
+            place: k as f64,
+            stays: false,
+        };
+        let leads = |from: &Joint, to: &Joint, last: usize| {
+            let along = to.at - from.at;
+            let reach = self.reach(from, end, last);
+            reach.is_some_and(|reach| {
+                reach.last == last && reach.wedge.nearest_to(along) == along
+            }) && (self.fits)(from.place as usize, last)
+        };
+        if leads(a, &middle, k) && leads(&middle, c, last) {
+            *b = middle;
+        }
     }
 
     /// The ends of the gate `k` as seen from a point; nothing between them where
@@ -168,8 +207,19 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
                 stays: (self.corner)(k),
             },
         };
-        let Some(mut reach) = self.reach(from, end, end.place.ceil() as usize)
-        else {
+        // A long straight piece may fit no farther than its first points, and
+        // one that fits all along may soon turn away.
+        let all = end.place.ceil() as usize;
+        let mut most = all.min(start + WINDOW);
+        let mut found = self.reach(from, end, most);
+        while found.as_ref().is_some_and(|reach| reach.last == most)
+            && most < all
+            && (self.fits)(start, most)
+        {
+            most = all.min(2 * most - start);
+            found = self.reach(from, end, most);
+        }
+        let Some(mut reach) = found else {
             // Gates that cross: the path is rough where points are closer to
             // each other than the tolerance.
             return point(start + 1);
@@ -201,19 +251,13 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
             }
             _ => (wedge.nearest_to(self.points.at(last) - from.at), None),
         };
-        let (place, (a, b)) = match border.filter(|_| self.between) {
-            Some(border) => (last as f64, border),
-            None => (last as f64, (gate.right, gate.left)),
-        };
+        let border = border.filter(|_| self.between);
+        let (a, b) = border.unwrap_or((gate.right, gate.left));
         let share = meet(along, a, b);
-        let on = if self.between && border.is_some() {
-            share
-        } else {
-            0.0
-        };
+        let on = if border.is_some() { share } else { 0.0 };
         Joint {
             at: from.at + a.lerp(b, share),
-            place: (place + on).min(end.place),
+            place: (last as f64 + on).min(end.place),
             stays: false,
         }
     }
