@@ -12,7 +12,7 @@
 //! that stands. Where cells blend, there are also rings and lines hardly longer
 //! than they are wide: each would be a dot beside its travel, so one that
 //! touches nothing in its layer is left out, even if something is below it.
-//! Shapes of people's own may mean their dots.
+//! Dots of a pattern that is somebody's own are kept: they may be meant.
 //!
 //! Patterns of one density have no such places. Patterns whose density varies,
 //! and people's own patterns, may have them.

@@ -104,8 +104,8 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
     stroke.points = thinned.into_iter().map(|t| t.0).collect();
 }
 
-/// The bead in pieces of constant width, with no more points than its role
-/// permits.
+/// The bead in pieces of constant width, as long as the tolerances of its role
+/// permit.
 pub(crate) fn pieces(bead: Bead, settings: &Settings) -> Vec<Bead> {
     let path = (1.0 - VARYING) * tolerance(bead.role, settings);
     runs::pieces_within(bead, settings.accuracy, path)

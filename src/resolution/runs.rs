@@ -63,8 +63,9 @@ impl Stretch {
         }
     }
 
-    /// With another stretch after it. What is shorter than `short` has no say if
-    /// the other one is not.
+    /// What is meant along both, if `other` comes after this stretch. The widths
+    /// of this stretch do not count if it is shorter than `short` and `other` is
+    /// not.
     fn and(self, other: Stretch, short: Mm) -> Stretch {
         let (low, high) = match (self.length < short, other.length < short) {
             (true, false) => (other.low, other.high),
@@ -96,7 +97,8 @@ struct Slack {
     most: Mm,
     /// Shortest piece.
     short: Mm,
-    /// Stretches shorter than this have no say beside longer ones.
+    /// The widths of a stretch shorter than this do not count if a longer one
+    /// follows it.
     silent: Mm,
 }
 
@@ -119,7 +121,8 @@ impl Slack {
         }
     }
 
-    /// Of a piece of some width and length.
+    /// How far the width of a piece may be off, by its least width and its
+    /// length.
     fn at(&self, width: Mm, length: Mm) -> Mm {
         let width = width.max(self.narrowest);
         let share = match length <= FEW * width {
@@ -130,7 +133,7 @@ impl Slack {
         area.min(self.most)
     }
 
-    /// True if one width will do for a stretch, or has to.
+    /// True if a stretch may have one width, or is too short for more.
     fn takes(&self, all: &Stretch) -> bool {
         let slack = self.at(all.low, all.length);
         all.high - all.low <= 2.0 * slack || all.length < self.short

@@ -8,7 +8,7 @@ use glam::DVec2;
 /// quarter of the error: a corner weighs twice as much as both of them.
 const ROUNDS: usize = 8;
 
-/// After so many tries all corners are held back.
+/// Tries to fit the corners, after which all of them are held back.
 const TRIES: usize = 16;
 
 /// A step of the path, seen from the edge that takes its place: how far along
@@ -42,7 +42,7 @@ pub(super) fn settle(
     fit.apply(joints);
 }
 
-/// How far a corner moves, and along which way.
+/// How far a corner moves, and in which direction.
 #[derive(Clone, Copy)]
 struct Move {
     /// One unit along it takes both edges a unit to their left, as far as the
@@ -68,6 +68,7 @@ struct Edge {
     off: [f64; 2],
 }
 
+/// The corners and edges of a path, and how far the corners are to move.
 struct Fit {
     /// One for each corner; the first of a closed path is not repeated.
     moves: Vec<Move>,
