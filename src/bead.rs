@@ -73,7 +73,28 @@ impl Role {
 /// Widths closer than this are the same, mm.
 const SAME: Mm = 1e-3;
 
-/// A line in the plane that is as wide as its bead.
+/// How a point of a bead lies beside its layer, whose top is where the nozzle
+/// runs and whose height is the bead's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Level {
+    /// Height of the nozzle above the layer's top, mm; negative below.
+    pub rise: Mm,
+    /// Height of the material beyond the bead's, mm; negative if it is less.
+    pub extra: Mm,
+}
+
+impl Level {
+    /// The level a share `t` of the way to another one.
+    pub(crate) fn lerp(self, to: Level, t: f64) -> Level {
+        Level {
+            rise: self.rise + t * (to.rise - self.rise),
+            extra: self.extra + t * (to.extra - self.extra),
+        }
+    }
+}
+
+/// A line in the plane that is as wide as its bead. It may leave the plane:
+/// then each of its points has a level.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stroke {
     /// Centre line, mm; a closed stroke does not repeat its first point.
@@ -84,6 +105,8 @@ pub(crate) struct Stroke {
     pub width: Mm,
     /// Width at each point where it varies; empty where it does not.
     pub widths: Vec<Mm>,
+    /// Level of each point; empty if all of it lies in the layer.
+    pub levels: Vec<Level>,
 }
 
 impl Stroke {
@@ -94,6 +117,7 @@ impl Stroke {
             closed,
             width,
             widths: Vec::new(),
+            levels: Vec::new(),
         }
     }
 
@@ -119,6 +143,7 @@ impl Stroke {
             closed,
             width,
             widths: if same { Vec::new() } else { widths },
+            levels: Vec::new(),
         }
     }
 
@@ -145,6 +170,18 @@ impl Stroke {
         varying.copied().unwrap_or(self.width)
     }
 
+    /// The level of point `i`, counted round a closed stroke.
+    pub(crate) fn level(&self, i: usize) -> Level {
+        let own = self.levels.get(i % self.levels.len().max(1));
+        own.copied().unwrap_or_default()
+    }
+
+    /// Height of the nozzle above the layer's top at point `i`, if the stroke
+    /// leaves the plane.
+    pub(crate) fn rise(&self, i: usize) -> Option<Mm> {
+        (!self.levels.is_empty()).then(|| self.level(i).rise)
+    }
+
     /// Lets a closed stroke begin at its point `i`.
     pub(crate) fn begin_at(&mut self, i: usize) {
         if i < self.points.len() {
@@ -153,12 +190,16 @@ impl Stroke {
         if i < self.widths.len() {
             self.widths.rotate_left(i);
         }
+        if i < self.levels.len() {
+            self.levels.rotate_left(i);
+        }
     }
 
     /// Turns the stroke round.
     pub(crate) fn reverse(&mut self) {
         self.points.reverse();
         self.widths.reverse();
+        self.levels.reverse();
     }
 
     /// The stroke as an open one, which ends where a closed one closes.
@@ -167,6 +208,7 @@ impl Stroke {
         if self.closed {
             open.points.extend(self.points.first());
             open.widths.extend(self.widths.first());
+            open.levels.extend(self.levels.first());
             open.closed = false;
         }
         open
@@ -174,6 +216,11 @@ impl Stroke {
 
     /// Goes on with an open stroke that begins where this one ends.
     pub(crate) fn append(&mut self, after: &Stroke) {
+        if !self.levels.is_empty() || !after.levels.is_empty() {
+            self.levels.resize(self.points.len(), Level::default());
+            let n = after.points.len();
+            self.levels.extend((1..n).map(|i| after.level(i)));
+        }
         self.points.extend(after.points.iter().skip(1));
         self.widths.extend(after.widths.iter().skip(1));
     }
@@ -215,6 +262,9 @@ impl Stroke {
                 if let Some(w) = self.widths.get(i - 1..=i) {
                     part.widths.push(w[0] + t * (w[1] - w[0]));
                 }
+                if let Some(l) = self.levels.get(i - 1..=i) {
+                    part.levels.push(l[0].lerp(l[1], t));
+                }
             };
             let (low, high) = (from.max(done), to.min(done + step));
             if high > low {
@@ -238,7 +288,7 @@ pub(crate) struct Bead {
     pub role: Role,
     /// Where it lies.
     pub stroke: Stroke,
-    /// Height, which is the layer's.
+    /// Height, which is the layer's. Points with a level have more or less.
     pub height: Mm,
     /// True for a wall that goes round something small, a thin pin or a hole,
     /// and stays true for what it is cut into.
@@ -270,9 +320,21 @@ impl Bead {
         }
     }
 
-    /// Cross-section of the bead.
+    /// Cross-section of the bead; where it varies with the height, the
+    /// greatest one.
     pub(crate) fn area(&self) -> Mm2 {
-        cross_section(self.width, self.height)
+        let extra = self.levels.iter().map(|l| l.extra);
+        let extra = extra.reduce(f64::max).unwrap_or(0.0);
+        cross_section(self.width, self.height + extra)
+    }
+
+    /// Mean cross-section along segment `i`, whose height varies evenly.
+    pub(crate) fn area_along(&self, i: usize) -> Mm2 {
+        let from = self.height + self.level(i).extra;
+        let to = self.height + self.level(i + 1).extra;
+        // Simpson's rule is exact, since the section is quadratic in the height.
+        let at = |t: f64| cross_section(self.width, from + t * (to - from));
+        (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0
     }
 }
 

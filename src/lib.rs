@@ -36,6 +36,7 @@
 //! 7. [`seam`] says where loops may begin. [`order`] lets them begin there, and
 //!    puts all beads in an order with short travels, one island at a time. Beads
 //!    that nobody sees go on in the next one where that is near.
+//!    [`spiral`] lays one climbing wall in place of all of them.
 //! 8. [`travel`] connects the beads, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, and slower where the hot
 //!    end or the cooling could not follow. It adds up the time.
@@ -177,6 +178,7 @@ mod resolution;
 mod seam;
 pub mod settings;
 mod skin;
+mod spiral;
 mod timings;
 mod travel;
 mod units;

@@ -58,6 +58,8 @@ const ORDER: &[&[&str]] = &[
     // Where loops begin follows from the walls before fuzzy skin.
     &["seam"],
     &["order"],
+    // It only lays turns, which need no order.
+    &["spiral"],
     &["travel"],
     // The binary form of G-code: text in, bytes out, and back.
     &["bgcode"],

@@ -81,6 +81,18 @@ fn a_twist() {
 }
 
 #[test]
+fn a_spiral() {
+    let settings = common::settings(&[
+        "spiral=true",
+        "accuracy=0.05",
+        "gcode.progress=off",
+    ]);
+    let part = "max(sqrt(x^2 + y^2) - 8 - sin(0.2*z), max(-z, z - 30))";
+    let model = common::formula(part, &settings);
+    assert_same_in_ranges(&model, &settings, &[2, 40, 128, 131]);
+}
+
+#[test]
 fn several_bodies() {
     check_example("box-with-lid", "0.3", &[5, 50]);
 }

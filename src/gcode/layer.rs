@@ -18,6 +18,7 @@ impl<W: Write> Writer<'_, W> {
         pass_on: impl Fn(&mut Self) -> Result<(), WriteError>,
     ) -> Result<(), WriteError> {
         self.layer = layer.span.index;
+        self.top = layer.span.top;
         self.layer_comments(layer)?;
         // Some readers look at a layer alone, so each layer names its first
         // role and width.

@@ -193,6 +193,8 @@ pub(crate) struct Writer<'a, W: Write> {
     /// Where the head is after the file's head.
     start: DVec3,
     layer: usize,
+    /// Height of the layer's top, mm.
+    top: Mm,
     /// True if beads differ in their acceleration from what was told before.
     sets_acceleration: bool,
 
@@ -249,6 +251,7 @@ impl<'a, W: Write> Writer<'a, W> {
             extra: 0.0,
             start: DVec3::ZERO,
             layer: 0,
+            top: 0.0,
             sets_acceleration: flavour::sets_acceleration(settings),
             xy: None,
             z: None,

@@ -8,8 +8,10 @@ use super::{COARSE, E, WIDTH, WriteError, Writer, XYZ, flavour};
 use crate::bead::{Bead, Role};
 use crate::pace::PacedMove;
 use crate::plane::arc::Turn;
-use crate::units::{MICRON, Mm, MmPerSec, MmPerSec2, feed_rate, filament_area};
-use glam::DVec2;
+use crate::units::{
+    MICRON, Mm, Mm2, MmPerSec, MmPerSec2, feed_rate, filament_area,
+};
+use glam::{DVec2, DVec3};
 use std::io::Write;
 
 impl<W: Write> Writer<'_, W> {
@@ -83,20 +85,57 @@ impl<W: Write> Writer<'_, W> {
             }
         }
         self.accelerate_printing(acceleration);
-        let area =
-            bead.area() * flow / filament_area(self.settings.filament.diameter);
+        let filament = |area: Mm2| {
+            area * flow / filament_area(self.settings.filament.diameter)
+        };
+        let area = filament(bead.area());
         let mut path = bead.path();
         // The head is at the first point, or this line is left out.
         if let Some(start) = path.next() {
             self.go(start, speed, None)?;
         }
         for (i, p) in path.enumerate() {
+            if let Some(rise) = bead.rise(i + 1) {
+                let area = filament(bead.area_along(i));
+                self.go_up(p.extend(self.top + rise), speed, area)?;
+                continue;
+            }
             match turns.get(i) {
                 Some(Some(turn)) => self.go_round(p, *turn, speed, area)?,
                 _ => self.go(p, speed, Some(area))?,
             }
         }
         Ok(())
+    }
+
+    /// Goes to a point in space, feeding `filament` mm for each mm.
+    fn go_up(
+        &mut self,
+        p: DVec3,
+        speed: MmPerSec,
+        filament: f64,
+    ) -> Result<(), WriteError> {
+        let z = self.count("z", p.z, XYZ)?;
+        if self.z == Some(z) {
+            return self.go(p.truncate(), speed, Some(filament));
+        }
+        let x = self.count("x", p.x, XYZ)?;
+        let y = self.count("y", p.y, XYZ)?;
+        if let (Some((x0, y0)), Some(z0)) = (self.xy, self.z) {
+            let step =
+                DVec3::new((x - x0) as f64, (y - y0) as f64, (z - z0) as f64);
+            self.feed_filament(filament * step.length() * MICRON)?;
+        }
+        self.xy = Some((x, y));
+        self.z = Some(z);
+        self.buffer.extend_from_slice(b"G1");
+        self.word(b" X", x, XYZ);
+        self.word(b" Y", y, XYZ);
+        self.word(b" Z", z, XYZ);
+        if let Some(e) = self.filament.word() {
+            self.word(b" E", e, E);
+        }
+        self.end_move(speed)
     }
 
     /// True if a reader has to be told a width, counted in units of its last

@@ -48,7 +48,7 @@ fn best<const N: usize>(
 
 /// Lets a closed bead begin at its place nearest to `p`, which becomes a point
 /// of it.
-pub(super) fn begin_near(bead: &mut Bead, p: DVec2) {
+pub(crate) fn begin_near(bead: &mut Bead, p: DVec2) {
     if let Some(spot) = nearest_spot(bead, p) {
         begin_at(bead, spot);
     }
@@ -69,6 +69,11 @@ pub(super) fn begin_at(bead: &mut Bead, spot: Spot) {
         {
             let t = a.distance(p) / a.distance(b);
             bead.widths.insert(i + 1, u + t * (v - u));
+        }
+        if !bead.levels.is_empty() {
+            let t = a.distance(p) / a.distance(b);
+            let level = bead.level(i).lerp(bead.level(next), t);
+            bead.levels.insert(i + 1, level);
         }
         bead.points.insert(i + 1, p);
         bead.begin_at(i + 1);

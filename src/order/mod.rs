@@ -27,13 +27,15 @@ mod nearest;
 mod sweep;
 mod tour;
 
+pub(crate) use begin::begin_near;
+
 use crate::bead::{Bead, Role};
 use crate::plane::Area;
 use crate::seam::{Site, follow};
 use crate::settings::Settings;
 use crate::skin::Patch;
 use crate::units::Mm;
-use begin::{begin_near, nearest_spot};
+use begin::nearest_spot;
 use glam::DVec2;
 use island::print_island;
 use islands::{Island, grid_of, islands};
@@ -53,6 +55,8 @@ pub(crate) struct LayerBeads {
     pub infill: Vec<Bead>,
     /// Skin areas.
     pub skin: Vec<Patch>,
+    /// A turn of a climbing wall, printed last and as it is.
+    pub turn: Option<Bead>,
 }
 
 impl LayerBeads {

@@ -33,12 +33,27 @@ pub(super) fn print_speed(
     rates: &Rates,
 ) -> MmPerSec {
     let area = bead.area() * rates.flow;
-    let speed = rates.speed.min(settings.printer.max_speed);
+    let printer = &settings.printer;
+    let speed = rates
+        .speed
+        .min(printer.max_speed)
+        .min(printer.max_speed_z / steepest(bead));
     if area > 0.0 && settings.filament.max_flow > 0.0 {
         speed.min(settings.filament.max_flow / area)
     } else {
         speed
     }
+}
+
+/// Greatest rise or fall of a bead per length of its way; 0 for a flat one.
+fn steepest(bead: &Bead) -> f64 {
+    let flat = bead.levels.is_empty();
+    let segments = bead.segments().enumerate().filter(|_| !flat);
+    let slopes = segments.map(|(i, (a, b))| {
+        let rise = bead.level(i + 1).rise - bead.level(i).rise;
+        (rise / a.distance(b).hypot(rise).max(f64::MIN_POSITIVE)).abs()
+    });
+    slopes.fold(0.0, f64::max)
 }
 
 /// Acceleration of a role's beads on a layer.

@@ -44,7 +44,10 @@ impl Rated {
     fn part(&self, from: usize, to: usize, speed: MmPerSec) -> Rated {
         let path = self.bead.path().skip(from).take(to - from + 1);
         let points: Vec<DVec2> = path.collect();
-        let stroke = Stroke::new(points, false, self.bead.width);
+        let mut stroke = Stroke::new(points, false, self.bead.width);
+        if !self.bead.levels.is_empty() {
+            stroke.levels = (from..=to).map(|i| self.bead.level(i)).collect();
+        }
         Rated {
             bead: Bead {
                 stroke,

@@ -48,7 +48,9 @@ use crate::plane::path_length;
 use crate::resolution::arc_tolerance;
 use crate::settings::Settings;
 use crate::travel::{LayerPath, Move, Travel};
-use crate::units::{MICRON, Mm, MmPerSec, MmPerSec2, Percent, filament_area};
+use crate::units::{
+    MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, filament_area,
+};
 use crate::vary::VaryError;
 use bounds::{acceleration, print_speed, speed_limit};
 use crowd::{Rated, slowed};
@@ -83,6 +85,9 @@ pub(crate) struct Pacer<'a> {
     /// Filament that has oozed out since the last bead and is replaced before
     /// the next one, mm.
     oozed: Mm,
+    /// How far the highest bead of the layer so far reaches above the layer's
+    /// top, mm.
+    raised: Mm,
     /// True during a hop and during the approach to the first layer.
     lifted: bool,
     /// The fan's speed as last set in the layer.
@@ -103,15 +108,17 @@ impl<'a> Pacer<'a> {
             z: None,
             retracted: false,
             oozed: 0.0,
+            raised: 0.0,
             lifted: false,
             fan: 0.0,
         }
     }
 
-    /// Forgets where the head is in the plane. It is at height `z`. The way to
-    /// the next layer's first point is in no layer's time.
-    pub(crate) fn restart(&mut self, z: Mm) {
-        self.xy = None;
+    /// Forgets where the head is in the plane, but for what `xy` tells. It is at
+    /// height `z`. The way to the next layer's first point is in no layer's
+    /// time.
+    pub(crate) fn restart(&mut self, xy: Option<DVec2>, z: Mm) {
+        self.xy = xy;
         self.z = Some(z);
         self.lifted = false;
         self.motion.tell(self.settings.travel_acceleration());
@@ -130,6 +137,7 @@ impl<'a> Pacer<'a> {
     ) -> Result<PacedLayer, VaryError> {
         let LayerPath { span, moves } = path;
         self.motion.clear();
+        self.raised = 0.0;
         let mut fan = self.rater.fan(&span).unwrap_or(f64::NAN);
         self.fan = fan;
         let mut out = Vec::with_capacity(moves.len() + 8);
@@ -225,14 +233,15 @@ impl<'a> Pacer<'a> {
             hop = hop.max(APPROACH);
         } else if let (true, Some(z)) = (self.lifted, self.z) {
             // Further travels of a hop stay at its height.
-            hop = hop.max(z - span.top);
+            hop = hop.max(z - span.top - self.raised);
         }
+        let low = span.top + self.raised;
         // A hop may not leave the machine.
-        let ceiling = settings.printer.height.max(span.top);
+        let ceiling = settings.printer.height.max(low);
         let z = if self.lifted {
-            (span.top + hop).min(ceiling)
+            (low + hop).min(ceiling)
         } else {
-            span.top
+            low
         };
         self.lift(z, out);
         let speed = settings.travel_speed();
@@ -250,7 +259,8 @@ impl<'a> Pacer<'a> {
             turns: Vec::new(),
             rates,
         };
-        if self.settings.arcs() {
+        // An arc is flat.
+        if self.settings.arcs() && rated.bead.levels.is_empty() {
             let bead = &mut rated.bead;
             let path: Vec<DVec2> = bead.path().collect();
             let tolerance = arc_tolerance(bead.role, self.settings);
@@ -297,7 +307,8 @@ impl<'a> Pacer<'a> {
             self.travel(span, Travel::straight(start, false), out);
         }
         self.lifted = false;
-        self.lift(span.top, out);
+        let level = |rise: Option<Mm>| span.top + rise.unwrap_or(0.0);
+        self.lift(level(bead.rise(0)), out);
         self.prime(out);
         if rates.fan != self.fan {
             self.fan = rates.fan;
@@ -305,10 +316,18 @@ impl<'a> Pacer<'a> {
         }
         let speed = rates.speed;
         let acceleration = acceleration(bead.role, span, settings);
-        let filament = bead.area() * rates.flow
-            / filament_area(settings.filament.diameter);
+        let filament = |area: Mm2| {
+            area * rates.flow / filament_area(settings.filament.diameter)
+        };
         self.xy = Some(start);
         for (i, (from, to)) in bead.segments().enumerate() {
+            if let Some(rise) = bead.rise(i + 1) {
+                let fed = filament(bead.area_along(i));
+                let to = to.extend(level(Some(rise)));
+                self.go_up(to, speed, acceleration, fed, true);
+                continue;
+            }
+            let filament = filament(bead.area());
             let Some(turn) = turns.get(i).copied().flatten() else {
                 self.go(to, speed, acceleration, filament, true);
                 continue;
@@ -319,6 +338,8 @@ impl<'a> Pacer<'a> {
                 self.go(p, speed, acceleration, filament, true);
             }
         }
+        let rises = bead.levels.iter().map(|l| l.rise);
+        self.raised = rises.fold(self.raised, f64::max);
         out.push(PacedMove::Print {
             bead,
             turns,
@@ -400,17 +421,31 @@ impl<'a> Pacer<'a> {
         filament: f64,
         prints: bool,
     ) {
+        let z = self.z.unwrap_or(0.0);
+        self.go_up(to.extend(z), speed, acceleration, filament, prints);
+    }
+
+    /// Moves the head in space, from where it is, if that is known.
+    fn go_up(
+        &mut self,
+        to: DVec3,
+        speed: MmPerSec,
+        acceleration: MmPerSec2,
+        filament: f64,
+        prints: bool,
+    ) {
         if let Some(from) = self.xy {
-            let step = DVec3::new(
-                count(to.x) - count(from.x),
-                count(to.y) - count(from.y),
-                0.0,
-            );
-            let step = step * MICRON;
+            let from = from.extend(self.z.unwrap_or(to.z));
+            let end = DVec3::from(to.to_array().map(count));
+            let start = DVec3::from(from.to_array().map(count));
+            let step = (end - start) * MICRON;
             self.motion
                 .push(step, speed, acceleration, filament, prints);
         }
-        self.xy = Some(to);
+        self.xy = Some(to.truncate());
+        if self.z.is_some() {
+            self.z = Some(to.z);
+        }
     }
 
     /// Moves to `z`, if the head is not there.

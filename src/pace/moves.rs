@@ -49,7 +49,8 @@ pub(crate) enum PacedMove {
         /// Speed.
         speed: MmPerSec,
     },
-    /// Print a bead; the head stands at its first point.
+    /// Print a bead; the head stands at its first point. The levels of its
+    /// points are above the layer's top.
     Print {
         /// The bead.
         bead: Bead,

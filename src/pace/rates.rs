@@ -6,7 +6,7 @@
 //! along the bead every `STEP`, and the bead is cut where the value changes
 //! noticeably.
 
-use crate::bead::{Bead, Role, Stroke};
+use crate::bead::{Bead, Level, Role, Stroke};
 use crate::layers::LayerSpan;
 use crate::model::{Model, Place};
 use crate::plane::grid::EdgeGrid;
@@ -284,6 +284,8 @@ impl<'a> Rater<'a> {
 struct Step {
     from: DVec2,
     to: DVec2,
+    /// Levels of its ends.
+    levels: [Level; 2],
     /// True if the stretch ends at one of the bead's own points.
     corner: bool,
 }
@@ -291,11 +293,13 @@ struct Step {
 /// The bead in stretches of at most [`STEP`].
 fn steps(bead: &Bead) -> Vec<Step> {
     let mut steps = Vec::new();
-    for (a, b) in bead.segments() {
+    for (k, (a, b)) in bead.segments().enumerate() {
+        let level = |t: f64| bead.level(k).lerp(bead.level(k + 1), t);
         let count = (a.distance(b) / STEP).ceil().max(1.0);
         for i in 0..count as usize {
             let last = i + 1 == count as usize;
             steps.push(Step {
+                levels: [i, i + 1].map(|i| level(i as f64 / count)),
                 from: a.lerp(b, i as f64 / count),
                 to: if last {
                     b
@@ -334,20 +338,18 @@ fn runs(
 
 /// The part of a bead that these stretches make up.
 fn part(bead: &Bead, steps: &[Step]) -> Bead {
-    let mut points: Vec<DVec2> =
-        steps.first().map(|s| s.from).into_iter().collect();
     let last = steps.len() - 1;
-    points.extend(
-        steps
-            .iter()
-            .enumerate()
-            .filter(|(i, s)| s.corner || *i == last)
-            .map(|(_, s)| s.to),
-    );
-    Bead {
-        stroke: Stroke::new(points, false, bead.width),
-        ..*bead
+    let ends = steps.iter().enumerate();
+    let ends = ends.filter(|(i, s)| s.corner || *i == last);
+    let ends = ends.map(|(_, s)| (s.to, s.levels[1]));
+    let begin = steps.first().map(|s| (s.from, s.levels[0]));
+    let (points, levels): (Vec<DVec2>, Vec<Level>) =
+        begin.into_iter().chain(ends).unzip();
+    let mut stroke = Stroke::new(points, false, bead.width);
+    if !bead.levels.is_empty() {
+        stroke.levels = levels;
     }
+    Bead { stroke, ..*bead }
 }
 
 #[cfg(test)]

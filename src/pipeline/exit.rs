@@ -22,6 +22,7 @@ use crate::region::wall_depths;
 use crate::report;
 use crate::seam::ending::{Ended, cut, endings};
 use crate::settings::Settings;
+use crate::spiral::Spiral;
 use crate::timings::{Stage, Timings};
 use crate::travel::{Ground, Move, connect};
 use crate::walls::Support;
@@ -36,6 +37,8 @@ pub(super) struct Exit<'a, 'w> {
     pictures: Option<Pictures>,
     /// From the model's coordinates to the bed's.
     offset: DVec2,
+    /// The climbing wall, if there is one.
+    spiral: Option<&'a Spiral<'a>>,
     head: Head,
     /// For infill that may stand on nothing.
     standing: Option<Standing>,
@@ -91,12 +94,14 @@ impl<'a, 'w> Exit<'a, 'w> {
         pictures: Option<Pictures>,
         writer: Writer<'a, &'w mut dyn io::Write>,
         pacer: Pacer<'a>,
+        spiral: Option<&'a Spiral<'a>>,
     ) -> Self {
         Exit {
             settings: pacer.settings(),
             options,
             pictures,
             offset,
+            spiral,
             head: Head::default(),
             standing: Standing::new(pacer.settings()),
             pacer,
@@ -143,11 +148,15 @@ impl<'a, 'w> Exit<'a, 'w> {
         self.follow_hanging(layer, look.as_ref(), written);
         let from = self.head.at;
         let solid = layer.outline.grid();
+        let turn = beads.turn.take();
+        let turns = turn.is_some();
         let ended = self.timings.time(Stage::Order, || {
             let beads =
                 order(beads, layer.area(), &mut self.head, self.settings);
             let beads = linked(beads, solid, self.settings);
-            endings(beads, solid, self.settings)
+            let mut ended = endings(beads, solid, self.settings);
+            ended.extend(turn.map(Ended::from));
+            ended
         });
         self.head.at = ended.last().and_then(Ended::end).or(from);
         let path = self.timings.time(Stage::Travel, || {
@@ -161,8 +170,8 @@ impl<'a, 'w> Exit<'a, 'w> {
                 .as_deref()
                 .and_then(|b| Support::new(b, &layer.outline, self.settings));
             let beads = match &support {
-                Some(support) => cut(ended, support),
-                None => ended,
+                Some(support) if !turns => cut(ended, support),
+                _ => ended,
             };
             if written {
                 let loops = [Role::Skirt, Role::Brim];
@@ -252,9 +261,15 @@ impl<'a, 'w> Exit<'a, 'w> {
     /// Forgets what the layers below have left, so that what follows depends
     /// on nothing but the part. It costs a travel from wherever the head is.
     fn restart(&mut self, span: &LayerSpan) {
-        self.head = Head::default();
+        // A climbing wall goes on where the turn below ends.
+        let at = self.spiral.and_then(|spiral| spiral.start(span.index));
+        self.head = Head {
+            at,
+            ..Head::default()
+        };
         self.standing.iter_mut().for_each(Standing::forget);
-        self.pacer.restart(span.bottom);
+        let place = at.map(|at| at + self.offset);
+        self.pacer.restart(place, span.bottom);
         self.writer.restart();
     }
 

@@ -55,6 +55,7 @@ use crate::preview::{PictureError, Pictures, outline_from_above, thumbnails};
 use crate::reader::ReadError;
 use crate::report::{Figures, Gauge, Report, ReportError};
 use crate::settings::Settings;
+use crate::spiral::{Spiral, SpiralError};
 use crate::timings::Stage;
 use crate::units::{Mm, Mm2, Seconds};
 use crate::vary::{Surroundings, VaryError};
@@ -203,6 +204,9 @@ pub enum SliceError {
     /// The part cannot be drawn.
     #[error(transparent)]
     Drawing(#[from] PictureError),
+    /// The part cannot be one climbing wall.
+    #[error(transparent)]
+    Spiral(#[from] SpiralError),
     /// The layers cannot be measured.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -342,7 +346,7 @@ fn write(
         .build()?;
     let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
     let around = Surroundings::new(model);
-    let stages = Stages::new(model, settings, &around, gauge, spans)?;
+    let mut stages = Stages::new(model, settings, &around, gauge, spans)?;
     let printed = stages.printed(&pool, spans)?;
     if printed == 0 {
         return Err(SliceError::NothingToPrint {
@@ -353,6 +357,7 @@ fn write(
     let spans = &spans[..printed];
     let top = spans.last().map_or(0.0, |span| span.top);
     let layers = options.layers.indices(printed)?;
+    stages.plan_spiral(&pool, spans)?;
     let rater = Rater::new(settings, model, &around)?;
     // Before hours of work, not after them.
     for span in &spans[layers.clone()] {
@@ -411,6 +416,7 @@ fn write(
         drawings,
         writer,
         Pacer::new(settings, rater),
+        stages.spiral.as_ref(),
     );
 
     Supply::new(&stages, &pool, spans, layers.clone())
@@ -418,6 +424,7 @@ fn write(
     let done = exit.finish()?;
     let (tally, mut warnings) = (done.tally, of_templates);
     warnings.extend(no_picture);
+    warnings.extend(stages.spiral.iter().flat_map(Spiral::warnings));
     warnings.extend(done.warnings);
     let mut hanging = done.hanging;
     hanging.foot = done.foot.filter(|foot| top > foot.holds);

@@ -8,6 +8,7 @@ use super::layer::{Inside, Layer, faces, window};
 use super::sound::{self, Found};
 use super::{BLOCK, SliceError};
 use crate::adhesion::{Skirt, loops};
+use crate::bead::Bead;
 use crate::contour::{Detail, Field, FieldError, field, field_in, outlines};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
@@ -25,6 +26,7 @@ use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::resolution::thin;
 use crate::seam::Seams;
 use crate::settings::{Settings, WallOffset};
+use crate::spiral::Spiral;
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::Surroundings;
@@ -60,6 +62,8 @@ pub(super) struct Stages<'a> {
     skirt: Option<Skirt>,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
+    /// The climbing wall, if there is to be one.
+    pub spiral: Option<Spiral<'a>>,
     exposure: Exposure<'a>,
     infill: Infill<'a>,
     pub timings: Timings,
@@ -111,6 +115,7 @@ impl<'a> Stages<'a> {
             fuzzy: Fuzzy::new(settings, around)?,
             skirt: None,
             bed: -model.offset.z,
+            spiral: None,
             exposure: Exposure::new(settings, spans.len()),
             infill: Infill::new(settings, around, site)?,
             timings: Timings::default(),
@@ -138,6 +143,51 @@ impl<'a> Stages<'a> {
         Ok(Skirt::new(areas, self.settings))
     }
 
+    /// Plans the climbing wall of the layers to be printed, if there is to be
+    /// one. It takes all of their outlines, one slab after another, since each
+    /// turn begins where the one below ends.
+    pub(super) fn plan_spiral(
+        &mut self,
+        pool: &ThreadPool,
+        spans: &[LayerSpan],
+    ) -> Result<(), SliceError> {
+        if !self.settings.spiral {
+            return Ok(());
+        }
+        let mut spiral = Spiral::new(self.model, self.settings)?;
+        let last_flat = Spiral::first(self.settings) - 1;
+        let all = last_flat..spans.len();
+        for slab in spans.chunks(self.slab_layers()) {
+            limits::check();
+            for layer in pool.install(|| self.layers(slab, &all))? {
+                spiral.add(&layer.span, layer.area())?;
+            }
+        }
+        self.spiral = Some(spiral);
+        Ok(())
+    }
+
+    /// The turn of a layer's climbing wall, if it has one.
+    fn turn(
+        &self,
+        layers: &VecDeque<Layer>,
+        i: usize,
+    ) -> Result<Option<Bead>, SliceError> {
+        let Layer { span, outline, .. } = &layers[i];
+        let below = i.checked_sub(1).map(|k| layers[k].span);
+        match (self.spiral_at(span.index), below) {
+            (Some(spiral), Some(below)) => {
+                Ok(Some(spiral.turn(span, &below, outline.area())?))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// The climbing wall, if a layer is part of it.
+    pub(super) fn spiral_at(&self, layer: usize) -> Option<&Spiral<'a>> {
+        self.spiral.as_ref().filter(|spiral| spiral.has(layer))
+    }
+
     /// Layers whose field is walked at a time.
     pub(super) fn slab_layers(&self) -> usize {
         self.field.slab_layers()
@@ -162,7 +212,9 @@ impl<'a> Stages<'a> {
 
     /// How many layers below a layer it has to know.
     pub(super) fn reach_below(&self) -> usize {
-        self.exposure.reach_below()
+        // A turn lies on a layer that has to be known.
+        let below = usize::from(self.settings.spiral);
+        self.exposure.reach_below().max(below)
     }
 
     /// Outlines of a slab's layers, as far as they are needed.
@@ -249,6 +301,12 @@ impl<'a> Stages<'a> {
 
     /// A layer's walls and what they leave.
     pub(super) fn inside(&self, layer: &Layer) -> Inside {
+        if self.spiral_at(layer.span.index).is_some() {
+            return Inside {
+                walls: Walls::default(),
+                roomy: Area::default(),
+            };
+        }
         let height = layer.span.height();
         let walls = self.timings.time(Stage::Walls, || {
             let outline = layer.area();
@@ -275,6 +333,10 @@ impl<'a> Stages<'a> {
         walls: &Walls,
         k: usize,
     ) -> Result<Option<LayerFigures>, ReportError> {
+        // A turn is nowhere at the height of its layer's outline.
+        if self.spiral_at(layer.span.index).is_some() {
+            return Ok(None);
+        }
         let rounded;
         let walls = match self.settings.arcs() {
             true => {
@@ -328,6 +390,22 @@ impl<'a> Stages<'a> {
         let Layer { span, outline, .. } = &layers[i];
         let (number, height) = (span.index, span.height());
         let solid = outline.grid();
+        let skirt = loops(
+            number,
+            outline.area(),
+            height,
+            self.skirt.as_ref(),
+            self.settings,
+        );
+        let turn = self.timings.time(Stage::Walls, || self.turn(layers, i))?;
+        if turn.is_some() {
+            let beads = LayerBeads {
+                skirt,
+                turn,
+                ..LayerBeads::default()
+            };
+            return Ok((beads, Area::default()));
+        }
         let (areas, skin) = self.timings.time(Stage::Skin, || {
             let window = window(layers, i);
             let areas = self.exposure.split(&walls.fill, roomy, &window);
@@ -351,13 +429,8 @@ impl<'a> Stages<'a> {
             })?;
         }
         let mut beads = LayerBeads {
-            skirt: loops(
-                number,
-                outline.area(),
-                height,
-                self.skirt.as_ref(),
-                self.settings,
-            ),
+            skirt,
+            turn: None,
             walls,
             sites,
             infill: self.timings.time(Stage::Infill, || {
@@ -366,7 +439,12 @@ impl<'a> Stages<'a> {
                     z: span.sample_z(),
                     height,
                 };
-                self.infill.beads(&areas.sparse, place, Some(solid))
+                match self.settings.spiral {
+                    true => Ok(Vec::new()),
+                    false => {
+                        self.infill.beads(&areas.sparse, place, Some(solid))
+                    }
+                }
             })?,
             skin,
         };

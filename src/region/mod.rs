@@ -53,7 +53,7 @@ use thin::Counts;
 /// corners, to the inside (measured: of a gyroid ball's outer wall 99 % are
 /// within 3.8 µm of where they should be if the accuracy is 5 µm).
 pub(crate) const OUTLINE_SHARE: f64 = 0.8;
-const OFFSET_SHARE: f64 = 0.3;
+pub(crate) const OFFSET_SHARE: f64 = 0.3;
 
 /// Beads of no joint are wider than twice this, mm.
 const JOINT: Mm = 20.0;

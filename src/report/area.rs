@@ -9,7 +9,7 @@
 //! Not guaranteed: that details thinner than the distance of samples are seen.
 
 use super::ReportError;
-use super::probe::Probe;
+use crate::model::Probe;
 use crate::plane::Rect;
 use crate::timings::{Stage, Timings};
 use crate::units::{Mm, Mm2, Mm3};

@@ -17,11 +17,11 @@
 
 use super::ReportError;
 use super::area::content;
-use super::probe::{Probe, Spot};
 use super::spread::Spread;
 use crate::bead::Stroke;
 use crate::contour::Outline;
 use crate::layers::LayerSpan;
+use crate::model::{Probe, Spot};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, Solid};
 use crate::region::Walls;

@@ -5,7 +5,6 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `probe` | distance of a point from f = 0, by the expression alone |
 //! | `layer` | outline and walls of a layer |
 //! | `area` | areas and volumes by the field alone |
 //! | `spread` | quantiles |
@@ -16,15 +15,13 @@
 
 mod area;
 mod layer;
-mod probe;
 mod spread;
 
 pub(crate) use layer::{Effort, LayerFigures, LayerParts, measure};
-pub(crate) use probe::Probe;
 pub use spread::Figures;
 pub(crate) use spread::Spread;
 
-use crate::model::Model;
+use crate::model::{Model, Probe, ProbeError};
 use crate::plane::Rect;
 use crate::settings::{Settings, WallOffset};
 use crate::timings::Timings;
@@ -36,8 +33,8 @@ use serde::Serialize;
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// fidget cannot evaluate the expression.
-    #[error("cannot evaluate the field for the report: {0}")]
-    Evaluator(String),
+    #[error(transparent)]
+    Probe(#[from] ProbeError),
 }
 
 /// Number of layers that a summary measures.

@@ -154,6 +154,7 @@ fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
             widths,
             closed: false,
             width: bead.width,
+            levels: Vec::new(),
         },
         ..*bead
     }

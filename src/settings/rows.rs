@@ -45,6 +45,10 @@ table::settings! {
         ["Walls"]
         /// Number of walls around each island and hole.
         walls: u32 = 2, in 0..=1000;
+        /// Whether to print the part as a vase: bottom_layers flat layers,
+        /// and above them one wall that climbs without a break, without
+        /// infill, tops, seams and retractions.
+        spiral: bool = false;
         /// Line width of the outer wall; auto is 112.5% of the nozzle's
         /// diameter.
         outer_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;

@@ -114,6 +114,7 @@ impl Sides<'_> {
                                 .into_iter()
                                 .filter_map(width)
                                 .collect(),
+                            levels: Vec::new(),
                         },
                     )),
                 }

@@ -178,6 +178,7 @@ mod tests {
                 closed: false,
                 width: 0.4,
                 widths: vec![0.4 + from, 0.4 + x],
+                levels: Vec::new(),
             };
             (ROLES[role], path)
         };

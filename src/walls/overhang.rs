@@ -209,6 +209,7 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
             widths,
             closed: false,
             width: bead.width,
+            levels: Vec::new(),
         },
         ..*bead
     }

@@ -97,6 +97,24 @@ pub(super) fn without_effect(
          top_thickness to more than 0"
             .to_owned(),
     );
+    for key in [
+        "walls",
+        "infill",
+        "infill_density",
+        "top_layers",
+        "top_thickness",
+        "ironing",
+        "fuzzy_skin",
+    ] {
+        warn(
+            key,
+            s.spiral,
+            format!(
+                "{key} has no effect above the flat layers, since spiral = \
+                 true prints one plain wall there; leave one of them out"
+            ),
+        );
+    }
     infill_without_effect(s, &mut warn);
 }
 

@@ -9,7 +9,6 @@
 //! Not guaranteed: that no border lies nearer in another direction. A distance
 //! is never less than the true one by more than [`FINEST`].
 
-use super::ReportError;
 use crate::units::Mm;
 use fidget::context::{Context, Tree};
 use fidget::eval::{BulkEvaluator, Function, MathFunction};
@@ -22,9 +21,14 @@ use std::cell::RefCell;
 const RADII: [Mm; 8] = [0.0005, 0.002, 0.008, 0.02, 0.05, 0.15, 0.4, 1.0];
 
 /// Width of the bracket at which the search ends, mm.
-pub(super) const FINEST: Mm = 2e-5;
+const FINEST: Mm = 2e-5;
 
 type Eval = <VmFunction as Function>::FloatSliceEval;
+
+/// The evaluator fails, which is a bug.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+#[error("cannot evaluate the field at single points: {0}")]
+pub struct ProbeError(String);
 
 /// A model's expression.
 pub(crate) struct Probe {
@@ -46,6 +50,8 @@ pub(crate) struct Spot {
 /// The search from one point.
 struct Search {
     spot: Spot,
+    /// Height of its plane in the model's frame, mm.
+    z: Mm,
     inside: bool,
     /// Signed distances between which the sign changes. At the first one the
     /// field has the sign that it has at the point.
@@ -57,11 +63,11 @@ impl Probe {
     ///
     /// # Errors
     /// If fidget refuses the expression.
-    pub(crate) fn new(tree: &Tree) -> Result<Probe, ReportError> {
+    pub(crate) fn new(tree: &Tree) -> Result<Probe, ProbeError> {
         let mut ctx = Context::new();
         let root = ctx.import(tree);
         let f = VmFunction::new(&ctx, &[root])
-            .map_err(|e| ReportError::Evaluator(e.to_string()))?;
+            .map_err(|e| ProbeError(e.to_string()))?;
         let slot = |v: Var| f.vars().get(&v);
         Ok(Probe {
             tape: f.float_slice_tape(Default::default()),
@@ -79,7 +85,7 @@ impl Probe {
         x: &[f32],
         y: &[f32],
         z: &[f32],
-    ) -> Result<Vec<f32>, ReportError> {
+    ) -> Result<Vec<f32>, ProbeError> {
         if x.is_empty() {
             return Ok(Vec::new());
         }
@@ -98,7 +104,7 @@ impl Probe {
         EVAL.with_borrow_mut(|eval| {
             eval.eval(&self.tape, &arguments)
                 .map(|values| values[0].to_vec())
-                .map_err(|e| ReportError::Evaluator(e.to_string()))
+                .map_err(|e| ProbeError(e.to_string()))
         })
     }
 
@@ -113,18 +119,46 @@ impl Probe {
         &self,
         spots: &[Spot],
         z: Mm,
-    ) -> Result<Vec<Option<Mm>>, ReportError> {
+    ) -> Result<Vec<Option<Mm>>, ProbeError> {
+        let outside = |s: &Search| {
+            let way = s.way()?.abs();
+            Some(if s.inside { -way } else { way })
+        };
+        let found = self.search(spots.iter().map(|&spot| (spot, z)))?;
+        Ok(found.iter().map(outside).collect())
+    }
+
+    /// The way from each spot, at a height of its own, to the nearest change of
+    /// the field's sign along its direction; negative against the direction,
+    /// nothing if there is none within 1 mm.
+    ///
+    /// # Errors
+    /// If the evaluator fails, which is a bug.
+    pub(crate) fn ways(
+        &self,
+        spots: impl IntoIterator<Item = (Spot, Mm)>,
+    ) -> Result<Vec<Option<Mm>>, ProbeError> {
+        let found = self.search(spots.into_iter())?;
+        Ok(found.iter().map(Search::way).collect())
+    }
+
+    /// Looks for the changes of sign nearest to spots.
+    fn search(
+        &self,
+        spots: impl Iterator<Item = (Spot, Mm)>,
+    ) -> Result<Vec<Search>, ProbeError> {
         // The field at given distances from the spots.
         let at = |from: &[&Search], away: &dyn Fn(&Search) -> Mm| {
             let p = from.iter().map(|s| s.spot.at + away(s) * s.spot.out);
             let (x, y): (Vec<f32>, Vec<f32>) =
                 p.map(|p| (p.x as f32, p.y as f32)).unzip();
-            self.values(&x, &y, &vec![z as f32; x.len()])
+            let z: Vec<f32> = from.iter().map(|s| s.z as f32).collect();
+            self.values(&x, &y, &z)
         };
         let mut all: Vec<Search> = spots
-            .iter()
-            .map(|&spot| Search {
+            .map(|(spot, z)| Search {
                 spot,
+                z,
                 inside: false,
                 bracket: None,
             })
@@ -185,14 +219,14 @@ impl Probe {
                 }
             }
         }
-        Ok(all
-            .iter()
-            .map(|s| {
-                let (a, b) = s.bracket?;
-                let size = (0.5 * (a + b)).abs();
-                Some(if s.inside { -size } else { size })
-            })
-            .collect())
+        Ok(all)
+    }
+}
+
+impl Search {
+    /// Signed way to the change of sign, if there is one.
+    fn way(&self) -> Option<Mm> {
+        self.bracket.map(|(a, b)| 0.5 * (a + b))
     }
 }
 

@@ -1,0 +1,385 @@
+//! The spiral vase: one wall that climbs without a break.
+//!
+//! In: the outlines of the layers, in order, and the field. Out: for each layer
+//! one turn, a bead whose points have levels.
+//!
+//! A turn runs round the middle line of the layer's wall, and rises from the
+//! layer's bottom to its top. It begins as the wall of the layer below, and
+//! ends as that of its own: in between each point is moved along the wall's
+//! normal to where the part's surface is at the middle of the material below
+//! the nozzle. So every point of the wall is as exact as that of a flat layer,
+//! which is exact at its middle only.
+//!
+//! The first turn lies on a flat layer, and its height grows from nothing. The
+//! last one is followed by a flat turn whose height goes back to nothing, so
+//! that the wall ends level.
+//!
+//! Not guaranteed: that a wall follows a surface that moves by more than 1 mm
+//! from one layer to the next. It is laid as if the surface did not move.
+
+use crate::bead::{Bead, Level, Role, Stroke};
+use crate::layers::LayerSpan;
+use crate::model::{Model, Probe, ProbeError, Spot};
+use crate::order::begin_near;
+use crate::plane::grid::nearest_on;
+use crate::plane::offset::offset;
+use crate::plane::simplify::simplify_path;
+use crate::plane::{Area, Ring, signed_area};
+use crate::region::{OFFSET_SHARE, OUTLINE_SHARE};
+use crate::settings::Settings;
+use crate::units::Mm;
+use glam::{DMat2, DVec2};
+
+/// Greatest distance of points whose way to the surface is looked for, mm.
+const STEP: Mm = 0.25;
+
+/// Sine of the angle from which a corner is kept as one.
+const CORNER: f64 = 0.1;
+
+/// Why a part cannot be one wall.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SpiralError {
+    /// The part falls into several pieces.
+    #[error(
+        "spiral = true: at z = {z:.2} mm (layer {layer}) the part consists of \
+         {count} pieces, at {} and {}; a spiral is one wall, so join them, \
+         or set spiral = false",
+        place(.at[0]), place(.at[1])
+    )]
+    Pieces {
+        /// Height of the layer's middle, mm.
+        z: Mm,
+        /// Layer, from 1.
+        layer: usize,
+        /// Number of pieces.
+        count: usize,
+        /// A point on each of the two largest ones, on the bed.
+        at: [DVec2; 2],
+    },
+    /// The part is thinner than the wall.
+    #[error(
+        "spiral = true: at z = {z:.2} mm (layer {layer}) the part is thinner \
+         than its wall ({width:.2} mm); make it thicker or lower \
+         outer_wall_width"
+    )]
+    TooThin {
+        /// Height of the layer's middle, mm.
+        z: Mm,
+        /// Layer, from 1.
+        layer: usize,
+        /// Width of the wall, mm.
+        width: Mm,
+    },
+    /// The field cannot be evaluated.
+    #[error(transparent)]
+    Probe(#[from] ProbeError),
+}
+
+fn place(p: DVec2) -> String {
+    format!("x = {:.1}, y = {:.1}", p.x, p.y)
+}
+
+/// A point of a turn, on its way to the surface.
+struct Point {
+    at: DVec2,
+    /// Share of the turn's way.
+    share: f64,
+    /// Directions to the surface: one, or, at a corner, two.
+    out: [DVec2; 2],
+}
+
+/// The wall of a part, turn by turn.
+pub(crate) struct Spiral<'a> {
+    settings: &'a Settings,
+    probe: Probe,
+    /// From the model's coordinates to the bed's.
+    offset: DVec2,
+    /// Height of the bed in the model's coordinates.
+    bed: Mm,
+    /// For each layer from the last flat one on, where its turn ends and that
+    /// of the next layer begins.
+    ends: Vec<DVec2>,
+    /// True if a layer has a hole, which gets no wall.
+    holes: bool,
+    /// The middle line of the highest layer so far.
+    ring: Ring,
+    /// Height from which the wall is not held by the turn below.
+    flat: Option<Mm>,
+}
+
+impl<'a> Spiral<'a> {
+    /// A spiral without turns.
+    ///
+    /// # Errors
+    /// If the field cannot be evaluated.
+    pub(crate) fn new(
+        model: &Model,
+        settings: &'a Settings,
+    ) -> Result<Self, SpiralError> {
+        Ok(Spiral {
+            settings,
+            probe: Probe::new(&model.tree)?,
+            offset: model.offset.truncate(),
+            bed: -model.offset.z,
+            ends: Vec::new(),
+            holes: false,
+            ring: Ring::new(),
+            flat: None,
+        })
+    }
+
+    /// Index of the first layer with a turn: all below are flat. There is at
+    /// least one of these, since the nozzle cannot begin on the bed.
+    pub(crate) fn first(settings: &Settings) -> usize {
+        settings.bottom_layers().max(1) as usize
+    }
+
+    /// Takes the outline of the next layer, from the last flat one on.
+    ///
+    /// # Errors
+    /// If there is no single wall round it.
+    pub(crate) fn add(
+        &mut self,
+        span: &LayerSpan,
+        outline: &Area,
+    ) -> Result<(), SpiralError> {
+        let ring = self.middle_line(span, outline)?;
+        self.holes |= outline.rings.len() > 1;
+        let end = match self.ends.last() {
+            Some(&below) => begin(&ring, below)[0],
+            // At the back, where few look at it.
+            None => rear(&ring),
+        };
+        self.ends.push(end);
+        let width = self.settings.outer_wall_width();
+        if self.flat.is_none() && farthest(&ring, &self.ring) > width {
+            self.flat = Some(span.bottom);
+        }
+        self.ring = ring;
+        Ok(())
+    }
+
+    /// What the user should know.
+    pub(crate) fn warnings(&self) -> impl Iterator<Item = String> {
+        let holes = self.holes.then(|| {
+            "spiral = true prints the outer wall only: holes of the part get \
+             no walls"
+                .to_owned()
+        });
+        let flat = self.flat.map(|z| {
+            format!(
+                "spiral = true: above z = {z:.2} mm the part is so flat that \
+                 one turn of the wall does not lie on the other; cut it there \
+                 or make it steeper"
+            )
+        });
+        holes.into_iter().chain(flat)
+    }
+
+    /// Where the turn of a layer begins, if it goes on from one below.
+    pub(crate) fn start(&self, layer: usize) -> Option<DVec2> {
+        let first = Spiral::first(self.settings);
+        self.ends.get(layer.checked_sub(first + 1)? + 1).copied()
+    }
+
+    /// True if the layer has a turn.
+    pub(crate) fn has(&self, layer: usize) -> bool {
+        layer >= Spiral::first(self.settings)
+    }
+
+    /// The turn of a layer that lies on a layer `below` and has an outline.
+    ///
+    /// # Errors
+    /// If there is no single wall round the outline.
+    pub(crate) fn turn(
+        &self,
+        span: &LayerSpan,
+        below: &LayerSpan,
+        outline: &Area,
+    ) -> Result<Bead, SpiralError> {
+        let first = Spiral::first(self.settings);
+        let number = span.index - first;
+        let ring = self.middle_line(span, outline)?;
+        let ring = match self.ends.get(number + 1) {
+            Some(&end) => begin(&ring, end),
+            None => ring,
+        };
+        // The middle of the material below the nozzle, and its height.
+        let (low, from) = match number {
+            0 => (span.bottom, 0.0),
+            _ => (below.sample_z(), below.height()),
+        };
+        let middle = |share: f64| low + share * (span.sample_z() - low);
+        let points = points(&ring);
+        let mut way = self.moved(&points, middle)?;
+        // Turns meet in the very points that are known of their ends.
+        if let (Some(start), Some(p)) =
+            (self.start(span.index), way.first_mut())
+        {
+            *p = start;
+        }
+        if let Some(p) = way.last_mut() {
+            *p = ring[0];
+        }
+        // Its points are on the surface, so that it has the outline's share.
+        let tolerance = OUTLINE_SHARE * self.settings.accuracy;
+        let mut stroke =
+            Stroke::new(Vec::new(), false, self.settings.outer_wall_width());
+        let height = span.height();
+        for (p, i) in simplify_path(&way, false, tolerance, |_, _| true) {
+            let share = points[i].share;
+            stroke.points.push(p);
+            stroke.levels.push(Level {
+                rise: (share - 1.0) * height,
+                extra: (1.0 - share) * (from - height),
+            });
+        }
+        if number + 2 == self.ends.len() {
+            let flat: Vec<DVec2> = points.iter().map(|p| p.at).collect();
+            let thin = simplify_path(&flat, false, tolerance, |_, _| true);
+            for (p, i) in thin.into_iter().skip(1) {
+                stroke.points.push(p);
+                stroke.levels.push(Level {
+                    rise: 0.0,
+                    extra: -points[i].share * height,
+                });
+            }
+        }
+        Ok(Bead::new(Role::OuterWall, stroke, height))
+    }
+
+    /// The line that the nozzle follows round an outline.
+    fn middle_line(
+        &self,
+        span: &LayerSpan,
+        outline: &Area,
+    ) -> Result<Ring, SpiralError> {
+        let width = self.settings.outer_wall_width();
+        let tolerance = OFFSET_SHARE * self.settings.accuracy;
+        let inner = offset(outline, -0.5 * width, tolerance);
+        let outer = inner.rings.into_iter();
+        let mut outer: Vec<Ring> =
+            outer.filter(|ring| signed_area(ring) > 0.0).collect();
+        outer.sort_by(|a, b| signed_area(b).total_cmp(&signed_area(a)));
+        let (z, layer) = (span.sample_z(), span.index + 1);
+        let at = |i: usize| outer[i][0] + self.offset;
+        match outer.len() {
+            0 => Err(SpiralError::TooThin { z, layer, width }),
+            1 => Ok(outer.remove(0)),
+            count => Err(SpiralError::Pieces {
+                z,
+                layer,
+                count,
+                at: [at(0), at(1)],
+            }),
+        }
+    }
+
+    /// The points moved as the part's surface moves that lies beside them, from
+    /// where it was to the height `middle` has for each of them.
+    fn moved(
+        &self,
+        points: &[Point],
+        middle: impl Fn(f64) -> Mm,
+    ) -> Result<Vec<DVec2>, SpiralError> {
+        let beside = 0.5 * self.settings.outer_wall_width()
+            - self.settings.xy_compensation;
+        let spots = points.iter().flat_map(|p| {
+            let z = middle(p.share) + self.bed;
+            let at = |out: DVec2| p.at + beside * out;
+            p.out.map(|out| (Spot { at: at(out), out }, z))
+        });
+        let ways = self.probe.ways(spots)?;
+        let ways = ways
+            .chunks(2)
+            .map(|w| DVec2::new(w[0].unwrap_or(0.0), w[1].unwrap_or(0.0)));
+        Ok(points
+            .iter()
+            .zip(ways)
+            .map(|(p, way)| p.at + p.shift(way))
+            .collect())
+    }
+}
+
+impl Point {
+    /// How the point moves if the surface beside it moves so far.
+    fn shift(&self, way: DVec2) -> DVec2 {
+        let [a, b] = self.out;
+        if a == b {
+            return way.x * a;
+        }
+        // It keeps its distance from both sides.
+        DMat2::from_cols(a, b).transpose().inverse() * way
+    }
+}
+
+/// Points along a ring, the first one once more at the end.
+fn points(ring: &[DVec2]) -> Vec<Point> {
+    let n = ring.len();
+    let side = |i: usize| (ring[i % n], ring[(i + 1) % n]);
+    let normal = |i: usize| {
+        let (a, b) = side(i);
+        -(b - a).normalize_or_zero().perp()
+    };
+    let length: Mm = (0..n).map(|i| side(i).0.distance(side(i).1)).sum();
+    let mut points = Vec::new();
+    let mut done = 0.0;
+    for i in 0..=n {
+        let (a, b) = side(i);
+        let (before, after) = (normal(i + n - 1), normal(i));
+        let out = match before.perp_dot(after).abs() > CORNER {
+            true => [before, after],
+            false => [(before + after).normalize_or_zero(); 2],
+        };
+        points.push(Point {
+            at: a,
+            share: (done / length).min(1.0),
+            out,
+        });
+        if i == n {
+            break;
+        }
+        let step = a.distance(b);
+        let count = (step / STEP).ceil().max(1.0);
+        for k in 1..count as usize {
+            let t = k as f64 / count;
+            points.push(Point {
+                at: a.lerp(b, t),
+                share: ((done + t * step) / length).min(1.0),
+                out: [after; 2],
+            });
+        }
+        done += step;
+    }
+    points
+}
+
+/// The ring from its point nearest to `start` on.
+fn begin(ring: &[DVec2], start: DVec2) -> Ring {
+    let stroke = Stroke::new(ring.to_vec(), true, 0.0);
+    let mut bead = Bead::new(Role::OuterWall, stroke, 0.0);
+    begin_near(&mut bead, start);
+    bead.stroke.points
+}
+
+/// The point of a ring that lies farthest back.
+fn rear(ring: &[DVec2]) -> DVec2 {
+    let by_y = |a: &&DVec2, b: &&DVec2| a.y.total_cmp(&b.y);
+    ring.iter().max_by(by_y).copied().unwrap_or_default()
+}
+
+/// Greatest distance of a ring's points from another ring, of some of them; 0 if
+/// there is no other one.
+fn farthest(ring: &[DVec2], from: &[DVec2]) -> Mm {
+    /// Points that are looked at.
+    const LOOKS: usize = 64;
+    let distance = |p: DVec2| {
+        let sides = from.iter().zip(from.iter().cycle().skip(1));
+        let to = sides.map(|(&a, &b)| nearest_on(p, a, b).distance(p));
+        to.fold(f64::INFINITY, f64::min)
+    };
+    let step = ring.len().div_ceil(LOOKS).max(1);
+    let looks = ring.iter().step_by(step).map(|&p| distance(p));
+    looks.filter(|d| d.is_finite()).fold(0.0, f64::max)
+}

@@ -1,0 +1,185 @@
+//! A vase printed as one climbing wall, against the surface it stands for.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+mod common;
+
+use glam::DVec3;
+use isoslice::pipeline::{self, Options};
+use isoslice::settings::Settings;
+
+/// Layer height, mm, and the wall's width.
+const HEIGHT: f64 = 0.2;
+const WIDTH: f64 = 0.45;
+
+/// A move that extrudes: from, to, filament.
+type Step = (DVec3, DVec3, f64);
+
+fn settings(more: &[&str]) -> Settings {
+    let mut all = vec![
+        "spiral=true",
+        "layer_height=0.2",
+        "first_layer_height=0.2",
+        "outer_wall_width=0.45",
+        "bottom_layers=2",
+        "gcode.relative_e=true",
+        "gcode.progress=off",
+        "skirt.loops=0",
+    ];
+    all.extend(more);
+    common::settings(&all)
+}
+
+/// The moves of the layers from `first` on, on a bed whose middle is 0, 0, and
+/// their text.
+fn turns(
+    gcode: &str,
+    first: usize,
+    settings: &Settings,
+) -> (Vec<Step>, String) {
+    let mut layers = gcode.split(";LAYER_CHANGE\n").skip(1 + first);
+    let mut text: String = layers.by_ref().collect();
+    text.truncate(text.find("; end of layers").unwrap());
+    let middle =
+        0.5 * DVec3::new(settings.printer.bed_x, settings.printer.bed_y, 0.0);
+    let (mut at, mut steps) = (DVec3::NAN, Vec::new());
+    for line in text.lines().filter(|l| l.starts_with("G1")) {
+        let from = at;
+        let mut fed = 0.0;
+        for word in line.split_whitespace().skip(1) {
+            let value: f64 = word[1..].parse().unwrap();
+            match &word[..1] {
+                "X" => at.x = value - middle.x,
+                "Y" => at.y = value - middle.y,
+                "Z" => at.z = value,
+                "E" => fed = value,
+                _ => {}
+            }
+        }
+        if fed > 0.0 && at.distance(from) > 0.0 {
+            steps.push((from, at, fed));
+        }
+    }
+    (steps, text)
+}
+
+/// A cone that widens by half of its height.
+fn cone(more: &[&str]) -> (Vec<Step>, String) {
+    let settings = settings(more);
+    let part = "max(sqrt(x^2 + y^2) - 15 - 0.5*z, max(-z, z - 6))";
+    let model = common::formula(part, &settings);
+    let (gcode, _) = common::slice(&model, &settings, 2);
+    turns(&gcode, 2, &settings)
+}
+
+#[test]
+fn every_point_is_on_the_surface_at_its_own_height() {
+    let (steps, _) = cone(&[]);
+    assert!(steps.len() > 28 * 50);
+    let last = steps.iter().map(|s| s.1.z).fold(0.0, f64::max);
+    assert!((last - 6.0).abs() < 1e-9);
+    let mut worst: f64 = 0.0;
+    for (from, to, _) in &steps {
+        // The first turn grows, and the flat one at the end follows the last
+        // layer's outline.
+        let flat = from.z == 6.0;
+        if from.z < 0.4 + HEIGHT || flat {
+            continue;
+        }
+        for i in 0..=4 {
+            let p = from.lerp(*to, 0.25 * f64::from(i));
+            let surface = 15.0 + 0.5 * (p.z - 0.5 * HEIGHT);
+            let off = p.truncate().length() + 0.5 * WIDTH - surface;
+            worst = worst.max(off.abs());
+        }
+    }
+    // `accuracy`, and the rounding of coordinates.
+    assert!(worst < 0.005 + 0.001, "{worst}");
+}
+
+#[test]
+fn it_climbs_without_a_break() {
+    let (steps, text) = cone(&[]);
+    for (a, b) in steps.iter().zip(&steps[1..]) {
+        assert_eq!(a.1, b.0);
+        assert!(b.1.z >= b.0.z);
+        assert!(b.1.z - b.0.z < 0.1 * HEIGHT);
+    }
+    assert!(!text.contains("G10") && !text.contains("E-"));
+    // After the way to the first turn, no step is without filament.
+    let mut moves = text.lines().filter(|l| l.starts_with("G1 X"));
+    let mut climb = moves.by_ref().skip_while(|l| !l.contains('E'));
+    assert_eq!(climb.find(|l| !l.contains('E')), None);
+}
+
+#[test]
+fn it_lays_what_fills_the_wall() {
+    let (steps, _) = cone(&[]);
+    let laid: f64 = steps.iter().map(|s| s.2).sum();
+    let laid = laid * common::filament_area(1.75);
+    // From the second layer's top to the part's, by the middle line's radius.
+    let section =
+        (WIDTH - HEIGHT * (1.0 - std::f64::consts::FRAC_PI_4)) * HEIGHT;
+    let middle = 15.0 + 0.25 * (0.4 + 6.0) - 0.5 * WIDTH;
+    let meant = section * (6.0 - 0.4) / HEIGHT * std::f64::consts::TAU * middle;
+    // The first turn and the last are lower than a bead that fills its share
+    // of the plane, half of the height on average: their round ends are smaller.
+    let ends = 2.0 / 28.0 * 0.1;
+    assert!((laid / meant - 1.0).abs() < ends, "{laid} {meant}");
+}
+
+#[test]
+fn corners_stay_sharp() {
+    let settings = settings(&[]);
+    let part = "max(max(abs(x), abs(y)) - 10 + 0.3*z, max(-z, z - 6))";
+    let model = common::formula(part, &settings);
+    let (gcode, _) = common::slice(&model, &settings, 1);
+    let (steps, _) = turns(&gcode, 2, &settings);
+    let mut corners = 0;
+    for (_, p, _) in steps.iter().filter(|s| s.1.z > 0.6 && s.1.z < 5.9) {
+        let side = 10.0 - 0.3 * (p.z - 0.5 * HEIGHT) - 0.5 * WIDTH;
+        let far = p.truncate().abs();
+        assert!((far.max_element() - side).abs() < 0.003, "{p}");
+        corners += usize::from((far.min_element() - side).abs() < 0.003);
+    }
+    assert!(corners >= 4 * 25, "{corners}");
+}
+
+#[test]
+fn what_is_no_single_wall_is_an_error() {
+    let settings = settings(&[]);
+    for (part, word) in [
+        (
+            "max(min(sqrt((x-9)^2 + y^2), sqrt((x+9)^2 + y^2)) - 6, \
+             max(-z, z - 3))",
+            "2 pieces",
+        ),
+        (
+            "max(sqrt(x^2 + y^2) - 0.1 - 2*abs(z - 1.5), max(-z, z - 3))",
+            "thinner",
+        ),
+    ] {
+        let model = common::formula(part, &settings);
+        let mut out = Vec::new();
+        let error =
+            pipeline::slice(&model, &settings, &Options::default(), &mut out)
+                .unwrap_err()
+                .to_string();
+        assert!(error.contains(word), "{error}");
+        assert!(out.is_empty());
+    }
+}
+
+#[test]
+fn what_a_spiral_leaves_out_is_told() {
+    let settings = settings(&[]);
+    for (part, word) in [
+        ("max(abs(sqrt(x^2 + y^2) - 9) - 2, max(-z, z - 3))", "holes"),
+        ("max(sqrt(x^2 + y^2 + z^2) - 6, -z)", "so flat"),
+    ] {
+        let model = common::formula(part, &settings);
+        let (_, summary) = common::slice(&model, &settings, 1);
+        let told = summary.warnings.join("\n");
+        assert!(told.contains(word), "{told}");
+    }
+}
