@@ -422,3 +422,54 @@ fn slabs_of_large_parts_have_fewer_layers() {
     assert_eq!(layers(30.0), 8);
     assert_eq!(layers(150.0), 1);
 }
+
+/// The lens that two discs have in common, as a part and as a slit: its tips,
+/// of a few degrees, are where they should be, however coarse the lattice and
+/// the lines are.
+#[test]
+fn tips_of_lenses_reach_their_ends_at_any_accuracy() {
+    const RADIUS: f64 = 20.0;
+    let (x, y, z) = Tree::axes();
+    let bounds = Rect {
+        min: DVec2::splat(-5.0),
+        max: DVec2::splat(5.0),
+    };
+    let check = |f: &Tree, tips: [DVec2; 2], case: &str| {
+        for accuracy in [0.001, 0.002, 0.003, 0.005, 0.007, 0.01, 0.02, 0.03] {
+            for spacing in [0.1, 0.2] {
+                let smallest = 0.11;
+                let detail = Detail { accuracy, smallest };
+                let field = Field::new(f, 0.0, bounds, spacing).unwrap();
+                let o = outlines(&field, &[0.0], detail).unwrap().remove(0);
+                for tip in tips {
+                    let points = o.area.rings.iter().flatten();
+                    let near = points
+                        .map(|p| p.distance(tip))
+                        .fold(f64::INFINITY, f64::min);
+                    let case = format!("{case}, {accuracy}, {spacing}");
+                    assert!(near < 0.02, "{case}: {near}");
+                }
+            }
+        }
+    };
+    for degrees in [7.0_f64, 12.0] {
+        // Half the distance of the discs' centres, and half the lens's length.
+        let half = (degrees / 2.0).to_radians();
+        let (away, reach) = (RADIUS * half.cos(), RADIUS * half.sin());
+        for k in 0..12 {
+            let turn = DVec2::from_angle(0.1 + 0.53 * f64::from(k));
+            let shift = DVec2::new(0.013, 0.037) * f64::from(k);
+            let disc = |side: f64| {
+                let c = shift + turn.perp() * (side * away);
+                let (u, v) = (x.clone() - c.x as f32, y.clone() - c.y as f32);
+                (u.square() + v.square()).sqrt() - RADIUS as f32
+            };
+            let lens = disc(1.0).max(disc(-1.0));
+            let block = (x.clone().abs() - 4.0).max(y.clone().abs() - 4.0);
+            let slit = block.max(-lens.clone()).max(z.abs() - 5.0);
+            let tips = [shift - turn * reach, shift + turn * reach];
+            check(&lens.max(z.abs() - 5.0), tips, &format!("{degrees} {k}"));
+            check(&slit, tips, &format!("slit of {degrees} {k}"));
+        }
+    }
+}

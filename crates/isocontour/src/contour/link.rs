@@ -74,7 +74,7 @@ pub(super) struct Joined {
 
 impl Joined {
     /// Adds a point, unless it is the last one again.
-    fn push(&mut self, point: DVec2, fixed: bool) {
+    pub(super) fn push(&mut self, point: DVec2, fixed: bool) {
         if self.points.last() != Some(&point) {
             self.points.push(point);
             self.fixed.push(fixed);

@@ -11,7 +11,7 @@
 //! lattice is wide (by its nodes: `doubt`; on coarse lattices by proof:
 //! `hidden`), are sampled more finely (`divide`). The pieces are joined at
 //! shared lattice edges (`link`), what is too small is left out (`small`), and
-//! last the rings are thinned so that they do not cross (`untangle`). A field of
+//! last the rings are thinned so that they do not cross (`untangle`, `cut`). A field of
 //! which nothing would be left is refused before any of that (`noise`).
 //!
 //! Inside is f < 0; a NaN is outside. Where the field jumps from one side to
@@ -25,6 +25,8 @@
 //! to it, and decides ambiguous cells by convention, where `march` visits
 //! sampled leaves only and asks the field.
 
+mod buckets;
+mod cut;
 mod divide;
 mod doubt;
 mod edges;
@@ -193,7 +195,7 @@ fn close(
             let (mut rings, forced_rings) = chains.into_rings();
             let left_out = small::leave_out(&mut rings, detail);
             let tolerance = (1.0 - CHORD_SHARE) * detail.accuracy;
-            let mut rings = untangle::thin(&rings, tolerance, field.cancel())?;
+            let mut rings = untangle::thin(rings, tolerance, field.cancel())?;
             let all = rings.len();
             rings.retain(|r| !r.is_empty());
             Ok(Outline {

@@ -4,10 +4,14 @@
 //! through the points that were put between the vertices can, and so can
 //! thinned lines, where outlines come closer to each other than the tolerance.
 //! Lines that cross are taken back step by step: first they are not thinned at
-//! all, then they lead from lattice vertex to lattice vertex. Where that does
-//! not help, or has to be done in many places, the whole ring is thinned less,
-//! hardly at all, and last taken to the lattice's vertices.
+//! all. If they still cross, the rings are cut where they do (`cut`), which
+//! keeps tips in their places. What is left leads from lattice vertex to
+//! lattice vertex. Where that does not help, or has to be done in many places,
+//! the whole ring is thinned less, hardly at all, and last taken to the
+//! lattice's vertices.
 
+use super::buckets::Buckets;
+use super::cut;
 use super::link::Joined;
 use super::trace::cross;
 use crate::Length;
@@ -77,6 +81,11 @@ impl Care {
         goes_on
     }
 
+    /// True if there are crossings that thinning may not be the cause of.
+    fn tangled(&self) -> bool {
+        self.whole > 0 || self.knots.iter().any(|k| k.step > 1)
+    }
+
     /// The ring, thinned with that care.
     fn thin(&self, ring: &Joined, tolerance: Length) -> Ring {
         if self.whole > 0 {
@@ -98,15 +107,14 @@ impl Care {
 /// # Errors
 /// If `cancel` asks to stop.
 pub(super) fn thin(
-    rings: &[Joined],
+    mut rings: Vec<Joined>,
     tolerance: Length,
     cancel: &Cancel,
 ) -> Result<Vec<Ring>, Cancelled> {
-    let mut out: Vec<Ring> = rings
-        .iter()
-        .map(|r| simplify(&r.points, tolerance))
-        .collect();
+    let plain = |r: &Joined| simplify(&r.points, tolerance);
+    let mut out: Vec<Ring> = rings.iter().map(plain).collect();
     let mut cares: Vec<Care> = Vec::new();
+    let mut was_cut = false;
     loop {
         cancel.check()?;
         let found = crossings(&out);
@@ -115,15 +123,35 @@ pub(super) fn thin(
         }
         cares.resize_with(rings.len(), Care::default);
         let mut worse = false;
+        let mut tangled = vec![false; rings.len()];
+        let mut cut_now = false;
         for same in found.chunk_by(|a, b| a.0 == b.0) {
             let n = same[0].0;
+            tangled[n] = true;
             if cares[n].more(same.iter().map(|k| k.1), tolerance) {
-                out[n] = cares[n].thin(&rings[n], tolerance);
                 worse = true;
+                cut_now |= !was_cut && cares[n].tangled();
+            }
+        }
+        if cut_now {
+            was_cut = true;
+            if let Some(cut) = cut::at_crossings(&rings, &tangled) {
+                let mut keep = tangled.iter().map(|t| !t);
+                out.retain(|_| keep.next() == Some(true));
+                let mut keep = tangled.iter().map(|t| !t);
+                cares.retain(|_| keep.next() == Some(true));
+                let mut keep = tangled.iter().map(|t| !t);
+                rings.retain(|_| keep.next() == Some(true));
+                out.extend(cut.iter().map(plain));
+                rings.extend(cut);
+                continue;
             }
         }
         if !worse {
             return Ok(out);
+        }
+        for n in (0..rings.len()).filter(|&n| tangled[n]) {
+            out[n] = cares[n].thin(&rings[n], tolerance);
         }
     }
 }
@@ -206,112 +234,6 @@ fn folds(a: DVec2, b: DVec2, c: DVec2) -> bool {
     (b - a).perp_dot(c - b) == 0.0 && (b - a).dot(c - b) <= 0.0
 }
 
-/// Edges by the square they pass through.
-struct Buckets {
-    starts: Vec<u32>,
-    items: Vec<u32>,
-}
-
-/// A grid of squares over some edges, about as large as these are long.
-struct Squares {
-    lo: DVec2,
-    size: f64,
-    /// Columns and rows.
-    nx: usize,
-    ny: usize,
-}
-
-impl Squares {
-    fn over(edges: impl Iterator<Item = (DVec2, DVec2)>) -> Squares {
-        let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let (mut count, mut length) = (0_usize, 0.0);
-        for (a, b) in edges {
-            lo = lo.min(a.min(b));
-            hi = hi.max(a.max(b));
-            length += a.distance(b);
-            count += 1;
-        }
-        // Not many more squares than edges.
-        let extent = (hi - lo).max(DVec2::ZERO);
-        let even = (extent.element_product() / count.max(1) as f64).sqrt();
-        let size = even.max(length / count.max(1) as f64).max(1e-6);
-        let cells = |x: f64| (x / size) as usize + 1;
-        let (nx, ny) = (cells(extent.x), cells(extent.y));
-        Squares { lo, size, nx, ny }
-    }
-
-    fn column(&self, x: f64) -> usize {
-        let column = ((x - self.lo.x) / self.size) as u32;
-        (column as usize).min(self.nx - 1)
-    }
-
-    fn row(&self, y: f64) -> usize {
-        let row = ((y - self.lo.y) / self.size) as u32;
-        (row as usize).min(self.ny - 1)
-    }
-
-    /// Visits the squares that an edge passes through, row by row: those of
-    /// its whole box would be far too many for a long slanting one.
-    fn visit(&self, (a, b): (DVec2, DVec2), mut visit: impl FnMut(usize)) {
-        let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
-        let (bottom, top) = (self.row(a.y), self.row(b.y));
-        let [left, right] = [a.x.min(b.x), a.x.max(b.x)];
-        let (left, right) = (self.column(left), self.column(right));
-        // Most are in one row or column, or two of each.
-        let short = (top - bottom) * (right - left) <= 1;
-        let pad = 1e-9 * self.size;
-        for j in bottom..=top {
-            let (mut from, mut to) = (left, right);
-            if !short {
-                // Where it enters the row and leaves it, and a little more.
-                let x = |y: f64| {
-                    let share = (y - a.y) / (b.y - a.y);
-                    a.x + (b.x - a.x) * share.clamp(0.0, 1.0)
-                };
-                let bottom = self.lo.y + j as f64 * self.size;
-                let [p, q] = match a.y < b.y {
-                    true => [x(bottom - pad), x(bottom + self.size + pad)],
-                    false => [a.x, b.x],
-                };
-                from = self.column(p.min(q) - pad);
-                to = self.column(p.max(q) + pad);
-            }
-            for i in from..=to {
-                visit(j * self.nx + i);
-            }
-        }
-    }
-}
-
-impl Buckets {
-    fn new(edges: impl Iterator<Item = (DVec2, DVec2)> + Clone) -> Buckets {
-        let squares = Squares::over(edges.clone());
-        let count = squares.nx * squares.ny;
-        let mut starts = vec![0_u32; count + 1];
-        for edge in edges.clone() {
-            squares.visit(edge, |k| starts[k + 1] += 1);
-        }
-        for k in 0..count {
-            starts[k + 1] += starts[k];
-        }
-        let mut items = vec![0_u32; starts[count] as usize];
-        let mut free = starts.clone();
-        for (n, edge) in edges.enumerate() {
-            squares.visit(edge, |k| {
-                items[free[k] as usize] = n as u32;
-                free[k] += 1;
-            });
-        }
-        Buckets { starts, items }
-    }
-
-    fn buckets(&self) -> impl Iterator<Item = &[u32]> {
-        self.starts
-            .windows(2)
-            .map(|w| &self.items[w[0] as usize..w[1] as usize])
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -368,7 +290,7 @@ mod tests {
             let list: Vec<(DVec2, DVec2)> =
                 rings.iter().flat_map(|r| edges(r)).collect();
             let grid = Buckets::new(list.iter().copied());
-            let held = grid.items.len();
+            let held = grid.held();
             assert!(held < 20 * list.len(), "{angle}: {held}");
             assert!(crossing(&rings).is_empty(), "{angle}");
             // Across all of the others, but not across the teeth.
@@ -399,7 +321,7 @@ mod tests {
         let fixed = (0..points.len()).map(|k| k % 8 == 0).collect();
         let joined = Joined { points, fixed };
         assert!(!crossing(&[simplify(&joined.points, 0.01)]).is_empty());
-        let thinned = thin(&[joined], 0.01, &Cancel::NEVER).unwrap();
+        let thinned = thin(vec![joined], 0.01, &Cancel::NEVER).unwrap();
         assert!(crossing(&thinned).is_empty());
         let round = thinned[0].iter().filter(|p| p.x > 10.01);
         // The coarsest polygon within the tolerance has 17 points there.
@@ -423,8 +345,8 @@ mod tests {
                 .collect(),
             fixed: vec![true; n],
         };
-        let rings = [arc(10.0, 2000), arc(9.997, 1733)];
-        let thinned = thin(&rings, 0.01, &Cancel::NEVER).unwrap();
+        let rings = vec![arc(10.0, 2000), arc(9.997, 1733)];
+        let thinned = thin(rings, 0.01, &Cancel::NEVER).unwrap();
         assert!(crossing(&thinned).is_empty());
         assert!(thinned.iter().all(|r| r.len() > 50));
     }
