@@ -93,6 +93,7 @@ impl Part {
 
     fn on_ground<T>(&self, act: impl FnOnce(Ground<'_>) -> T) -> T {
         act(Ground {
+            support: None,
             outline: &Solid::of(&self.outline, 1.0),
             sparse: &Solid::of(&self.sparse, 1.0),
             border: wall_depths(0.2, &self.settings).1,
