@@ -6,10 +6,11 @@
 //! Straight lines across a gap, held at both ends and at most `bridge_max`
 //! long, need nothing, and the skin lays them where [`direction`] says so.
 
-use crate::plane::clip::{difference, intersection, unite};
+use crate::plane::clip::{difference, intersection, union, unite};
 use crate::plane::hatch::Lines;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Solid};
+use crate::region::floating::floating;
 use crate::settings::Settings;
 use crate::skin::bridge::{direction, hung};
 use crate::units::{Mm, Mm2};
@@ -40,17 +41,35 @@ pub(super) fn need(
     if open.is_empty() {
         return open;
     }
+    let below = Solid::new(below.clone());
+    let begins = floating(here, &below).into_iter();
+    let begins: Vec<_> = begins.flat_map(|f| f.island.rings).collect();
+    let sticks_out = sticks_out(here, &open, &below, height, settings);
+    match begins.is_empty() {
+        true => sticks_out,
+        // However small they are.
+        false => union(&sticks_out, &Area { rings: begins }),
+    }
+}
+
+/// What sticks out over `below`, as much as is no speck.
+fn sticks_out(
+    here: &Area,
+    open: &Area,
+    below: &Solid<'_>,
+    height: Mm,
+    settings: &Settings,
+) -> Area {
     let held = height * settings.support.angle.to_radians().tan() + SLACK;
-    let reached = offset(below, held, TOLERANCE);
+    let reached = offset(below.area(), held, TOLERANCE);
     let beyond = large(difference(here, &reached));
     if beyond.is_empty() || !settings.bridges {
         return beyond;
     }
-    let below = Solid::new(below.clone());
     let around = offset(&beyond, held + TOLERANCE, TOLERANCE);
     let mut rings = Vec::new();
-    for gap in intersection(&open, &around).islands() {
-        rings.extend(unspanned(gap, &below, settings).rings);
+    for gap in intersection(open, &around).islands() {
+        rings.extend(unspanned(gap, below, settings).rings);
     }
     large(intersection(&beyond, &unite(&Area { rings })))
 }

@@ -5,6 +5,7 @@ use crate::layers::LayerSpan;
 use crate::plane::clip::{difference, intersection, union};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
+use isocontour::plane::simplify::simplify;
 use crate::settings::{Settings, Supports};
 use crate::units::{Mm, Mm2};
 use glam::{DVec2, DVec3};
@@ -145,9 +146,11 @@ impl Plan {
             if need.is_empty() {
                 return Area::EMPTY;
             }
-            let top = top_below(parts.spans, i, settings);
-            let slice = top.and_then(|j| self.slice(j));
-            let Some(slice) = slice else {
+            // The bed holds what no gap fits under.
+            let Some(top) = top_below(parts.spans, i, settings) else {
+                return Area::EMPTY;
+            };
+            let Some(slice) = self.slice(top) else {
                 return need.clone();
             };
             let held = union(&slice.body, &slice.interface);
@@ -199,8 +202,9 @@ fn taken(parts: Parts<'_>, j: usize, settings: &Settings) -> Area {
     let Parts {
         spans, outlines, ..
     } = parts;
-    let gap = settings.support.xy_gap + TOLERANCE;
-    let mut area = offset(&outlines[j], gap, TOLERANCE);
+    // Of which the tolerances of what keeps off may take some.
+    let gap = settings.support.xy_gap + 3.0 * TOLERANCE;
+    let mut area = thinned(offset(&outlines[j], gap, TOLERANCE));
     // The layers within the gaps above and below.
     let below = gap_below(spans, j, settings);
     let below = (below.start + 1).min(j)..j;
@@ -261,7 +265,7 @@ fn downwards(
         all = union(&all, &tops[j]);
         if !all.is_empty() {
             all = difference(&intersection(&all, &bed), &taken[j]);
-            all = printable(all, 0.4 * width);
+            all = thinned(printable(all, 0.4 * width));
         }
         let mut dense = Area::EMPTY;
         for top in tops.iter().skip(j).take(roof) {
@@ -278,6 +282,14 @@ fn downwards(
         above = all;
     }
     slices
+}
+
+/// The area with fewer points: they would grow in number with every layer.
+fn thinned(area: Area) -> Area {
+    let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
+    Area {
+        rings: rings.filter(|ring| ring.len() > 2).collect(),
+    }
 }
 
 /// The area drawn in by `draw` where it is wider than 2 `thin`, and as it is
