@@ -4,8 +4,8 @@ use super::need::need;
 use crate::layers::LayerSpan;
 use crate::plane::clip::{difference, intersection, union};
 use crate::plane::offset::offset;
+use crate::plane::simplify::simplify;
 use crate::plane::{Area, Rect};
-use isocontour::plane::simplify::simplify;
 use crate::settings::{Settings, Supports};
 use crate::units::{Mm, Mm2};
 use glam::{DVec2, DVec3};
@@ -66,13 +66,23 @@ impl Plan {
     /// The plan for a part.
     pub(crate) fn new(parts: Parts<'_>, settings: &Settings) -> Plan {
         let count = parts.spans.len();
+        let printed: Vec<Area> = parts
+            .outlines
+            .par_iter()
+            .map(|outline| as_printed(outline, settings))
+            .collect();
+        // What is too thin to be printed takes no room, either.
+        let parts = Parts {
+            outlines: &printed,
+            ..parts
+        };
         let needs: Vec<Area> = (0..count)
             .into_par_iter()
             .map(|i| {
-                let below = i.checked_sub(1).map(|k| &parts.outlines[k]);
+                let below = i.checked_sub(1).map(|k| &printed[k]);
                 below.map_or(Area::EMPTY, |below| {
                     let height = parts.spans[i].height();
-                    need(&parts.outlines[i], below, height, settings)
+                    need(&printed[i], below, height, settings)
                 })
             })
             .collect();
@@ -194,6 +204,22 @@ fn gap_below(
     let lowest = spans[j].bottom - settings.support.z_gap_bottom + ROUNDED;
     let on = spans[..j].iter().rposition(|span| span.top <= lowest);
     on.unwrap_or(0)..j
+}
+
+/// An outline without the islands that are thinner than any line: a part that
+/// begins in a point begins where a line fits into it.
+fn as_printed(outline: &Area, settings: &Settings) -> Area {
+    let width = settings.outer_wall_width();
+    let half = 0.5 * 0.01 * settings.thin_min * width;
+    let small = (4.0 * width).powi(2);
+    let islands = outline.islands().into_iter();
+    let printed = islands.filter(|island| {
+        island.content() > small
+            || !offset(island, -half, 0.1 * TOLERANCE).is_empty()
+    });
+    Area {
+        rings: printed.flat_map(|island| island.rings).collect(),
+    }
 }
 
 /// Where no support may be in layer `j`: the part and what is near to it.
@@ -441,6 +467,26 @@ mod tests {
         // The arms, over a plate that is wider than they are.
         assert!(plan.unheld.area > 400.0, "{:?}", plan.unheld);
         assert!((plan.unheld.worst.z - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_point_in_the_air_is_held_where_its_first_line_is() {
+        // A cone that hangs with its tip down, 0.05 mm wider in every layer.
+        let tip = |i: usize| match i.checked_sub(30) {
+            Some(k) if k > 0 => {
+                let half = 0.05 * k as f64;
+                rect(-half, -half, half, half)
+            }
+            _ => Area::EMPTY,
+        };
+        let outlines: Vec<Area> = (0..50).map(tip).collect();
+        let plan = plan(&outlines, Supports::Auto);
+        // A line of 0.27 mm fits from 0.3 mm on, in layer 33.
+        assert!(all(&plan, 32).is_empty());
+        for j in 0..32 {
+            assert!(all(&plan, j).contains(DVec2::ZERO), "layer {j}");
+        }
+        assert_eq!(plan.unheld.area, 0.0);
     }
 
     #[test]
