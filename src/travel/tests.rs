@@ -1,4 +1,5 @@
 use super::*;
+use crate::bead::Role;
 use crate::bead::Stroke;
 use crate::plane::shapes::rect;
 use crate::region::wall_depths;
