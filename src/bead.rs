@@ -45,11 +45,15 @@ pub(crate) enum Role {
     Bridge,
     /// A pass over a finished top that makes it smooth.
     Ironing,
+    /// What holds parts of the part that nothing else holds.
+    Support,
+    /// The dense top of a support.
+    SupportInterface,
 }
 
 impl Role {
     /// Every role, in the order summaries list them.
-    pub(crate) const ALL: [Role; 12] = [
+    pub(crate) const ALL: [Role; 14] = [
         Role::OuterWall,
         Role::InnerWall,
         Role::Overhang,
@@ -60,9 +64,21 @@ impl Role {
         Role::Bridge,
         Role::Ironing,
         Role::SparseInfill,
+        Role::Support,
+        Role::SupportInterface,
         Role::Skirt,
         Role::Brim,
     ];
+
+    /// True if its beads belong to the part, and so lie inside it.
+    pub(crate) fn is_part(self) -> bool {
+        !matches!(self, Role::Skirt | Role::Brim) && !self.is_support()
+    }
+
+    /// True if its beads belong to a support.
+    pub(crate) fn is_support(self) -> bool {
+        matches!(self, Role::Support | Role::SupportInterface)
+    }
 
     /// True if the edges of its beads are seen on the part.
     pub(crate) fn shows(self) -> bool {

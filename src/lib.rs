@@ -33,6 +33,7 @@
 //! 6. [`walls`], [`skin`], [`infill`] and [`adhesion`] make beads of walls and
 //!    areas, and [`fuzzy`] gives outer walls a texture. All later stages work
 //!    on beads. [`hang`] finds what nothing below holds while it is printed.
+//!    [`support`] plans what is printed below to hold it.
 //! 7. [`seam`] says where loops may begin. [`order`] lets them begin there, and
 //!    puts all beads in an order with short travels, one island at a time. Beads
 //!    that nobody sees go on in the next one where that is near.
@@ -179,6 +180,7 @@ mod seam;
 pub mod settings;
 mod skin;
 mod spiral;
+mod support;
 mod timings;
 mod travel;
 mod units;

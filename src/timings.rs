@@ -47,6 +47,8 @@ pub enum Stage {
     Infill,
     /// What hangs.
     Hang,
+    /// The plan of supports, and their beads.
+    Support,
     /// Order and seams.
     Order,
     /// Travels.
@@ -63,7 +65,7 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the pipeline.
-    pub const ALL: [Stage; 13] = [
+    pub const ALL: [Stage; 14] = [
         Stage::Picture,
         Stage::Field,
         Stage::Contour,
@@ -71,6 +73,7 @@ impl Stage {
         Stage::Skin,
         Stage::Infill,
         Stage::Hang,
+        Stage::Support,
         Stage::Order,
         Stage::Travel,
         Stage::Pace,
@@ -89,6 +92,7 @@ impl Stage {
             Stage::Skin => "skin",
             Stage::Infill => "infill",
             Stage::Hang => "hanging",
+            Stage::Support => "support",
             Stage::Order => "order",
             Stage::Travel => "travel",
             Stage::Pace => "pace",

@@ -55,6 +55,8 @@ const ORDER: &[&[&str]] = &[
     &["walls", "fuzzy", "skin", "infill", "adhesion"],
     // What hangs, except for what the skin's bridges hold.
     &["hang"],
+    // What holds what hangs; skin says where bridges do.
+    &["support"],
     // Where loops begin follows from the walls before fuzzy skin.
     &["seam"],
     &["order"],

@@ -122,6 +122,25 @@ fn islands_in_the_air() {
     }
 }
 
+/// Supports are planned from the whole part, whichever layers are written.
+#[test]
+fn supports_of_a_tee() {
+    let mut all = COARSE.to_vec();
+    all.extend(["supports=auto", "layer_height=0.2"]);
+    let settings = common::settings(&all);
+    let model = common::formula(
+        "min(max(abs(x) - 3, abs(y) - 4, abs(z - 5) - 5), \
+         max(abs(x) - 12, abs(y) - 4, abs(z - 11) - 1))",
+        &settings,
+    );
+    let (text, summary) = slice_layers(&model, &settings, "..", 2);
+    assert!(text.contains(";TYPE:Support material\n"));
+    assert!(text.contains(";TYPE:Support material interface\n"));
+    assert!(summary.support_length > 0.0);
+    assert_eq!(summary.warnings, Vec::<String>::new());
+    assert_same_in_ranges(&model, &settings, &[3, 33, 52]);
+}
+
 /// What the layers below have told the machine, a range's head tells it.
 #[test]
 fn a_range_alone_has_its_fan_and_acceleration() {

@@ -12,10 +12,10 @@ use std::process::exit;
 /// Options of other slicers, and words of this program in the wrong place, with
 /// what to write instead.
 const WORDS: &[(&str, &str)] = &[
-    ("supports", NO_SUPPORTS),
-    ("support", NO_SUPPORTS),
-    ("support-material", NO_SUPPORTS),
-    ("raft", NO_SUPPORTS),
+    ("supports", SUPPORTS),
+    ("support", SUPPORTS),
+    ("support-material", SUPPORTS),
+    ("raft", NO_RAFTS),
     ("brim", "--set brim.place=outer, and brim.width"),
     ("brim-width", "--set brim.place=outer --set brim.width=5"),
     ("skirt", "--set skirt.loops=1"),
@@ -56,8 +56,8 @@ const WORDS: &[(&str, &str)] = &[
 ];
 
 const TEMPERATURE: &str = "--set filament.nozzle_temperature=210";
-const NO_SUPPORTS: &str = "isoslice makes no supports or rafts yet: turn the \
-                           part, or model them";
+const SUPPORTS: &str = "--set supports=auto";
+const NO_RAFTS: &str = "isoslice makes no rafts yet: see brim.place";
 
 /// Reads the command line, or ends the program.
 pub(crate) fn parse() -> Cli {
@@ -174,7 +174,7 @@ mod tests {
         let tip = |given| tip(given).unwrap_or_default();
         assert!(tip("--layer-height").contains("--set layer_height=0.2"));
         assert!(tip("--walls=3").contains("--set walls=2"));
-        assert!(tip("--supports").contains("no supports"));
+        assert!(tip("--supports").contains("supports=auto"));
         assert!(tip("--bed-temperature").contains("filament.bed_temperature"));
         assert!(tip("--retract-length").contains("retract.length=0.8"));
         assert!(tip("--temperature").contains("nozzle_temperature"));

@@ -240,6 +240,10 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
         )?,
         None => writeln!(text)?,
     }
+    if summary.support_length > 0.0 {
+        let metres = summary.support_length / 1000.0;
+        writeln!(text, "  supports    {metres:.2} m of that filament")?;
+    }
     let p99 =
         |f: Option<Figures>| f.map(|f| format!("{:.1} µm", f.p99.max(0.1)));
     if let Some(outline) = p99(summary.outline_error) {

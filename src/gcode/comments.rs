@@ -73,6 +73,8 @@ fn prusa(role: Role) -> &'static str {
         Role::TopSkin => "Top solid infill",
         Role::Bridge => "Bridge infill",
         Role::Ironing => "Ironing",
+        Role::Support => "Support material",
+        Role::SupportInterface => "Support material interface",
     }
 }
 
@@ -90,6 +92,8 @@ fn orca(role: Role) -> &'static str {
         Role::TopSkin => "Top surface",
         Role::Bridge => "Bridge",
         Role::Ironing => "Ironing",
+        Role::Support => "Support",
+        Role::SupportInterface => "Support interface",
     }
 }
 
@@ -99,6 +103,8 @@ fn cura(role: Role) -> &'static str {
         Role::OuterWall | Role::Overhang => "WALL-OUTER",
         Role::InnerWall | Role::GapFill => "WALL-INNER",
         Role::SparseInfill => "FILL",
+        Role::Support => "SUPPORT",
+        Role::SupportInterface => "SUPPORT-INTERFACE",
         Role::InternalSkin
         | Role::BottomSkin
         | Role::TopSkin

@@ -8,7 +8,7 @@
 
 use super::number::text;
 use super::{COARSE, Totals, WIDTH, XYZ};
-use crate::settings::{BrimPlace, Settings};
+use crate::settings::{BrimPlace, Settings, Supports};
 use crate::units::human_time;
 
 /// What a fact is about.
@@ -97,7 +97,12 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     };
     add(of, true, "brim_width", text(brim, 0));
     add(of, true, "ironing", u8::from(s.ironing).to_string());
-    add(of, true, "support_material", "0".to_owned());
+    add(
+        of,
+        true,
+        "support_material",
+        u8::from(s.supports != Supports::Off).to_string(),
+    );
     all
 }
 

@@ -44,8 +44,8 @@ impl Hanging {
         if begins.count > inside.count {
             all.push(format!(
                 "what begins at {} begins on nothing{}: it would be printed \
-                 into the air; turn the part, or give it something to stand \
-                 on in the model, as there are no supports yet",
+                 into the air; set supports = \"auto\", turn the part, or give \
+                 it something to stand on in the model",
                 place(begins),
                 others(begins.count)
             ));
@@ -55,8 +55,8 @@ impl Hanging {
             all.push(format!(
                 "{:.0} mm² of undersides lean by more than support.angle = \
                  {}° from the vertical and get up to {:.1} mm away from what \
-                 holds them, the first at {}: they will sag; turn the part or \
-                 make them steeper, as there are no supports yet, or raise \
+                 holds them, the first at {}: they will sag; set supports = \"auto\", \
+                 turn the part or make them steeper, or raise \
                  support.angle if your printer does better",
                 leans.area,
                 settings.support.angle,

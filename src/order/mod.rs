@@ -47,6 +47,8 @@ use tour::{Stop, tour};
 pub(crate) struct LayerBeads {
     /// Loops around the part, in order.
     pub skirt: Vec<Bead>,
+    /// Supports, which are printed before the part.
+    pub support: Vec<Bead>,
     /// Closed beads of the walls.
     pub walls: Vec<Bead>,
     /// Where the seam of each wall may be.
@@ -99,6 +101,9 @@ pub(crate) fn order(
         }
         jobs::finish(bead, &mut head.at, &mut out);
     }
+    let support = std::mem::take(&mut beads.support).into_iter();
+    let support: Vec<_> = support.map(|b| (0, jobs::Job::of(b))).collect();
+    jobs::print(support, &mut head.at, None, &mut out);
     let mut islands = islands(outline, beads);
     head.seams = place_seams(&mut islands, &head.seams);
     let mut stops = Vec::new();

@@ -72,7 +72,9 @@ pub(super) fn acceleration(
         Role::BottomSkin => by_role.bottom_skin,
         Role::Bridge => by_role.bridge,
         Role::SparseInfill => by_role.sparse_infill,
-        Role::Skirt | Role::Brim => 0.0,
+        Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface => {
+            0.0
+        }
     };
     let own = if asked > 0.0 {
         asked

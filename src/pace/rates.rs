@@ -56,6 +56,13 @@ fn speed_of(role: Role, speed: &Speed) -> (&'static str, Varying) {
         Role::Skirt | Role::Brim => {
             return ("speed.skirt", Varying::Constant(speed.skirt));
         }
+        Role::Support => {
+            return ("speed.support", Varying::Constant(speed.support));
+        }
+        Role::SupportInterface => {
+            let speed = Varying::Constant(speed.support_interface);
+            return ("speed.support_interface", speed);
+        }
         Role::OuterWall => ("speed.outer_wall", &speed.outer_wall),
         Role::InnerWall => ("speed.inner_wall", &speed.inner_wall),
         Role::GapFill => ("speed.gap_fill", &speed.gap_fill),
@@ -259,8 +266,8 @@ impl<'a> Rater<'a> {
         span: &LayerSpan,
         [speed, flow, width, fan]: [f64; 4],
     ) -> (Bead, Rates) {
-        // Skirt and brim are not part of the part.
-        if !matches!(bead.role, Role::Skirt | Role::Brim) {
+        // Neither skirt and brim nor supports belong to the part.
+        if bead.role.is_part() {
             bead.width *= width / 100.0;
         }
         let cooling = &self.settings.cooling;

@@ -8,7 +8,6 @@ use super::layer::{Filled, Layer, Ready};
 use super::tally::Tally;
 use super::{BLOCK, Options, SliceError};
 use crate::adhesion::keep_on_bed;
-use crate::bead::Role;
 use crate::gcode::{Totals, Writer};
 use crate::hang::foot::Foot;
 use crate::hang::{self, Hanging, Look};
@@ -129,6 +128,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             gap,
             look,
             figures,
+            support: supported,
         } = ready.filled;
         let index = layer.span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {
@@ -174,10 +174,12 @@ impl<'a, 'w> Exit<'a, 'w> {
                 _ => ended,
             };
             if written {
-                let loops = [Role::Skirt, Role::Brim];
-                let of_part =
-                    beads.iter().filter(|b| !loops.contains(&b.bead.role));
+                let of_part = beads.iter().filter(|b| b.bead.role.is_part());
                 let count = of_part.count();
+                let support = beads.iter().map(|b| &b.bead);
+                let support = support.filter(|b| b.role.is_support());
+                self.tally.support +=
+                    support.map(|b| b.area() * b.length()).sum::<f64>();
                 self.beads += count;
                 self.tally.add(layer, gap, count == 0);
             }
@@ -187,6 +189,7 @@ impl<'a, 'w> Exit<'a, 'w> {
                 Ground {
                     outline: &layer.outline,
                     sparse: &sparse,
+                    support: supported.as_ref(),
                     border,
                     above: above.map(Layer::area),
                 },

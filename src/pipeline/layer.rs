@@ -113,6 +113,8 @@ pub(super) struct Filled {
     pub beads: LayerBeads,
     /// Where there is sparse infill.
     pub sparse: Solid<'static>,
+    /// Where there are supports, if there are any.
+    pub support: Option<Solid<'static>>,
     /// Area of gaps that nothing fills.
     pub gap: Mm2,
     /// How it lies over the layer below, if that is not the same.

@@ -54,15 +54,15 @@ use crate::plane::{Area, Rect};
 use crate::preview::{PictureError, Pictures, outline_from_above, thumbnails};
 use crate::reader::ReadError;
 use crate::report::{Figures, Gauge, Report, ReportError};
-use crate::settings::Settings;
+use crate::settings::{Settings, Supports};
 use crate::spiral::{Spiral, SpiralError};
 use crate::timings::Stage;
-use crate::units::{Mm, Mm2, Seconds};
+use crate::units::{Mm, Mm2, Seconds, filament_area};
 use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
 use glam::{DVec2, DVec3};
 use isocontour::SLAB;
-use stages::Stages;
+use stages::{Fills, Stages};
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -123,6 +123,8 @@ pub struct Summary {
     pub filament_length: Mm,
     /// Filament used, grams.
     pub filament_mass_g: f64,
+    /// How much of it is for supports.
+    pub support_length: Mm,
     /// Area of gaps between walls that nothing fills, all layers together.
     pub unfilled_area: Mm2,
     /// Area of all layers' outlines together.
@@ -244,6 +246,9 @@ pub enum SliceError {
 /// run of a range has to rehearse up to a block.
 const BLOCK: usize = 4 * SLAB;
 
+/// What hangs without a support is told of from this area on, mm².
+const UNHELD: Mm2 = 1.0;
+
 /// Slices a placed model and writes its G-code.
 ///
 /// # Errors
@@ -346,6 +351,7 @@ fn write(
         .build()?;
     let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
     let around = Surroundings::new(model);
+    let fills = Fills::new(settings);
     let mut stages = Stages::new(model, settings, &around, gauge, spans)?;
     let printed = stages.printed(&pool, spans)?;
     if printed == 0 {
@@ -358,6 +364,9 @@ fn write(
     let top = spans.last().map_or(0.0, |span| span.top);
     let layers = options.layers.indices(printed)?;
     stages.plan_spiral(&pool, spans)?;
+    if settings.supports != Supports::Off && !settings.spiral {
+        stages.plan_supports(&pool, spans, &around, &fills)?;
+    }
     let rater = Rater::new(settings, model, &around)?;
     // Before hours of work, not after them.
     for span in &spans[layers.clone()] {
@@ -427,6 +436,27 @@ fn write(
     warnings.extend(stages.spiral.iter().flat_map(Spiral::warnings));
     warnings.extend(done.warnings);
     let mut hanging = done.hanging;
+    if let Some(unheld) = stages.unheld() {
+        // The plan has seen to what hangs, and tells what it could not hold.
+        hanging = Hanging::default();
+        if unheld.area > UNHELD {
+            let at = unheld.worst + model.offset.truncate().extend(0.0);
+            warnings.push(format!(
+                "{:.1} mm² that need supports get none, the largest of it at \
+                 x = {:.1}, y = {:.1}, z = {:.1} on the bed: no support \
+                 reaches it from below{}",
+                unheld.area,
+                at.x,
+                at.y,
+                at.z,
+                match settings.supports {
+                    Supports::Plate =>
+                        "; supports = auto may stand on the part",
+                    _ => "; turn the part, or open what is around it",
+                }
+            ));
+        }
+    }
     hanging.foot = done.foot.filter(|foot| top > foot.holds);
     warnings.extend(hanging.warnings(top, settings));
     if done.beads == 0 {
@@ -457,6 +487,8 @@ fn write(
         time: totals.time,
         filament_length: totals.filament_length,
         filament_mass_g: totals.filament_mass_g,
+        support_length: tally.support
+            / filament_area(settings.filament.diameter),
         unfilled_area: tally.gap,
         solid_area: tally.solid,
         printing_moves: tally.printing,

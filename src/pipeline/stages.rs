@@ -8,15 +8,16 @@ use super::layer::{Inside, Layer, faces, window};
 use super::sound::{self, Found};
 use super::{BLOCK, SliceError};
 use crate::adhesion::{Skirt, loops};
-use crate::bead::Bead;
+use crate::bead::{Bead, Role};
 use crate::contour::{Detail, Field, FieldError, field, field_in, outlines};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
-use crate::infill::{self, Infill};
+use crate::infill::{self, Infill, InfillError};
 use crate::layers::LayerSpan;
 use crate::limits;
 use crate::model::Model;
 use crate::order::LayerBeads;
+use crate::plane::clip::union;
 use crate::plane::{Area, Rect, Solid};
 use crate::region::compensate::Compensation;
 use crate::region::cover::rough;
@@ -25,8 +26,9 @@ use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::resolution::thin;
 use crate::seam::Seams;
-use crate::settings::{Settings, WallOffset};
+use crate::settings::{self, InfillPattern, Settings, Varying, WallOffset};
 use crate::spiral::Spiral;
+use crate::support::{Parts, Plan, Slice, Unheld};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::Surroundings;
@@ -60,6 +62,8 @@ pub(super) struct Stages<'a> {
     fuzzy: Option<Fuzzy<'a>>,
     /// The skirt, if it is not of the first layer alone.
     skirt: Option<Skirt>,
+    /// The supports, once they are planned.
+    support: Option<Supported<'a>>,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
     /// The climbing wall, if there is to be one.
@@ -114,6 +118,7 @@ impl<'a> Stages<'a> {
             seams: Seams::new(settings, around)?,
             fuzzy: Fuzzy::new(settings, around)?,
             skirt: None,
+            support: None,
             bed: -model.offset.z,
             spiral: None,
             exposure: Exposure::new(settings, spans.len()),
@@ -140,7 +145,103 @@ impl<'a> Stages<'a> {
             areas.extend(of_span.into_iter().map(|l| l.outline));
         }
         let areas = areas.iter().map(|outline| outline.area());
-        Ok(Skirt::new(areas, self.settings))
+        let support = beside.iter().filter_map(|s| self.slice(s.index));
+        let support = support.flat_map(|s| [&s.body, &s.interface]);
+        Ok(Skirt::new(areas.chain(support), self.settings))
+    }
+
+    /// Plans the supports of the whole part, `spans`. `fills` are the settings
+    /// by which supports and their dense tops are filled.
+    ///
+    /// # Errors
+    /// If the part's outlines cannot be found.
+    pub(super) fn plan_supports(
+        &mut self,
+        pool: &ThreadPool,
+        spans: &'a [LayerSpan],
+        around: &'a Surroundings<'a>,
+        fills: &'a Fills,
+    ) -> Result<(), SliceError> {
+        let slabs = spans.par_chunks(self.slab_layers());
+        let stages: &Stages<'a> = self;
+        let outlines = pool.install(|| {
+            let made = slabs.map(|slab| {
+                let layers = stages.layers(slab, &(0..usize::MAX))?;
+                let areas = layers.iter().map(|l| l.area().clone());
+                Ok(areas.collect::<Vec<Area>>())
+            });
+            made.collect::<Vec<Result<Vec<Area>, FieldError>>>()
+        });
+        let outlines: Vec<Vec<Area>> =
+            outlines.into_iter().collect::<Result<_, _>>()?;
+        let outlines = outlines.concat();
+        let offset = self.model.offset.truncate();
+        let printer = &self.settings.printer;
+        let parts = Parts {
+            spans,
+            outlines: &outlines,
+            bed: Rect {
+                min: -offset,
+                max: DVec2::new(printer.bed_x, printer.bed_y) - offset,
+            },
+        };
+        let plan = pool.install(|| {
+            let plan = || Plan::new(parts, self.settings);
+            self.timings.time(Stage::Support, plan)
+        });
+        let site = infill::Site {
+            part: self.rect,
+            height: self.model.bounds.size().z,
+            bed: 0.5 * (parts.bed.min + parts.bed.max),
+            origin: self.model.origin.truncate(),
+        };
+        let fill = |settings: &'a Settings, role| {
+            let infill = Infill::new(settings, around, site)?;
+            Ok::<_, InfillError>(SupportFill {
+                settings,
+                infill,
+                role,
+            })
+        };
+        self.support = Some(Supported {
+            plan,
+            body: fill(&fills.body, Role::Support)?,
+            interface: fill(&fills.interface, Role::SupportInterface)?,
+        });
+        if self.skirt.is_some() {
+            self.skirt = Some(self.skirt_round(spans)?);
+        }
+        Ok(())
+    }
+
+    /// What needs a support and has none, if there are supports.
+    pub(super) fn unheld(&self) -> Option<Unheld> {
+        self.support.as_ref().map(|s| s.plan.unheld)
+    }
+
+    /// The planned support in a layer.
+    fn slice(&self, layer: usize) -> Option<&Slice> {
+        self.support.as_ref().and_then(|s| s.plan.slice(layer))
+    }
+
+    /// Where a layer has supports.
+    pub(super) fn support_area(&self, layer: usize) -> Option<Area> {
+        self.slice(layer).map(|s| union(&s.body, &s.interface))
+    }
+
+    /// The beads of a layer's supports.
+    fn support_beads(
+        &self,
+        span: &LayerSpan,
+    ) -> Result<Vec<Bead>, InfillError> {
+        let (Some(support), Some(slice)) =
+            (&self.support, self.slice(span.index))
+        else {
+            return Ok(Vec::new());
+        };
+        let mut beads = support.interface.beads(&slice.interface, span)?;
+        beads.extend(support.body.beads(&slice.body, span)?);
+        Ok(beads)
     }
 
     /// Plans the climbing wall of the layers to be printed, if there is to be
@@ -390,9 +491,14 @@ impl<'a> Stages<'a> {
         let Layer { span, outline, .. } = &layers[i];
         let (number, height) = (span.index, span.height());
         let solid = outline.grid();
+        let beside = match number {
+            0 => self.support_area(number),
+            _ => None,
+        };
+        let beside = beside.map(|area| union(&area, outline.area()));
         let skirt = loops(
             number,
-            outline.area(),
+            beside.as_ref().unwrap_or(outline.area()),
             height,
             self.skirt.as_ref(),
             self.settings,
@@ -429,6 +535,9 @@ impl<'a> Stages<'a> {
             })?;
         }
         let mut beads = LayerBeads {
+            support: self
+                .timings
+                .time(Stage::Support, || self.support_beads(span))?,
             skirt,
             turn: None,
             walls,
@@ -454,7 +563,8 @@ impl<'a> Stages<'a> {
                 let fills = patch.fills.iter_mut().flat_map(|f| &mut f.lines);
                 patch.rings.iter_mut().chain(fills)
             });
-            let all = beads.skirt.iter_mut().chain(&mut beads.infill);
+            let all = beads.skirt.iter_mut().chain(&mut beads.support);
+            let all = all.chain(&mut beads.infill);
             for bead in all.chain(of_skin) {
                 let role = bead.role;
                 thin(bead, role, self.settings);
@@ -539,6 +649,74 @@ impl<'a> Stages<'a> {
     fn thinnest(&self) -> Mm {
         self.settings.thin_min / 100.0 * self.settings.outer_wall_width()
     }
+}
+
+/// The settings by which supports are filled.
+pub(super) struct Fills {
+    body: Settings,
+    interface: Settings,
+}
+
+impl Fills {
+    /// Of a run with these settings.
+    pub(super) fn new(settings: &Settings) -> Fills {
+        let of = |density| Settings {
+            walls: 1,
+            outer_wall_width: settings.infill_width().into(),
+            infill: settings::Infill::Pattern(InfillPattern::Rectilinear),
+            infill_density: Varying::Constant(density),
+            wall_offset: WallOffset::Distance,
+            ..settings.clone()
+        };
+        Fills {
+            body: of(settings.support.density),
+            interface: of(settings.support.interface_density),
+        }
+    }
+}
+
+/// How an area of support is filled.
+struct SupportFill<'a> {
+    settings: &'a Settings,
+    infill: Infill<'a>,
+    role: Role,
+}
+
+impl SupportFill<'_> {
+    /// A wall around the area, and lines inside it.
+    fn beads(
+        &self,
+        area: &Area,
+        span: &LayerSpan,
+    ) -> Result<Vec<Bead>, InfillError> {
+        if area.is_empty() {
+            return Ok(Vec::new());
+        }
+        let height = span.height();
+        let mut walls = walls(area, height, self.settings);
+        walls::thin(&mut walls, self.settings);
+        let place = infill::Place {
+            number: span.index,
+            z: span.sample_z(),
+            height,
+        };
+        let lines = self.infill.beads(&walls.fill, place, None)?;
+        let small = self.settings.speed.small_wall_length;
+        let mut beads = walls::beads(&walls, height, small);
+        beads.extend(lines);
+        for bead in &mut beads {
+            bead.role = self.role;
+            bead.small = false;
+        }
+        Ok(beads)
+    }
+}
+
+/// The supports of a part.
+struct Supported<'a> {
+    plan: Plan,
+    body: SupportFill<'a>,
+    interface: SupportFill<'a>,
 }
 
 /// What is known of a layer that was looked at alone.

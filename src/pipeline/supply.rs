@@ -215,6 +215,7 @@ impl<'a> Supply<'a> {
             Ok(Filled {
                 beads,
                 sparse: Solid::new(sparse),
+                support: stages.support_area(index).map(Solid::new),
                 look: stages.look(layers, i),
                 gap: inside.walls.gap,
                 figures,

@@ -1,13 +1,15 @@
 //! Counts over all layers, and the warnings that follow from them.
 
 use super::layer::Layer;
-use crate::units::Mm2;
+use crate::units::{Mm2, Mm3};
 
 /// What is counted over all layers.
 #[derive(Default)]
 pub(super) struct Tally {
     pub gap: Mm2,
     pub solid: Mm2,
+    /// Volume of the supports' beads.
+    pub support: Mm3,
     nan_samples: usize,
     nan_layers: usize,
     forced_rings: usize,

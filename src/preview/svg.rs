@@ -27,6 +27,8 @@ fn colour(role: Role) -> &'static str {
         Role::BottomSkin => "#4d80ba",
         Role::Bridge => "#4da6ff",
         Role::Ironing => "#ff8c69",
+        Role::Support => "#00c000",
+        Role::SupportInterface => "#008000",
         Role::Skirt | Role::Brim => "#00876e",
     }
 }

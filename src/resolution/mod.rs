@@ -47,7 +47,9 @@ pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
     match role {
         Role::Overhang | Role::OuterWall => SHOWN * settings.accuracy,
         // They keep a distance from the part.
-        Role::Skirt | Role::Brim => BESIDE * settings.path_accuracy,
+        Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface => {
+            BESIDE * settings.path_accuracy
+        }
         _ => settings.path_accuracy,
     }
 }

@@ -64,6 +64,6 @@ pub use value::{Range, Varying};
 pub use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
     InfillMode, InfillPattern, SeamRule, SkinOrder, SkinPattern, SkinWhere,
-    WallOffset, WallOrder,
+    Supports, WallOffset, WallOrder,
 };
 pub use write::suggestions;

@@ -167,6 +167,12 @@ table::settings! {
         /// before it is printed as an overhang; with 100 no wall is.
         overhang_share: Percent = 50.0, in 0.0..=100.0;
 
+        ["Supports"]
+        /// Whether to print supports under what nothing else holds: nowhere,
+        /// wherever they are needed (auto), or only where they stand on the
+        /// bed (plate).
+        supports: Supports = Supports::Off;
+
         ["Sparse infill"]
         /// Share of the inside that is printed; 0 leaves it hollow. Infill
         /// that is an expression is as dense as the expression makes it.
@@ -220,6 +226,24 @@ table::settings! {
         /// How far a face may lean from the vertical and still hold itself; a
         /// face that leans farther gets a warning.
         angle: Degrees = 55.0, in 0.0..=89.0;
+        /// Distance between supports and the part beside them.
+        xy_gap: Mm = 0.35, in 0.0..=10.0;
+        /// Gap between a support and the underside above it, as whole layers
+        /// that are at least so high together.
+        z_gap: Mm = 0.2, in 0.0..=10.0;
+        /// Gap between the part and a support that stands on it, as whole
+        /// layers likewise.
+        z_gap_bottom: Mm = 0.2, in 0.0..=10.0;
+        /// How far the sides of a support lean inwards from the vertical on
+        /// their way down, until it is as thin as a few lines; 0 for straight
+        /// columns.
+        taper_angle: Degrees = 45.0, in 0.0..=70.0;
+        /// Share of a support's inside that is printed.
+        density: Percent = 12.0, in 1.0..=100.0;
+        /// Number of dense layers at the top of a support.
+        interface_layers: u32 = 2, in 0..=1000;
+        /// Share of these layers that is printed.
+        interface_density: Percent = 95.0, in 10.0..=100.0;
     }
     /// Speeds of the nozzle.
     speed: Speed {
@@ -259,6 +283,10 @@ table::settings! {
         /// Speed of ironing.
         ironing: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0;
+        /// Speed of supports.
+        support: MmPerSec = 80.0, in 0.1..=2000.0;
+        /// Speed of the dense layers at the top of supports.
+        support_interface: MmPerSec = 60.0, in 0.1..=2000.0;
         /// Speed of the skirt and the brim.
         skirt: MmPerSec = 30.0, in 0.1..=2000.0;
         /// Greatest printing speed on the first layer.

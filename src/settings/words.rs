@@ -148,6 +148,18 @@ value::words! {
 }
 
 value::words! {
+    /// Whether supports are printed.
+    Supports {
+        /// None.
+        Off = "off",
+        /// Wherever something needs them, also on the part.
+        Auto = "auto",
+        /// Only those that stand on the bed.
+        Plate = "plate",
+    }
+}
+
+value::words! {
     /// Order of a skin's lines.
     SkinOrder {
         /// Lines are swept one way. No line is printed between two older ones,

@@ -22,7 +22,7 @@ mod gate;
 mod plan;
 mod wipe;
 
-use crate::bead::{Bead, Role};
+use crate::bead::Bead;
 use crate::layers::LayerSpan;
 use crate::plane::{Area, Solid};
 use crate::seam::ending::Ended;
@@ -73,6 +73,8 @@ pub(crate) struct Ground<'a> {
     pub outline: &'a Solid<'a>,
     /// Where the layer has sparse infill.
     pub sparse: &'a Solid<'a>,
+    /// Where the layer has supports; ooze does not matter there.
+    pub support: Option<&'a Solid<'a>>,
     /// Depth below the outline of what the walls leave.
     pub border: Mm,
     /// The border of the layer above, if there is one.
@@ -138,7 +140,7 @@ fn ends(bead: &Bead) -> Option<(DVec2, DVec2)> {
 
 /// True if a bead belongs to the part, and so lies inside it.
 fn of_part(bead: &Bead) -> bool {
-    !matches!(bead.role, Role::Skirt | Role::Brim)
+    bead.role.is_part()
 }
 
 impl Travel {

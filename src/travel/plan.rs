@@ -126,6 +126,9 @@ impl<'a> Planner<'a> {
     }
 
     fn way(&self, a: DVec2, b: DVec2, inside: bool, next: usize) -> Travel {
+        if self.within_support(a, b) {
+            return Travel::straight(b, false);
+        }
         if !inside && !self.ground.outline.grid().contains(a) {
             return Travel::straight(b, true);
         }
@@ -252,6 +255,19 @@ impl<'a> Planner<'a> {
     /// True if a way leads out of the part or over an outer wall.
     fn shows(&self, way: &[DVec2], next: usize) -> bool {
         self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
+    }
+
+    /// True if the straight way stays over supports.
+    fn within_support(&self, a: DVec2, b: DVec2) -> bool {
+        let longest = self.settings.retract.max_unretracted;
+        self.settings.retract.when_crossing
+            && a.distance(b) <= longest
+            && self.ground.support.is_some_and(|support| {
+                let grid = support.grid();
+                grid.contains(a) && grid.contains(b) && {
+                    grid.crossings(a, b).is_empty()
+                }
+            })
     }
 
     /// True if the ooze on a way is hidden, and the way crosses nothing.

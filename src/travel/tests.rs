@@ -1,4 +1,5 @@
 use super::*;
+use crate::bead::Role;
 use crate::bead::Stroke;
 use crate::plane::shapes::rect;
 use crate::region::wall_depths;
@@ -93,6 +94,7 @@ impl Part {
 
     fn on_ground<T>(&self, act: impl FnOnce(Ground<'_>) -> T) -> T {
         act(Ground {
+            support: None,
             outline: &Solid::of(&self.outline, 1.0),
             sparse: &Solid::of(&self.sparse, 1.0),
             border: wall_depths(0.2, &self.settings).1,

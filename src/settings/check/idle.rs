@@ -105,6 +105,7 @@ pub(super) fn without_effect(
         "top_thickness",
         "ironing",
         "fuzzy_skin",
+        "supports",
     ] {
         warn(
             key,

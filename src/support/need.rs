@@ -1,0 +1,159 @@
+//! What of a layer needs a support, because the layer below does not hold it.
+//!
+//! In: the outline of a layer and that of the layer below. Out: the areas that
+//! stick out by more than h·tan(`support.angle`), without what bridges span.
+//!
+//! Straight lines across a gap, held at both ends and at most `bridge_max`
+//! long, need nothing, and the skin lays them where [`direction`] says so.
+
+use crate::plane::clip::{difference, intersection, union, unite};
+use crate::plane::hatch::Lines;
+use crate::plane::offset::offset;
+use crate::plane::{Area, Solid};
+use crate::region::floating::floating;
+use crate::settings::Settings;
+use crate::skin::bridge::{direction, hung};
+use crate::units::{Mm, Mm2};
+use glam::DVec2;
+
+/// Tolerance of the offsets, mm.
+const TOLERANCE: Mm = 0.01;
+/// How far outlines may be off where they are nearly level, mm: what sticks out
+/// by less than that beyond what is held needs nothing.
+const SLACK: Mm = 0.03;
+/// What is smaller sticks to what is beside it, mm².
+const SPECK: Mm2 = 0.03;
+/// Lines that are looked at across a gap, about.
+const LINES: f64 = 400.0;
+
+/// What of `here` the layer `below` does not hold. `here` has this height.
+pub(super) fn need(
+    here: &Area,
+    below: &Area,
+    height: Mm,
+    settings: &Settings,
+) -> Area {
+    crate::limits::check();
+    if here.is_empty() {
+        return Area::EMPTY;
+    }
+    let open = difference(here, below);
+    if open.is_empty() {
+        return open;
+    }
+    let below = Solid::new(below.clone());
+    let begins = floating(here, &below).into_iter();
+    let begins: Vec<_> = begins.flat_map(|f| f.island.rings).collect();
+    let sticks_out = sticks_out(here, &open, &below, height, settings);
+    match begins.is_empty() {
+        true => sticks_out,
+        // However small they are.
+        false => union(&sticks_out, &Area { rings: begins }),
+    }
+}
+
+/// What sticks out over `below`, as much as is no speck.
+fn sticks_out(
+    here: &Area,
+    open: &Area,
+    below: &Solid<'_>,
+    height: Mm,
+    settings: &Settings,
+) -> Area {
+    let held = height * settings.support.angle.to_radians().tan() + SLACK;
+    let reached = offset(below.area(), held, TOLERANCE);
+    let beyond = large(difference(here, &reached));
+    if beyond.is_empty() || !settings.bridges {
+        return beyond;
+    }
+    let around = offset(&beyond, held + TOLERANCE, TOLERANCE);
+    let mut rings = Vec::new();
+    for gap in intersection(open, &around).islands() {
+        rings.extend(unspanned(gap, below, settings).rings);
+    }
+    large(intersection(&beyond, &unite(&Area { rings })))
+}
+
+/// What of a gap bridges do not span.
+fn unspanned(gap: Area, below: &Solid<'_>, settings: &Settings) -> Area {
+    let width = settings.bottom_skin_width();
+    let grid = below.grid();
+    let Some(angle) = direction(&gap, grid, width) else {
+        return gap;
+    };
+    let bounds = gap.bounds();
+    let size = (bounds.max - bounds.min).length();
+    let spacing = width.max(size / LINES);
+    let lines = Lines {
+        angle,
+        spacing,
+        phase: 0.5 * spacing,
+    };
+    let along = DVec2::from_angle(angle.to_radians());
+    let mut spanned = Vec::new();
+    for (line, ends) in hung(&gap, grid, lines, width) {
+        let length = line.from.distance(line.to);
+        if ends == [true; 2] && length <= settings.bridge_max {
+            let aside = 0.51 * spacing * along.perp();
+            let (a, b) = (line.from - width * along, line.to + width * along);
+            spanned.push(vec![a - aside, b - aside, b + aside, a + aside]);
+        }
+    }
+    if spanned.is_empty() {
+        return gap;
+    }
+    difference(&gap, &unite(&Area { rings: spanned }))
+}
+
+/// The islands that are no specks.
+fn large(area: Area) -> Area {
+    let islands = area.islands().into_iter();
+    let rings = islands.filter(|i| i.content() > SPECK);
+    Area {
+        rings: rings.flat_map(|i| i.rings).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::rect;
+
+    fn of(here: &Area, below: &Area) -> Area {
+        need(here, below, 0.2, &Settings::default())
+    }
+
+    #[test]
+    fn a_ledge_needs_support_beyond_what_the_layer_below_holds() {
+        let below = rect(0.0, 0.0, 10.0, 10.0);
+        let area = of(&rect(0.0, 0.0, 30.0, 10.0), &below);
+        let held = 0.2 * 55f64.to_radians().tan() + SLACK;
+        let exact = 10.0 * (20.0 - held);
+        assert!((area.content() - exact).abs() < 0.1, "{}", area.content());
+        // 0.28 mm in a layer of 0.2 mm: 54.5°.
+        assert!(of(&rect(0.0, 0.0, 10.28, 10.0), &below).is_empty());
+    }
+
+    #[test]
+    fn what_begins_on_nothing_needs_all_of_it() {
+        let pin = rect(20.0, 0.0, 21.0, 1.0);
+        let below = rect(0.0, 0.0, 10.0, 10.0);
+        assert!((of(&pin, &below).content() - 1.0).abs() < 1e-6);
+        assert!((of(&pin, &Area::EMPTY).content() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn bridges_need_none_unless_they_are_too_long() {
+        let two = |gap: f64| Area {
+            rings: [
+                rect(0.0, 0.0, 5.0, 10.0).rings,
+                rect(5.0 + gap, 0.0, 10.0 + gap, 10.0).rings,
+            ]
+            .concat(),
+        };
+        let lid = |gap: f64| rect(0.0, 0.0, 10.0 + gap, 10.0);
+        assert!(of(&lid(9.0), &two(9.0)).is_empty());
+        let long = of(&lid(30.0), &two(30.0)).content();
+        assert!((long - 300.0).abs() < 10.0, "{long}");
+    }
+}

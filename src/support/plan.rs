@@ -1,0 +1,505 @@
+//! The areas of support of all layers.
+
+use super::need::need;
+use crate::layers::LayerSpan;
+use crate::plane::clip::{difference, intersection, union};
+use crate::plane::offset::offset;
+use crate::plane::simplify::simplify;
+use crate::plane::{Area, Rect};
+use crate::settings::{Settings, Supports};
+use crate::units::{Mm, Mm2};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// Tolerance of the offsets, mm.
+const TOLERANCE: Mm = 0.02;
+/// How far support reaches beyond what needs it, in widths of its lines: a post
+/// under a point is two lines wide or more.
+const REACH: f64 = 1.1;
+/// Half the width of the walls and posts that a support tapers to, likewise.
+const THIN: f64 = 1.1;
+/// What is smaller than this is not printed, mm².
+const SPECK: Mm2 = 0.5;
+/// Support has to rest on so much, as a share of itself, or mm².
+const REST: (f64, Mm2) = (0.1, 0.3);
+
+/// A part's layers, from the bed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Parts<'a> {
+    /// The layers.
+    pub spans: &'a [LayerSpan],
+    /// The outline of each.
+    pub outlines: &'a [Area],
+    /// The bed, in the model's coordinates.
+    pub bed: Rect,
+}
+
+/// The support of one layer.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Slice {
+    /// Where it is sparse.
+    pub body: Area,
+    /// Where it is dense, because something is right above.
+    pub interface: Area,
+}
+
+/// What needs a support and does not get one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Unheld {
+    /// Its area.
+    pub area: Mm2,
+    /// A point of the largest piece of it, in the model's plane, and its
+    /// height above the bed.
+    pub worst: DVec3,
+    largest: Mm2,
+}
+
+/// The support of a part.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Plan {
+    slices: Vec<Slice>,
+    /// What needs one and has none.
+    pub unheld: Unheld,
+}
+
+impl Plan {
+    /// The plan for a part.
+    pub(crate) fn new(parts: Parts<'_>, settings: &Settings) -> Plan {
+        let count = parts.spans.len();
+        let printed: Vec<Area> = parts
+            .outlines
+            .par_iter()
+            .map(|outline| as_printed(outline, settings))
+            .collect();
+        // What is too thin to be printed takes no room, either.
+        let parts = Parts {
+            outlines: &printed,
+            ..parts
+        };
+        let needs: Vec<Area> = (0..count)
+            .into_par_iter()
+            .map(|i| {
+                let below = i.checked_sub(1).map(|k| &printed[k]);
+                below.map_or(Area::EMPTY, |below| {
+                    let height = parts.spans[i].height();
+                    need(&printed[i], below, height, settings)
+                })
+            })
+            .collect();
+        let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
+            return Plan::default();
+        };
+        let taken: Vec<Area> = (0..highest)
+            .into_par_iter()
+            .map(|j| taken(parts, j, settings))
+            .collect();
+        let mut plan = Plan {
+            slices: downwards(parts, &needs, &taken, settings),
+            unheld: Unheld::default(),
+        };
+        plan.settle(parts, &taken, settings);
+        plan.judge(parts, &needs, settings);
+        plan
+    }
+
+    /// The support in a layer, if there is any.
+    pub(crate) fn slice(&self, layer: usize) -> Option<&Slice> {
+        let slice = self.slices.get(layer)?;
+        let none = slice.body.is_empty() && slice.interface.is_empty();
+        (!none).then_some(slice)
+    }
+
+    /// Takes out what rests on nothing.
+    fn settle(
+        &mut self,
+        parts: Parts<'_>,
+        taken: &[Area],
+        settings: &Settings,
+    ) {
+        let everywhere = settings.supports == Supports::Auto;
+        for j in 1..self.slices.len() {
+            crate::limits::check();
+            let (lower, upper) = self.slices.split_at_mut(j);
+            let (below, slice) = (&lower[j - 1], &mut upper[0]);
+            if slice.body.is_empty() && slice.interface.is_empty() {
+                continue;
+            }
+            let mut rests = union(&below.body, &below.interface);
+            if everywhere {
+                // The layers right below may be the gap over the part.
+                for k in gap_below(parts.spans, j, settings) {
+                    rests = union(&rests, &parts.outlines[k]);
+                }
+            }
+            let whole = difference(
+                &union(&slice.body, &slice.interface),
+                taken.get(j).unwrap_or(&Area::EMPTY),
+            );
+            let mut stays = Vec::new();
+            for island in whole.islands() {
+                let least = (REST.0 * island.content()).min(REST.1);
+                if intersection(&island, &rests).content() >= least {
+                    stays.extend(island.rings);
+                }
+            }
+            let stays = Area { rings: stays };
+            slice.body = intersection(&slice.body, &stays);
+            slice.interface = intersection(&slice.interface, &stays);
+        }
+    }
+
+    /// Finds what needs support and has none.
+    fn judge(&mut self, parts: Parts<'_>, needs: &[Area], settings: &Settings) {
+        // What lies beside a support by less than this is held by it.
+        let near = settings.support.xy_gap + settings.outer_wall_width();
+        let lost = needs.par_iter().enumerate().map(|(i, need)| {
+            if need.is_empty() {
+                return Area::EMPTY;
+            }
+            // The bed holds what no gap fits under.
+            let Some(top) = top_below(parts.spans, i, settings) else {
+                return Area::EMPTY;
+            };
+            let Some(slice) = self.slice(top) else {
+                return need.clone();
+            };
+            let held = union(&slice.body, &slice.interface);
+            difference(need, &offset(&held, near, TOLERANCE))
+        });
+        for (i, area) in lost.collect::<Vec<_>>().into_iter().enumerate() {
+            for island in area.islands() {
+                let content = island.content();
+                self.unheld.area += content;
+                let at = island.rings.first().and_then(|r| r.first());
+                if let Some(at) = at
+                    && content > self.unheld.largest
+                {
+                    self.unheld.largest = content;
+                    self.unheld.worst = at.extend(parts.spans[i].bottom);
+                }
+            }
+        }
+    }
+}
+
+/// The highest layer whose top is at least `support.z_gap` below layer `i`.
+fn top_below(
+    spans: &[LayerSpan],
+    i: usize,
+    settings: &Settings,
+) -> Option<usize> {
+    const ROUNDED: Mm = 1e-6;
+    let highest = spans[i].bottom - settings.support.z_gap + ROUNDED;
+    spans[..i].iter().rposition(|span| span.top <= highest)
+}
+
+/// The layers below layer `j` of which the part keeps `support.z_gap_bottom`
+/// from a support in it, and the layer on which such a support rests.
+fn gap_below(
+    spans: &[LayerSpan],
+    j: usize,
+    settings: &Settings,
+) -> std::ops::Range<usize> {
+    const ROUNDED: Mm = 1e-6;
+    let lowest = spans[j].bottom - settings.support.z_gap_bottom + ROUNDED;
+    let on = spans[..j].iter().rposition(|span| span.top <= lowest);
+    on.unwrap_or(0)..j
+}
+
+/// An outline without the islands that are thinner than any line: a part that
+/// begins in a point begins where a line fits into it.
+fn as_printed(outline: &Area, settings: &Settings) -> Area {
+    let width = settings.outer_wall_width();
+    let half = 0.5 * 0.01 * settings.thin_min * width;
+    let small = (4.0 * width).powi(2);
+    let islands = outline.islands().into_iter();
+    let printed = islands.filter(|island| {
+        island.content() > small
+            || !offset(island, -half, 0.1 * TOLERANCE).is_empty()
+    });
+    Area {
+        rings: printed.flat_map(|island| island.rings).collect(),
+    }
+}
+
+/// Where no support may be in layer `j`: the part and what is near to it.
+fn taken(parts: Parts<'_>, j: usize, settings: &Settings) -> Area {
+    crate::limits::check();
+    let Parts {
+        spans, outlines, ..
+    } = parts;
+    // Of which the tolerances of what keeps off may take some.
+    let gap = settings.support.xy_gap + 3.0 * TOLERANCE;
+    let mut area = thinned(offset(&outlines[j], gap, TOLERANCE));
+    // The layers within the gaps above and below.
+    let below = gap_below(spans, j, settings);
+    let below = (below.start + 1).min(j)..j;
+    let above = (j + 1..spans.len())
+        .take_while(|&i| top_below(spans, i, settings).is_none_or(|t| t < j));
+    for k in below.chain(above) {
+        if !outlines[k].is_empty() && outlines[k] != outlines[j] {
+            area = union(&area, &outlines[k]);
+        }
+    }
+    area
+}
+
+/// The supports from the top down, before anything is known of what is below.
+fn downwards(
+    parts: Parts<'_>,
+    needs: &[Area],
+    taken: &[Area],
+    settings: &Settings,
+) -> Vec<Slice> {
+    let width = settings.infill_width();
+    let reach = REACH * width;
+    let roof = settings.support.interface_layers as usize;
+    let count = taken.len();
+    // By layer, what is needed there anew.
+    let mut tops: Vec<Area> = vec![Area::EMPTY; count];
+    for (i, need) in needs.iter().enumerate() {
+        if need.is_empty() {
+            continue;
+        }
+        if let Some(j) = top_below(parts.spans, i, settings) {
+            let top = offset(need, reach, TOLERANCE);
+            tops[j] = union(&tops[j], &top);
+        }
+    }
+    let bed = Area {
+        rings: vec![vec![
+            parts.bed.min,
+            DVec2::new(parts.bed.max.x, parts.bed.min.y),
+            parts.bed.max,
+            DVec2::new(parts.bed.min.x, parts.bed.max.y),
+        ]],
+    };
+    if settings.supports == Supports::Plate {
+        let mut blocked = Area::EMPTY;
+        for (j, top) in tops.iter_mut().enumerate() {
+            blocked = union(&blocked, &taken[j]);
+            *top = difference(top, &blocked);
+        }
+    }
+    let mut slices = vec![Slice::default(); count];
+    let mut above = Area::EMPTY;
+    for j in (0..count).rev() {
+        crate::limits::check();
+        let height = parts.spans[j].height();
+        let draw = height * settings.support.taper_angle.to_radians().tan();
+        let mut all = tapered(&above, draw, THIN * width);
+        all = union(&all, &tops[j]);
+        if !all.is_empty() {
+            all = difference(&intersection(&all, &bed), &taken[j]);
+            all = thinned(printable(all, 0.4 * width));
+        }
+        let mut dense = Area::EMPTY;
+        for top in tops.iter().skip(j).take(roof) {
+            dense = union(&dense, top);
+        }
+        slices[j] = Slice {
+            interface: printable(intersection(&all, &dense), 0.0),
+            body: Area::EMPTY,
+        };
+        slices[j].body = match slices[j].interface.is_empty() {
+            true => all.clone(),
+            false => printable(difference(&all, &dense), 0.4 * width),
+        };
+        above = all;
+    }
+    slices
+}
+
+/// The area with fewer points: they would grow in number with every layer.
+fn thinned(area: Area) -> Area {
+    let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
+    Area {
+        rings: rings.filter(|ring| ring.len() > 2).collect(),
+    }
+}
+
+/// The area drawn in by `draw` where it is wider than 2 `thin`, and as it is
+/// elsewhere.
+fn tapered(area: &Area, draw: Mm, thin: Mm) -> Area {
+    if area.is_empty() {
+        return Area::EMPTY;
+    }
+    let inner = offset(area, -thin - draw, TOLERANCE);
+    if inner.is_empty() {
+        return area.clone();
+    }
+    let core = offset(&inner, thin, TOLERANCE);
+    // What the core does not come from is a wall, a post or a spike of it.
+    let covered = offset(&inner, thin + 1.5 * draw + TOLERANCE, TOLERANCE);
+    let rest = difference(area, &covered);
+    let rest: Vec<Area> = rest.islands();
+    let rest: Vec<_> = rest
+        .into_iter()
+        .filter(|i| i.content() > SPECK)
+        .flat_map(|i| i.rings)
+        .collect();
+    if rest.is_empty() {
+        return core;
+    }
+    let rest = offset(&Area { rings: rest }, 2.0 * draw, TOLERANCE);
+    union(&core, &intersection(&rest, area))
+}
+
+/// The area without what is thinner than 2 `half`, and without specks.
+fn printable(area: Area, half: Mm) -> Area {
+    let open = match half > 0.0 {
+        true => {
+            let core = offset(&area, -half, TOLERANCE);
+            intersection(&area, &offset(&core, half + TOLERANCE, TOLERANCE))
+        }
+        false => area,
+    };
+    let islands = open.islands().into_iter();
+    let large = islands.filter(|i| i.content() > SPECK);
+    Area {
+        rings: large.flat_map(|i| i.rings).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::rect;
+
+    fn spans(count: usize) -> Vec<LayerSpan> {
+        let z = |i: usize| 0.2 * i as f64;
+        let span = |index| LayerSpan {
+            index,
+            bottom: z(index),
+            top: z(index + 1),
+        };
+        (0..count).map(span).collect()
+    }
+
+    /// A T: a stem of 8 mm, and from 10 mm on arms of 20 mm on both sides.
+    fn tee() -> Vec<Area> {
+        let stem = rect(-4.0, -6.0, 4.0, 6.0);
+        let arms = rect(-24.0, -6.0, 24.0, 6.0);
+        let of = |i| if i < 50 { stem.clone() } else { arms.clone() };
+        (0..60).map(of).collect()
+    }
+
+    fn settings(supports: Supports) -> Settings {
+        Settings {
+            supports,
+            ..Settings::default()
+        }
+    }
+
+    fn plan(outlines: &[Area], supports: Supports) -> Plan {
+        let spans = spans(outlines.len());
+        let parts = Parts {
+            spans: &spans,
+            outlines,
+            bed: Rect {
+                min: DVec2::splat(-100.0),
+                max: DVec2::splat(100.0),
+            },
+        };
+        Plan::new(parts, &settings(supports))
+    }
+
+    fn all(plan: &Plan, layer: usize) -> Area {
+        plan.slice(layer)
+            .map_or(Area::EMPTY, |s| union(&s.body, &s.interface))
+    }
+
+    #[test]
+    fn a_tee_is_held_with_its_gaps_down_to_the_bed() {
+        let outlines = tee();
+        let plan = plan(&outlines, Supports::Auto);
+        assert_eq!(plan.unheld.area, 0.0);
+        // The arms begin at 10 mm; the gap is 0.2 mm, the layer below it.
+        assert!(all(&plan, 49).is_empty());
+        let top = all(&plan, 48);
+        let under = intersection(&top, &outlines[50]).content();
+        let arms = 2.0 * (20.0 - 0.35) * 12.0;
+        assert!((under - arms).abs() < 0.02 * arms, "{under} of {arms}");
+        for j in 0..49 {
+            let here = all(&plan, j);
+            assert!(!here.is_empty(), "layer {j}");
+            let near = offset(&outlines[j], 0.35, 1e-3);
+            assert_eq!(intersection(&here, &near).content(), 0.0);
+        }
+        // It tapers to a thin wall under each arm.
+        assert!(all(&plan, 0).content() < 0.15 * top.content());
+    }
+
+    #[test]
+    fn every_island_of_support_rests_on_support_or_part() {
+        // A plate over half of one arm's support.
+        let mut outlines = tee();
+        for outline in &mut outlines[20..25] {
+            *outline = union(outline, &rect(3.0, -3.0, 14.0, 3.0));
+        }
+        for (supports, lands) in
+            [(Supports::Auto, true), (Supports::Plate, false)]
+        {
+            let plan = plan(&outlines, supports);
+            let mut landed = false;
+            for j in 1..49 {
+                for island in all(&plan, j).islands() {
+                    let below = all(&plan, j - 1);
+                    let on = intersection(&island, &below).content() > 0.01;
+                    let part =
+                        intersection(&island, &outlines[j.saturating_sub(2)]);
+                    let stands = part.content() > 0.01;
+                    assert!(on || stands, "{supports:?}, layer {j}");
+                    landed |= !on;
+                }
+            }
+            assert_eq!(landed, lands, "{supports:?}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_reached_is_told_of() {
+        let mut outlines = tee();
+        for outline in &mut outlines[20..22] {
+            *outline = rect(-30.0, -10.0, 30.0, 10.0);
+        }
+        let plan = plan(&outlines, Supports::Plate);
+        // The arms, over a plate that is wider than they are.
+        assert!(plan.unheld.area > 400.0, "{:?}", plan.unheld);
+        assert!((plan.unheld.worst.z - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_point_in_the_air_is_held_where_its_first_line_is() {
+        // A cone that hangs with its tip down, 0.05 mm wider in every layer.
+        let tip = |i: usize| match i.checked_sub(30) {
+            Some(k) if k > 0 => {
+                let half = 0.05 * k as f64;
+                rect(-half, -half, half, half)
+            }
+            _ => Area::EMPTY,
+        };
+        let outlines: Vec<Area> = (0..50).map(tip).collect();
+        let plan = plan(&outlines, Supports::Auto);
+        // A line of 0.27 mm fits from 0.3 mm on, in layer 33.
+        assert!(all(&plan, 32).is_empty());
+        for j in 0..32 {
+            assert!(all(&plan, j).contains(DVec2::ZERO), "layer {j}");
+        }
+        assert_eq!(plan.unheld.area, 0.0);
+    }
+
+    #[test]
+    fn tapering_never_takes_all() {
+        let draw = 0.2;
+        let mut area = rect(0.0, 0.0, 20.0, 12.0);
+        for _ in 0..100 {
+            let next = tapered(&area, draw, 0.5);
+            // What is above sticks out by a little more than `draw` at most.
+            let out = difference(&area, &offset(&next, 2.5 * draw, 1e-3));
+            assert!(out.content() < SPECK, "{}", out.content());
+            area = next;
+        }
+        assert!(area.content() > 5.0 && area.content() < 30.0);
+    }
+}
