@@ -420,10 +420,10 @@ mod tests {
         let under = intersection(&top, &outlines[50]).content();
         let arms = 2.0 * (20.0 - 0.35) * 12.0;
         assert!((under - arms).abs() < 0.02 * arms, "{under} of {arms}");
-        for j in 0..49 {
+        for (j, outline) in outlines.iter().enumerate().take(49) {
             let here = all(&plan, j);
             assert!(!here.is_empty(), "layer {j}");
-            let near = offset(&outlines[j], 0.35, 1e-3);
+            let near = offset(outline, 0.35, 1e-3);
             assert_eq!(intersection(&here, &near).content(), 0.0);
         }
         // It tapers to a thin wall under each arm.
