@@ -5,7 +5,7 @@ use super::limits::{LimitArgs, watched};
 use super::{plain, print_json, terminal};
 use clap::Args;
 use glam::DVec3;
-use isoslice::layers;
+use isoslice::heights::{self, Heights};
 use isoslice::model::{Bounds, Model, Parameter};
 use isoslice::settings::Settings;
 use serde::Serialize;
@@ -116,12 +116,7 @@ fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
 }
 
 fn layer_count(model: &Model, settings: &Settings) -> anyhow::Result<usize> {
-    let plan = layers::plan(
-        model.bounds.size().z,
-        settings.first_layer_height(),
-        settings.layer_height(),
-    )?;
-    Ok(plan.len())
+    Ok(heights::heights(model, settings)?.spans.len())
 }
 
 fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {

@@ -44,7 +44,8 @@ use crate::gcode::{
 };
 use crate::hang::Hanging;
 use crate::infill::InfillError;
-use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
+use crate::heights::{Heights, HeightsError, Steps, heights};
+use crate::layers::{LayerRange, LayerSpan, PlanError};
 use crate::limits;
 use crate::model::Model;
 use crate::pace::Pacer;
@@ -116,6 +117,8 @@ pub struct Summary {
     pub layers: Range<usize>,
     /// How many layers the part has.
     pub layer_count: usize,
+    /// What layers of different heights amount to; nothing for uniform ones.
+    pub steps: Option<Steps>,
     /// Estimated print time, without heating and homing.
     pub time: Seconds,
     /// Filament used.
@@ -155,9 +158,12 @@ pub struct Summary {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SliceError {
-    /// No layers can be made of the part.
+    /// The range of layers lies above the part.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// No layers can be made of the part.
+    #[error(transparent)]
+    Heights(#[from] HeightsError),
     /// The field cannot be evaluated.
     #[error("{}{}", .0, remedy(.0))]
     Field(#[from] FieldError),
@@ -251,9 +257,7 @@ pub fn slice(
     options: &Options<'_>,
     out: &mut dyn io::Write,
 ) -> Result<Summary, SliceError> {
-    let top = model.bounds.max.z + model.offset.z;
-    let spans =
-        plan(top, settings.first_layer_height(), settings.layer_height())?;
+    let Heights { spans, steps } = heights(model, settings)?;
     let layers = options.layers.indices(spans.len())?;
     let run = Run {
         model,
@@ -277,6 +281,7 @@ pub fn slice(
         }
     };
     let mut summary = write(&run, out, &mut copy)?;
+    summary.steps = steps;
     let Some(checker) = checker else {
         return Ok(summary);
     };
@@ -447,6 +452,7 @@ fn write(
         size: bounds.size(),
         layers,
         layer_count: spans.len(),
+        steps: None,
         time: totals.time,
         filament_length: totals.filament_length,
         filament_mass_g: totals.filament_mass_g,

@@ -72,7 +72,7 @@ impl<'a> Stages<'a> {
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
-        spans: &[LayerSpan],
+        spans: &'a [LayerSpan],
     ) -> Result<Self, SliceError> {
         let rect = Rect {
             min: model.bounds.min.truncate(),
@@ -111,7 +111,7 @@ impl<'a> Stages<'a> {
             fuzzy: Fuzzy::new(settings, around)?,
             skirt: None,
             bed: -model.offset.z,
-            exposure: Exposure::new(settings, spans.len()),
+            exposure: Exposure::new(settings, spans),
             infill: Infill::new(settings, around, site)?,
             timings: Timings::default(),
             gauge,

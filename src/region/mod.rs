@@ -20,6 +20,7 @@ mod ball;
 pub(crate) mod compensate;
 pub(crate) mod cover;
 pub(crate) mod exposure;
+mod shells;
 pub(crate) mod floating;
 mod joints;
 pub(crate) mod line;
