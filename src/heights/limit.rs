@@ -111,8 +111,7 @@ impl Limit {
             return flat;
         }
         // h = share · (at_from + slope · (h − from))
-        let falling =
-            share * (at_from - slope * from) / (1.0 - share * slope);
+        let falling = share * (at_from - slope * from) / (1.0 - share * slope);
         flat.min(falling).clamp(from.min(flat), to)
     }
 }
@@ -143,8 +142,9 @@ mod tests {
 
     #[test]
     fn neighbours_differ_by_the_slope_at_most() {
-        let bins: Vec<Mm> =
-            (0..300).map(|i| if i / 60 % 2 == 0 { 0.3 } else { 0.08 }).collect();
+        let bins: Vec<Mm> = (0..300)
+            .map(|i| if i / 60 % 2 == 0 { 0.3 } else { 0.08 })
+            .collect();
         let limit = Limit::new(0.0, 0.01, &bins);
         let (mut z, mut last): (Mm, Mm) = (0.0, 0.0);
         while z < 3.0 {

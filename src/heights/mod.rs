@@ -36,6 +36,8 @@ use crate::vary::{Quantity, VaryError};
 use glam::DVec2;
 use isocontour::{Lean, LeanError, LeanOptions, lean};
 use limit::Limit;
+use rayon::prelude::*;
+use serde::Serialize;
 
 /// The setting's name.
 const KEY: &str = "layer_heights";
@@ -51,24 +53,26 @@ pub struct Heights {
 
 /// The steps that layers of different heights make on the surface. The first
 /// layer and level faces at which layers end do not count.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Steps {
-    /// The greatest step is not greater than this, mm.
-    pub max: Mm,
-    /// In 99 % of the layers the greatest step is not greater than this, mm.
-    pub p99: Mm,
-    /// The heights of layers above the first lie between these, mm.
-    pub heights: (Mm, Mm),
+    /// No step is greater, mm.
+    pub step_max_mm: Mm,
+    /// In 99 % of the layers no step is greater, mm.
+    pub step_p99_mm: Mm,
+    /// Height of the thinnest layer above the first, mm.
+    pub thinnest_mm: Mm,
+    /// Height of the thickest layer above the first, mm.
+    pub thickest_mm: Mm,
     /// How many layers of one height there would be, whose greatest step is the
     /// same.
-    pub uniform: usize,
+    pub uniform_layers: usize,
     /// How many level faces layers end at.
-    pub faces: usize,
-    /// How many level faces lie too close to another one.
-    pub missed: usize,
+    pub level_faces: usize,
+    /// How many level faces lie too close to another border.
+    pub missed_faces: usize,
     /// Height of the part in which too little was proved, so that its layers
-    /// are as thin as may be, mm.
-    pub unproved: Mm,
+    /// may be thinner than they need to be, mm.
+    pub unproved_mm: Mm,
 }
 
 /// Why layers cannot be planned.
@@ -165,16 +169,18 @@ pub fn heights(
         let bins = &level[from.min(last)..=to.min(last)];
         bins.iter().copied().fold(0.0, f64::max)
     };
-    let of_layers: Vec<(Mm, f64)> =
-        spans[1..].iter().map(|s| (s.height(), of_layer(s))).collect();
+    let of_layers: Vec<(Mm, f64)> = spans[1..]
+        .iter()
+        .map(|s| (s.height(), of_layer(s)))
+        .collect();
     let steps = Steps {
-        faces: faces
+        level_faces: faces
             .iter()
             .filter(|f| spans.iter().any(|s| (s.top - *f).abs() < 1e-6))
             .count(),
-        missed: missed.len(),
-        unproved: lean.unproved,
-        ..amount(&of_layers, top, first, &range)?
+        missed_faces: missed.len(),
+        unproved_mm: lean.unproved,
+        ..amount(&of_layers, top, first, &range)
     };
     Ok(Heights {
         spans,
@@ -213,29 +219,45 @@ fn surface(
     /// Bins of the thinnest layer.
     const BINS: f64 = 8.0;
     /// A few seconds; most parts need a tenth of a second.
-    const MOST_WORK: u64 = 150_000_000;
-    let options = LeanOptions {
-        bin: range.least / BINS,
+    const MOST_WORK: u64 = 120_000_000;
+    /// The part is looked at in so many pieces, on all threads.
+    const PIECES: usize = 32;
+    let bin = range.least / BINS;
+    let count = Lean::count(&model.bounds, bin);
+    let piece = count.div_ceil(PIECES);
+    let pieces = count.div_ceil(piece);
+    let options = |i: usize| LeanOptions {
+        bin,
         // A layer of the greatest height may be as level as this.
         enough: (range.step / range.most).min(1.0),
         most: (range.step / range.least).min(1.0),
         tolerance: settings.accuracy,
-        max_work: MOST_WORK,
+        bins: (i * piece, (i + 1) * piece),
+        max_work: MOST_WORK / pieces as u64,
     };
-    let found = lean(&model.tree, &model.bounds, &options, &limits::cancel());
+    let cancel = limits::cancel();
+    let look = |i| lean(&model.tree, &model.bounds, &options(i), &cancel);
+    let found: Vec<Result<Lean, LeanError>> =
+        (0..pieces).into_par_iter().map(look).collect();
     // Work that was stopped unwinds here.
     limits::check();
-    found.map_err(HeightsError::Lean)
+    let found: Vec<Lean> = found
+        .into_iter()
+        .collect::<Result<_, _>>()
+        .map_err(HeightsError::Lean)?;
+    let all = found.into_iter().reduce(Lean::joined);
+    Ok(all.unwrap_or(Lean {
+        bottom: model.bounds.min.z,
+        bin,
+        most_level: vec![1.0; count],
+        faces: Vec::new(),
+        unproved: model.bounds.size().z,
+    }))
 }
 
 /// Where layers have to end, from the first layer's top to the part's, and the
 /// faces at which none ends, as they lie too close to another border.
-fn borders(
-    first: Mm,
-    top: Mm,
-    faces: &[Mm],
-    least: Mm,
-) -> (Vec<Mm>, Vec<Mm>) {
+fn borders(first: Mm, top: Mm, faces: &[Mm], least: Mm) -> (Vec<Mm>, Vec<Mm>) {
     /// Layers may be so much thinner than the thinnest ones to hit a border.
     const THINNER: f64 = 0.5;
     /// A face that is so near to a border is hit.
@@ -261,13 +283,9 @@ fn borders(
 }
 
 /// The steps of layers, each with its height and a bound of |n_z|.
-fn amount(
-    layers: &[(Mm, f64)],
-    top: Mm,
-    first: Mm,
-    range: &Range,
-) -> Result<Steps, PlanError> {
-    let mut steps: Vec<Mm> = layers.iter().map(|(h, level)| h * level).collect();
+fn amount(layers: &[(Mm, f64)], top: Mm, first: Mm, range: &Range) -> Steps {
+    let mut steps: Vec<Mm> =
+        layers.iter().map(|(h, level)| h * level).collect();
     steps.sort_by(f64::total_cmp);
     let last = steps.len().saturating_sub(1);
     let at = |share: f64| {
@@ -278,19 +296,17 @@ fn amount(
     let level = layers.iter().map(|l| l.1).fold(0.0, f64::max);
     let alike = (max / level).min(range.most);
     let heights = layers.iter().map(|l| l.0);
-    Ok(Steps {
-        max,
-        p99: at(0.99),
-        heights: (
-            heights.clone().fold(range.most, f64::min),
-            heights.fold(0.0, f64::max),
-        ),
-        uniform: match layers.is_empty() {
+    Steps {
+        step_max_mm: max,
+        step_p99_mm: at(0.99),
+        thinnest_mm: heights.clone().fold(range.most, f64::min),
+        thickest_mm: heights.fold(0.0, f64::max),
+        uniform_layers: match layers.is_empty() {
             true => 1,
             false => plan(top, first, alike).map_or(layers.len(), |p| p.len()),
         },
-        faces: 0,
-        missed: 0,
-        unproved: 0.0,
-    })
+        level_faces: 0,
+        missed_faces: 0,
+        unproved_mm: 0.0,
+    }
 }

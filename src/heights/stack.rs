@@ -49,8 +49,11 @@ pub(super) fn stack(
 /// The greatest ratio of neighbouring layers.
 fn roughness(first: Mm, tops: &[Mm]) -> f64 {
     let bottoms = std::iter::once(first).chain(tops.iter().copied());
-    let heights: Vec<Mm> =
-        tops.iter().zip(bottoms).map(|(top, bottom)| top - bottom).collect();
+    let heights: Vec<Mm> = tops
+        .iter()
+        .zip(bottoms)
+        .map(|(top, bottom)| top - bottom)
+        .collect();
     let ratio = |w: &[Mm]| w[0].max(w[1]) / w[0].min(w[1]);
     heights.windows(2).map(ratio).fold(1.0, f64::max)
 }
@@ -76,9 +79,7 @@ fn fill(
         }
         z = next;
     }
-    let after = |share: f64| {
-        (0..count).fold(from, |z, _| limit.end(z, share))
-    };
+    let after = |share: f64| (0..count).fold(from, |z, _| limit.end(z, share));
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);

@@ -43,8 +43,8 @@ use crate::gcode::{
     Format, Header, Thumbnail, WriteError, Writer, needs_outline,
 };
 use crate::hang::Hanging;
-use crate::infill::InfillError;
 use crate::heights::{Heights, HeightsError, Steps, heights};
+use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError};
 use crate::limits;
 use crate::model::Model;
@@ -62,6 +62,7 @@ use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
 use glam::{DVec2, DVec3};
 use isocontour::SLAB;
+use rayon::ThreadPool;
 use stages::Stages;
 use std::io;
 use std::ops::Range;
@@ -257,12 +258,18 @@ pub fn slice(
     options: &Options<'_>,
     out: &mut dyn io::Write,
 ) -> Result<Summary, SliceError> {
-    let Heights { spans, steps } = heights(model, settings)?;
+    let watch = limits::Watch::current();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.unwrap_or(0))
+        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
+        .build()?;
+    let Heights { spans, steps } = pool.install(|| heights(model, settings))?;
     let layers = options.layers.indices(spans.len())?;
     let run = Run {
         model,
         settings,
         options,
+        pool: &pool,
         spans: &spans,
         layers,
     };
@@ -282,6 +289,9 @@ pub fn slice(
     };
     let mut summary = write(&run, out, &mut copy)?;
     summary.steps = steps;
+    if let Some(report) = &mut summary.report {
+        report.steps = steps;
+    }
     let Some(checker) = checker else {
         return Ok(summary);
     };
@@ -317,6 +327,7 @@ struct Run<'a> {
     model: &'a Model,
     settings: &'a Settings,
     options: &'a Options<'a>,
+    pool: &'a ThreadPool,
     /// All layers of the part.
     spans: &'a [LayerSpan],
     /// Which of them are asked for.
@@ -333,6 +344,7 @@ fn write(
         model,
         settings,
         options,
+        pool,
         spans,
         ref layers,
     } = *run;
@@ -340,15 +352,10 @@ fn write(
     let reach = DVec3::new(settings.reach(), settings.reach(), 0.0);
     let low = bounds.min + model.offset - reach;
     let high = bounds.max + model.offset + reach;
-    let watch = limits::Watch::current();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads.unwrap_or(0))
-        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
-        .build()?;
     let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
     let around = Surroundings::new(model);
     let stages = Stages::new(model, settings, &around, gauge, spans)?;
-    let printed = stages.printed(&pool, spans)?;
+    let printed = stages.printed(pool, spans)?;
     if printed == 0 {
         return Err(SliceError::NothingToPrint {
             layers: spans.len(),
@@ -418,7 +425,7 @@ fn write(
         Pacer::new(settings, rater),
     );
 
-    Supply::new(&stages, &pool, spans, layers.clone())
+    Supply::new(&stages, pool, spans, layers.clone())
         .each(|ready| exit.layer(ready))?;
     let done = exit.finish()?;
     let (tally, mut warnings) = (done.tally, of_templates);

@@ -106,12 +106,14 @@ impl<'a> Exposure<'a> {
         settings: &'a Settings,
         spans: &'a [LayerSpan],
     ) -> Exposure<'a> {
-        let shells = |count: u32, set: Option<u32>, thickness, upwards| {
-            match settings.is_uniform() || set.is_some() {
+        let shells =
+            |count: u32, set: Option<u32>, thickness, upwards| match settings
+                .is_uniform()
+                || set.is_some()
+            {
                 true => Shells::Alike(count as usize),
                 false => Shells::of_thickness(spans, thickness, upwards),
-            }
-        };
+            };
         let s = settings;
         let top = (s.top_layers(), s.top_layers, s.top_thickness());
         let bottom = (s.bottom_layers(), s.bottom_layers, s.bottom_thickness());

@@ -64,7 +64,6 @@ pub use value::{Range, Varying};
 pub use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
     InfillMode, InfillPattern, LayerHeights, SeamRule, SkinOrder, SkinPattern,
-    SkinWhere,
-    WallOffset, WallOrder,
+    SkinWhere, WallOffset, WallOrder,
 };
 pub use write::suggestions;

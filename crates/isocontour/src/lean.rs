@@ -6,12 +6,13 @@
 //! surface's unit normal, on all of the surface within the bin, and the heights
 //! of level faces, which the bounds leave out.
 //!
-//! How: boxes are evaluated with intervals of f's slopes and cut in two, as
-//! long as they may hold some of the surface. |n_z| = |f_z| / |∇f|, so the
+//! How: boxes are evaluated with intervals of f's slopes and cut in two, those
+//! that may be the most level first, as long as they may hold some of the
+//! surface. |n_z| = |f_z| / |∇f|, so the
 //! ranges of the slopes bound it, for each of the surfaces that f = 0 is made of
 //! there (`program::surfaces`). A box is done when it is less level than anybody
 //! cares, when its bins are known to be as level as the box, or when its bound
-//! is within 2 % of its least value. A surface whose slopes along x and y are
+//! is within 4 % of its least value. A surface whose slopes along x and y are
 //! exactly 0 is level; its height is found by bisection and counts if f changes
 //! its sign there.
 //!
@@ -30,7 +31,8 @@ use crate::interval::Interval;
 use crate::program::{Program, Scratch, Surface};
 use crate::{Bounds, Length};
 use fidget::context::Tree;
-use std::collections::VecDeque;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 use std::rc::Rc;
 
 /// How a surface's lean is looked for.
@@ -44,6 +46,8 @@ pub struct LeanOptions {
     pub most: f64,
     /// Height that does not matter beside a level face.
     pub tolerance: Length,
+    /// Look at this range of the bins only; those beyond keep `enough`.
+    pub bins: (usize, usize),
     /// Budget, in interval operations.
     pub max_work: u64,
 }
@@ -65,6 +69,26 @@ pub struct Lean {
     pub unproved: Length,
 }
 
+impl Lean {
+    /// Bins of the height `bin` in a box.
+    pub fn count(bounds: &Bounds, bin: Length) -> usize {
+        (bounds.size().z / bin - 1e-9).ceil().max(1.0) as usize
+    }
+
+    /// What is known by two looks at different bins.
+    #[must_use]
+    pub fn joined(mut self, other: Lean) -> Lean {
+        for (a, b) in self.most_level.iter_mut().zip(other.most_level) {
+            *a = a.max(b);
+        }
+        self.faces.extend(other.faces);
+        self.faces.sort_by(f64::total_cmp);
+        self.faces.dedup_by(|b, a| *b - *a <= SAME);
+        self.unproved += other.unproved;
+        self
+    }
+}
+
 /// Why there is no lean.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
@@ -84,7 +108,7 @@ const DONE_BINS: f64 = 8.0;
 /// A box is not cut across x or y if it is smaller.
 const THIN: Length = 0.02;
 /// How much of a bound is slack.
-const SLACK: f64 = 0.02;
+const SLACK: f64 = 0.04;
 /// Faces nearer to one another are one.
 const SAME: Length = 1e-5;
 
@@ -99,10 +123,11 @@ pub fn lean(
     cancel: &Cancel,
 ) -> Result<Lean, LeanError> {
     let (context, root) = expand(tree)?;
-    let program = Program::new(&context, root)
-        .map_err(|_| ExpandError::FreeVariable)?;
+    let program =
+        Program::new(&context, root).map_err(|_| ExpandError::FreeVariable)?;
     let (bottom, top) = (bounds.min.z, bounds.max.z);
-    let count = ((top - bottom) / options.bin - 1e-9).ceil().max(1.0) as usize;
+    let count = Lean::count(bounds, options.bin);
+    let (first, last) = (options.bins.0, options.bins.1.min(count));
     // The surface may touch the box, and intervals are not rounded outwards.
     let margin = 1e-9 * (1.0 + bounds.size().max_element());
     let mut search = Search {
@@ -113,20 +138,26 @@ pub fn lean(
         doubts: Vec::new(),
         scratch: Scratch::default(),
     };
-    let mut whole = Cell {
+    let whole = Cell {
         lo: bounds.min.to_array().map(|v| v - margin),
         hi: bounds.max.to_array().map(|v| v + margin),
     };
     let program = Rc::new(program);
-    let slabs = count.div_ceil(SLAB_BINS);
-    let (low, high) = (whole.lo[2], whole.hi[2]);
+    let slabs = last.saturating_sub(first).div_ceil(SLAB_BINS);
     for slab in 0..slabs {
-        let end = |i: usize| bottom + (i * SLAB_BINS) as f64 * options.bin;
-        whole.lo[2] = if slab == 0 { low } else { end(slab) };
-        whole.hi[2] = if slab + 1 == slabs { high } else { end(slab + 1) };
+        let from = first + slab * SLAB_BINS;
+        let to = (from + SLAB_BINS).min(last);
+        let end = |i: usize| bottom + i as f64 * options.bin;
+        let mut cell = whole;
+        if from > 0 {
+            cell.lo[2] = end(from);
+        }
+        if to < count {
+            cell.hi[2] = end(to);
+        }
         let left = options.max_work.saturating_sub(search.scratch.work);
         let most = search.scratch.work + left / (slabs - slab) as u64;
-        search.slab(whole, program.clone(), most, cancel)?;
+        search.slab(cell, &program, most, cancel)?;
     }
     Ok(search.finish(top))
 }
@@ -136,10 +167,44 @@ struct Search<'a> {
     bottom: Length,
     found: Vec<f64>,
     faces: Vec<Length>,
-    /// Heights between which something was not proved.
-    doubts: Vec<[Length; 2]>,
+    /// Heights between which something was not proved, and what was.
+    doubts: Vec<([Length; 2], f64)>,
     scratch: Scratch,
 }
+
+/// A cell to be cut.
+struct Open {
+    cell: Cell,
+    program: Rc<Program>,
+    /// Bound of |n_z| of what is not exactly level.
+    most: f64,
+    /// Some of what is in it is exactly level, at a height not known yet.
+    has_faces: bool,
+    axis: usize,
+    number: u64,
+}
+
+impl Ord for Open {
+    /// The most level first, of these the oldest.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_level = self.most.total_cmp(&other.most);
+        by_level.then(other.number.cmp(&self.number))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
 
 /// What is known of the surface in a box.
 struct Known {
@@ -147,6 +212,13 @@ struct Known {
     least: f64,
     most: f64,
     level: Vec<Surface>,
+}
+
+impl Open {
+    /// |n_z| at most, if nothing more is found.
+    fn worst(&self) -> f64 {
+        if self.has_faces { 1.0 } else { self.most }
+    }
 }
 
 impl Search<'_> {
@@ -176,75 +248,83 @@ impl Search<'_> {
     fn slab(
         &mut self,
         whole: Cell,
-        program: Rc<Program>,
+        program: &Rc<Program>,
         most: u64,
         cancel: &Cancel,
     ) -> Result<(), Cancelled> {
-        let mut todo = VecDeque::from([(whole, program)]);
-        let mut rounds = 0_u32;
-        while let Some((cell, program)) = todo.pop_front() {
-            rounds = rounds.wrapping_add(1);
-            if rounds.is_multiple_of(256) {
+        let mut todo = BinaryHeap::new();
+        let mut number = 0;
+        todo.extend(self.look(whole, program, number));
+        while let Some(open) = todo.pop() {
+            if number.is_multiple_of(256) {
                 cancel.check()?;
             }
-            if self.least_of(&cell) >= 1.0 && !self.may_have_faces(&cell) {
+            let least = self.least_of(&open.cell);
+            if open.most <= least * (1.0 + SLACK) && !open.has_faces {
+                // No cell is more level that is still open, so this cannot add
+                // up.
+                self.raise(open.cell.lo[2], open.cell.hi[2], open.most);
                 continue;
             }
             if self.scratch.work >= most {
-                self.doubts.push([cell.lo[2], cell.hi[2]]);
+                let ends = [open.cell.lo[2], open.cell.hi[2]];
+                self.doubts.push((ends, open.worst()));
                 continue;
             }
-            let f = program.enclose(&cell, &mut self.scratch);
-            let outside = f.range.is_empty() || f.range.lo > 0.0;
-            if outside || (f.range.hi < 0.0 && !f.range.nan) {
-                continue;
-            }
-            let known = known(program.surfaces(&self.scratch));
-            let simple = program.simplify(&self.scratch).map(Rc::new);
-            if self.is_done(&cell, &program, &known) {
-                continue;
-            }
-            match self.axis(&cell, &known) {
-                Some(axis) => {
-                    let program = simple.unwrap_or(program);
-                    let halves = cell.split(axis);
-                    todo.extend(halves.map(|half| (half, program.clone())));
-                }
-                None => self.doubts.push([cell.lo[2], cell.hi[2]]),
+            for half in open.cell.split(open.axis) {
+                number += 1;
+                todo.extend(self.look(half, &open.program, number));
             }
         }
         Ok(())
     }
 
-    /// Whether a level face that nobody has found may lie in a cell of which
-    /// all else is known.
-    fn may_have_faces(&self, cell: &Cell) -> bool {
-        // A cell of less than a bin would make no difference to the layers.
-        cell.width(2) > self.options.bin
+    /// Looks at a cell; returns it if it has to be cut.
+    fn look(
+        &mut self,
+        cell: Cell,
+        program: &Rc<Program>,
+        number: u64,
+    ) -> Option<Open> {
+        let f = program.enclose(&cell, &mut self.scratch);
+        let outside = f.range.is_empty() || f.range.lo > 0.0;
+        if outside || (f.range.hi < 0.0 && !f.range.nan) {
+            return None;
+        }
+        let known = known(program.surfaces(&self.scratch));
+        let has_faces = !self.level_faces(&cell, program, &known.level);
+        if !has_faces && self.is_done(&cell, &known) {
+            return None;
+        }
+        let Some(axis) = self.axis(&cell, &known) else {
+            let worst = if has_faces { 1.0 } else { known.most };
+            self.doubts.push(([cell.lo[2], cell.hi[2]], worst));
+            return None;
+        };
+        let simple = program.simplify(&self.scratch);
+        Some(Open {
+            cell,
+            program: simple.map_or_else(|| program.clone(), Rc::new),
+            most: known.most,
+            has_faces,
+            axis,
+            number,
+        })
     }
 
     /// Notes what is known of a cell, if that is enough.
-    fn is_done(
-        &mut self,
-        cell: &Cell,
-        program: &Program,
-        known: &Known,
-    ) -> bool {
-        let of_faces = self.level_faces(cell, program, &known.level);
-        let least = self.least_of(cell);
-        let told = known.most <= least;
-        if !told {
-            let close = known.most - known.least <= SLACK * known.most;
-            let level = known.least >= self.options.most;
-            let thin = cell.width(2) <= DONE_BINS * self.options.bin;
-            if !(thin && (close || level)) {
-                return false;
-            }
-            if of_faces {
-                self.raise(cell.lo[2], cell.hi[2], known.most);
-            }
+    fn is_done(&mut self, cell: &Cell, known: &Known) -> bool {
+        if known.most <= self.least_of(cell) {
+            return true;
         }
-        of_faces
+        let close = known.most - known.least <= SLACK * known.most;
+        let level = known.least >= self.options.most;
+        let thin = cell.width(2) <= DONE_BINS * self.options.bin;
+        let done = thin && (close || level);
+        if done {
+            self.raise(cell.lo[2], cell.hi[2], known.most);
+        }
+        done
     }
 
     /// Whether all level faces in a cell are known now.
@@ -349,10 +429,9 @@ impl Search<'_> {
         let tolerance = self.options.tolerance;
         let ends = [self.bottom, top];
         let mut unproved = vec![false; self.found.len()];
-        for [lo, hi] in std::mem::take(&mut self.doubts) {
-            let beside = |face: Length| {
-                lo >= face - tolerance && hi <= face + tolerance
-            };
+        for ([lo, hi], most) in std::mem::take(&mut self.doubts) {
+            let beside =
+                |face: Length| lo >= face - tolerance && hi <= face + tolerance;
             let at = self.faces.partition_point(|f| *f < lo - tolerance);
             let mut near = self.faces[at..].iter().take(2).chain(&ends);
             if near.any(|f| beside(*f)) {
@@ -360,9 +439,9 @@ impl Search<'_> {
             }
             let bins = self.bins(lo, hi);
             for k in bins {
-                unproved[k] |= self.found[k] < 1.0;
+                unproved[k] |= self.found[k] < most;
             }
-            self.raise(lo, hi, 1.0);
+            self.raise(lo, hi, most);
         }
         let doubtful = unproved.iter().filter(|u| **u).count();
         Lean {

@@ -21,14 +21,15 @@ pub(crate) struct Surface {
 
 impl Program {
     /// The surfaces in the box of the last `enclose` (of this program, with
-    /// this scratch) of which f = 0 is a part. `None` if they are too many, or
-    /// f may not be a number in the box: then f = 0 is not all of the border.
+    /// this scratch) of which the border of f < 0 is a part. `None` if they are
+    /// too many. The slope of what may not be a number is anything, but 0 along
+    /// an axis that it does not depend on.
     pub(crate) fn surfaces(&self, scratch: &Scratch) -> Option<Vec<Surface>> {
         /// More steps are not looked through: shared ones are seen again and
         /// again.
         const MOST: usize = 256;
         let s = &scratch.slots;
-        if s.len() != self.steps.len() || s.last()?.range.nan {
+        if s.len() != self.steps.len() {
             return None;
         }
         let mut found: Vec<Surface> = Vec::new();
@@ -49,6 +50,9 @@ impl Program {
                 (r.lo == r.hi && !r.nan).then_some(r.lo)
             };
             match self.steps[number as usize] {
+                Step::Unary(..) if slot.range.nan => {
+                    found.push(self.unknown(number, level));
+                }
                 Step::Binary(BinaryOpcode::Max, a, b) => {
                     for (one, other) in [(a, b), (b, a)] {
                         if range(other).lo <= level || range(other).nan {
@@ -80,10 +84,14 @@ impl Program {
                     }
                 }
                 Step::Binary(op, a, b)
-                    if let Some(next) =
-                        shifted(op, a, b, level, [a, b].map(number_of)) =>
+                    if !slot.range.nan
+                        && let Some(next) =
+                            shifted(op, a, b, level, [a, b].map(number_of)) =>
                 {
                     todo.push(next);
+                }
+                _ if slot.range.nan => {
+                    found.push(self.unknown(number, level));
                 }
                 _ => found.push(Surface {
                     step: number,
@@ -93,6 +101,23 @@ impl Program {
             }
         }
         Some(found)
+    }
+
+    /// A surface of a step that may not be a number.
+    fn unknown(&self, step: u32, level: f64) -> Surface {
+        let mut depends = vec![false; step as usize + 1];
+        let slope = [0, 1, 2].map(|axis| {
+            for i in 0..depends.len() {
+                let step = &self.steps[i];
+                depends[i] = matches!(step, Step::Axis(a) if *a == axis)
+                    || step.operands().any(|o| depends[o as usize]);
+            }
+            match depends.last() {
+                Some(false) => Interval::ZERO,
+                _ => Interval::ANYTHING,
+            }
+        });
+        Surface { step, level, slope }
     }
 
     /// Value of f, and how far a surface's step is above its level, at a
