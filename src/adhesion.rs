@@ -60,7 +60,7 @@ impl Skirt {
                 }
                 _ => 0.0,
             };
-            let step = spacing(width, width, settings.layer_height());
+            let step = spacing(width, width, settings.thickest_layer());
             let nearest = brim + settings.skirt.distance + 0.5 * width;
             for i in (0..settings.skirt.loops).rev() {
                 let away = nearest + step * f64::from(i);

@@ -18,6 +18,7 @@
 //!    how to print it.
 //! 2. [`layers`] cuts the height into layers. A layer is the function at one
 //!    height, its sample plane, in the middle between top and bottom.
+//!    [`mod@heights`] lets their heights follow the surface.
 //! 3. The crate [`isocontour`] evaluates the function there: interval
 //!    arithmetic proves most tiles full or empty, many layers at a time, and
 //!    simplifies the expression for the other tiles, which are sampled on a
@@ -163,6 +164,7 @@ pub mod files;
 mod fuzzy;
 mod gcode;
 mod hang;
+pub mod heights;
 mod infill;
 pub mod layers;
 pub mod limits;

@@ -45,6 +45,8 @@ const ORDER: &[&[&str]] = &[
     &["layers"],
     // It gives settings that are expressions their value at each place.
     &["vary"],
+    // Heights of layers may be an expression.
+    &["heights"],
     &["contour"],
     // The cross-section of a bead says how far apart walls lie, and with that
     // what they leave for filling. So `region` comes after it.

@@ -5,7 +5,7 @@ use super::limits::{LimitArgs, watched};
 use super::{plain, print_json, terminal};
 use clap::Args;
 use glam::DVec3;
-use isoslice::layers;
+use isoslice::heights::{Heights, Steps, heights};
 use isoslice::model::{Bounds, Model, Parameter};
 use isoslice::settings::Settings;
 use serde::Serialize;
@@ -65,6 +65,9 @@ struct Json<'a> {
     layer_count: usize,
     layer_height_mm: f64,
     first_layer_height_mm: f64,
+    /// What layers of different heights amount to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<Steps>,
     operations: usize,
     parameters: Vec<JsonParameter<'a>>,
     warnings: Vec<String>,
@@ -85,14 +88,16 @@ impl<'a> Json<'a> {
         warnings: Vec<String>,
     ) -> anyhow::Result<Self> {
         let corners = |b: Bounds| [b.min.to_array(), b.max.to_array()];
+        let Heights { spans, steps } = heights(model, settings)?;
         Ok(Json {
             model: &model.name,
             size_mm: model.bounds.size().to_array(),
             bounds_mm: corners(model.drawn_bounds()),
             on_the_bed_mm: corners(model.printed_bounds()),
-            layer_count: layer_count(model, settings)?,
-            layer_height_mm: settings.layer_height(),
+            layer_count: spans.len(),
+            layer_height_mm: settings.thickest_layer(),
             first_layer_height_mm: settings.first_layer_height(),
+            steps,
             operations: model.expression_size,
             parameters: model.parameters.iter().map(parameter).collect(),
             warnings,
@@ -115,18 +120,50 @@ fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
     }
 }
 
-fn layer_count(model: &Model, settings: &Settings) -> anyhow::Result<usize> {
-    let plan = layers::plan(
-        model.bounds.size().z,
-        settings.first_layer_height(),
-        settings.layer_height(),
+/// The lines about layers of different heights, of which there are `count`.
+pub(super) fn describe_steps(
+    steps: &Steps,
+    count: usize,
+    text: &mut String,
+) -> Result<(), std::fmt::Error> {
+    writeln!(
+        text,
+        "  heights     {:.3} to {:.3} mm, steps of up to {:.3} mm (99 % of the \
+         layers: {:.3}), first layer aside; as fine with one height: {} layers",
+        steps.thinnest_mm,
+        steps.thickest_mm,
+        steps.step_max_mm,
+        steps.step_p99_mm,
+        steps.uniform_layers,
     )?;
-    Ok(plan.len())
+    if count < steps.uniform_layers {
+        let saved = steps.uniform_layers - count;
+        let share = 100.0 * saved as f64 / steps.uniform_layers as f64;
+        writeln!(text, "              {saved} layers saved ({share:.0} %)")?;
+    }
+    if steps.missed_faces > 0 {
+        writeln!(
+            text,
+            "              {} level faces lie too close to another one for a \
+             layer to end there; lower layer_height_min",
+            steps.missed_faces
+        )?;
+    }
+    if steps.unproved_mm > 0.0 {
+        writeln!(
+            text,
+            "              over {:.2} mm of the height layers may be thinner \
+             than they need to be: too little is proved of the surface",
+            steps.unproved_mm
+        )?;
+    }
+    Ok(())
 }
 
 fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     let size = model.bounds.size();
-    let layers = layer_count(model, settings)?;
+    let Heights { spans, steps } = heights(model, settings)?;
+    let layers = spans.len();
     let mut text = String::new();
     writeln!(text, "{}", plain::line(&model.name))?;
     writeln!(text, "  size        {}", dimensions(size))?;
@@ -144,11 +181,17 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
         corner(printed.min),
         corner(printed.max)
     )?;
-    writeln!(
-        text,
-        "  layers      {layers} planned, of {} mm",
-        settings.layer_height()
-    )?;
+    match steps {
+        None => writeln!(
+            text,
+            "  layers      {layers} planned, of {} mm",
+            settings.layer_height()
+        )?,
+        Some(steps) => {
+            writeln!(text, "  layers      {layers} planned")?;
+            describe_steps(&steps, layers, &mut text)?;
+        }
+    }
     writeln!(text, "  expression  {} operations", model.expression_size)?;
     if !model.parameters.is_empty() {
         writeln!(text, "  parameters (set with -D name=value)")?;

@@ -1,6 +1,6 @@
 //! The summary of `isoslice slice`, for people and as JSON.
 
-use super::info::dimensions;
+use super::info::{describe_steps, dimensions};
 use super::output::is_stream;
 use super::plain;
 use glam::DVec3;
@@ -224,6 +224,9 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
             layers.start + 1,
             layers.end
         )?
+    }
+    if let Some(steps) = &summary.steps {
+        describe_steps(steps, count, &mut text)?;
     }
     writeln!(text, "  print time  {}", human_time(summary.time))?;
     write!(

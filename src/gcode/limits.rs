@@ -63,7 +63,7 @@ pub(super) fn thick_beads(settings: &Settings) -> Option<String> {
     let flow = constant(&s.flow) * s.filament.flow / 100.0;
     let widen = constant(&s.bead_width);
     let thin = s.thin_max / 100.0;
-    let height = s.layer_height().max(s.first_layer_height());
+    let height = s.thickest_layer().max(s.first_layer_height());
     let widths = [
         s.outer_wall_width() * thin,
         s.inner_wall_width() * thin,

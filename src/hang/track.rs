@@ -45,7 +45,7 @@ impl Tracker {
     /// Forgets all layers so far: what follows is taken to be held. If `count`
     /// says so, islands count that have not met anything yet.
     pub(crate) fn restart(&mut self, count: bool, settings: &Settings) {
-        let limits = Limits::new(settings.layer_height(), settings);
+        let limits = Limits::new(settings.thickest_layer(), settings);
         let begins = self.tips.rest(limits);
         if count {
             self.count(begins);

@@ -43,8 +43,9 @@ use crate::gcode::{
     Format, Header, Thumbnail, WriteError, Writer, needs_outline,
 };
 use crate::hang::Hanging;
+use crate::heights::{Heights, HeightsError, Steps, heights};
 use crate::infill::InfillError;
-use crate::layers::{LayerRange, LayerSpan, PlanError, plan};
+use crate::layers::{LayerRange, LayerSpan, PlanError};
 use crate::limits;
 use crate::model::Model;
 use crate::pace::Pacer;
@@ -62,6 +63,7 @@ use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
 use glam::{DVec2, DVec3};
 use isocontour::SLAB;
+use rayon::ThreadPool;
 use stages::{Fills, Stages};
 use std::io;
 use std::ops::Range;
@@ -117,6 +119,8 @@ pub struct Summary {
     pub layers: Range<usize>,
     /// How many layers the part has.
     pub layer_count: usize,
+    /// What layers of different heights amount to; nothing for uniform ones.
+    pub steps: Option<Steps>,
     /// Estimated print time, without heating and homing.
     pub time: Seconds,
     /// Filament used.
@@ -158,9 +162,12 @@ pub struct Summary {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SliceError {
-    /// No layers can be made of the part.
+    /// The range of layers lies above the part.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// No layers can be made of the part.
+    #[error(transparent)]
+    Heights(#[from] HeightsError),
     /// The field cannot be evaluated.
     #[error("{}{}", .0, remedy(.0))]
     Field(#[from] FieldError),
@@ -260,14 +267,18 @@ pub fn slice(
     options: &Options<'_>,
     out: &mut dyn io::Write,
 ) -> Result<Summary, SliceError> {
-    let top = model.bounds.max.z + model.offset.z;
-    let spans =
-        plan(top, settings.first_layer_height(), settings.layer_height())?;
+    let watch = limits::Watch::current();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.unwrap_or(0))
+        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
+        .build()?;
+    let Heights { spans, steps } = pool.install(|| heights(model, settings))?;
     let layers = options.layers.indices(spans.len())?;
     let run = Run {
         model,
         settings,
         options,
+        pool: &pool,
         spans: &spans,
         layers,
     };
@@ -286,6 +297,10 @@ pub fn slice(
         }
     };
     let mut summary = write(&run, out, &mut copy)?;
+    summary.steps = steps;
+    if let Some(report) = &mut summary.report {
+        report.steps = steps;
+    }
     let Some(checker) = checker else {
         return Ok(summary);
     };
@@ -321,6 +336,7 @@ struct Run<'a> {
     model: &'a Model,
     settings: &'a Settings,
     options: &'a Options<'a>,
+    pool: &'a ThreadPool,
     /// All layers of the part.
     spans: &'a [LayerSpan],
     /// Which of them are asked for.
@@ -337,6 +353,7 @@ fn write(
         model,
         settings,
         options,
+        pool,
         spans,
         ref layers,
     } = *run;
@@ -344,16 +361,11 @@ fn write(
     let reach = DVec3::new(settings.reach(), settings.reach(), 0.0);
     let low = bounds.min + model.offset - reach;
     let high = bounds.max + model.offset + reach;
-    let watch = limits::Watch::current();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads.unwrap_or(0))
-        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
-        .build()?;
     let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
     let around = Surroundings::new(model);
     let fills = Fills::new(settings);
     let mut stages = Stages::new(model, settings, &around, gauge, spans)?;
-    let printed = stages.printed(&pool, spans)?;
+    let printed = stages.printed(pool, spans)?;
     if printed == 0 {
         return Err(SliceError::NothingToPrint {
             layers: spans.len(),
@@ -363,9 +375,9 @@ fn write(
     let spans = &spans[..printed];
     let top = spans.last().map_or(0.0, |span| span.top);
     let layers = options.layers.indices(printed)?;
-    stages.plan_spiral(&pool, spans)?;
+    stages.plan_spiral(pool, spans)?;
     if settings.supports != Supports::Off && !settings.spiral {
-        stages.plan_supports(&pool, spans, &around, &fills)?;
+        stages.plan_supports(pool, spans, &around, &fills)?;
     }
     let rater = Rater::new(settings, model, &around)?;
     // Before hours of work, not after them.
@@ -428,7 +440,7 @@ fn write(
         stages.spiral.as_ref(),
     );
 
-    Supply::new(&stages, &pool, spans, layers.clone())
+    Supply::new(&stages, pool, spans, layers.clone())
         .each(|ready| exit.layer(ready))?;
     let done = exit.finish()?;
     let (tally, mut warnings) = (done.tally, of_templates);
@@ -484,6 +496,7 @@ fn write(
         size: bounds.size(),
         layers,
         layer_count: spans.len(),
+        steps: None,
         time: totals.time,
         filament_length: totals.filament_length,
         filament_mass_g: totals.filament_mass_g,

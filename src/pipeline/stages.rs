@@ -80,7 +80,7 @@ impl<'a> Stages<'a> {
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
         gauge: Gauge<'a>,
-        spans: &[LayerSpan],
+        spans: &'a [LayerSpan],
     ) -> Result<Self, SliceError> {
         let rect = Rect {
             min: model.bounds.min.truncate(),
@@ -121,7 +121,7 @@ impl<'a> Stages<'a> {
             support: None,
             bed: -model.offset.z,
             spiral: None,
-            exposure: Exposure::new(settings, spans.len()),
+            exposure: Exposure::new(settings, spans),
             infill: Infill::new(settings, around, site)?,
             timings: Timings::default(),
             gauge,

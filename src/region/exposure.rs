@@ -15,6 +15,9 @@
 //! more layers count beside what the first N leave open ([`Slope`]): down to a
 //! slope of 45° a shell is as thick as N layers.
 //!
+//! Where layers differ in height, N and M are what fits into the skin's
+//! thickness there.
+//!
 //! Exposed areas grow a little into the sparse area, which anchors their
 //! lines and makes thin ones printable; what is then too narrow or too small
 //! for sparse infill becomes skin as well. Skin and sparse area together are
@@ -23,6 +26,8 @@
 use super::cover::{
     Covered, Exposed, Islands, TOLERANCE, by_island, exposed, near, open,
 };
+use super::shells::Shells;
+use crate::layers::LayerSpan;
 use crate::plane::clip::{
     crop, difference, intersection, not_covered_by_all, union,
 };
@@ -84,52 +89,91 @@ pub(crate) fn roomy(fill: &Area, settings: &Settings) -> Area {
 }
 
 /// Tells a part's skin from its sparse infill.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Exposure<'a> {
     settings: &'a Settings,
     /// Layers that have to cover a layer from above, lest it get skin.
-    above: usize,
+    above: Shells,
     /// Layers that have to cover it from below.
-    below: usize,
+    below: Shells,
     /// Layers of the part.
-    layer_count: usize,
+    spans: &'a [LayerSpan],
 }
 
 impl<'a> Exposure<'a> {
-    /// For a part of so many layers.
+    /// For a part of these layers.
     pub(crate) fn new(
         settings: &'a Settings,
-        layer_count: usize,
+        spans: &'a [LayerSpan],
     ) -> Exposure<'a> {
-        let covering = |layers: u32| match settings.skin_where {
-            SkinWhere::Exposed => layers as usize,
-            SkinWhere::Ends => 0,
-        };
+        let shells =
+            |count: u32, set: Option<u32>, thickness, upwards| match settings
+                .is_uniform()
+                || set.is_some()
+            {
+                true => Shells::Alike(count as usize),
+                false => Shells::of_thickness(spans, thickness, upwards),
+            };
+        let s = settings;
+        let top = (s.top_layers(), s.top_layers, s.top_thickness());
+        let bottom = (s.bottom_layers(), s.bottom_layers, s.bottom_thickness());
         Exposure {
             settings,
-            above: covering(settings.top_layers()),
-            below: covering(settings.bottom_layers()),
-            layer_count,
+            above: shells(top.0, top.1, top.2, true),
+            below: shells(bottom.0, bottom.1, bottom.2, false),
+            spans,
+        }
+    }
+
+    /// Layers that have to cover a layer, lest it get skin, on the side of
+    /// these shells.
+    fn covering(&self, layers: usize) -> usize {
+        match self.settings.skin_where {
+            SkinWhere::Exposed => layers,
+            SkinWhere::Ends => 0,
         }
     }
 
     /// How many layers above a layer it has to know: the next one, whose
     /// outline tells roles, in any case.
     pub(crate) fn reach_above(&self) -> usize {
-        slope_layers(self.above).max(1)
+        slope_layers(self.covering(self.above.most())).max(1)
     }
 
     /// How many layers below a layer it has to know.
     pub(crate) fn reach_below(&self) -> usize {
-        slope_layers(self.below).max(1)
+        slope_layers(self.covering(self.below.most())).max(1)
     }
 
     /// True if a layer is skin all over, whatever covers it.
     fn is_end(&self, number: usize) -> bool {
         let s = self.settings;
         s.skin_where == SkinWhere::Ends
-            && (number < s.bottom_layers() as usize
-                || number + s.top_layers() as usize >= self.layer_count)
+            && (number < self.below.at(number)
+                || number + self.above.at(number) >= self.spans.len())
+    }
+
+    /// Height between the last of so many layers beside a layer and the
+    /// farthest one that counts on a slope.
+    fn distance(
+        &self,
+        window: &Window<'_>,
+        layers: usize,
+        upwards: bool,
+    ) -> Mm {
+        let farthest = slope_layers(layers);
+        if self.settings.is_uniform() {
+            return (farthest - layers) as f64 * window.height;
+        }
+        let z = |away: usize| {
+            let number = match upwards {
+                true => window.number + away,
+                false => window.number.saturating_sub(away),
+            };
+            let span = self.spans.get(number).or(self.spans.last());
+            span.map_or(0.0, LayerSpan::sample_z)
+        };
+        (z(farthest) - z(layers)).abs()
     }
 
     /// Splits a layer's fill, of which `roomy` is what [`roomy()`] found.
@@ -168,9 +212,11 @@ impl<'a> Exposure<'a> {
             seen.push(near);
             new
         };
-        let above = window.above.get(..self.above)?.iter().copied();
+        let layers = self.covering(self.above.at(window.number));
+        let above = window.above.get(..layers)?.iter().copied();
         let above: Vec<_> = above.filter(&mut new).collect();
-        let below = window.below.get(..self.below)?.iter().copied();
+        let layers = self.covering(self.below.at(window.number));
+        let below = window.below.get(..layers)?.iter().copied();
         let below: Vec<_> = below.filter(&mut new).collect();
         // The farthest first: they leave the least to be looked at.
         let n = above.len().max(below.len());
@@ -200,10 +246,14 @@ impl<'a> Exposure<'a> {
         let disc = disc.max(half) + 2.0 * TOLERANCE;
         let mut exposed = exposed(&asked, covers, disc, matters);
         let outline = window.here.area();
-        for (side, layers) in
-            [(&window.above, self.above), (&window.below, self.below)]
-        {
-            if let Some(slope) = window.slope(side, layers) {
+        let number = window.number;
+        for (side, shells, upwards) in [
+            (&window.above, &self.above, true),
+            (&window.below, &self.below, false),
+        ] {
+            let layers = self.covering(shells.at(number));
+            let recedes = self.distance(window, layers, upwards);
+            if let Some(slope) = window.slope(side, layers, recedes) {
                 slope.expose(&islands, &asked, &mut exposed, outline);
             }
         }
@@ -228,11 +278,13 @@ impl<'a> Exposure<'a> {
 }
 
 impl<'a> Window<'a> {
-    /// What counts on a slope beside the first `layers` on one side.
+    /// What counts on a slope beside the first `layers` on one side; the last of
+    /// them recedes by `reach` from the farthest one.
     fn slope(
         &self,
         side: &[&'a Solid<'a>],
         layers: usize,
+        reach: Mm,
     ) -> Option<Slope<'a>> {
         let all = slope_layers(layers);
         let beyond = (layers..all).map(|k| side.get(k).copied());
@@ -241,7 +293,7 @@ impl<'a> Window<'a> {
             beyond: beyond
                 .filter(|s| s.is_none_or(|s| !s.is(self.here)))
                 .collect(),
-            reach: (all - layers) as f64 * self.height,
+            reach,
         })
     }
 }
@@ -442,9 +494,9 @@ mod tests {
         };
         let (over, under) = (solids(above), solids(below));
         let exposure = Exposure {
-            above: above.len() + beyond,
-            below: below.len(),
-            ..Exposure::new(settings, 100)
+            above: Shells::Alike(above.len() + beyond),
+            below: Shells::Alike(below.len()),
+            ..Exposure::new(settings, &[])
         };
         let window = Window {
             number: 50,

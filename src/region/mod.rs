@@ -28,6 +28,7 @@ pub(crate) mod patch;
 mod pocket;
 pub(crate) mod ridge;
 mod run;
+mod shells;
 pub(crate) mod slit;
 mod thin;
 mod tip;

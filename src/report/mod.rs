@@ -21,6 +21,7 @@ pub(crate) use layer::{Effort, LayerFigures, LayerParts, measure};
 pub use spread::Figures;
 pub(crate) use spread::Spread;
 
+use crate::heights::Steps;
 use crate::model::{Model, Probe, ProbeError};
 use crate::plane::Rect;
 use crate::settings::{Settings, WallOffset};
@@ -227,6 +228,7 @@ impl RunFigures {
             model: gauge.model.name.clone(),
             size_mm: gauge.model.bounds.size().to_array().map(|v| tidy(v, 3)),
             part_layers: layer_count,
+            steps: None,
             settings: Used {
                 layer_height: settings.layer_height(),
                 first_layer_height: settings.first_layer_height(),
@@ -290,6 +292,9 @@ pub struct Report {
     pub size_mm: [f64; 3],
     /// Layers of the whole part.
     pub part_layers: usize,
+    /// What layers of different heights amount to; nothing for uniform ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps: Option<Steps>,
     /// The settings that matter to accuracy, by their names.
     pub settings: Used,
     /// Distance of the outlines from f = 0 in the layers' planes, positive

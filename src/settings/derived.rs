@@ -1,7 +1,10 @@
 //! Values that follow from several settings.
 
 use super::by_nozzle::share_of;
-use super::{Acceleration, ByNozzle, Emit, Flavour, Infill, Settings, check};
+use super::{
+    Acceleration, ByNozzle, Emit, Flavour, Infill, LayerHeights, Settings,
+    Varying, check,
+};
 use crate::units::{Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec};
 
 /// Lengths that follow the nozzle, each with what `auto` stands for: a share of
@@ -35,10 +38,16 @@ macro_rules! by_nozzle {
 }
 
 by_nozzle! {
-    /// Height of every layer above the first.
+    /// Height of every layer above the first, where these are uniform.
     layer_height = 50.0;
     /// Height of the first layer.
     first_layer_height = 50.0;
+    /// Height of the thinnest layers that are not uniform.
+    layer_height_min = 20.0;
+    /// Height of the thickest layers that are not uniform.
+    layer_height_max = 75.0;
+    /// Greatest step of adaptive layers on the surface.
+    step_error = 25.0;
     /// Half the width of the widest slit that is closed.
     slit_closing = 12.5;
     /// Line width of the outer wall.
@@ -64,6 +73,19 @@ by_nozzle! {
 }
 
 impl Settings {
+    /// Whether all layers above the first have one height.
+    pub fn is_uniform(&self) -> bool {
+        self.layer_heights == Varying::Constant(LayerHeights::Uniform)
+    }
+
+    /// Height of the thickest layers above the first.
+    pub fn thickest_layer(&self) -> Mm {
+        match self.is_uniform() {
+            true => self.layer_height(),
+            false => self.layer_height_max(),
+        }
+    }
+
     /// Solid layers below an upward face: `top_layers` if set, else what
     /// fits into `top_thickness`.
     pub fn top_layers(&self) -> u32 {

@@ -63,7 +63,7 @@ pub use table::{Key, keys};
 pub use value::{Range, Varying};
 pub use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
-    InfillMode, InfillPattern, SeamRule, SkinOrder, SkinPattern, SkinWhere,
-    Supports, WallOffset, WallOrder,
+    InfillMode, InfillPattern, LayerHeights, SeamRule, SkinOrder, SkinPattern,
+    SkinWhere, Supports, WallOffset, WallOrder,
 };
 pub use write::suggestions;

@@ -25,6 +25,22 @@ table::settings! {
         layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// Height of the first layer; auto is 50% of the nozzle's diameter.
         first_layer_height: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        /// How high the layers above the first are: uniform, as layer_height
+        /// says, or adaptive, each as high as step_error allows. An expression
+        /// of z gives the height at each height. Unless they are uniform,
+        /// layers end exactly at level faces and at the part's top.
+        layer_heights: Varying<LayerHeights> =
+            Varying::Constant(LayerHeights::Uniform);
+        /// Height of the thinnest layers that are not uniform; up to half as
+        /// thin to end at a level face. auto is 20% of the nozzle's diameter.
+        layer_height_min: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        /// Height of the thickest layers that are not uniform; auto is 75% of
+        /// the nozzle's diameter.
+        layer_height_max: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        /// Greatest step that adaptive layers may make on the surface, measured
+        /// across it. layer_height_min comes first. auto is 25% of the nozzle's
+        /// diameter.
+        step_error: ByNozzle = ByNozzle::Auto, in 0.001..=2.0;
 
         ["Outlines"]
         /// Greatest distance between an outline and the true surface.

@@ -17,6 +17,16 @@ value::words! {
 }
 
 value::words! {
+    /// How high layers are.
+    LayerHeights {
+        /// All layers above the first are alike.
+        Uniform = "uniform",
+        /// As high as the steps on the surface allow.
+        Adaptive = "adaptive",
+    }
+}
+
+value::words! {
     /// The slicer whose words comments use.
     Comments {
         /// PrusaSlicer's, which most viewers and hosts know.

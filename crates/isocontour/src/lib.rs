@@ -68,6 +68,7 @@ mod contour;
 mod expand;
 mod field;
 mod interval;
+mod lean;
 pub mod level;
 mod number;
 pub mod plane;
@@ -84,6 +85,7 @@ pub use field::{
     Batch, Bound, Field, FieldError, Grid, Hit, LEAF, Lattice, Leaf, NODES,
     SLAB, Sampler, Sight, Visit,
 };
+pub use lean::{Lean, LeanError, LeanOptions, lean};
 pub use plane::{Area, Rect, Ring};
 pub use shift::{digits, shifted};
 

@@ -34,6 +34,18 @@ pub(super) fn heights(
     warnings: &mut Vec<String>,
 ) -> Result<(), Conflict> {
     let nozzle = s.printer.nozzle_diameter;
+    let (least, most) = (s.layer_height_min(), s.layer_height_max());
+    if !s.is_uniform() && least > most {
+        return Err(conflict(
+            ["layer_height_min", "layer_height_max"],
+            format!(
+                "layer_height_min = {} mm is more than layer_height_max = {} \
+                 mm; lower the one or raise the other",
+                round(least),
+                round(most),
+            ),
+        ));
+    }
     for (key, height) in layer_heights(s) {
         if height > nozzle {
             return Err(conflict(
@@ -116,8 +128,12 @@ pub(super) fn widths(
 }
 
 fn layer_heights(s: &Settings) -> [(&'static str, Mm); 2] {
+    let key = match s.is_uniform() {
+        true => "layer_height",
+        false => "layer_height_max",
+    };
     [
-        ("layer_height", s.layer_height()),
+        (key, s.thickest_layer()),
         ("first_layer_height", s.first_layer_height()),
     ]
 }

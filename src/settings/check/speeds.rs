@@ -98,7 +98,7 @@ fn limited_speeds(s: &Settings) -> Vec<Limited> {
     let most = s.filament.max_flow;
     let limited = |(key, speed, width): (&'static str, &Varying, Mm)| {
         let speed = speed.constant()?;
-        let area = flow * cross_section(width * widened, s.layer_height());
+        let area = flow * cross_section(width * widened, s.thickest_layer());
         // Only differences that the shown decimal can tell count.
         (speed * area > most + 0.05).then(|| Limited {
             key,

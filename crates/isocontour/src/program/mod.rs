@@ -24,6 +24,7 @@ mod blend;
 mod piece;
 mod simplify;
 mod slot;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 mod undefined;
@@ -38,6 +39,7 @@ use piece::Piece;
 use slot::{FLAT, Slot, mixed, tightened};
 use std::collections::HashMap;
 use std::rc::Rc;
+pub(super) use surfaces::Surface;
 
 /// One operation; operands are indices of earlier steps.
 #[derive(Clone, Copy, Debug)]

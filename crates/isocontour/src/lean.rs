@@ -1,0 +1,510 @@
+//! How level the surface f = 0 is at each height, proved, and where it is
+//! exactly level.
+//!
+//! In: an expression, a box, and the length of the bins into which its height
+//! is cut. Out: for each bin an upper bound of |n_z|, the vertical part of the
+//! surface's unit normal, on all of the surface within the bin, and the heights
+//! of level faces, which the bounds leave out.
+//!
+//! How: boxes are evaluated with intervals of f's slopes and cut in two, those
+//! that may be the most level first, as long as they may hold some of the
+//! surface. |n_z| = |f_z| / |∇f|, so the
+//! ranges of the slopes bound it, for each of the surfaces that f = 0 is made of
+//! there (`program::surfaces`). A box is done when it is less level than anybody
+//! cares, when its bins are known to be as level as the box, or when its bound
+//! is within 4 % of its least value. A surface whose slopes along x and y are
+//! exactly 0 is level; its height is found by bisection and counts if f changes
+//! its sign there.
+//!
+//! Guarantees: deterministic, and bounded work. What cannot be bounded, for lack
+//! of work or because f has a kink, jumps or is NaN, counts as level (1), except
+//! within `tolerance` of a level face or of the box's top and bottom: no layer
+//! that ends there is wrong by more than that.
+//!
+//! Not guaranteed: level faces smaller than some 0.1 mm may be missed as such;
+//! the bounds hold, they then count as level.
+
+use crate::cancel::{Cancel, Cancelled};
+use crate::cell::Cell;
+use crate::expand::{ExpandError, expand};
+use crate::interval::Interval;
+use crate::program::{Program, Scratch, Surface};
+use crate::{Bounds, Length};
+use fidget::context::Tree;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::rc::Rc;
+
+/// How a surface's lean is looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct LeanOptions {
+    /// Height of a bin.
+    pub bin: Length,
+    /// |n_z| up to which nobody cares how level the surface is.
+    pub enough: f64,
+    /// |n_z| from which on nobody cares.
+    pub most: f64,
+    /// Height that does not matter beside a level face.
+    pub tolerance: Length,
+    /// Look at this range of the bins only; those beyond keep `enough`.
+    pub bins: (usize, usize),
+    /// Budget, in interval operations.
+    pub max_work: u64,
+}
+
+/// How level a surface is, by height.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lean {
+    /// The lower end of the first bin.
+    pub bottom: Length,
+    /// Height of a bin; the last one may reach beyond the box.
+    pub bin: Length,
+    /// For each bin, a bound of |n_z|; where it is less than
+    /// [`LeanOptions::enough`] it is that.
+    pub most_level: Vec<f64>,
+    /// Heights of level faces, from the lowest to the highest.
+    pub faces: Vec<Length>,
+    /// Height of all bins together in which something was not proved, and
+    /// counts as level.
+    pub unproved: Length,
+}
+
+impl Lean {
+    /// Bins of the height `bin` in a box.
+    pub fn count(bounds: &Bounds, bin: Length) -> usize {
+        (bounds.size().z / bin - 1e-9).ceil().max(1.0) as usize
+    }
+
+    /// What is known by two looks at different bins.
+    #[must_use]
+    pub fn joined(mut self, other: Lean) -> Lean {
+        for (a, b) in self.most_level.iter_mut().zip(other.most_level) {
+            *a = a.max(b);
+        }
+        self.faces.extend(other.faces);
+        self.faces.sort_by(f64::total_cmp);
+        self.faces.dedup_by(|b, a| *b - *a <= SAME);
+        self.unproved += other.unproved;
+        self
+    }
+}
+
+/// Why there is no lean.
+#[derive(Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
+pub enum LeanError {
+    /// The search was stopped.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The expression is unusable.
+    #[error(transparent)]
+    Expression(#[from] ExpandError),
+}
+
+/// Bins of a slab, which is searched by itself.
+const SLAB_BINS: usize = 64;
+/// Bins of a box that may be done.
+const DONE_BINS: f64 = 8.0;
+/// A box is not cut across x or y if it is smaller.
+const THIN: Length = 0.02;
+/// How much of a bound is slack.
+const SLACK: f64 = 0.04;
+/// Faces nearer to one another are one.
+const SAME: Length = 1e-5;
+
+/// Finds how level the surface f = 0 is within `bounds`.
+///
+/// # Errors
+/// If the expression is unusable, or `cancel` asked to stop.
+pub fn lean(
+    tree: &Tree,
+    bounds: &Bounds,
+    options: &LeanOptions,
+    cancel: &Cancel,
+) -> Result<Lean, LeanError> {
+    let (context, root) = expand(tree)?;
+    let program =
+        Program::new(&context, root).map_err(|_| ExpandError::FreeVariable)?;
+    let (bottom, top) = (bounds.min.z, bounds.max.z);
+    let count = Lean::count(bounds, options.bin);
+    let (first, last) = (options.bins.0, options.bins.1.min(count));
+    // The surface may touch the box, and intervals are not rounded outwards.
+    let margin = 1e-9 * (1.0 + bounds.size().max_element());
+    let mut search = Search {
+        options,
+        bottom,
+        found: vec![options.enough; count],
+        faces: Vec::new(),
+        doubts: Vec::new(),
+        scratch: Scratch::default(),
+    };
+    let whole = Cell {
+        lo: bounds.min.to_array().map(|v| v - margin),
+        hi: bounds.max.to_array().map(|v| v + margin),
+    };
+    let program = Rc::new(program);
+    let slabs = last.saturating_sub(first).div_ceil(SLAB_BINS);
+    for slab in 0..slabs {
+        let from = first + slab * SLAB_BINS;
+        let to = (from + SLAB_BINS).min(last);
+        let end = |i: usize| bottom + i as f64 * options.bin;
+        let mut cell = whole;
+        if from > 0 {
+            cell.lo[2] = end(from);
+        }
+        if to < count {
+            cell.hi[2] = end(to);
+        }
+        let left = options.max_work.saturating_sub(search.scratch.work);
+        let most = search.scratch.work + left / (slabs - slab) as u64;
+        search.slab(cell, &program, most, cancel)?;
+    }
+    Ok(search.finish(top))
+}
+
+struct Search<'a> {
+    options: &'a LeanOptions,
+    bottom: Length,
+    found: Vec<f64>,
+    faces: Vec<Length>,
+    /// Heights between which something was not proved, and what was.
+    doubts: Vec<([Length; 2], f64)>,
+    scratch: Scratch,
+}
+
+/// A cell to be cut.
+struct Open {
+    cell: Cell,
+    program: Rc<Program>,
+    /// Bound of |n_z| of what is not exactly level.
+    most: f64,
+    /// Some of what is in it is exactly level, at a height not known yet.
+    has_faces: bool,
+    axis: usize,
+    number: u64,
+}
+
+impl Ord for Open {
+    /// The most level first, of these the oldest.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_level = self.most.total_cmp(&other.most);
+        by_level.then(other.number.cmp(&self.number))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
+
+/// What is known of the surface in a box.
+struct Known {
+    /// Range of the greatest |n_z| of what is not exactly level.
+    least: f64,
+    most: f64,
+    level: Vec<Surface>,
+}
+
+impl Open {
+    /// |n_z| at most, if nothing more is found.
+    fn worst(&self) -> f64 {
+        if self.has_faces { 1.0 } else { self.most }
+    }
+}
+
+impl Search<'_> {
+    /// The bins that a cell reaches into.
+    fn bins(&self, lo: Length, hi: Length) -> std::ops::Range<usize> {
+        let at = |z: Length| ((z - self.bottom) / self.options.bin).max(0.0);
+        let last = self.found.len() - 1;
+        let first = (at(lo) as usize).min(last);
+        first..(at(hi).ceil() as usize).clamp(first + 1, last + 1)
+    }
+
+    /// The least bound of some bins so far.
+    fn least_of(&self, cell: &Cell) -> f64 {
+        let bins = self.bins(cell.lo[2], cell.hi[2]);
+        self.found[bins].iter().fold(1.0, |a: f64, b| a.min(*b))
+    }
+
+    fn raise(&mut self, lo: Length, hi: Length, to: f64) {
+        let bins = self.bins(lo, hi);
+        // From here on nobody cares.
+        let to = if to >= self.options.most { 1.0 } else { to };
+        for found in &mut self.found[bins] {
+            *found = found.max(to);
+        }
+    }
+
+    fn slab(
+        &mut self,
+        whole: Cell,
+        program: &Rc<Program>,
+        most: u64,
+        cancel: &Cancel,
+    ) -> Result<(), Cancelled> {
+        let mut todo = BinaryHeap::new();
+        let mut number = 0;
+        todo.extend(self.look(whole, program, number));
+        while let Some(open) = todo.pop() {
+            if number.is_multiple_of(256) {
+                cancel.check()?;
+            }
+            let least = self.least_of(&open.cell);
+            if open.most <= least * (1.0 + SLACK) && !open.has_faces {
+                // No cell is more level that is still open, so this cannot add
+                // up.
+                self.raise(open.cell.lo[2], open.cell.hi[2], open.most);
+                continue;
+            }
+            if self.scratch.work >= most {
+                let ends = [open.cell.lo[2], open.cell.hi[2]];
+                self.doubts.push((ends, open.worst()));
+                continue;
+            }
+            for half in open.cell.split(open.axis) {
+                number += 1;
+                todo.extend(self.look(half, &open.program, number));
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks at a cell; returns it if it has to be cut.
+    fn look(
+        &mut self,
+        cell: Cell,
+        program: &Rc<Program>,
+        number: u64,
+    ) -> Option<Open> {
+        let f = program.enclose(&cell, &mut self.scratch);
+        let outside = f.range.is_empty() || f.range.lo > 0.0;
+        if outside || (f.range.hi < 0.0 && !f.range.nan) {
+            return None;
+        }
+        let known = known(program.surfaces(&self.scratch));
+        let has_faces = !self.level_faces(&cell, program, &known.level);
+        if !has_faces && self.is_done(&cell, &known) {
+            return None;
+        }
+        let Some(axis) = self.axis(&cell, &known) else {
+            let worst = if has_faces { 1.0 } else { known.most };
+            self.doubts.push(([cell.lo[2], cell.hi[2]], worst));
+            return None;
+        };
+        let simple = program.simplify(&self.scratch);
+        Some(Open {
+            cell,
+            program: simple.map_or_else(|| program.clone(), Rc::new),
+            most: known.most,
+            has_faces,
+            axis,
+            number,
+        })
+    }
+
+    /// Notes what is known of a cell, if that is enough.
+    fn is_done(&mut self, cell: &Cell, known: &Known) -> bool {
+        if known.most <= self.least_of(cell) {
+            return true;
+        }
+        let close = known.most - known.least <= SLACK * known.most;
+        let level = known.least >= self.options.most;
+        let thin = cell.width(2) <= DONE_BINS * self.options.bin;
+        let done = thin && (close || level);
+        if done {
+            self.raise(cell.lo[2], cell.hi[2], known.most);
+        }
+        done
+    }
+
+    /// Whether all level faces in a cell are known now.
+    fn level_faces(
+        &mut self,
+        cell: &Cell,
+        program: &Program,
+        level: &[Surface],
+    ) -> bool {
+        let [x, y, _] = cell.centre();
+        level.iter().all(|surface| {
+            let Some(z) = self.height(cell, program, surface) else {
+                // The surface does not reach into the cell, or does so more
+                // than once.
+                return cell.width(2) <= self.options.tolerance
+                    || !self.reaches(cell, program, surface);
+            };
+            if self.faces.iter().any(|f| (f - z).abs() <= SAME) {
+                return true;
+            }
+            // It is a part of f = 0 if f changes its sign there.
+            let step = 1e-7 * (1.0 + z.abs());
+            let [below, above] = [z - step, z + step].map(|z| {
+                program.beside(surface, [x, y, z], &mut self.scratch)[0]
+            });
+            let real = (below < 0.0) != (above < 0.0);
+            if real {
+                self.faces.push(z);
+            }
+            real
+        })
+    }
+
+    /// Whether a level surface may be in a cell although it has one sign at its
+    /// top and bottom: it may be there twice.
+    fn reaches(
+        &mut self,
+        cell: &Cell,
+        program: &Program,
+        surface: &Surface,
+    ) -> bool {
+        let slope = surface.slope[2];
+        let steady = slope.lo > 0.0 || slope.hi < 0.0;
+        let [x, y, _] = cell.centre();
+        let [a, b] = [cell.lo[2], cell.hi[2]]
+            .map(|z| program.beside(surface, [x, y, z], &mut self.scratch)[1]);
+        !(steady && a * b > 0.0)
+    }
+
+    /// The height at which a level surface crosses a cell.
+    fn height(
+        &mut self,
+        cell: &Cell,
+        program: &Program,
+        surface: &Surface,
+    ) -> Option<Length> {
+        let [x, y, _] = cell.centre();
+        let mut side = |z: Length| {
+            program.beside(surface, [x, y, z], &mut self.scratch)[1] < 0.0
+        };
+        let (mut lo, mut hi) = (cell.lo[2], cell.hi[2]);
+        let below = side(lo);
+        if side(hi) == below {
+            return None;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (lo + hi);
+            match side(middle) == below {
+                true => lo = middle,
+                false => hi = middle,
+            }
+        }
+        Some(0.5 * (lo + hi))
+    }
+
+    /// The axis to cut a cell across, if a cut can tell more.
+    fn axis(&self, cell: &Cell, known: &Known) -> Option<usize> {
+        let bin = self.options.bin;
+        let high = DONE_BINS * bin;
+        let [x, y, z] = [0, 1, 2].map(|i| cell.width(i));
+        let widest = usize::from(y > x);
+        let in_plane = x.max(y);
+        if z > high && z >= 0.25 * in_plane {
+            return Some(2);
+        }
+        if in_plane > THIN && in_plane >= 4.0 * z {
+            return Some(widest);
+        }
+        if z > high {
+            return Some(2);
+        }
+        if in_plane > THIN {
+            return Some(widest);
+        }
+        // Only where a doubt may be forgiven is it worth to be so exact.
+        let unknown = known.least < self.options.most;
+        (unknown && z > 0.5 * self.options.tolerance).then_some(2)
+    }
+
+    fn finish(mut self, top: Length) -> Lean {
+        self.faces.sort_by(f64::total_cmp);
+        let tolerance = self.options.tolerance;
+        let ends = [self.bottom, top];
+        let mut unproved = vec![false; self.found.len()];
+        for ([lo, hi], most) in std::mem::take(&mut self.doubts) {
+            let beside =
+                |face: Length| lo >= face - tolerance && hi <= face + tolerance;
+            let at = self.faces.partition_point(|f| *f < lo - tolerance);
+            let mut near = self.faces[at..].iter().take(2).chain(&ends);
+            if near.any(|f| beside(*f)) {
+                continue;
+            }
+            let bins = self.bins(lo, hi);
+            for k in bins {
+                unproved[k] |= self.found[k] < most;
+            }
+            self.raise(lo, hi, most);
+        }
+        let doubtful = unproved.iter().filter(|u| **u).count();
+        Lean {
+            bottom: self.bottom,
+            bin: self.options.bin,
+            most_level: self.found,
+            faces: self.faces,
+            unproved: doubtful as f64 * self.options.bin,
+        }
+    }
+}
+
+/// The lean of some surfaces; of anything if they are not known.
+fn known(surfaces: Option<Vec<Surface>>) -> Known {
+    let mut known = Known {
+        least: 0.0,
+        most: 0.0,
+        level: Vec::new(),
+    };
+    let Some(surfaces) = surfaces else {
+        known.most = 1.0;
+        return known;
+    };
+    let mut least: f64 = 1.0;
+    for surface in surfaces {
+        let [x, y, z] = surface.slope;
+        let is_zero = |g: Interval| g == Interval::ZERO;
+        if is_zero(x) && is_zero(y) && !is_zero(z) {
+            known.level.push(surface);
+            continue;
+        }
+        let (low, high) = vertical(x, y, z);
+        if high > known.most {
+            known.most = high;
+            least = low;
+        } else if high == known.most {
+            least = least.min(low);
+        }
+    }
+    known.least = least.min(known.most);
+    known
+}
+
+/// Range of |n_z|, by those of the slopes.
+fn vertical(x: Interval, y: Interval, z: Interval) -> (f64, f64) {
+    if z == Interval::ZERO {
+        return (0.0, 0.0);
+    }
+    let sane = |g: Interval| !g.nan && !g.is_empty();
+    if !(sane(x) && sane(y) && sane(z)) {
+        return (0.0, 1.0);
+    }
+    let smallest = |g: Interval| g.lo.max(-g.hi).max(0.0);
+    let share = |up: f64, along: f64| match up {
+        0.0 => 0.0,
+        up if along == 0.0 => up / up,
+        up => up / along.hypot(up),
+    };
+    let most = share(z.magnitude(), smallest(x).hypot(smallest(y)));
+    let least = share(smallest(z), x.magnitude().hypot(y.magnitude()));
+    let number = |v: f64, otherwise: f64| match v.is_nan() {
+        true => otherwise,
+        false => v,
+    };
+    (number(least, 0.0), number(most, 1.0))
+}

@@ -1,0 +1,157 @@
+//! The surfaces that f = 0 is made of in a box.
+//!
+//! The zero set of max(a, b) is a part of those of a and of b, and so is that
+//! of min(a, b). Where the two meet, the slope of max(a, b) is anything between
+//! both, but each of them has a slope of its own. So a surface with an edge is
+//! looked at face by face. Functions of one operand that keep its level sets,
+//! such as a root or a sum with a constant, are looked through.
+
+use super::{Program, Scratch, Step};
+use crate::interval::Interval;
+use fidget::context::{BinaryOpcode, UnaryOpcode};
+
+/// A surface on which a step of the program has a certain value.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface {
+    step: u32,
+    level: f64,
+    /// Range of the step's partial derivatives in the box.
+    pub slope: [Interval; 3],
+}
+
+impl Program {
+    /// The surfaces in the box of the last `enclose` (of this program, with
+    /// this scratch) of which the border of f < 0 is a part. `None` if they are
+    /// too many. The slope of what may not be a number is anything, but 0 along
+    /// an axis that it does not depend on.
+    pub(crate) fn surfaces(&self, scratch: &Scratch) -> Option<Vec<Surface>> {
+        /// More steps are not looked through: shared ones are seen again and
+        /// again.
+        const MOST: usize = 256;
+        let s = &scratch.slots;
+        if s.len() != self.steps.len() {
+            return None;
+        }
+        let mut found: Vec<Surface> = Vec::new();
+        let mut todo = vec![((s.len() - 1) as u32, 0.0)];
+        let mut seen = 0;
+        while let Some((number, level)) = todo.pop() {
+            seen += 1;
+            if seen > MOST {
+                return None;
+            }
+            let slot = &s[number as usize];
+            if !slot.range.contains(level) && !slot.range.nan {
+                continue;
+            }
+            let range = |step: u32| s[step as usize].range;
+            let number_of = |step: u32| {
+                let r = range(step);
+                (r.lo == r.hi && !r.nan).then_some(r.lo)
+            };
+            match self.steps[number as usize] {
+                Step::Unary(..) if slot.range.nan => {
+                    found.push(self.unknown(number, level));
+                }
+                Step::Binary(BinaryOpcode::Max, a, b) => {
+                    for (one, other) in [(a, b), (b, a)] {
+                        if range(other).lo <= level || range(other).nan {
+                            todo.push((one, level));
+                        }
+                    }
+                }
+                Step::Binary(BinaryOpcode::Min, a, b) => {
+                    for (one, other) in [(a, b), (b, a)] {
+                        if range(other).hi >= level || range(other).nan {
+                            todo.push((one, level));
+                        }
+                    }
+                }
+                Step::Unary(UnaryOpcode::Neg, a) => todo.push((a, -level)),
+                Step::Unary(UnaryOpcode::Abs, a) => {
+                    if level >= 0.0 {
+                        todo.extend([(a, level), (a, -level)]);
+                    }
+                }
+                Step::Unary(UnaryOpcode::Sqrt, a) => {
+                    if level >= 0.0 {
+                        todo.push((a, level * level));
+                    }
+                }
+                Step::Unary(UnaryOpcode::Square, a) => {
+                    if level >= 0.0 {
+                        todo.extend([(a, level.sqrt()), (a, -level.sqrt())]);
+                    }
+                }
+                Step::Binary(op, a, b)
+                    if !slot.range.nan
+                        && let Some(next) =
+                            shifted(op, a, b, level, [a, b].map(number_of)) =>
+                {
+                    todo.push(next);
+                }
+                _ if slot.range.nan => {
+                    found.push(self.unknown(number, level));
+                }
+                _ => found.push(Surface {
+                    step: number,
+                    level,
+                    slope: slot.slope,
+                }),
+            }
+        }
+        Some(found)
+    }
+
+    /// A surface of a step that may not be a number.
+    fn unknown(&self, step: u32, level: f64) -> Surface {
+        let mut depends = vec![false; step as usize + 1];
+        let slope = [0, 1, 2].map(|axis| {
+            for i in 0..depends.len() {
+                let step = &self.steps[i];
+                depends[i] = matches!(step, Step::Axis(a) if *a == axis)
+                    || step.operands().any(|o| depends[o as usize]);
+            }
+            match depends.last() {
+                Some(false) => Interval::ZERO,
+                _ => Interval::ANYTHING,
+            }
+        });
+        Surface { step, level, slope }
+    }
+
+    /// Value of f, and how far a surface's step is above its level, at a
+    /// point; either may be NaN.
+    pub(crate) fn beside(
+        &self,
+        surface: &Surface,
+        point: [f64; 3],
+        scratch: &mut Scratch,
+    ) -> [f64; 2] {
+        let f = self.value(point, scratch);
+        let of = scratch.values.get(surface.step as usize).copied();
+        [f, of.unwrap_or(f64::NAN) - surface.level]
+    }
+}
+
+/// The operand of a sum, product or quotient with a constant, and its value
+/// where the result has that `level`.
+fn shifted(
+    op: BinaryOpcode,
+    a: u32,
+    b: u32,
+    level: f64,
+    constants: [Option<f64>; 2],
+) -> Option<(u32, f64)> {
+    let (step, at) = match (op, constants) {
+        (BinaryOpcode::Add, [_, Some(c)]) => (a, level - c),
+        (BinaryOpcode::Add, [Some(c), _]) => (b, level - c),
+        (BinaryOpcode::Sub, [_, Some(c)]) => (a, level + c),
+        (BinaryOpcode::Sub, [Some(c), _]) => (b, c - level),
+        (BinaryOpcode::Mul, [_, Some(c)]) if c != 0.0 => (a, level / c),
+        (BinaryOpcode::Mul, [Some(c), _]) if c != 0.0 => (b, level / c),
+        (BinaryOpcode::Div, [_, Some(c)]) if c != 0.0 => (a, level * c),
+        _ => return None,
+    };
+    at.is_finite().then_some((step, at))
+}

@@ -1,0 +1,312 @@
+//! Layers whose heights follow the surface.
+//!
+//! In: a placed model and the settings. Out: the part's layers, and what their
+//! heights amount to.
+//!
+//! With `layer_heights = "uniform"` these are the layers of [`plan()`]. Else a
+//! layer may be as high as its surface allows: layers of the height h make steps
+//! of h·|n_z| on a surface with the unit normal n, measured across it (the cusp
+//! of Dolenc and Mäkelä, "Slicing procedures for layered manufacturing
+//! techniques", 1994). `isocontour::lean` bounds |n_z| on all of the surface at
+//! each height, so no layer makes a step greater than `step_error`, whether or
+//! not anybody sampled the place. An expression gives the heights instead.
+//!
+//! A level face (|n_z| = 1) would ask for thin layers all around it, and still
+//! be missed. So layers end exactly at level faces and at the part's top
+//! (`stack`), and these faces make no step.
+//!
+//! Guarantees: deterministic, the same plan for every range of layers. Each
+//! layer above the first is within its limit. Neighbouring layers differ little
+//! (`limit`). A layer may be thinner than `layer_height_min` by up to a half,
+//! where that is the only way to hit a level face.
+//!
+//! Not guaranteed: the first layer has its own height, whatever its steps are.
+//! If `step_error` is less than `layer_height_min`, steps may be as great as the
+//! latter; [`Steps`] says how great they are.
+
+mod limit;
+mod stack;
+
+use crate::layers::{LayerSpan, MAX_LAYERS, PlanError, plan};
+use crate::limits;
+use crate::model::{Model, Place};
+use crate::settings::{LayerHeights, Settings, Varying};
+use crate::units::Mm;
+use crate::vary::{Quantity, VaryError};
+use glam::DVec2;
+use isocontour::{Lean, LeanError, LeanOptions, lean};
+use limit::Limit;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The setting's name.
+const KEY: &str = "layer_heights";
+
+/// A part's layers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heights {
+    /// From the bed up.
+    pub spans: Vec<LayerSpan>,
+    /// What comes of heights that differ; nothing for uniform layers.
+    pub steps: Option<Steps>,
+}
+
+/// The steps that layers of different heights make on the surface. The first
+/// layer and level faces at which layers end do not count.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Steps {
+    /// No step is greater, mm.
+    pub step_max_mm: Mm,
+    /// In 99 % of the layers no step is greater, mm.
+    pub step_p99_mm: Mm,
+    /// Height of the thinnest layer above the first, mm.
+    pub thinnest_mm: Mm,
+    /// Height of the thickest layer above the first, mm.
+    pub thickest_mm: Mm,
+    /// How many layers of one height there would be, whose greatest step is the
+    /// same.
+    pub uniform_layers: usize,
+    /// How many level faces layers end at.
+    pub level_faces: usize,
+    /// How many level faces lie too close to another border.
+    pub missed_faces: usize,
+    /// Height of the part in which too little was proved, so that its layers
+    /// may be thinner than they need to be, mm.
+    pub unproved_mm: Mm,
+}
+
+/// Why layers cannot be planned.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum HeightsError {
+    /// They cannot, whatever their heights.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The expression has no value somewhere.
+    #[error(transparent)]
+    Vary(#[from] VaryError),
+    /// The surface cannot be looked at.
+    #[error("layer_heights: the surface cannot be looked at: {0}")]
+    Lean(#[source] LeanError),
+}
+
+/// The layers of a placed model.
+///
+/// # Errors
+/// If there are none, or too many, or an expression for their heights has no
+/// value.
+pub fn heights(
+    model: &Model,
+    settings: &Settings,
+) -> Result<Heights, HeightsError> {
+    let top = model.bounds.max.z + model.offset.z;
+    let first = settings.first_layer_height();
+    let of_z = match &settings.layer_heights {
+        Varying::Constant(LayerHeights::Uniform) => {
+            let spans = plan(top, first, settings.layer_height())?;
+            return Ok(Heights { spans, steps: None });
+        }
+        Varying::Constant(LayerHeights::Adaptive) => None,
+        Varying::Expression(text) => {
+            let value = Varying::Expression(text.clone());
+            Some(Quantity::level(KEY, &value)?)
+        }
+    };
+    let range = Range::new(settings);
+    if top < 0.5 * first {
+        return Err(PlanError::TooFlat { height: top, first }.into());
+    }
+    if (top - first) / range.most >= MAX_LAYERS as f64 {
+        let (count, layer) = ((top - first) / range.most, range.most);
+        return Err(PlanError::TooMany { count, layer }.into());
+    }
+    let lean = surface(model, settings, &range)?;
+    let lift = model.offset.z;
+    let bottom = lean.bottom + lift;
+    let faces: Vec<Mm> = lean.faces.iter().map(|z| z + lift).collect();
+    let (borders, missed) = borders(first, top, &faces, range.least);
+    let mut level = lean.most_level;
+    let bin_of = |z: Mm| ((z - bottom) / lean.bin).max(0.0);
+    for z in &missed {
+        // Unless it is hit it makes a step like any other place.
+        let nearest = bin_of(*z).round() as usize;
+        for k in [nearest.wrapping_sub(1), nearest] {
+            if let Some(level) = level.get_mut(k) {
+                *level = 1.0;
+            }
+        }
+    }
+    let bins = (0..level.len()).map(|k| match &of_z {
+        None => Ok(range.clamp(range.step / level[k])),
+        Some(quantity) => {
+            let ends = [0, 1].map(|e| bottom + (k + e) as f64 * lean.bin);
+            let [a, b] = ends.map(|z| {
+                let at = DVec2::ZERO.extend(z);
+                quantity.at(Place { at, depth: 0.0 })
+            });
+            Ok(range.clamp(a?.min(b?)))
+        }
+    });
+    let bins: Vec<Mm> = bins.collect::<Result<_, VaryError>>()?;
+    let limit = Limit::new(bottom, lean.bin, &bins);
+    let tops = stack::stack(&borders, limit)?;
+    let mut spans = vec![LayerSpan {
+        index: 0,
+        bottom: 0.0,
+        top: first,
+    }];
+    for top in tops {
+        let bottom = spans.last().map_or(0.0, |s| s.top);
+        let index = spans.len();
+        spans.push(LayerSpan { index, bottom, top });
+    }
+    let of_layer = |span: &LayerSpan| {
+        // Bins that a layer only touches are none of its own.
+        const TOUCH: f64 = 1e-6;
+        let last = level.len() - 1;
+        let from = (bin_of(span.bottom) + TOUCH) as usize;
+        let to = (bin_of(span.top) - TOUCH).max(0.0) as usize;
+        let bins = &level[from.min(last)..=to.min(last)];
+        bins.iter().copied().fold(0.0, f64::max)
+    };
+    let of_layers: Vec<(Mm, f64)> = spans[1..]
+        .iter()
+        .map(|s| (s.height(), of_layer(s)))
+        .collect();
+    let steps = Steps {
+        level_faces: faces
+            .iter()
+            .filter(|f| spans.iter().any(|s| (s.top - *f).abs() < 1e-6))
+            .count(),
+        missed_faces: missed.len(),
+        unproved_mm: lean.unproved,
+        ..amount(&of_layers, top, first, &range)
+    };
+    Ok(Heights {
+        spans,
+        steps: Some(steps),
+    })
+}
+
+/// What may be chosen from.
+struct Range {
+    least: Mm,
+    most: Mm,
+    /// The greatest step.
+    step: Mm,
+}
+
+impl Range {
+    fn new(settings: &Settings) -> Range {
+        Range {
+            least: settings.layer_height_min(),
+            most: settings.layer_height_max(),
+            step: settings.step_error(),
+        }
+    }
+
+    fn clamp(&self, height: Mm) -> Mm {
+        height.max(self.least).min(self.most)
+    }
+}
+
+/// Looks at the model's surface.
+fn surface(
+    model: &Model,
+    settings: &Settings,
+    range: &Range,
+) -> Result<Lean, HeightsError> {
+    /// Bins of the thinnest layer.
+    const BINS: f64 = 8.0;
+    /// A few seconds; most parts need a tenth of a second.
+    const MOST_WORK: u64 = 120_000_000;
+    /// The part is looked at in so many pieces, on all threads.
+    const PIECES: usize = 32;
+    let bin = range.least / BINS;
+    let count = Lean::count(&model.bounds, bin);
+    let piece = count.div_ceil(PIECES);
+    let pieces = count.div_ceil(piece);
+    let options = |i: usize| LeanOptions {
+        bin,
+        // A layer of the greatest height may be as level as this.
+        enough: (range.step / range.most).min(1.0),
+        most: (range.step / range.least).min(1.0),
+        tolerance: settings.accuracy,
+        bins: (i * piece, (i + 1) * piece),
+        max_work: MOST_WORK / pieces as u64,
+    };
+    let cancel = limits::cancel();
+    let look = |i| lean(&model.tree, &model.bounds, &options(i), &cancel);
+    let found: Vec<Result<Lean, LeanError>> =
+        (0..pieces).into_par_iter().map(look).collect();
+    // Work that was stopped unwinds here.
+    limits::check();
+    let found: Vec<Lean> = found
+        .into_iter()
+        .collect::<Result<_, _>>()
+        .map_err(HeightsError::Lean)?;
+    let all = found.into_iter().reduce(Lean::joined);
+    Ok(all.unwrap_or(Lean {
+        bottom: model.bounds.min.z,
+        bin,
+        most_level: vec![1.0; count],
+        faces: Vec::new(),
+        unproved: model.bounds.size().z,
+    }))
+}
+
+/// Where layers have to end, from the first layer's top to the part's, and the
+/// faces at which none ends, as they lie too close to another border.
+fn borders(first: Mm, top: Mm, faces: &[Mm], least: Mm) -> (Vec<Mm>, Vec<Mm>) {
+    /// Layers may be so much thinner than the thinnest ones to hit a border.
+    const THINNER: f64 = 0.5;
+    /// A face that is so near to a border is hit.
+    const HIT: Mm = 1e-6;
+    let mut borders = vec![first];
+    let mut missed = Vec::new();
+    if top - first < THINNER * least {
+        return (borders, missed);
+    }
+    let inside = |z: &&Mm| **z > HIT && **z < top - HIT;
+    for &z in faces.iter().filter(inside) {
+        let last = borders.last().copied().unwrap_or(first);
+        if (z - last).abs() <= HIT {
+            continue;
+        }
+        match z - last >= THINNER * least && top - z >= THINNER * least {
+            true => borders.push(z),
+            false => missed.push(z),
+        }
+    }
+    borders.push(top);
+    (borders, missed)
+}
+
+/// The steps of layers, each with its height and a bound of |n_z|.
+fn amount(layers: &[(Mm, f64)], top: Mm, first: Mm, range: &Range) -> Steps {
+    let mut steps: Vec<Mm> =
+        layers.iter().map(|(h, level)| h * level).collect();
+    steps.sort_by(f64::total_cmp);
+    let last = steps.len().saturating_sub(1);
+    let at = |share: f64| {
+        let k = (share * last as f64).ceil() as usize;
+        steps.get(k.min(last)).copied().unwrap_or(0.0)
+    };
+    let max = at(1.0);
+    let level = layers.iter().map(|l| l.1).fold(0.0, f64::max);
+    let alike = (max / level).min(range.most);
+    let heights = layers.iter().map(|l| l.0);
+    Steps {
+        step_max_mm: max,
+        step_p99_mm: at(0.99),
+        thinnest_mm: heights.clone().fold(range.most, f64::min),
+        thickest_mm: heights.fold(0.0, f64::max),
+        uniform_layers: match layers.is_empty() {
+            true => 1,
+            false => plan(top, first, alike).map_or(layers.len(), |p| p.len()),
+        },
+        level_faces: 0,
+        missed_faces: 0,
+        unproved_mm: 0.0,
+    }
+}
