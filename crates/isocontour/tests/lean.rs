@@ -61,7 +61,11 @@ fn no_distance_is_needed() {
         let s = 1.0 - (z / 4.0_f64).powi(2).min(1.0);
         let up = z / 16.0;
         let along = s.sqrt() / 10.0;
-        if up == 0.0 { 0.0 } else { up.abs() / along.hypot(up) }
+        if up == 0.0 {
+            0.0
+        } else {
+            up.abs() / along.hypot(up)
+        }
     };
     agrees(&found, of, 1.12);
 }
