@@ -26,6 +26,8 @@
 
 mod limit;
 mod stack;
+#[cfg(test)]
+mod tests;
 
 use crate::layers::{LayerSpan, MAX_LAYERS, PlanError, plan};
 use crate::limits;
@@ -218,8 +220,8 @@ fn surface(
 ) -> Result<Lean, HeightsError> {
     /// Bins of the thinnest layer.
     const BINS: f64 = 8.0;
-    /// A few seconds; most parts need a tenth of a second.
-    const MOST_WORK: u64 = 120_000_000;
+    /// Three seconds of one processor; simple parts need a tenth of a second.
+    const MOST_WORK: u64 = 40_000_000;
     /// The part is looked at in so many pieces, on all threads.
     const PIECES: usize = 32;
     let bin = range.least / BINS;

@@ -297,7 +297,14 @@ impl Program {
                 }
                 Step::Binary(op, a, b) => {
                     let (a, b) = (&s[a as usize], &s[b as usize]);
-                    mixed(op, tightened(binary(op, *a, *b), half), a, b, half)
+                    let mut slot = binary(op, *a, *b);
+                    if scratch.sharp
+                        && op == BinaryOpcode::Atan
+                        && a.range.lo >= 0.0
+                    {
+                        slot.slope = soft::turn(a, b);
+                    }
+                    mixed(op, tightened(slot, half), a, b, half)
                 }
                 Step::Blend(blend, a, b) => {
                     blend.over(&s[a as usize], &s[b as usize], half)

@@ -1,6 +1,6 @@
-//! Slopes of soft unions that are logarithms of sums of powers of e.
+//! Narrower slopes of two operations, for who asks for them.
 //!
-//! The slope of ln(exp(a₁) + exp(a₂) + …) is a mean of the slopes of a₁, a₂, …,
+//! Soft unions may be logarithms of sums of powers of e. The slope of ln(exp(a₁) + exp(a₂) + …) is a mean of the slopes of a₁, a₂, …,
 //! weighted by the powers. Operation by operation the weights would be ranges
 //! that know nothing of one another, and need not add up to 1. So the slope is
 //! made of one term's slope, and of what the others differ from it, times their
@@ -9,6 +9,7 @@
 use super::slot::Slot;
 use super::{Program, Step};
 use crate::interval::Interval;
+use crate::number::{Number, Part};
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 
 impl Program {
@@ -69,6 +70,16 @@ impl Program {
         }
         Some(slope)
     }
+}
+
+/// The slope of atan2(y, x) where y is nowhere less than 0, as |v| is: the angle
+/// does not jump there, although y may be 0 where x is less.
+pub(super) fn turn(y: &Slot, x: &Slot) -> [Interval; 3] {
+    let by = Number::recip(y.range.square().add(x.range.square()));
+    [0, 1, 2].map(|i| {
+        let along = y.slope[i].along(x.range);
+        along.sub(x.slope[i].along(y.range)).along(by)
+    })
 }
 
 /// What two ranges of one thing have in common.
