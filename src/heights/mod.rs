@@ -26,6 +26,8 @@
 
 mod limit;
 mod stack;
+#[cfg(test)]
+mod tests;
 
 use crate::layers::{LayerSpan, MAX_LAYERS, PlanError, plan};
 use crate::limits;
@@ -124,7 +126,7 @@ pub fn heights(
     let lift = model.offset.z;
     let bottom = lean.bottom + lift;
     let faces: Vec<Mm> = lean.faces.iter().map(|z| z + lift).collect();
-    let (borders, missed) = borders(first, top, &faces, range.least);
+    let (borders, missed, top) = borders(first, top, &faces, range.least);
     let mut level = lean.most_level;
     let bin_of = |z: Mm| ((z - bottom) / lean.bin).max(0.0);
     for z in &missed {
@@ -218,8 +220,8 @@ fn surface(
 ) -> Result<Lean, HeightsError> {
     /// Bins of the thinnest layer.
     const BINS: f64 = 8.0;
-    /// A few seconds; most parts need a tenth of a second.
-    const MOST_WORK: u64 = 120_000_000;
+    /// Three seconds of one processor; simple parts need a tenth of a second.
+    const MOST_WORK: u64 = 40_000_000;
     /// The part is looked at in so many pieces, on all threads.
     const PIECES: usize = 32;
     let bin = range.least / BINS;
@@ -255,22 +257,28 @@ fn surface(
     }))
 }
 
-/// Where layers have to end, from the first layer's top to the part's, and the
-/// faces at which none ends, as they lie too close to another border.
-fn borders(first: Mm, top: Mm, faces: &[Mm], least: Mm) -> (Vec<Mm>, Vec<Mm>) {
+/// Where layers have to end, from the first layer's top to the part's; the faces
+/// at which none ends, as they lie too close to another border; and the part's
+/// top, which is a level face if there is one near it.
+fn borders(
+    first: Mm,
+    top: Mm,
+    faces: &[Mm],
+    least: Mm,
+) -> (Vec<Mm>, Vec<Mm>, Mm) {
     /// Layers may be so much thinner than the thinnest ones to hit a border.
     const THINNER: f64 = 0.5;
-    /// A face that is so near to a border is hit.
-    const HIT: Mm = 1e-6;
+    /// The part's bounds are known so well; a face is hit that is so near.
+    const BOUNDS: Mm = 5e-4;
+    let near_top = faces.iter().find(|z| (**z - top).abs() <= BOUNDS);
+    let top = near_top.copied().unwrap_or(top);
     let mut borders = vec![first];
     let mut missed = Vec::new();
-    if top - first < THINNER * least {
-        return (borders, missed);
-    }
-    let inside = |z: &&Mm| **z > HIT && **z < top - HIT;
+    let last_fits = top - first >= THINNER * least;
+    let inside = |z: &&Mm| **z > BOUNDS && **z < top - BOUNDS;
     for &z in faces.iter().filter(inside) {
         let last = borders.last().copied().unwrap_or(first);
-        if (z - last).abs() <= HIT {
+        if (z - last).abs() <= BOUNDS {
             continue;
         }
         match z - last >= THINNER * least && top - z >= THINNER * least {
@@ -278,8 +286,10 @@ fn borders(first: Mm, top: Mm, faces: &[Mm], least: Mm) -> (Vec<Mm>, Vec<Mm>) {
             false => missed.push(z),
         }
     }
-    borders.push(top);
-    (borders, missed)
+    if last_fits {
+        borders.push(top);
+    }
+    (borders, missed, top)
 }
 
 /// The steps of layers, each with its height and a bound of |n_z|.

@@ -136,7 +136,7 @@ pub fn lean(
         found: vec![options.enough; count],
         faces: Vec::new(),
         doubts: Vec::new(),
-        scratch: Scratch::default(),
+        scratch: Scratch::sharp(),
     };
     let whole = Cell {
         lo: bounds.min.to_array().map(|v| v - margin),

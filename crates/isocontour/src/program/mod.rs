@@ -24,6 +24,7 @@ mod blend;
 mod piece;
 mod simplify;
 mod slot;
+mod soft;
 mod surfaces;
 #[cfg(test)]
 mod tests;
@@ -100,6 +101,18 @@ pub(super) struct Scratch {
     /// Operations evaluated so far: the measure of work, which does not
     /// depend on the machine.
     pub work: u64,
+    /// Whether slopes are to be as narrow as can be, for more work.
+    sharp: bool,
+}
+
+impl Scratch {
+    /// For slopes as narrow as can be.
+    pub(crate) fn sharp() -> Self {
+        Self {
+            sharp: true,
+            ..Self::default()
+        }
+    }
 }
 
 /// What a box costs beside its operations, in operations: it is kept in a
@@ -270,10 +283,28 @@ impl Program {
                     }
                 }
                 Step::Const(c) => Slot::constant(c),
-                Step::Unary(op, a) => tightened(unary(op, s[a as usize]), half),
+                Step::Unary(op, a) => {
+                    let mut slot = unary(op, s[a as usize]);
+                    if scratch.sharp
+                        && op == UnaryOpcode::Ln
+                        && let Some(soft) = self.soft_slope(a, s)
+                    {
+                        for (known, soft) in slot.slope.iter_mut().zip(soft) {
+                            *known = soft::common(*known, soft);
+                        }
+                    }
+                    tightened(slot, half)
+                }
                 Step::Binary(op, a, b) => {
                     let (a, b) = (&s[a as usize], &s[b as usize]);
-                    mixed(op, tightened(binary(op, *a, *b), half), a, b, half)
+                    let mut slot = binary(op, *a, *b);
+                    if scratch.sharp
+                        && op == BinaryOpcode::Atan
+                        && a.range.lo >= 0.0
+                    {
+                        slot.slope = soft::turn(a, b);
+                    }
+                    mixed(op, tightened(slot, half), a, b, half)
                 }
                 Step::Blend(blend, a, b) => {
                     blend.over(&s[a as usize], &s[b as usize], half)

@@ -1,0 +1,146 @@
+//! Heights of layers against what is known of the surfaces.
+
+use super::*;
+use crate::model::{BuildVolume, Placement, Source, SourceKind, load, place};
+
+fn placed(formula: &str) -> Model {
+    let source = Source::Text {
+        name: "part".into(),
+        kind: SourceKind::Formula,
+        text: formula.into(),
+    };
+    let bed = BuildVolume {
+        x: 220.0,
+        y: 220.0,
+        z: 250.0,
+    };
+    place(&load(&source, &[]).unwrap(), &Placement::default(), bed).unwrap()
+}
+
+fn adaptive() -> Settings {
+    Settings {
+        layer_heights: Varying::Constant(LayerHeights::Adaptive),
+        ..Settings::default()
+    }
+}
+
+/// The layers of a part that is `level(z)` level at the height z above the bed,
+/// after they have been looked at.
+fn judged(
+    formula: &str,
+    settings: &Settings,
+    level: impl Fn(Mm) -> f64,
+) -> Heights {
+    let model = placed(formula);
+    let found = heights(&model, settings).unwrap();
+    let top = model.bounds.size().z;
+    let last = found.spans.last().unwrap();
+    assert!((last.top - top).abs() < 1e-3, "{} {top}", last.top);
+    let (least, most) =
+        (settings.layer_height_min(), settings.layer_height_max());
+    for pair in found.spans.windows(2) {
+        assert_eq!(pair[0].top, pair[1].bottom);
+    }
+    for span in &found.spans[1..] {
+        let height = span.height();
+        assert!(height >= 0.5 * least - 1e-9 && height <= most + 1e-9);
+        // Faces at which a layer ends do not count.
+        let steps = (1..200).map(|k| {
+            let t = f64::from(k) / 200.0;
+            height * level(span.bottom + t * height)
+        });
+        let step = steps.fold(0.0, f64::max);
+        assert!(step <= settings.step_error() + 1e-9, "{span:?}: {step}");
+    }
+    found
+}
+
+/// A quarter of the layers is saved, or more.
+fn saves(found: &Heights) {
+    let steps = found.steps.unwrap();
+    let share = found.spans.len() as f64 / steps.uniform_layers as f64;
+    assert!(share <= 0.75, "{steps:?}: {}", found.spans.len());
+    assert_eq!(steps.unproved_mm, 0.0);
+}
+
+#[test]
+fn a_dome_gets_thin_layers_where_it_is_level() {
+    let dome = "max(sqrt(x^2 + y^2 + z^2) - 20, -z)";
+    let found = judged(dome, &adaptive(), |z| z / 20.0);
+    saves(&found);
+    let spans = &found.spans;
+    assert!(spans[5].height() > 0.28);
+    assert!(spans[spans.len() - 2].height() < 0.11);
+    // The limit is made use of: h = 0.1 · 20 / z.
+    let middle = spans.iter().find(|s| s.bottom > 14.0).unwrap();
+    assert!(middle.height() > 0.92 * 2.0 / middle.top, "{middle:?}");
+}
+
+#[test]
+fn an_ellipsoid_that_is_no_distance() {
+    let found =
+        judged("x^2/144 + y^2/100 + z^2/324 - 1", &adaptive(), |height| {
+            let z = (height - 18.0) / 18.0;
+            let (up, along) = (z / 18.0, (1.0 - z * z).max(0.0).sqrt() / 12.0);
+            up.abs() / up.hypot(along)
+        });
+    saves(&found);
+}
+
+#[test]
+fn a_screw_has_thin_layers_at_its_thread_only() {
+    // A shank of 20 mm, a thread of 12 mm with flanks of up to 2π·0.6/3.
+    let screw = "max(max(sqrt(x^2 + y^2) - 5 - max(0, min(1, (20 - z)*1000)) \
+                 - 0.6*sin(2*pi*z/3 - atan2(y, x))*max(0, min(1, (z - 20) \
+                 * 1000)), -z), z - 32)";
+    let model = placed(screw);
+    let found = heights(&model, &adaptive()).unwrap();
+    let of = |z: Mm| found.spans.iter().find(|s| s.top > z).unwrap().height();
+    assert!(of(10.0) > 0.28, "{}", of(10.0));
+    // tan = 1.257, so |n_z| = 0.78 at least.
+    assert!(of(26.0) <= 0.1 / 0.78);
+}
+
+#[test]
+fn layers_end_at_level_faces_and_stay_thick() {
+    let stairs = "min(max(max(abs(x) - 10, abs(y) - 8), abs(z - 2) - 2), \
+                  min(max(max(abs(x) - 7, abs(y) - 8), abs(z - 3.617) \
+                  - 3.617), max(max(abs(x) - 4, abs(y) - 8), \
+                  abs(z - 5.05) - 5.05)))";
+    let found = judged(stairs, &adaptive(), |_| 0.0);
+    for face in [4.0, 7.234, 10.1] {
+        let hit = found.spans.iter().any(|s| (s.top - face).abs() < 1e-6);
+        assert!(hit, "{face}: {found:?}");
+    }
+    let steps = found.steps.unwrap();
+    assert_eq!((steps.level_faces, steps.missed_faces), (3, 0));
+    assert!(steps.thinnest_mm > 0.2, "{steps:?}");
+}
+
+#[test]
+fn an_expression_gives_the_height() {
+    let settings = Settings {
+        layer_heights: Varying::Expression("0.1 + z / 100".into()),
+        ..Settings::default()
+    };
+    let model = placed("max(sqrt(x^2 + y^2) - 6, abs(z - 10) - 10)");
+    let found = heights(&model, &settings).unwrap();
+    for span in &found.spans[1..] {
+        let asked = 0.1 + 0.01 * span.bottom;
+        assert!((span.height() / asked - 1.0).abs() < 0.05, "{span:?}");
+    }
+    let bad = Settings {
+        layer_heights: Varying::Expression("x".into()),
+        ..Settings::default()
+    };
+    assert!(heights(&model, &bad).is_err());
+}
+
+#[test]
+fn uniform_layers_are_as_they_were() {
+    let model = placed("sqrt(x^2 + y^2 + z^2) - 3");
+    let found = heights(&model, &Settings::default()).unwrap();
+    let top = model.bounds.max.z + model.offset.z;
+    assert_eq!(found.spans, plan(top, 0.2, 0.2).unwrap());
+    assert_eq!(found.steps, None);
+}
