@@ -497,7 +497,6 @@ fn vertical(x: Interval, y: Interval, z: Interval) -> (f64, f64) {
     let smallest = |g: Interval| g.lo.max(-g.hi).max(0.0);
     let share = |up: f64, along: f64| match up {
         0.0 => 0.0,
-        up if along == 0.0 => up / up,
         up => up / along.hypot(up),
     };
     let most = share(z.magnitude(), smallest(x).hypot(smallest(y)));
