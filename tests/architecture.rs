@@ -90,7 +90,7 @@ const CIRCLES: &[(&str, &[&str])] = &[
 const CONFINED: &[Confined] = &[
     Confined {
         name: "fidget",
-        modules: &["model", "vary", "contour", "preview", "report"],
+        modules: &["model", "vary", "contour", "preview"],
         in_tests: true,
     },
     Confined {

@@ -212,10 +212,13 @@ fn lengths_follow_the_nozzle() {
         ("inner_wall_width", 0.45),
         ("ironing_spacing", 0.1),
         ("layer_height", 0.2),
+        ("layer_height_max", 0.3),
+        ("layer_height_min", 0.08),
         ("outer_wall_width", 0.45),
         ("skin_overlap", 0.6),
         ("skin_width", 0.45),
         ("slit_closing", 0.05),
+        ("step_error", 0.1),
         ("top_skin_width", 0.45),
         ("top_thickness", 0.8),
     ];

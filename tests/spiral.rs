@@ -108,7 +108,7 @@ fn it_climbs_without_a_break() {
     assert!(!text.contains("G10") && !text.contains("E-"));
     // After the way to the first turn, no step is without filament.
     let mut moves = text.lines().filter(|l| l.starts_with("G1 X"));
-    let mut climb = moves.by_ref().skip_while(|l| !l.contains('E'));
+    let mut climb = moves.by_ref().skip_while(|l| !l.contains('Z'));
     assert_eq!(climb.find(|l| !l.contains('E')), None);
 }
 

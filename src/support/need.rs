@@ -102,7 +102,11 @@ fn unspanned(gap: Area, below: &Solid<'_>, settings: &Settings) -> Area {
     if spanned.is_empty() {
         return gap;
     }
-    difference(&gap, &unite(&Area { rings: spanned }))
+    let rest = difference(&gap, &unite(&Area { rings: spanned }));
+    // A strip at the gap's edge that is too narrow for a line of its own hangs
+    // on the line beside it.
+    let wide = offset(&rest, -0.26 * spacing, TOLERANCE);
+    intersection(&rest, &offset(&wide, 0.3 * spacing, TOLERANCE))
 }
 
 /// The islands that are no specks.

@@ -432,10 +432,10 @@ mod tests {
 
     #[test]
     fn every_island_of_support_rests_on_support_or_part() {
-        // A plate over half of one arm's support.
+        // A plate under one of the arms.
         let mut outlines = tee();
         for outline in &mut outlines[20..25] {
-            *outline = union(outline, &rect(3.0, -3.0, 14.0, 3.0));
+            *outline = union(outline, &rect(3.0, -12.0, 32.0, 12.0));
         }
         for (supports, lands) in
             [(Supports::Auto, true), (Supports::Plate, false)]
