@@ -224,10 +224,13 @@ impl Open {
 impl Search<'_> {
     /// The bins that a cell reaches into.
     fn bins(&self, lo: Length, hi: Length) -> std::ops::Range<usize> {
-        let at = |z: Length| ((z - self.bottom) / self.options.bin).max(0.0);
+        /// A cell that only touches a bin is not in it, whatever rounding says.
+        const TOUCH: f64 = 1e-7;
+        let at = |z: Length| (z - self.bottom) / self.options.bin;
         let last = self.found.len() - 1;
-        let first = (at(lo) as usize).min(last);
-        first..(at(hi).ceil() as usize).clamp(first + 1, last + 1)
+        let first = ((at(lo) + TOUCH).max(0.0) as usize).min(last);
+        let end = (at(hi) - TOUCH).max(0.0).ceil() as usize;
+        first..end.clamp(first + 1, last + 1)
     }
 
     /// The least bound of some bins so far.
