@@ -90,7 +90,7 @@ mod tests {
         heights.extend([0.1; 10]);
         let spans = spans(&heights);
         let up = Shells::of_thickness(&spans, 0.8, true);
-        assert_eq!([0, 8, 9, 10].map(|i| up.at(i)), [2, 3, 6, 8]);
+        assert_eq!([0, 8, 9, 10].map(|i| up.at(i)), [2, 4, 6, 8]);
         let down = Shells::of_thickness(&spans, 0.8, false);
         assert_eq!([9, 10, 19].map(|i| down.at(i)), [2, 3, 8]);
         assert_eq!(up.most(), 8);
