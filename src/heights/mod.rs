@@ -41,6 +41,10 @@ use limit::Limit;
 use rayon::prelude::*;
 use serde::Serialize;
 
+/// What heights are multiples of: the last digit of G-code. A layer is then as
+/// high as its move says.
+const DIGIT: Mm = 1e-3;
+
 /// The setting's name.
 const KEY: &str = "layer_heights";
 
@@ -150,6 +154,8 @@ pub fn heights(
         }
     });
     let bins: Vec<Mm> = bins.collect::<Result<_, VaryError>>()?;
+    // Room for rounding.
+    let bins: Vec<Mm> = bins.iter().map(|height| height - DIGIT).collect();
     let limit = Limit::new(bottom, lean.bin, &bins);
     let tops = stack::stack(&borders, limit)?;
     let mut spans = vec![LayerSpan {
@@ -159,15 +165,16 @@ pub fn heights(
     }];
     for top in tops {
         let bottom = spans.last().map_or(0.0, |s| s.top);
+        let top = (top / DIGIT).round() * DIGIT;
         let index = spans.len();
         spans.push(LayerSpan { index, bottom, top });
     }
     let of_layer = |span: &LayerSpan| {
         // Bins that a layer only touches are none of its own.
-        const TOUCH: f64 = 1e-6;
+        let touch = DIGIT / lean.bin;
         let last = level.len() - 1;
-        let from = (bin_of(span.bottom) + TOUCH) as usize;
-        let to = (bin_of(span.top) - TOUCH).max(0.0) as usize;
+        let from = (bin_of(span.bottom) + touch) as usize;
+        let to = (bin_of(span.top) - touch).max(0.0) as usize;
         let bins = &level[from.min(last)..=to.min(last)];
         bins.iter().copied().fold(0.0, f64::max)
     };
@@ -178,7 +185,7 @@ pub fn heights(
     let steps = Steps {
         level_faces: faces
             .iter()
-            .filter(|f| spans.iter().any(|s| (s.top - *f).abs() < 1e-6))
+            .filter(|f| spans.iter().any(|s| (s.top - *f).abs() < DIGIT))
             .count(),
         missed_faces: missed.len(),
         unproved_mm: lean.unproved,

@@ -24,13 +24,15 @@
 //! Not guaranteed: level faces smaller than some 0.1 mm may be missed as such;
 //! the bounds hold, they then count as level.
 
+mod slopes;
+
 use crate::cancel::{Cancel, Cancelled};
 use crate::cell::Cell;
 use crate::expand::{ExpandError, expand};
-use crate::interval::Interval;
 use crate::program::{Program, Scratch, Surface};
 use crate::{Bounds, Length};
 use fidget::context::Tree;
+use slopes::{Known, known};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::rc::Rc;
@@ -206,14 +208,6 @@ impl PartialEq for Open {
 
 impl Eq for Open {}
 
-/// What is known of the surface in a box.
-struct Known {
-    /// Range of the greatest |n_z| of what is not exactly level.
-    least: f64,
-    most: f64,
-    level: Vec<Surface>,
-}
-
 impl Open {
     /// |n_z| at most, if nothing more is found.
     fn worst(&self) -> f64 {
@@ -224,10 +218,13 @@ impl Open {
 impl Search<'_> {
     /// The bins that a cell reaches into.
     fn bins(&self, lo: Length, hi: Length) -> std::ops::Range<usize> {
-        let at = |z: Length| ((z - self.bottom) / self.options.bin).max(0.0);
+        /// A cell that only touches a bin is not in it, whatever rounding says.
+        const TOUCH: f64 = 1e-7;
+        let at = |z: Length| (z - self.bottom) / self.options.bin;
         let last = self.found.len() - 1;
-        let first = (at(lo) as usize).min(last);
-        first..(at(hi).ceil() as usize).clamp(first + 1, last + 1)
+        let first = ((at(lo) + TOUCH).max(0.0) as usize).min(last);
+        let end = (at(hi) - TOUCH).max(0.0).ceil() as usize;
+        first..end.clamp(first + 1, last + 1)
     }
 
     /// The least bound of some bins so far.
@@ -452,58 +449,4 @@ impl Search<'_> {
             unproved: doubtful as f64 * self.options.bin,
         }
     }
-}
-
-/// The lean of some surfaces; of anything if they are not known.
-fn known(surfaces: Option<Vec<Surface>>) -> Known {
-    let mut known = Known {
-        least: 0.0,
-        most: 0.0,
-        level: Vec::new(),
-    };
-    let Some(surfaces) = surfaces else {
-        known.most = 1.0;
-        return known;
-    };
-    let mut least: f64 = 1.0;
-    for surface in surfaces {
-        let [x, y, z] = surface.slope;
-        let is_zero = |g: Interval| g == Interval::ZERO;
-        if is_zero(x) && is_zero(y) && !is_zero(z) {
-            known.level.push(surface);
-            continue;
-        }
-        let (low, high) = vertical(x, y, z);
-        if high > known.most {
-            known.most = high;
-            least = low;
-        } else if high == known.most {
-            least = least.min(low);
-        }
-    }
-    known.least = least.min(known.most);
-    known
-}
-
-/// Range of |n_z|, by those of the slopes.
-fn vertical(x: Interval, y: Interval, z: Interval) -> (f64, f64) {
-    if z == Interval::ZERO {
-        return (0.0, 0.0);
-    }
-    let sane = |g: Interval| !g.nan && !g.is_empty();
-    if !(sane(x) && sane(y) && sane(z)) {
-        return (0.0, 1.0);
-    }
-    let smallest = |g: Interval| g.lo.max(-g.hi).max(0.0);
-    let share = |up: f64, along: f64| match up {
-        0.0 => 0.0,
-        up => up / along.hypot(up),
-    };
-    let most = share(z.magnitude(), smallest(x).hypot(smallest(y)));
-    let least = share(smallest(z), x.magnitude().hypot(y.magnitude()));
-    let number = |v: f64, otherwise: f64| match v.is_nan() {
-        true => otherwise,
-        false => v,
-    };
-    (number(least, 0.0), number(most, 1.0))
 }
