@@ -178,7 +178,7 @@ fn a_byte_order_mark_is_skipped_and_other_encodings_are_named() {
 fn usual_mistakes_are_told_what_to_write() {
     let folder = tempfile::tempdir().unwrap();
     for (args, words) in [
-        (&["--supports"][..], "makes no supports"),
+        (&["--supports"][..], "--set supports=auto"),
         (&["--layer-height", "0.1"], "--set layer_height=0.2"),
         (&["--infill=30"], "infill_density=25%"),
         (&["--nozzle-temperature=1"], "filament.nozzle_temperature"),
