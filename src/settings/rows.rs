@@ -250,10 +250,9 @@ table::settings! {
         /// Gap between the part and a support that stands on it, as whole
         /// layers likewise.
         z_gap_bottom: Mm = 0.2, in 0.0..=10.0;
-        /// How far the sides of a support lean inwards from the vertical on
-        /// their way down, until it is as thin as a few lines; 0 for straight
-        /// columns.
-        taper_angle: Degrees = 45.0, in 0.0..=70.0;
+        /// How far branches of supports may lean from the vertical; 0 for
+        /// straight columns.
+        branch_angle: Degrees = 45.0, in 0.0..=70.0;
         /// Share of a support's inside that is printed.
         density: Percent = 12.0, in 1.0..=100.0;
         /// Number of dense layers at the top of a support.

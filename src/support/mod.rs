@@ -15,20 +15,32 @@
 //!
 //! 1. [`need`] finds, layer by layer, what sticks out too far over the layer
 //!    below, begins on nothing, or is too long for a bridge.
-//! 2. From the top down, each layer's support is that of the layer above, drawn
-//!    in by h·tan(`support.taper_angle`) where it is wider than a thin wall,
-//!    and what is needed anew, less the part and `support.xy_gap` around it.
-//! 3. From the bottom up, each island of support that rests on nothing is taken
+//! 2. [`room`] finds where supports may be, and from where they can get down
+//!    to the bed past the part.
+//! 3. [`tree`] lets branches grow from the top down: each is drawn together by
+//!    `support.branch_angle` until it is a post, and posts that can meet do.
+//! 4. From the bottom up, each island of support that rests on nothing is taken
 //!    out, so none begins in the air.
 //!
 //! The plan depends on the part and on the settings only, and is made of all
 //! layers, whichever are written.
 //!
 //! Not guaranteed: gaps in z are whole layers, at least as high as asked for.
-//! Supports go straight down and do not lean away from what is below them.
 //! The plan keeps areas for all layers, so its memory grows with the height.
 
+use crate::units::{Mm, Mm2};
+
+mod branch;
+mod cells;
+mod gaps;
 mod need;
 mod plan;
+mod room;
+mod tree;
 
 pub(crate) use plan::{Parts, Plan, Slice, Unheld};
+
+/// Tolerance of the offsets, mm.
+const TOLERANCE: Mm = 0.02;
+/// What is smaller than this is not printed, mm².
+const SPECK: Mm2 = 0.5;

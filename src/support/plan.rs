@@ -1,25 +1,20 @@
 //! The areas of support of all layers.
 
+use super::branch::Size;
+use super::gaps::{gap_below, top_below};
 use super::need::need;
+use super::room::Room;
+use super::tree::grow;
+use super::{SPECK, TOLERANCE};
 use crate::layers::LayerSpan;
 use crate::plane::clip::{difference, intersection, union};
 use crate::plane::offset::offset;
-use crate::plane::simplify::simplify;
 use crate::plane::{Area, Rect};
 use crate::settings::{Settings, Supports};
 use crate::units::{Mm, Mm2};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Tolerance of the offsets, mm.
-const TOLERANCE: Mm = 0.02;
-/// How far support reaches beyond what needs it, in widths of its lines: a post
-/// under a point is two lines wide or more.
-const REACH: f64 = 1.1;
-/// Half the width of the walls and posts that a support tapers to, likewise.
-const THIN: f64 = 1.1;
-/// What is smaller than this is not printed, mm².
-const SPECK: Mm2 = 0.5;
 /// Support has to rest on so much, as a share of itself, or mm².
 const REST: (f64, Mm2) = (0.1, 0.3);
 
@@ -89,15 +84,13 @@ impl Plan {
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
             return Plan::default();
         };
-        let taken: Vec<Area> = (0..highest)
-            .into_par_iter()
-            .map(|j| taken(parts, j, settings))
-            .collect();
+        let room = Room::new(parts, highest, settings);
+        let areas = grow(parts, &needs, &room, highest, settings);
         let mut plan = Plan {
-            slices: downwards(parts, &needs, &taken, settings),
+            slices: slices(parts, &needs, areas, settings),
             unheld: Unheld::default(),
         };
-        plan.settle(parts, &taken, settings);
+        plan.settle(parts, settings);
         plan.judge(parts, &needs, settings);
         plan
     }
@@ -110,12 +103,7 @@ impl Plan {
     }
 
     /// Takes out what rests on nothing.
-    fn settle(
-        &mut self,
-        parts: Parts<'_>,
-        taken: &[Area],
-        settings: &Settings,
-    ) {
+    fn settle(&mut self, parts: Parts<'_>, settings: &Settings) {
         let everywhere = settings.supports == Supports::Auto;
         for j in 1..self.slices.len() {
             crate::limits::check();
@@ -131,10 +119,7 @@ impl Plan {
                     rests = union(&rests, &parts.outlines[k]);
                 }
             }
-            let whole = difference(
-                &union(&slice.body, &slice.interface),
-                taken.get(j).unwrap_or(&Area::EMPTY),
-            );
+            let whole = union(&slice.body, &slice.interface);
             let mut stays = Vec::new();
             for island in whole.islands() {
                 let least = (REST.0 * island.content()).min(REST.1);
@@ -182,30 +167,6 @@ impl Plan {
     }
 }
 
-/// The highest layer whose top is at least `support.z_gap` below layer `i`.
-fn top_below(
-    spans: &[LayerSpan],
-    i: usize,
-    settings: &Settings,
-) -> Option<usize> {
-    const ROUNDED: Mm = 1e-6;
-    let highest = spans[i].bottom - settings.support.z_gap + ROUNDED;
-    spans[..i].iter().rposition(|span| span.top <= highest)
-}
-
-/// The layers below layer `j` of which the part keeps `support.z_gap_bottom`
-/// from a support in it, and the layer on which such a support rests.
-fn gap_below(
-    spans: &[LayerSpan],
-    j: usize,
-    settings: &Settings,
-) -> std::ops::Range<usize> {
-    const ROUNDED: Mm = 1e-6;
-    let lowest = spans[j].bottom - settings.support.z_gap_bottom + ROUNDED;
-    let on = spans[..j].iter().rposition(|span| span.top <= lowest);
-    on.unwrap_or(0)..j
-}
-
 /// An outline without the islands that are thinner than any line: a part that
 /// begins in a point begins where a line fits into it.
 fn as_printed(outline: &Area, settings: &Settings) -> Area {
@@ -222,127 +183,49 @@ fn as_printed(outline: &Area, settings: &Settings) -> Area {
     }
 }
 
-/// Where no support may be in layer `j`: the part and what is near to it.
-fn taken(parts: Parts<'_>, j: usize, settings: &Settings) -> Area {
-    crate::limits::check();
-    let Parts {
-        spans, outlines, ..
-    } = parts;
-    // Of which the tolerances of what keeps off may take some.
-    let gap = settings.support.xy_gap + 3.0 * TOLERANCE;
-    let mut area = thinned(offset(&outlines[j], gap, TOLERANCE));
-    // The layers within the gaps above and below.
-    let below = gap_below(spans, j, settings);
-    let below = (below.start + 1).min(j)..j;
-    let above = (j + 1..spans.len())
-        .take_while(|&i| top_below(spans, i, settings).is_none_or(|t| t < j));
-    for k in below.chain(above) {
-        if !outlines[k].is_empty() && outlines[k] != outlines[j] {
-            area = union(&area, &outlines[k]);
-        }
-    }
-    area
-}
-
-/// The supports from the top down, before anything is known of what is below.
-fn downwards(
+/// Sparse and dense parts of the area that supports have in each layer.
+fn slices(
     parts: Parts<'_>,
     needs: &[Area],
-    taken: &[Area],
+    areas: Vec<Area>,
     settings: &Settings,
 ) -> Vec<Slice> {
     let width = settings.infill_width();
-    let reach = REACH * width;
     let roof = settings.support.interface_layers as usize;
-    let count = taken.len();
-    // By layer, what is needed there anew.
-    let mut tops: Vec<Area> = vec![Area::EMPTY; count];
+    let mut tops: Vec<Area> = vec![Area::EMPTY; areas.len()];
     for (i, need) in needs.iter().enumerate() {
         if need.is_empty() {
             continue;
         }
         if let Some(j) = top_below(parts.spans, i, settings) {
-            let top = offset(need, reach, TOLERANCE);
+            let top = offset(need, Size::new(settings).post, TOLERANCE);
             tops[j] = union(&tops[j], &top);
         }
     }
+    let Rect { min, max } = parts.bed;
     let bed = Area {
         rings: vec![vec![
-            parts.bed.min,
-            DVec2::new(parts.bed.max.x, parts.bed.min.y),
-            parts.bed.max,
-            DVec2::new(parts.bed.min.x, parts.bed.max.y),
+            min,
+            DVec2::new(max.x, min.y),
+            max,
+            DVec2::new(min.x, max.y),
         ]],
     };
-    if settings.supports == Supports::Plate {
-        let mut blocked = Area::EMPTY;
-        for (j, top) in tops.iter_mut().enumerate() {
-            blocked = union(&blocked, &taken[j]);
-            *top = difference(top, &blocked);
-        }
-    }
-    let mut slices = vec![Slice::default(); count];
-    let mut above = Area::EMPTY;
-    for j in (0..count).rev() {
+    let slice = |(j, all): (usize, Area)| {
         crate::limits::check();
-        let height = parts.spans[j].height();
-        let draw = height * settings.support.taper_angle.to_radians().tan();
-        let mut all = tapered(&above, draw, THIN * width);
-        all = union(&all, &tops[j]);
-        if !all.is_empty() {
-            all = difference(&intersection(&all, &bed), &taken[j]);
-            all = thinned(printable(all, 0.4 * width));
-        }
+        let all = printable(intersection(&all, &bed), 0.0);
         let mut dense = Area::EMPTY;
         for top in tops.iter().skip(j).take(roof) {
             dense = union(&dense, top);
         }
-        slices[j] = Slice {
-            interface: printable(intersection(&all, &dense), 0.0),
-            body: Area::EMPTY,
-        };
-        slices[j].body = match slices[j].interface.is_empty() {
-            true => all.clone(),
+        let interface = printable(intersection(&all, &dense), 0.0);
+        let body = match interface.is_empty() {
+            true => all,
             false => printable(difference(&all, &dense), 0.4 * width),
         };
-        above = all;
-    }
-    slices
-}
-
-/// The area with fewer points: they would grow in number with every layer.
-fn thinned(area: Area) -> Area {
-    let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
-    Area {
-        rings: rings.filter(|ring| ring.len() > 2).collect(),
-    }
-}
-
-/// The area drawn in by `draw` where it is wider than 2 `thin`, and as it is
-/// elsewhere.
-fn tapered(area: &Area, draw: Mm, thin: Mm) -> Area {
-    if area.is_empty() {
-        return Area::EMPTY;
-    }
-    let inner = offset(area, -thin - draw, TOLERANCE);
-    if inner.is_empty() {
-        return area.clone();
-    }
-    let core = offset(&inner, thin, TOLERANCE);
-    // What the core does not come from is a wall, a post or a spike of it.
-    let covered = offset(&inner, thin + 1.5 * draw + TOLERANCE, TOLERANCE);
-    let rest = difference(area, &covered);
-    let rest: Vec<Area> = rest.islands();
-    let rest: Vec<_> = rest
-        .into_iter()
-        .filter(|i| i.content() > SPECK)
-        .flat_map(|i| i.rings)
-        .collect();
-    if rest.is_empty() {
-        return core;
-    }
-    let rest = offset(&Area { rings: rest }, 2.0 * draw, TOLERANCE);
-    union(&core, &intersection(&rest, area))
+        Slice { body, interface }
+    };
+    areas.into_par_iter().enumerate().map(slice).collect()
 }
 
 /// The area without what is thinner than 2 `half`, and without specks.
@@ -487,19 +370,5 @@ mod tests {
             assert!(all(&plan, j).contains(DVec2::ZERO), "layer {j}");
         }
         assert_eq!(plan.unheld.area, 0.0);
-    }
-
-    #[test]
-    fn tapering_never_takes_all() {
-        let draw = 0.2;
-        let mut area = rect(0.0, 0.0, 20.0, 12.0);
-        for _ in 0..100 {
-            let next = tapered(&area, draw, 0.5);
-            // What is above sticks out by a little more than `draw` at most.
-            let out = difference(&area, &offset(&next, 2.5 * draw, 1e-3));
-            assert!(out.content() < SPECK, "{}", out.content());
-            area = next;
-        }
-        assert!(area.content() > 5.0 && area.content() < 30.0);
     }
 }

@@ -1,0 +1,238 @@
+//! One branch of support, from layer to layer on its way down.
+//!
+//! ```text
+//!   ▒▒▒▒▒▒▒▒▒▒▒▒      what it holds
+//!    ╲░░░░░░░░╱       every point of it moves towards its middle, by
+//!      ╲░░░░╱         h·tan(`support.branch_angle`) in a layer
+//!        ││           until it is a post, which grows with what is above it
+//!       ╱  ╲          and has a foot on the bed
+//! ```
+//!
+//! A branch is kept as its core: where the middle of a disc of radius
+//! [`Size::core`] may be, so that no neck is thinner than that disc. Where the
+//! part is in the way the core goes around it, as far as a branch may lean.
+//! Each point of a layer's core lies within that reach of the core below, so
+//! what is printed always rests on something.
+
+use super::gaps::gap_below;
+use super::plan::Parts;
+use super::room::{Foot, Room, thinned, widened};
+use super::{SPECK, TOLERANCE};
+use crate::plane::clip::{crop, difference, union, unite};
+use crate::plane::offset::offset;
+use crate::plane::{Area, Rect, Ring, edges, signed_area};
+use crate::settings::Settings;
+use crate::units::{Mm, Mm2};
+use glam::DVec2;
+
+/// A post is at most so many times as high as it is thick.
+const SLENDER: f64 = 12.0;
+/// A post has this share of the area that it holds, at least.
+const BEARING: f64 = 1.0 / 30.0;
+/// Height and width of a foot on the bed, mm.
+const FOOT: Mm = 1.0;
+/// A post's core has this radius, mm.
+const POINT: Mm = 0.1;
+/// Corners of a post's outline.
+const CORNERS: u32 = 24;
+/// Longest edge of a core that is moved as one, mm.
+const EDGE: Mm = 1.0;
+
+/// How thick branches are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    /// Half the thickness of the thinnest neck.
+    pub core: Mm,
+    /// Half the thickness of the thinnest post.
+    pub post: Mm,
+}
+
+impl Size {
+    /// By the width of the lines.
+    pub(super) fn new(settings: &Settings) -> Size {
+        let width = settings.infill_width();
+        Size {
+            core: 0.8 * width,
+            post: 1.1 * width,
+        }
+    }
+}
+
+/// A layer that branches come down to.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    /// Its number.
+    pub layer: usize,
+    /// How far a branch may lean from the layer above.
+    pub lean: Mm,
+    pub parts: Parts<'a>,
+    pub room: &'a Room,
+    pub settings: &'a Settings,
+}
+
+/// A branch in one layer.
+#[derive(Clone, Debug)]
+pub(super) struct Branch {
+    /// Where its middle is.
+    pub core: Area,
+    /// What it stands on.
+    pub foot: Foot,
+    /// The cell of the plane whose faces it holds, if it is only one.
+    pub cell: Option<[u32; 2]>,
+    /// Height of the highest thing that it holds, above the bed.
+    pub top: Mm,
+    /// Area of what it holds.
+    pub held: Mm2,
+}
+
+impl Branch {
+    /// The middle of its core.
+    pub(super) fn middle(&self) -> DVec2 {
+        middle(&self.core)
+    }
+
+    /// True if it is one post and no wider than that.
+    pub(super) fn is_post(&self) -> bool {
+        let middle = self.middle();
+        let mut points = self.core.rings.iter().flatten();
+        points.all(|p| p.distance(middle) < 3.0 * POINT)
+    }
+
+    /// Holds what another branch has held so far.
+    pub(super) fn take(&mut self, other: Branch) {
+        let mut rings = std::mem::take(&mut self.core.rings);
+        rings.extend(other.core.rings);
+        self.core = unite(&Area { rings });
+        self.top = self.top.max(other.top);
+        self.held += other.held;
+    }
+
+    /// Goes down to a layer from the one above it.
+    pub(super) fn lower(&mut self, step: Step<'_>) {
+        crate::limits::check();
+        let middle = self.middle();
+        let pulled = self.core.rings.iter();
+        let pulled = pulled.map(|ring| pulled_in(ring, middle, step.lean));
+        let pulled = unite(&Area {
+            rings: pulled.collect(),
+        });
+        let bounds = pulled.bounds().union(self.core.bounds());
+        let near = widened(bounds, step.lean + 4.0 * TOLERANCE);
+        let blocked = step.room.blocked(step.layer, self.foot, near);
+        if blocked.is_empty() {
+            self.core = finely(pulled);
+            return;
+        }
+        let mut core = difference(&pulled, &blocked);
+        // What the part is in the way of goes aside, or stands on the part.
+        let reach = step.lean + 2.0 * TOLERANCE;
+        let lost = difference(&self.core, &offset(&core, reach, TOLERANCE));
+        let lost = difference(&lost, &self.landing(step, near));
+        if lost.content() > 0.01 * SPECK {
+            let aside = offset(&lost, reach, TOLERANCE);
+            core = union(&core, &difference(&aside, &blocked));
+        }
+        self.core = finely(core);
+    }
+
+    /// Of a box, what a branch stands on that comes down to a layer.
+    fn landing(&self, step: Step<'_>, within: Rect) -> Area {
+        if self.foot == Foot::Bed {
+            return Area::EMPTY;
+        }
+        let size = Size::new(step.settings);
+        let within = widened(within, size.core);
+        let Parts {
+            spans, outlines, ..
+        } = step.parts;
+        let below = gap_below(spans, step.layer, step.settings);
+        let below = below.map(|k| crop(&outlines[k].rings, within));
+        let below = below.reduce(|a, b| union(&a, &b));
+        offset(&below.unwrap_or_default(), size.core, TOLERANCE)
+    }
+
+    /// What of it is printed in a layer.
+    pub(super) fn area(&self, step: Step<'_>) -> Area {
+        let size = Size::new(step.settings);
+        let bottom = step.parts.spans[step.layer].bottom;
+        let slender = 0.5 * (self.top - bottom) / SLENDER;
+        let bearing = (BEARING * self.held / std::f64::consts::PI).sqrt();
+        let mut post = size.post.max(slender).max(bearing);
+        if self.foot == Foot::Bed {
+            post += (FOOT - bottom).max(0.0);
+        }
+        let mut all = offset(&self.core, size.core, TOLERANCE);
+        let mut discs = Vec::new();
+        for island in self.core.islands() {
+            let middle = middle(&island);
+            let far = island.rings.iter().flatten();
+            let far = far.map(|p| p.distance(middle)).fold(0.0, f64::max);
+            if far + size.core < post {
+                discs.push(disc(middle, post));
+            }
+        }
+        if !discs.is_empty() {
+            let discs = Area { rings: discs };
+            let near = widened(discs.bounds(), TOLERANCE);
+            let taken = crop(&step.room.taken(step.layer).rings, near);
+            all = union(&all, &difference(&discs, &taken));
+        }
+        all
+    }
+}
+
+/// The middle of an area; that of its points if it has no content.
+fn middle(area: &Area) -> DVec2 {
+    let mut sum = DVec2::ZERO;
+    let mut content = 0.0;
+    // About one of its points, which keeps rounding small.
+    let points = || area.rings.iter().flatten();
+    let about = points().next().copied().unwrap_or_default();
+    for ring in &area.rings {
+        for (a, b) in edges(ring) {
+            let cross = (a - about).perp_dot(b - about);
+            content += cross;
+            sum += cross * (a + b - 2.0 * about) / 3.0;
+        }
+    }
+    if content > 1e-9 {
+        return about + sum / content;
+    }
+    let count = points().count().max(1) as f64;
+    points().sum::<DVec2>() / count
+}
+
+/// A disc around a point. Its corners are on the circle.
+fn disc(middle: DVec2, radius: Mm) -> Ring {
+    let step = std::f64::consts::TAU / f64::from(CORNERS);
+    let corner = |k| DVec2::from_angle(f64::from(k) * step) * radius + middle;
+    (0..CORNERS).map(corner).collect()
+}
+
+/// A ring all of whose points move towards `middle` by `by`, but not nearer
+/// than [`POINT`].
+fn pulled_in(ring: &[DVec2], middle: DVec2, by: Mm) -> Ring {
+    let mut moved = Vec::with_capacity(ring.len());
+    for (a, b) in edges(ring) {
+        let pieces = (a.distance(b) / EDGE).ceil().max(1.0);
+        let mut k = 0.0;
+        while k < pieces {
+            let from = a.lerp(b, k / pieces) - middle;
+            let far = from.length();
+            let near = (far - by).max(far.min(POINT));
+            moved.push(middle + from * (near / far.max(1e-12)));
+            k += 1.0;
+        }
+    }
+    moved
+}
+
+/// A core with as few points as its shape needs. Thin necks stay.
+fn finely(core: Area) -> Area {
+    let thin = thinned(core.clone());
+    let lost = |ring: &&Ring| signed_area(ring).abs() > 1e-4;
+    if thin.rings.len() == core.rings.iter().filter(lost).count() {
+        return thin;
+    }
+    core
+}

@@ -1,0 +1,98 @@
+//! The cells into which faces are cut that one branch cannot hold.
+
+use super::SPECK;
+use crate::plane::clip::{crop, unite};
+use crate::plane::{Area, Rect};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// Width of a cell, mm, about. A wider one takes branches longer to be drawn
+/// together; narrower ones have more posts.
+const CELL: Mm = 12.0;
+/// A face that is no wider than so many cells is not cut.
+const UNCUT: f64 = 1.5;
+/// What is smaller than this share of a cell goes with what is beside it.
+const SLIVER: f64 = 0.04;
+
+/// A grid over all that needs support.
+pub(super) struct Cells {
+    min: DVec2,
+    size: DVec2,
+    count: [u32; 2],
+}
+
+impl Cells {
+    /// A grid over a box, in which each of the cells has the same size.
+    pub(super) fn new(bounds: Rect) -> Cells {
+        let extent = bounds.max - bounds.min;
+        let count = (extent / CELL).round().max(DVec2::ONE);
+        Cells {
+            min: bounds.min,
+            size: (extent / count).max(DVec2::splat(1e-3)),
+            count: [count.x as u32, count.y as u32],
+        }
+    }
+
+    /// The number of a point's cell.
+    fn of(&self, p: DVec2) -> [u32; 2] {
+        let at = ((p - self.min) / self.size).max(DVec2::ZERO);
+        let [x, y] = self.count;
+        [(at.x as u32).min(x - 1), (at.y as u32).min(y - 1)]
+    }
+
+    /// The pieces of an area, and the cells in which they are.
+    pub(super) fn cut(&self, area: &Area) -> Vec<([u32; 2], Area)> {
+        let mut pieces = Vec::new();
+        for island in area.islands() {
+            let bounds = island.bounds();
+            if (bounds.max - bounds.min).max_element() <= UNCUT * CELL {
+                let cell = self.of(bounds.min.midpoint(bounds.max));
+                pieces.push((cell, island));
+                continue;
+            }
+            pieces.extend(self.pieces(&island, bounds));
+        }
+        pieces
+    }
+
+    /// The pieces of a wide island.
+    fn pieces(&self, island: &Area, bounds: Rect) -> Vec<([u32; 2], Area)> {
+        let (low, high) = (self.of(bounds.min), self.of(bounds.max));
+        let (mut large, mut slivers) = (Vec::new(), Vec::new());
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                let at = DVec2::new(f64::from(x), f64::from(y));
+                let min = self.min + at * self.size;
+                let cell = Rect {
+                    min,
+                    max: min + self.size,
+                };
+                for piece in unite(&crop(&island.rings, cell)).islands() {
+                    let content = piece.content();
+                    if content > SLIVER * CELL * CELL {
+                        large.push(([x, y], piece));
+                    } else if content > 0.0 {
+                        slivers.push(([x, y], piece));
+                    }
+                }
+            }
+        }
+        for (cell, sliver) in slivers {
+            let middle = |area: &Area| {
+                let Rect { min, max } = area.bounds();
+                min.midpoint(max)
+            };
+            let at = middle(&sliver);
+            let beside = large.iter_mut().min_by(|(_, a), (_, b)| {
+                let far = |area| middle(area).distance_squared(at);
+                far(a).total_cmp(&far(b))
+            });
+            match beside {
+                Some((_, beside)) => beside.rings.extend(sliver.rings),
+                None if sliver.content() > SPECK => large.push((cell, sliver)),
+                None => {}
+            }
+        }
+        large
+    }
+}
