@@ -47,8 +47,11 @@ use tour::{Stop, tour};
 pub(crate) struct LayerBeads {
     /// Loops around the part, in order.
     pub skirt: Vec<Bead>,
-    /// Supports, which are printed before the part.
+    /// Supports.
     pub support: Vec<Bead>,
+    /// Supports are printed after the part, not before it. If layers take
+    /// turns, the nozzle changes between the two once in a layer.
+    pub support_last: bool,
     /// Closed beads of the walls.
     pub walls: Vec<Bead>,
     /// Where the seam of each wall may be.
@@ -103,7 +106,11 @@ pub(crate) fn order(
     }
     let support = std::mem::take(&mut beads.support).into_iter();
     let support: Vec<_> = support.map(|b| (0, jobs::Job::of(b))).collect();
-    jobs::print(support, &mut head.at, None, &mut out);
+    let (first, last) = match beads.support_last {
+        true => (Vec::new(), support),
+        false => (support, Vec::new()),
+    };
+    jobs::print(first, &mut head.at, None, &mut out);
     let mut islands = islands(outline, beads);
     head.seams = place_seams(&mut islands, &head.seams);
     let mut stops = Vec::new();
@@ -129,6 +136,7 @@ pub(crate) fn order(
             print_island(island, &mut head.at, to, settings, &mut out);
         }
     }
+    jobs::print(last, &mut head.at, None, &mut out);
     out
 }
 

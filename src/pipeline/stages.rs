@@ -538,6 +538,7 @@ impl<'a> Stages<'a> {
             support: self
                 .timings
                 .time(Stage::Support, || self.support_beads(span))?,
+            support_last: !number.is_multiple_of(2),
             skirt,
             turn: None,
             walls,

@@ -16,10 +16,11 @@
 
 use super::gaps::gap_below;
 use super::plan::Parts;
-use super::room::{Foot, Room, thinned, widened};
+use super::room::{Foot, Room, widened};
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
+use crate::plane::simplify::simplify;
 use crate::plane::{Area, Rect, Ring, edges, signed_area};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
@@ -33,6 +34,8 @@ const BEARING: f64 = 1.0 / 30.0;
 const FOOT: Mm = 1.0;
 /// A post's core has this radius, mm.
 const POINT: Mm = 0.1;
+/// Tolerance of a core's outline, mm.
+const FINE: Mm = 0.01;
 /// Corners of a post's outline.
 const CORNERS: u32 = 24;
 /// Longest edge of a core that is moved as one, mm.
@@ -52,7 +55,7 @@ impl Size {
     pub(super) fn new(settings: &Settings) -> Size {
         let width = settings.infill_width();
         Size {
-            core: 0.8 * width,
+            core: 0.6 * width,
             post: 1.1 * width,
         }
     }
@@ -77,8 +80,8 @@ pub(super) struct Branch {
     pub core: Area,
     /// What it stands on.
     pub foot: Foot,
-    /// The cell of the plane whose faces it holds, if it is only one.
-    pub cell: Option<[u32; 2]>,
+    /// The cell of the plane in which its first face was.
+    pub cell: [u32; 2],
     /// Height of the highest thing that it holds, above the bed.
     pub top: Mm,
     /// Area of what it holds.
@@ -98,24 +101,61 @@ impl Branch {
         points.all(|p| p.distance(middle) < 3.0 * POINT)
     }
 
-    /// Holds what another branch has held so far.
-    pub(super) fn take(&mut self, other: Branch) {
+    /// Holds what another branch that it touches has held so far.
+    pub(super) fn take(&mut self, other: Branch, step: Step<'_>) {
         let mut rings = std::mem::take(&mut self.core.rings);
         rings.extend(other.core.rings);
         self.core = unite(&Area { rings });
+        if self.core.islands().len() > 1 {
+            // What is printed of them overlaps.
+            let size = Size::new(step.settings).core;
+            let wide = offset(&self.core, size, TOLERANCE);
+            let both = union(&self.core, &offset(&wide, -size, TOLERANCE));
+            self.core = finely(both);
+        }
         self.top = self.top.max(other.top);
         self.held += other.held;
     }
 
-    /// Goes down to a layer from the one above it.
-    pub(super) fn lower(&mut self, step: Step<'_>) {
+    /// Becomes one post with another post.
+    pub(super) fn meet(&mut self, other: &Branch) {
+        let at = self.middle().midpoint(other.middle());
+        self.core.rings = vec![disc(at, POINT)];
+        self.top = self.top.max(other.top);
+        self.held += other.held;
+    }
+
+    /// Its connected parts, each as a branch.
+    pub(super) fn islands(self) -> impl Iterator<Item = Branch> {
+        let whole = self.core.content().max(1e-9);
+        self.core.islands().into_iter().map(move |core| Branch {
+            held: self.held * core.content() / whole,
+            core,
+            ..self
+        })
+    }
+
+    /// Goes down to a layer from the one above it. A post leans towards
+    /// `other`, if there is something to go to.
+    pub(super) fn lower(&mut self, other: Option<DVec2>, step: Step<'_>) {
         crate::limits::check();
         let middle = self.middle();
-        let pulled = self.core.rings.iter();
-        let pulled = pulled.map(|ring| pulled_in(ring, middle, step.lean));
-        let pulled = unite(&Area {
-            rings: pulled.collect(),
-        });
+        let pulled = match self.is_post() {
+            true => {
+                let way = other.map_or(DVec2::ZERO, |other| other - middle);
+                let at = middle + way.clamp_length_max(step.lean);
+                Area {
+                    rings: vec![disc(at, POINT)],
+                }
+            }
+            false => {
+                let rings = self.core.rings.iter();
+                let pulled = rings.map(|r| pulled_in(r, middle, step.lean));
+                unite(&Area {
+                    rings: pulled.collect(),
+                })
+            }
+        };
         let bounds = pulled.bounds().union(self.core.bounds());
         let near = widened(bounds, step.lean + 4.0 * TOLERANCE);
         let blocked = step.room.blocked(step.layer, self.foot, near);
@@ -182,7 +222,7 @@ impl Branch {
 }
 
 /// The middle of an area; that of its points if it has no content.
-fn middle(area: &Area) -> DVec2 {
+pub(super) fn middle(area: &Area) -> DVec2 {
     let mut sum = DVec2::ZERO;
     let mut content = 0.0;
     // About one of its points, which keeps rounding small.
@@ -229,10 +269,13 @@ fn pulled_in(ring: &[DVec2], middle: DVec2, by: Mm) -> Ring {
 
 /// A core with as few points as its shape needs. Thin necks stay.
 fn finely(core: Area) -> Area {
-    let thin = thinned(core.clone());
-    let lost = |ring: &&Ring| signed_area(ring).abs() > 1e-4;
-    if thin.rings.len() == core.rings.iter().filter(lost).count() {
-        return thin;
+    let fine = |ring: Ring| {
+        let few = simplify(&ring, FINE);
+        let [few_in, all_in] = [&few, &ring].map(|r| signed_area(r).abs());
+        let ring = if few_in > 0.5 * all_in { few } else { ring };
+        (all_in > 1e-6).then_some(ring)
+    };
+    Area {
+        rings: core.rings.into_iter().filter_map(fine).collect(),
     }
-    core
 }

@@ -17,7 +17,7 @@ use super::TOLERANCE;
 use super::branch::Size;
 use super::gaps::{gap_below, top_below};
 use super::plan::Parts;
-use crate::plane::clip::{crop, difference, union};
+use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, Rect};
@@ -106,6 +106,10 @@ impl Room {
     }
 }
 
+/// How far a support is to the side of what is right below or above it within
+/// the gaps, mm.
+const BESIDE: Mm = 0.05;
+
 /// Where no support may be in layer `j`: the part and what is near to it.
 fn taken(parts: Parts<'_>, j: usize, settings: &Settings) -> Area {
     crate::limits::check();
@@ -113,19 +117,20 @@ fn taken(parts: Parts<'_>, j: usize, settings: &Settings) -> Area {
         spans, outlines, ..
     } = parts;
     // Of which the tolerances of what keeps off may take some.
-    let gap = settings.support.xy_gap + 3.0 * TOLERANCE;
-    let mut area = thinned(offset(&outlines[j], gap, TOLERANCE));
+    let gap = settings.support.xy_gap + TOLERANCE;
+    let area = thinned(offset(&outlines[j], gap, TOLERANCE));
     // The layers within the gaps above and below.
     let below = gap_below(spans, j, settings);
     let below = (below.start + 1).min(j)..j;
     let above = (j + 1..spans.len())
         .take_while(|&i| top_below(spans, i, settings).is_none_or(|t| t < j));
-    for k in below.chain(above) {
-        if !outlines[k].is_empty() && outlines[k] != outlines[j] {
-            area = union(&area, &outlines[k]);
-        }
+    let others = below.chain(above).map(|k| &outlines[k]);
+    let others = others.filter(|other| **other != outlines[j]);
+    let rings: Vec<_> = others.flat_map(|o| o.rings.clone()).collect();
+    if rings.is_empty() {
+        return area;
     }
-    area
+    union(&area, &offset(&unite(&Area { rings }), BESIDE, TOLERANCE))
 }
 
 /// The area with fewer points: they would grow in number with every layer.

@@ -5,19 +5,19 @@
 //!
 //! 1. What is needed is cut into the cells of a grid ([`Cells`]), so that a
 //!    wide face is held by several branches.
-//! 2. Branches are drawn together on their way down ([`Branch::lower`]).
-//! 3. Two posts that can still meet halfway well above the bed become one
-//!    branch, if nothing is in their way.
+//! 2. Each branch is drawn together on its way down ([`Branch::lower`]).
+//! 3. A post leans towards the branch next to it, if the two can meet well
+//!    above the bed and nothing is in their way. Those that meet become one.
 
 use super::TOLERANCE;
-use super::branch::{Branch, Size, Step};
+use super::branch::{Branch, Size, Step, middle};
 use super::cells::Cells;
 use super::gaps::top_below;
 use super::plan::Parts;
 use super::room::{Foot, Room};
-use crate::plane::clip::{crop, unite};
+use crate::plane::clip::{crop, intersection, unite};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect, edges};
+use crate::plane::{Area, Rect, Solid, edges};
 use crate::settings::{Settings, Supports};
 use crate::units::Mm;
 use glam::DVec2;
@@ -26,6 +26,12 @@ use rayon::prelude::*;
 /// What is left of the height where two posts meet, as a share of what they
 /// go down on their way to each other: below that it is not worth its while.
 const BELOW: f64 = 0.5;
+
+/// A branch stands on the part if that is nearer than this share of the way
+/// down to the bed.
+const NEAR: f64 = 0.5;
+/// Size of the cells of outlines' grids, mm.
+const CELL: Mm = 2.0;
 
 /// The area that branches have in each of some layers, for what is needed in
 /// each of the part's layers.
@@ -50,6 +56,8 @@ pub(super) fn grow(
         return Vec::new();
     };
     let cells = Cells::new(bounds);
+    let solids: Vec<Solid> =
+        parts.outlines.iter().map(|o| Solid::of(o, CELL)).collect();
     let mut areas = vec![Area::EMPTY; count];
     let mut branches: Vec<Branch> = Vec::new();
     for j in (0..count).rev() {
@@ -61,21 +69,25 @@ pub(super) fn grow(
             room,
             settings,
         };
-        branches
-            .par_iter_mut()
-            .for_each(|branch| branch.lower(step));
-        branches.retain(|branch| !branch.core.is_empty());
+        let goals = goals(&branches, step, tan);
+        let pairs = branches.par_iter_mut().zip(goals);
+        pairs.for_each(|(branch, goal)| branch.lower(goal, step));
+        branches = branches.into_iter().flat_map(Branch::islands).collect();
+        join(&mut branches, step);
         for (i, core) in &tops[j] {
             let top = parts.spans[*i].bottom;
-            for (foot, free) in
-                [Foot::Bed, Foot::Part].into_iter().zip(room.split(core, j))
-            {
-                if foot == Foot::Part && settings.supports == Supports::Plate {
-                    continue;
-                }
+            let feet = match settings.supports {
+                Supports::Plate => &[Foot::Bed][..],
+                _ => &[Foot::Bed, Foot::Part],
+            };
+            for (&foot, free) in feet.iter().zip(room.split(core, j)) {
                 for (cell, core) in cells.cut(&free) {
                     let held = core.content();
-                    let cell = Some(cell);
+                    let part = || is_near(middle(&core), j, parts, &solids);
+                    let foot = match feet.contains(&Foot::Part) && part() {
+                        true => Foot::Part,
+                        false => foot,
+                    };
                     let new = Branch {
                         core,
                         foot,
@@ -87,7 +99,6 @@ pub(super) fn grow(
                 }
             }
         }
-        merge(&mut branches, step, tan);
         let each: Vec<Area> = branches
             .par_iter()
             .map(|branch| branch.area(step))
@@ -98,81 +109,109 @@ pub(super) fn grow(
     areas
 }
 
-/// Adds what is needed to the branch that holds the same cell already, or as
-/// one of its own.
+/// True if the part is below a point of a layer, at less than [`NEAR`] of the
+/// way to the bed.
+fn is_near(
+    at: DVec2,
+    layer: usize,
+    parts: Parts<'_>,
+    solids: &[Solid<'_>],
+) -> bool {
+    let lowest = (1.0 - NEAR) * parts.spans[layer].bottom;
+    let near = (0..layer)
+        .rev()
+        .take_while(|&k| parts.spans[k].top > lowest);
+    near.into_iter().any(|k| solids[k].grid().contains(at))
+}
+
+/// Adds what is needed to a branch that holds the same cell and that it
+/// touches, or as one of its own.
 fn attach(branches: &mut Vec<Branch>, new: Branch, step: Step<'_>) {
-    let at = new.middle();
-    let same = branches.iter_mut().filter(|branch| {
+    let reach = 2.0 * Size::new(step.settings).core;
+    let around = offset(&new.core, reach, TOLERANCE);
+    let bounds = around.bounds();
+    let touched = branches.iter_mut().find(|branch| {
         branch.cell == new.cell
             && branch.foot == new.foot
-            && is_clear(step, step.layer, new.foot, at, branch.middle())
+            && branch.core.bounds().meets(bounds)
+            && !intersection(&around, &branch.core).is_empty()
     });
-    let nearest = same.min_by(|a, b| {
-        let far = |branch: &Branch| branch.middle().distance(at);
-        far(a).total_cmp(&far(b))
-    });
-    match nearest {
-        Some(branch) => branch.take(new),
+    match touched {
+        Some(branch) => branch.take(new, step),
         None => branches.push(new),
     }
 }
 
-/// Makes one branch of each two posts that are nearest to each other, if they
-/// can meet.
-fn merge(branches: &mut Vec<Branch>, step: Step<'_>, tan: f64) {
-    let height = step.parts.spans[step.layer].bottom;
-    let farthest = 2.0 * tan * height / (1.0 + BELOW);
-    let posts: Vec<(usize, DVec2)> = branches
-        .iter()
-        .enumerate()
-        .filter(|(_, b)| b.foot == Foot::Bed && b.is_post())
-        .map(|(k, b)| (k, b.middle()))
-        .collect();
-    let near = nearest(&posts, farthest);
-    let mut gone = Vec::new();
-    for (a, &b) in near.iter().enumerate() {
-        let Some(b) = b.filter(|&b| a < b && near[b] == Some(a)) else {
-            continue;
-        };
-        let ((first, from), (second, to)) = (posts[a], posts[b]);
+/// For each branch, the middle of the one that it should lean to, if any.
+fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
+    let Some(above) = step.parts.spans.get(step.layer + 1) else {
+        return vec![None; branches.len()];
+    };
+    let farthest = 2.0 * tan * above.bottom / (1.0 + BELOW);
+    let middles: Vec<DVec2> = branches.iter().map(Branch::middle).collect();
+    let near = nearest(&middles, farthest);
+    let goal = |(k, branch): (usize, &Branch)| {
+        let other = near[k].filter(|_| branch.is_post())?;
+        let (from, to) = (middles[k], middles[other]);
+        if branch.foot != branches[other].foot {
+            return None;
+        }
         // The layer in which they meet.
-        let meet = height - 0.5 * from.distance(to) / tan.max(1e-9);
+        let meet = above.bottom - 0.5 * from.distance(to) / tan.max(1e-9);
         let spans = step.parts.spans[..=step.layer].iter();
         let meet = spans.rev().position(|span| span.bottom <= meet);
         let meet = step.layer - meet.unwrap_or(step.layer);
-        let clear = |layer| is_clear(step, layer, Foot::Bed, from, to);
-        if clear(step.layer) && clear(meet) {
-            let other = branches[second].clone();
-            branches[first].take(other);
-            branches[first].cell = None;
-            gone.push(second);
+        let clear = |layer| is_clear(step, layer, branch.foot, from, to);
+        (clear(step.layer) && clear(meet)).then_some(to)
+    };
+    branches.par_iter().enumerate().map(goal).collect()
+}
+
+/// Makes one branch of a post and what it has met.
+fn join(branches: &mut Vec<Branch>, step: Step<'_>) {
+    let middles: Vec<DVec2> = branches.iter().map(Branch::middle).collect();
+    let near = nearest(&middles, f64::INFINITY);
+    let mut gone = vec![false; branches.len()];
+    for (k, other) in near.iter().enumerate() {
+        let Some(other) = *other else { continue };
+        let same_foot = branches[other].foot == branches[k].foot;
+        if gone[k] || gone[other] || !same_foot || !branches[k].is_post() {
+            continue;
+        }
+        let post = branches[k].clone();
+        if branches[other].is_post() {
+            // They may have leant past each other.
+            if middles[other].distance(middles[k]) <= 2.0 * step.lean {
+                branches[other].meet(&post);
+                gone[k] = true;
+            }
+        } else if branches[other].core.contains(middles[k]) {
+            branches[other].take(post, step);
+            gone[k] = true;
         }
     }
-    let mut k = 0;
-    branches.retain(|_| {
-        k += 1;
-        !gone.contains(&(k - 1))
-    });
+    let mut gone = gone.into_iter();
+    branches.retain(|_| !gone.next().unwrap_or(false));
 }
 
 /// For each of some points, the nearest other one that is no farther than
 /// `farthest`.
-fn nearest(points: &[(usize, DVec2)], farthest: Mm) -> Vec<Option<usize>> {
+fn nearest(points: &[DVec2], farthest: Mm) -> Vec<Option<usize>> {
     let mut by_x: Vec<usize> = (0..points.len()).collect();
-    by_x.sort_by(|&a, &b| points[a].1.x.total_cmp(&points[b].1.x));
+    by_x.sort_by(|&a, &b| points[a].x.total_cmp(&points[b].x));
     let mut near = vec![None; points.len()];
     for (place, &a) in by_x.iter().enumerate() {
-        let at = points[a].1;
+        let at = points[a];
         let mut best = farthest;
         let before = by_x[..place].iter().rev();
         let sides: [&mut dyn Iterator<Item = &usize>; 2] =
             [&mut before.into_iter(), &mut by_x[place + 1..].iter()];
         for side in sides {
             for &b in side {
-                if (points[b].1.x - at.x).abs() > best {
+                if (points[b].x - at.x).abs() > best {
                     break;
                 }
-                let far = points[b].1.distance(at);
+                let far = points[b].distance(at);
                 if far < best {
                     best = far;
                     near[a] = Some(b);

@@ -126,8 +126,8 @@ impl<'a> Planner<'a> {
     }
 
     fn way(&self, a: DVec2, b: DVec2, inside: bool, next: usize) -> Travel {
-        if self.within_support(a, b) {
-            return Travel::straight(b, false);
+        if self.between_supports(a, b) {
+            return self.finished(&[a, b], false);
         }
         if !inside && !self.ground.outline.grid().contains(a) {
             return Travel::straight(b, true);
@@ -257,17 +257,17 @@ impl<'a> Planner<'a> {
         self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
     }
 
-    /// True if the straight way stays over supports.
-    fn within_support(&self, a: DVec2, b: DVec2) -> bool {
-        let longest = self.settings.retract.max_unretracted;
+    /// True if the straight way leads from support to support beside the part:
+    /// what oozes there is broken off with the supports.
+    fn between_supports(&self, a: DVec2, b: DVec2) -> bool {
+        let part = || self.ground.outline.grid();
         self.settings.retract.when_crossing
-            && a.distance(b) <= longest
             && self.ground.support.is_some_and(|support| {
                 let grid = support.grid();
-                grid.contains(a) && grid.contains(b) && {
-                    grid.crossings(a, b).is_empty()
-                }
+                grid.contains(a) && grid.contains(b)
             })
+            && !part().contains(a)
+            && part().crossings(a, b).is_empty()
     }
 
     /// True if the ooze on a way is hidden, and the way crosses nothing.
