@@ -157,7 +157,7 @@ impl Branch {
             }
         };
         let bounds = pulled.bounds().union(self.core.bounds());
-        let near = widened(bounds, step.lean + 4.0 * TOLERANCE);
+        let near = widened(bounds, step.lean + 5.0 * TOLERANCE);
         let blocked = step.room.blocked(step.layer, self.foot, near);
         if blocked.is_empty() {
             self.core = finely(pulled);
@@ -165,7 +165,7 @@ impl Branch {
         }
         let mut core = difference(&pulled, &blocked);
         // What the part is in the way of goes aside, or stands on the part.
-        let reach = step.lean + 2.0 * TOLERANCE;
+        let reach = step.lean + 3.0 * TOLERANCE;
         let lost = difference(&self.core, &offset(&core, reach, TOLERANCE));
         let lost = difference(&lost, &self.landing(step, near));
         if lost.content() > 0.01 * SPECK {

@@ -91,7 +91,9 @@ impl Room {
         let near = |all: &Area| crop(&all.rings, bounds);
         let free = difference(area, &near(&self.tight[j]));
         let to_bed = difference(&free, &near(&self.closed[j]));
-        let to_part = difference(&free, &to_bed);
+        // Without what is only there by rounding.
+        let to_part = offset(&difference(&free, &to_bed), -BESIDE, TOLERANCE);
+        let to_part = offset(&to_part, BESIDE, TOLERANCE);
         [to_bed, to_part]
     }
 

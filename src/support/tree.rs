@@ -22,6 +22,8 @@ use crate::settings::{Settings, Supports};
 use crate::units::Mm;
 use glam::DVec2;
 use rayon::prelude::*;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 
 /// What is left of the height where two posts meet, as a share of what they
 /// go down on their way to each other: below that it is not worth its while.
@@ -30,6 +32,8 @@ const BELOW: f64 = 0.5;
 /// A branch stands on the part if that is nearer than this share of the way
 /// down to the bed.
 const NEAR: f64 = 0.5;
+/// So many of the branches next to a post are looked at.
+const LOOKED_AT: usize = 8;
 /// Size of the cells of outlines' grids, mm.
 const CELL: Mm = 2.0;
 
@@ -149,20 +153,30 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
     };
     let farthest = 2.0 * tan * above.bottom / (1.0 + BELOW);
     let middles: Vec<DVec2> = branches.iter().map(Branch::middle).collect();
-    let near = nearest(&middles, farthest);
+    let places = places(&middles);
     let goal = |(k, branch): (usize, &Branch)| {
-        let other = near[k].filter(|_| branch.is_post())?;
-        let (from, to) = (middles[k], middles[other]);
-        if branch.foot != branches[other].foot {
+        if !branch.is_post() {
             return None;
         }
-        // The layer in which they meet.
-        let meet = above.bottom - 0.5 * from.distance(to) / tan.max(1e-9);
-        let spans = step.parts.spans[..=step.layer].iter();
-        let meet = spans.rev().position(|span| span.bottom <= meet);
-        let meet = step.layer - meet.unwrap_or(step.layer);
-        let clear = |layer| is_clear(step, layer, branch.foot, from, to);
-        (clear(step.layer) && clear(meet)).then_some(to)
+        let (from, here) = (middles[k], middles[k].to_array());
+        let clear = |&to: &DVec2| {
+            // The layer in which they meet.
+            let meet = above.bottom - 0.5 * from.distance(to) / tan.max(1e-9);
+            let spans = step.parts.spans[..=step.layer].iter();
+            let meet = spans.rev().position(|span| span.bottom <= meet);
+            let meet = step.layer - meet.unwrap_or(step.layer);
+            [step.layer, meet]
+                .iter()
+                .all(|&layer| is_clear(step, layer, branch.foot, from, to))
+        };
+        let others = places.nearest_neighbor_iter(&here);
+        let others = others.map(|place| place.data).filter(|&o| o != k);
+        others
+            .filter(|&other| branches[other].foot == branch.foot)
+            .take(LOOKED_AT)
+            .map(|other| middles[other])
+            .take_while(|to| to.distance(from) <= farthest)
+            .find(clear)
     };
     branches.par_iter().enumerate().map(goal).collect()
 }
@@ -170,56 +184,42 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
 /// Makes one branch of a post and what it has met.
 fn join(branches: &mut Vec<Branch>, step: Step<'_>) {
     let middles: Vec<DVec2> = branches.iter().map(Branch::middle).collect();
-    let near = nearest(&middles, f64::INFINITY);
+    let places = places(&middles);
     let mut gone = vec![false; branches.len()];
-    for (k, other) in near.iter().enumerate() {
-        let Some(other) = *other else { continue };
-        let same_foot = branches[other].foot == branches[k].foot;
-        if gone[k] || gone[other] || !same_foot || !branches[k].is_post() {
+    for (k, &at) in middles.iter().enumerate() {
+        if gone[k] || !branches[k].is_post() {
             continue;
         }
+        let here = at.to_array();
+        let others = places.nearest_neighbor_iter(&here);
+        let others = others.map(|place| place.data).take(LOOKED_AT);
+        let met = others.filter(|&o| o != k && !gone[o]).find(|&other| {
+            let branch = &branches[other];
+            // Two posts may have leant past each other.
+            let near = middles[other].distance(at) <= 2.0 * step.lean;
+            branch.foot == branches[k].foot
+                && match branch.is_post() {
+                    true => near,
+                    false => branch.core.contains(at),
+                }
+        });
+        let Some(other) = met else { continue };
         let post = branches[k].clone();
-        if branches[other].is_post() {
-            // They may have leant past each other.
-            if middles[other].distance(middles[k]) <= 2.0 * step.lean {
-                branches[other].meet(&post);
-                gone[k] = true;
-            }
-        } else if branches[other].core.contains(middles[k]) {
-            branches[other].take(post, step);
-            gone[k] = true;
+        match branches[other].is_post() {
+            true => branches[other].meet(&post),
+            false => branches[other].take(post, step),
         }
+        gone[k] = true;
     }
     let mut gone = gone.into_iter();
     branches.retain(|_| !gone.next().unwrap_or(false));
 }
 
-/// For each of some points, the nearest other one that is no farther than
-/// `farthest`.
-fn nearest(points: &[DVec2], farthest: Mm) -> Vec<Option<usize>> {
-    let mut by_x: Vec<usize> = (0..points.len()).collect();
-    by_x.sort_by(|&a, &b| points[a].x.total_cmp(&points[b].x));
-    let mut near = vec![None; points.len()];
-    for (place, &a) in by_x.iter().enumerate() {
-        let at = points[a];
-        let mut best = farthest;
-        let before = by_x[..place].iter().rev();
-        let sides: [&mut dyn Iterator<Item = &usize>; 2] =
-            [&mut before.into_iter(), &mut by_x[place + 1..].iter()];
-        for side in sides {
-            for &b in side {
-                if (points[b].x - at.x).abs() > best {
-                    break;
-                }
-                let far = points[b].distance(at);
-                if far < best {
-                    best = far;
-                    near[a] = Some(b);
-                }
-            }
-        }
-    }
-    near
+/// Some points by where they are, with their numbers.
+fn places(points: &[DVec2]) -> RTree<GeomWithData<[f64; 2], usize>> {
+    let numbered = points.iter().enumerate();
+    let place = |(k, p): (usize, &DVec2)| GeomWithData::new(p.to_array(), k);
+    RTree::bulk_load(numbered.map(place).collect())
 }
 
 /// True if nothing is between two points of a layer that a branch which stands
