@@ -55,7 +55,7 @@ impl Size {
     pub(super) fn new(settings: &Settings) -> Size {
         let width = settings.infill_width();
         Size {
-            core: 0.6 * width,
+            core: 0.45 * width,
             post: 1.1 * width,
         }
     }
@@ -168,7 +168,7 @@ impl Branch {
         let reach = step.lean + 3.0 * TOLERANCE;
         let lost = difference(&self.core, &offset(&core, reach, TOLERANCE));
         let lost = difference(&lost, &self.landing(step, near));
-        if lost.content() > 0.01 * SPECK {
+        if core.is_empty() || lost.content() > 0.01 * SPECK {
             let aside = offset(&lost, reach, TOLERANCE);
             core = union(&core, &difference(&aside, &blocked));
         }

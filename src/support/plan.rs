@@ -309,7 +309,7 @@ mod tests {
             let near = offset(outline, 0.35, 1e-3);
             assert_eq!(intersection(&here, &near).content(), 0.0);
         }
-        // It tapers to a thin wall under each arm.
+        // It comes down to a post under each arm.
         assert!(all(&plan, 0).content() < 0.15 * top.content());
     }
 
@@ -344,7 +344,7 @@ mod tests {
     fn what_cannot_be_reached_is_told_of() {
         let mut outlines = tee();
         for outline in &mut outlines[20..22] {
-            *outline = rect(-30.0, -10.0, 30.0, 10.0);
+            *outline = rect(-40.0, -20.0, 40.0, 20.0);
         }
         let plan = plan(&outlines, Supports::Plate);
         // The arms, over a plate that is wider than they are.
@@ -370,5 +370,81 @@ mod tests {
             assert!(all(&plan, j).contains(DVec2::ZERO), "layer {j}");
         }
         assert_eq!(plan.unheld.area, 0.0);
+    }
+
+    /// Islands of support in a layer.
+    fn posts(plan: &Plan, layer: usize) -> Vec<Area> {
+        all(plan, layer).islands()
+    }
+
+    #[test]
+    fn each_layer_of_support_lies_within_reach_of_the_one_below() {
+        let plan = plan(&tee(), Supports::Auto);
+        for j in 1..49 {
+            let (upper, lower) = (all(&plan, j), all(&plan, j - 1));
+            let reached = offset(&lower, 0.2 + 4.0 * TOLERANCE, 1e-3);
+            let hangs = difference(&upper, &reached);
+            // The corners of a post's polygon may be elsewhere.
+            assert!(hangs.content() < 0.02, "{j}: {}", hangs.content());
+        }
+    }
+
+    #[test]
+    fn posts_are_as_thick_as_they_are_high() {
+        // A lid of 4 mm on a side, 60 mm above the bed; the part has a foot.
+        let lid = rect(20.0, 0.0, 24.0, 4.0);
+        let of = |i| match i {
+            0..300 => rect(0.0, 0.0, 4.0, 4.0),
+            _ => union(&rect(0.0, 0.0, 4.0, 4.0), &lid),
+        };
+        let outlines: Vec<Area> = (0..302).map(of).collect();
+        let plan = plan(&outlines, Supports::Auto);
+        for j in [250, 200, 100, 10] {
+            let [post] = &posts(&plan, j)[..] else {
+                panic!("{} posts in layer {j}", posts(&plan, j).len());
+            };
+            let depth = 60.0 - 0.2 * j as f64;
+            let size = post.bounds().max - post.bounds().min;
+            assert!(size.min_element() > 0.95 * depth / 12.0, "{j}: {size}");
+            assert!(size.max_element() < depth / 12.0 + 1.5, "{j}: {size}");
+        }
+    }
+
+    #[test]
+    fn posts_meet_well_above_the_bed_or_not_at_all() {
+        let of = |height: usize| {
+            let lids =
+                union(&rect(0.0, 0.0, 2.0, 2.0), &rect(10.0, 0.0, 12.0, 2.0));
+            let stem = rect(0.0, 20.0, 5.0, 25.0);
+            let layer = |i| match i < height {
+                true => stem.clone(),
+                false => union(&stem, &lids),
+            };
+            let outlines: Vec<Area> = (0..height + 2).map(layer).collect();
+            posts(&plan(&outlines, Supports::Auto), 3).len()
+        };
+        // Half of ten millimetres at 45°, and half as much below it.
+        assert_eq!(of(50), 1);
+        assert_eq!(of(20), 2);
+    }
+
+    #[test]
+    fn branches_lean_past_the_part_to_reach_the_bed() {
+        // A lid of 2 mm, 20 mm above the bed, over the edge of a plate that is
+        // 5 mm high: straight down there is no way to the bed.
+        let lid = rect(0.0, 0.0, 2.0, 2.0);
+        let plate = rect(-20.0, -20.0, 4.0, 20.0);
+        let of = |i| match i {
+            0..25 => plate.clone(),
+            25..100 => rect(-20.0, -20.0, -15.0, 20.0),
+            _ => union(&lid, &rect(-20.0, -20.0, -15.0, 20.0)),
+        };
+        let outlines: Vec<Area> = (0..102).map(of).collect();
+        let plan = plan(&outlines, Supports::Plate);
+        assert_eq!(plan.unheld.area, 0.0);
+        let [post] = &posts(&plan, 0)[..] else {
+            panic!("no single post on the bed");
+        };
+        assert!(post.bounds().min.x > 4.35, "{:?}", post.bounds());
     }
 }
