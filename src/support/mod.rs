@@ -43,4 +43,4 @@ pub(crate) use plan::{Parts, Plan, Slice, Unheld};
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.02;
 /// What is smaller than this is not printed, mm².
-const SPECK: Mm2 = 0.5;
+const SPECK: Mm2 = 0.1;

@@ -221,7 +221,7 @@ fn slices(
         let interface = printable(intersection(&all, &dense), 0.0);
         let body = match interface.is_empty() {
             true => all,
-            false => printable(difference(&all, &dense), 0.4 * width),
+            false => printable(difference(&all, &dense), 0.25 * width),
         };
         Slice { body, interface }
     };
