@@ -69,7 +69,7 @@ pub(super) struct Step<'a> {
     /// How far a branch may lean from the layer above.
     pub lean: Mm,
     pub parts: Parts<'a>,
-    pub room: &'a Room,
+    pub room: &'a Room<'a>,
     pub settings: &'a Settings,
 }
 
@@ -108,7 +108,7 @@ impl Branch {
         self.core = unite(&Area { rings });
         if self.core.islands().len() > 1 {
             // What is printed of them overlaps.
-            let size = Size::new(step.settings).core;
+            let size = self.size(step).core;
             let wide = offset(&self.core, size, TOLERANCE);
             let both = union(&self.core, &offset(&wide, -size, TOLERANCE));
             self.core = finely(both);
@@ -125,14 +125,38 @@ impl Branch {
         self.held += other.held;
     }
 
-    /// Its connected parts, each as a branch.
-    pub(super) fn islands(self) -> impl Iterator<Item = Branch> {
+    /// What is printed of it in one piece, each as a branch.
+    pub(super) fn pieces(mut self, step: Step<'_>) -> Vec<Branch> {
+        let islands = self.core.islands();
+        if islands.len() < 2 {
+            self.core = islands.into_iter().next().unwrap_or_default();
+            return match self.core.is_empty() {
+                true => Vec::new(),
+                false => vec![self],
+            };
+        }
         let whole = self.core.content().max(1e-9);
-        self.core.islands().into_iter().map(move |core| Branch {
+        let wide = offset(&self.core, self.size(step).core, TOLERANCE);
+        let wide = wide.islands();
+        let mut pieces = vec![Area::EMPTY; wide.len()];
+        for island in islands {
+            let at = island.rings[0][0];
+            if let Some(k) = wide.iter().position(|w| w.contains(at)) {
+                pieces[k].rings.extend(island.rings);
+            }
+        }
+        pieces.retain(|piece| !piece.is_empty());
+        let piece = |core: Area| Branch {
             held: self.held * core.content() / whole,
             core,
             ..self
-        })
+        };
+        pieces.into_iter().map(piece).collect()
+    }
+
+    /// How thick it is.
+    fn size(&self, step: Step<'_>) -> Size {
+        Size::new(step.settings)
     }
 
     /// Goes down to a layer from the one above it. A post leans towards
@@ -164,13 +188,22 @@ impl Branch {
             return;
         }
         let mut core = difference(&pulled, &blocked);
+        if self.is_post() && !core.is_empty() {
+            // All of it can go to what is left of it.
+            self.core = largest(core);
+            return;
+        }
         // What the part is in the way of goes aside, or stands on the part.
         let reach = step.lean + 3.0 * TOLERANCE;
         let lost = difference(&self.core, &offset(&core, reach, TOLERANCE));
         let lost = difference(&lost, &self.landing(step, near));
         if core.is_empty() || lost.content() > 0.01 * SPECK {
             let aside = offset(&lost, reach, TOLERANCE);
-            core = union(&core, &difference(&aside, &blocked));
+            let aside = difference(&aside, &blocked);
+            core = match self.is_post() {
+                true => largest(aside),
+                false => union(&core, &aside),
+            };
         }
         self.core = finely(core);
     }
@@ -180,7 +213,7 @@ impl Branch {
         if self.foot == Foot::Bed {
             return Area::EMPTY;
         }
-        let size = Size::new(step.settings);
+        let size = self.size(step);
         let within = widened(within, size.core);
         let Parts {
             spans, outlines, ..
@@ -193,7 +226,7 @@ impl Branch {
 
     /// What of it is printed in a layer.
     pub(super) fn area(&self, step: Step<'_>) -> Area {
-        let size = Size::new(step.settings);
+        let size = self.size(step);
         let bottom = step.parts.spans[step.layer].bottom;
         let slender = 0.5 * (self.top - bottom) / SLENDER;
         let bearing = (BEARING * self.held / std::f64::consts::PI).sqrt();
@@ -201,24 +234,27 @@ impl Branch {
         if self.foot == Foot::Bed {
             post += (FOOT - bottom).max(0.0);
         }
-        let mut all = offset(&self.core, size.core, TOLERANCE);
-        let mut discs = Vec::new();
-        for island in self.core.islands() {
-            let middle = middle(&island);
-            let far = island.rings.iter().flatten();
-            let far = far.map(|p| p.distance(middle)).fold(0.0, f64::max);
-            if far + size.core < post {
-                discs.push(disc(middle, post));
-            }
+        let all = offset(&self.core, size.core, TOLERANCE);
+        let middle = self.middle();
+        let points = self.core.rings.iter().flatten();
+        let far = points.map(|p| p.distance(middle)).fold(0.0, f64::max);
+        if far + size.core > post {
+            return all;
         }
-        if !discs.is_empty() {
-            let discs = Area { rings: discs };
-            let near = widened(discs.bounds(), TOLERANCE);
-            let taken = crop(&step.room.taken(step.layer).rings, near);
-            all = union(&all, &difference(&discs, &taken));
-        }
-        all
+        let disc = Area {
+            rings: vec![disc(middle, post)],
+        };
+        let near = widened(disc.bounds(), TOLERANCE);
+        let taken = step.room.taken(step.layer, near);
+        union(&all, &difference(&disc, &taken))
     }
+}
+
+/// The largest island of an area.
+fn largest(area: Area) -> Area {
+    let islands = area.islands().into_iter();
+    let largest = islands.max_by(|a, b| a.content().total_cmp(&b.content()));
+    largest.unwrap_or_default()
 }
 
 /// The middle of an area; that of its points if it has no content.

@@ -3,7 +3,7 @@
 use super::branch::Size;
 use super::gaps::{gap_below, top_below};
 use super::need::need;
-use super::room::Room;
+use super::room::{Room, thinned};
 use super::tree::grow;
 use super::{SPECK, TOLERANCE};
 use crate::layers::LayerSpan;
@@ -84,8 +84,15 @@ impl Plan {
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
             return Plan::default();
         };
-        let room = Room::new(parts, highest, settings);
-        let areas = grow(parts, &needs, &room, highest, settings);
+        // Room is not looked at as closely as what is needed.
+        let coarse: Vec<Area> =
+            printed.par_iter().map(|o| thinned(o.clone())).collect();
+        let coarse = Parts {
+            outlines: &coarse,
+            ..parts
+        };
+        let room = Room::new(coarse, highest, settings);
+        let areas = grow(coarse, &needs, &room, highest, settings);
         let mut plan = Plan {
             slices: slices(parts, &needs, areas, settings),
             unheld: Unheld::default(),

@@ -26,9 +26,9 @@ use crate::units::Mm;
 use rayon::prelude::*;
 
 /// What of the layers, from the bed, is no place for supports.
-pub(super) struct Room {
-    /// By layer, the part and what is too near to it.
-    taken: Vec<Area>,
+pub(super) struct Room<'a> {
+    parts: Parts<'a>,
+    settings: &'a Settings,
     /// By layer, what is too near to the part for the middle of a branch.
     tight: Vec<Area>,
     /// By layer, from where the middle of a branch cannot get down to the bed;
@@ -45,21 +45,18 @@ pub(super) enum Foot {
     Part,
 }
 
-impl Room {
+impl<'a> Room<'a> {
     /// The room in the lowest `count` layers.
     pub(super) fn new(
-        parts: Parts<'_>,
+        parts: Parts<'a>,
         count: usize,
-        settings: &Settings,
-    ) -> Room {
-        let taken: Vec<Area> = (0..count)
-            .into_par_iter()
-            .map(|j| taken(parts, j, settings))
-            .collect();
+        settings: &'a Settings,
+    ) -> Room<'a> {
         let core = Size::new(settings).core + TOLERANCE;
-        let tight = taken.par_iter();
-        let tight: Vec<Area> = tight
-            .map(|taken| thinned(offset(taken, core, TOLERANCE)))
+        let everywhere = |_: &Area| None;
+        let tight: Vec<Area> = (0..count)
+            .into_par_iter()
+            .map(|j| thinned(taken(parts, j, core, everywhere, settings)))
             .collect();
         let lean = settings.support.branch_angle.to_radians().tan();
         let mut closed: Vec<Area> = Vec::with_capacity(count);
@@ -73,15 +70,20 @@ impl Room {
             });
         }
         Room {
-            taken,
+            parts,
+            settings,
             tight,
             closed,
         }
     }
 
-    /// The part of layer `j` and what is too near to it.
-    pub(super) fn taken(&self, j: usize) -> &Area {
-        &self.taken[j]
+    /// Of a box, the part of layer `j` and what is too near to it.
+    pub(super) fn taken(&self, j: usize, within: Rect) -> Area {
+        let reach = self.settings.support.xy_gap + 1.0;
+        let near = widened(within, reach);
+        let crop = |area: &Area| Some(crop(&area.rings, near));
+        let all = taken(self.parts, j, 0.0, crop, self.settings);
+        crate::plane::clip::crop(&all.rings, within)
     }
 
     /// Splits an area of layer `j` into that from which the middle of a branch
@@ -112,27 +114,43 @@ impl Room {
 /// the gaps, mm.
 const BESIDE: Mm = 0.05;
 
-/// Where no support may be in layer `j`: the part and what is near to it.
-fn taken(parts: Parts<'_>, j: usize, settings: &Settings) -> Area {
+/// Where nothing may be in layer `j` that reaches `margin` to all sides: the
+/// part and what is near to it. `within` gives what is to be looked at of an
+/// outline, if that is not all.
+fn taken(
+    parts: Parts<'_>,
+    j: usize,
+    margin: Mm,
+    within: impl Fn(&Area) -> Option<Area>,
+    settings: &Settings,
+) -> Area {
     crate::limits::check();
     let Parts {
         spans, outlines, ..
     } = parts;
+    let of = |k: usize| within(&outlines[k]);
+    let here = of(j);
+    let here = here.as_ref().unwrap_or(&outlines[j]);
     // Of which the tolerances of what keeps off may take some.
-    let gap = settings.support.xy_gap + TOLERANCE;
-    let area = thinned(offset(&outlines[j], gap, TOLERANCE));
+    let gap = settings.support.xy_gap + 2.0 * TOLERANCE + margin;
+    let area = offset(here, gap, TOLERANCE);
     // The layers within the gaps above and below.
     let below = gap_below(spans, j, settings);
     let below = (below.start + 1).min(j)..j;
     let above = (j + 1..spans.len())
         .take_while(|&i| top_below(spans, i, settings).is_none_or(|t| t < j));
-    let others = below.chain(above).map(|k| &outlines[k]);
-    let others = others.filter(|other| **other != outlines[j]);
-    let rings: Vec<_> = others.flat_map(|o| o.rings.clone()).collect();
+    let mut rings = Vec::new();
+    for k in below.chain(above) {
+        if outlines[k] != outlines[j] {
+            let other = of(k).unwrap_or_else(|| outlines[k].clone());
+            rings.extend(other.rings);
+        }
+    }
     if rings.is_empty() {
         return area;
     }
-    union(&area, &offset(&unite(&Area { rings }), BESIDE, TOLERANCE))
+    let beside = BESIDE + TOLERANCE + margin;
+    union(&area, &offset(&unite(&Area { rings }), beside, TOLERANCE))
 }
 
 /// The area with fewer points: they would grow in number with every layer.

@@ -42,7 +42,7 @@ const CELL: Mm = 2.0;
 pub(super) fn grow(
     parts: Parts<'_>,
     needs: &[Area],
-    room: &Room,
+    room: &Room<'_>,
     count: usize,
     settings: &Settings,
 ) -> Vec<Area> {
@@ -76,7 +76,8 @@ pub(super) fn grow(
         let goals = goals(&branches, step, tan);
         let pairs = branches.par_iter_mut().zip(goals);
         pairs.for_each(|(branch, goal)| branch.lower(goal, step));
-        branches = branches.into_iter().flat_map(Branch::islands).collect();
+        let pieces = branches.into_iter().flat_map(|b| b.pieces(step));
+        branches = pieces.collect();
         join(&mut branches, step);
         for (i, core) in &tops[j] {
             let top = parts.spans[*i].bottom;
