@@ -7,7 +7,7 @@ use super::room::{Room, thinned};
 use super::tree::grow;
 use super::{SPECK, TOLERANCE};
 use crate::layers::LayerSpan;
-use crate::plane::clip::{difference, intersection, union};
+use crate::plane::clip::{crop, difference, intersection, union};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
 use crate::settings::{Settings, Supports};
@@ -97,7 +97,7 @@ impl Plan {
             slices: slices(parts, &needs, areas, settings),
             unheld: Unheld::default(),
         };
-        plan.settle(parts, settings);
+        plan.settle(coarse, settings);
         plan.judge(parts, &needs, settings);
         plan
     }
@@ -111,7 +111,6 @@ impl Plan {
 
     /// Takes out what rests on nothing.
     fn settle(&mut self, parts: Parts<'_>, settings: &Settings) {
-        let everywhere = settings.supports == Supports::Auto;
         for j in 1..self.slices.len() {
             crate::limits::check();
             let (lower, upper) = self.slices.split_at_mut(j);
@@ -119,24 +118,36 @@ impl Plan {
             if slice.body.is_empty() && slice.interface.is_empty() {
                 continue;
             }
-            let mut rests = union(&below.body, &below.interface);
-            if everywhere {
-                // The layers right below may be the gap over the part.
-                for k in gap_below(parts.spans, j, settings) {
-                    rests = union(&rests, &parts.outlines[k]);
-                }
-            }
+            let below = union(&below.body, &below.interface);
+            // The layers right below may be the gap over the part.
+            let part = match settings.supports {
+                Supports::Auto => gap_below(parts.spans, j, settings),
+                _ => 0..0,
+            };
             let whole = union(&slice.body, &slice.interface);
-            let mut stays = Vec::new();
-            for island in whole.islands() {
+            let (islands, mut stays) = (whole.islands(), Vec::new());
+            let count = islands.len();
+            for island in islands {
                 let least = (REST.0 * island.content()).min(REST.1);
-                if intersection(&island, &rests).content() >= least {
-                    stays.extend(island.rings);
+                let bounds = island.bounds();
+                let rests_on = |area: &Area| {
+                    let near = crop(&area.rings, bounds);
+                    intersection(&island, &near).content() >= least
+                };
+                if rests_on(&below)
+                    || part.clone().any(|k| rests_on(&parts.outlines[k]))
+                {
+                    stays.push(island);
                 }
             }
-            let stays = Area { rings: stays };
-            slice.body = intersection(&slice.body, &stays);
-            slice.interface = intersection(&slice.interface, &stays);
+            if stays.len() < count {
+                let rings = stays.into_iter().flat_map(|island| island.rings);
+                let stays = Area {
+                    rings: rings.collect(),
+                };
+                slice.body = intersection(&slice.body, &stays);
+                slice.interface = intersection(&slice.interface, &stays);
+            }
         }
     }
 

@@ -81,27 +81,8 @@ pub(super) fn grow(
         join(&mut branches, step);
         for (i, core) in &tops[j] {
             let top = parts.spans[*i].bottom;
-            let feet = match settings.supports {
-                Supports::Plate => &[Foot::Bed][..],
-                _ => &[Foot::Bed, Foot::Part],
-            };
-            for (&foot, free) in feet.iter().zip(room.split(core, j)) {
-                for (cell, core) in cells.cut(&free) {
-                    let held = core.content();
-                    let part = || is_near(middle(&core), j, parts, &solids);
-                    let foot = match feet.contains(&Foot::Part) && part() {
-                        true => Foot::Part,
-                        false => foot,
-                    };
-                    let new = Branch {
-                        core,
-                        foot,
-                        cell,
-                        top,
-                        held,
-                    };
-                    attach(&mut branches, new, step);
-                }
+            for new in begun(core, top, step, &cells, &solids) {
+                attach(&mut branches, new, step);
             }
         }
         let each: Vec<Area> = branches
@@ -112,6 +93,42 @@ pub(super) fn grow(
         areas[j] = unite(&Area { rings });
     }
     areas
+}
+
+/// The branches that begin in a layer under faces at the height `top`, whose
+/// cores lie in `core`.
+fn begun(
+    core: &Area,
+    top: Mm,
+    step: Step<'_>,
+    cells: &Cells,
+    solids: &[Solid<'_>],
+) -> Vec<Branch> {
+    let (layer, parts) = (step.layer, step.parts);
+    let anywhere = step.settings.supports == Supports::Auto;
+    let [to_bed, to_part] = step.room.split(core, layer);
+    let mut new = Vec::new();
+    let mut add = |area: &Area, foot: Foot| {
+        for (cell, core) in cells.cut(area) {
+            let near = || is_near(middle(&core), layer, parts, solids);
+            let foot = match anywhere && near() {
+                true => Foot::Part,
+                false => foot,
+            };
+            new.push(Branch {
+                held: core.content(),
+                core,
+                foot,
+                cell,
+                top,
+            });
+        }
+    };
+    add(&to_bed, Foot::Bed);
+    if anywhere {
+        add(&to_part, Foot::Part);
+    }
+    new
 }
 
 /// True if the part is below a point of a layer, at less than [`NEAR`] of the
