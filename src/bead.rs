@@ -344,13 +344,24 @@ impl Bead {
         cross_section(self.width, self.height + extra)
     }
 
-    /// Mean cross-section along segment `i`, whose height varies evenly.
+    /// Mean cross-section along segment `i`, whose height varies evenly, for
+    /// each length of its way in space: heights are measured upright, so a
+    /// steep way lays no more than the level one below it.
     pub(crate) fn area_along(&self, i: usize) -> Mm2 {
         let from = self.height + self.level(i).extra;
         let to = self.height + self.level(i + 1).extra;
         // Simpson's rule is exact, since the section is quadratic in the height.
         let at = |t: f64| cross_section(self.width, from + t * (to - from));
-        (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0
+        let mean = (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0;
+        let n = self.points.len().max(1);
+        let ends = [i, i + 1].map(|k| self.points.get(k % n).copied());
+        let [a, b] = ends.map(Option::unwrap_or_default);
+        let (level, rise) =
+            (a.distance(b), self.level(i + 1).rise - self.level(i).rise);
+        match level.hypot(rise) {
+            way if way > 0.0 => mean * level / way,
+            _ => mean,
+        }
     }
 }
 

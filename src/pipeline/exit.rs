@@ -18,6 +18,7 @@ use crate::order::{Head, linked, order};
 use crate::pace::Pacer;
 use crate::preview::Pictures;
 use crate::region::wall_depths;
+use crate::relief::{Relief, Site};
 use crate::report;
 use crate::seam::ending::{Ended, cut, endings};
 use crate::settings::Settings;
@@ -38,6 +39,8 @@ pub(super) struct Exit<'a, 'w> {
     offset: DVec2,
     /// The climbing wall, if there is one.
     spiral: Option<&'a Spiral<'a>>,
+    /// What lets beads follow the surface, if they are to.
+    relief: Option<Relief<'a>>,
     head: Head,
     /// For infill that may stand on nothing.
     standing: Option<Standing>,
@@ -94,6 +97,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         writer: Writer<'a, &'w mut dyn io::Write>,
         pacer: Pacer<'a>,
         spiral: Option<&'a Spiral<'a>>,
+        relief: Option<Relief<'a>>,
     ) -> Self {
         Exit {
             settings: pacer.settings(),
@@ -101,6 +105,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             pictures,
             offset,
             spiral,
+            relief,
             head: Head::default(),
             standing: Standing::new(pacer.settings()),
             pacer,
@@ -173,6 +178,7 @@ impl<'a, 'w> Exit<'a, 'w> {
                 Some(support) if !turns => cut(ended, support),
                 _ => ended,
             };
+            let beads = self.on_surface(beads, layer, above)?;
             if written {
                 let of_part = beads.iter().filter(|b| b.bead.role.is_part());
                 let count = of_part.count();
@@ -205,8 +211,8 @@ impl<'a, 'w> Exit<'a, 'w> {
                 travel.retract = true;
                 travel.hop = true;
             }
-            path
-        });
+            Ok::<_, SliceError>(path)
+        })?;
         if written && let Some(pictures) = &self.pictures {
             pictures.draw(&path).map_err(|e| {
                 SliceError::Picture(pictures.folder().to_owned(), e)
@@ -233,6 +239,24 @@ impl<'a, 'w> Exit<'a, 'w> {
             (self.options.on_layer)(done, self.layers.len());
         }
         Ok(())
+    }
+
+    /// A layer's beads on the surface above them, if they are to follow it.
+    fn on_surface(
+        &self,
+        beads: Vec<Ended>,
+        layer: &Layer,
+        above: Option<&Layer>,
+    ) -> Result<Vec<Ended>, SliceError> {
+        let covered = above.is_some_and(|above| layer.same_outline(above));
+        let Some(relief) = self.relief.as_ref().filter(|_| !covered) else {
+            return Ok(beads);
+        };
+        let site = Site {
+            span: layer.span,
+            above: above.map(|a| (a.span.height(), a.outline.grid())),
+        };
+        Ok(relief.apply(beads, site)?)
     }
 
     /// Follows what hangs.

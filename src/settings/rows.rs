@@ -167,6 +167,17 @@ table::settings! {
         ironing_spacing: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// Material for ironing, as a share of what would fill the layer.
         ironing_flow: Percent = 10.0, in 0.0..=100.0;
+        /// How much walls, skin and ironing that lie open follow the surface
+        /// above them: 0 leaves the layers' steps, with 100 the nozzle runs on
+        /// the surface itself.
+        contour_z: Varying<Percent> = Varying::Constant(0.0), in 0.0..=100.0;
+        /// Angle from the level up to which faces get all of contour_z; it
+        /// fades over the next 10°.
+        contour_z_angle: Degrees = 15.0, in 0.0..=60.0;
+        /// How deep the nozzle's flat end may cut into higher lines beside the
+        /// one it prints, as a share of the layer's height; faces so steep that
+        /// it would cut deeper count as steeper than contour_z_angle.
+        contour_z_gouge: Percent = 75.0, in 0.0..=1000.0;
 
         ["Bridges and overhangs"]
         /// Whether skin over nothing gets lines across the gap, from support
@@ -490,6 +501,9 @@ table::settings! {
         /// Diameter of the nozzle's hole. Line widths, layer heights and other
         /// lengths that are auto, or a share such as 75%, follow it.
         nozzle_diameter: Mm = 0.4, in 0.05..=5.0;
+        /// Diameter of the nozzle's flat end, which contour_z has to allow for;
+        /// auto is 250% of the nozzle's diameter.
+        nozzle_flat: Option<Mm> = None, in 0.0..=20.0;
         /// Greatest temperature that the hot end bears; settings beyond it
         /// are refused. auto if it is not known: 450.
         max_nozzle_temperature: Option<Celsius> = None, in 1.0..=600.0;
