@@ -93,6 +93,14 @@ fn a_spiral() {
 }
 
 #[test]
+fn a_surface_without_steps() {
+    let settings = common::settings(&["contour_z=100", "gcode.progress=off"]);
+    let part = "max(sqrt(x^2 + y^2) - 8, abs(z - 14) - 14 - 0.5*sin(x))";
+    let model = common::formula(part, &settings);
+    assert_same_in_ranges(&model, &settings, &[2, 40, 139]);
+}
+
+#[test]
 fn several_bodies() {
     check_example("box-with-lid", "0.3", &[5, 50]);
 }

@@ -49,6 +49,9 @@ const STEPS: usize = 8;
 /// Share of a ramp over which the material goes back to the layer's.
 const FADE: f64 = 0.25;
 
+/// Distances closer than this are the same, mm.
+const ALIKE: Mm = 1e-7;
+
 /// One side of a gap: where it is, the height there, the slope and the fill.
 #[derive(Clone, Copy, Debug)]
 struct Side {
@@ -106,12 +109,13 @@ pub(super) fn thinned(knots: &[Knot], tolerance: Mm) -> Vec<Knot> {
             let fill = a.fill + t * (b.fill - a.fill);
             (k.rise - rise).abs().max(0.5 * (k.fill - fill).abs())
         };
-        let worst = (from + 1..to)
-            .map(|i| (i, off(&knots[i])))
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((i, off)) = worst
-            && off > tolerance
-        {
+        let inside = || (from + 1..to).map(|i| (i, off(&knots[i])));
+        let worst = inside().map(|k| k.1).fold(0.0, f64::max);
+        if worst <= tolerance {
+            continue;
+        }
+        // Of several that are as far off, the first one, whatever the rounding.
+        if let Some((i, _)) = inside().find(|k| k.1 >= worst - ALIKE) {
             keep[i] = true;
             spans.extend([(from, i), (i, to)]);
         }
