@@ -43,6 +43,8 @@ pub(crate) enum Role {
     BottomSkin,
     /// Solid area over nothing, its lines held at both ends.
     Bridge,
+    /// Solid area over sparse infill, its lines held by the infill's.
+    InternalBridge,
     /// A pass over a finished top that makes it smooth.
     Ironing,
     /// What holds parts of the part that nothing else holds.
@@ -53,7 +55,7 @@ pub(crate) enum Role {
 
 impl Role {
     /// Every role, in the order summaries list them.
-    pub(crate) const ALL: [Role; 14] = [
+    pub(crate) const ALL: [Role; 15] = [
         Role::OuterWall,
         Role::InnerWall,
         Role::Overhang,
@@ -62,6 +64,7 @@ impl Role {
         Role::BottomSkin,
         Role::InternalSkin,
         Role::Bridge,
+        Role::InternalBridge,
         Role::Ironing,
         Role::SparseInfill,
         Role::Support,

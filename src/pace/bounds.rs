@@ -75,7 +75,7 @@ pub(super) fn acceleration(
         Role::TopSkin | Role::Ironing => by_role.top_skin,
         Role::InternalSkin => by_role.internal_skin,
         Role::BottomSkin => by_role.bottom_skin,
-        Role::Bridge => by_role.bridge,
+        Role::Bridge | Role::InternalBridge => by_role.bridge,
         Role::SparseInfill => by_role.sparse_infill,
         Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface => {
             0.0

@@ -134,6 +134,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             look,
             figures,
             support: supported,
+            areas: _,
         } = ready.filled;
         let index = layer.span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {

@@ -299,7 +299,10 @@ impl Bounds {
 /// its place, and what is beside the part has no surface.
 fn follows(bead: &Bead) -> bool {
     bead.role.is_part()
-        && !matches!(bead.role, Role::Bridge | Role::SparseInfill)
+        && !matches!(
+            bead.role,
+            Role::Bridge | Role::InternalBridge | Role::SparseInfill
+        )
         && bead.levels.is_empty()
         && bead.points.len() > 1
 }

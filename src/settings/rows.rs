@@ -190,6 +190,12 @@ table::settings! {
         bridge_max: Mm = 20.0, in 0.0..=1000.0;
         /// Material of bridges, as a share of what skin would get.
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
+        /// Whether the lowest solid layer over sparse infill gets lines across
+        /// those of the infill, which end on the infill or on walls. The
+        /// following layers lie on it.
+        internal_bridges: bool = false;
+        /// Material of internal bridges, as a share of what skin would get.
+        internal_bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Share of its width by which a wall may hang over the layer below
         /// before it is printed as an overhang; with 100 no wall is.
         overhang_share: Percent = 50.0, in 0.0..=100.0;
@@ -304,6 +310,9 @@ table::settings! {
         /// Speed of bridges.
         bridge: Varying<MmPerSec> = Varying::Constant(30.0),
             in 0.1..=2000.0;
+        /// Speed of internal bridges.
+        internal_bridge: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
         /// Speed of walls that hang over the layer below.
         overhang: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0;
@@ -337,7 +346,7 @@ table::settings! {
         top_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
         /// Acceleration of skin that faces downwards.
         bottom_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
-        /// Acceleration of bridges.
+        /// Acceleration of bridges, internal ones as well.
         bridge: MmPerSec2 = 0.0, in 0.0..=100_000.0;
         /// Acceleration of walls that hang over the layer below.
         overhang: MmPerSec2 = 0.0, in 0.0..=100_000.0;
@@ -432,6 +441,8 @@ table::settings! {
             in 0.0..=100.0;
         /// Speed of the part's fan while bridges are printed.
         bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speed of the part's fan while internal bridges are printed.
+        internal_bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Speed of the part's fan while overhanging walls are printed.
         overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Number of layers, from the bed, printed without the fan.
