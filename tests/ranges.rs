@@ -101,6 +101,20 @@ fn a_surface_without_steps() {
 }
 
 #[test]
+fn internal_bridges() {
+    let settings = common::settings(&[
+        "internal_bridges=true",
+        "sample_spacing=0.3",
+        "accuracy=0.05",
+        "gcode.progress=off",
+    ]);
+    // A cone, in which every layer has skin over infill, over two blocks.
+    let part = "max(sqrt(x^2 + y^2) - 20 + 0.5*z, max(-z, z - 29))";
+    let model = common::formula(part, &settings);
+    assert_same_in_ranges(&model, &settings, &[2, 40, 128, 130]);
+}
+
+#[test]
 fn several_bodies() {
     check_example("box-with-lid", "0.3", &[5, 50]);
 }

@@ -298,44 +298,34 @@ impl<'a> Supply<'a> {
     }
 
     /// Lays internal bridges in some layers, the first of which is layer
-    /// `start` of the window.
+    /// `start` of the window. One after the other, since what bridges take of a
+    /// layer's infill holds the next layer otherwise.
     fn bridge(
         &mut self,
         start: usize,
         all: &mut [Filled],
     ) -> Result<(), SliceError> {
-        let (stages, layers) = (self.stages, &self.window);
-        let first = self.under.take();
-        let (all_before, pool) = (&*all, self.pool);
-        // What bridges take of a layer's infill, the next layer may lie on as
-        // well: all are laid over the infill as it was before.
-        let over = |k: usize| {
-            let Some(areas) = &all_before[k].areas else {
-                return Ok(None);
-            };
-            let below = match k.checked_sub(1) {
-                Some(below) => Some(&Infilled::new(&all_before[below])),
-                None => first.as_ref(),
-            };
-            match below {
-                Some(below) if !areas.skin.is_empty() => {
-                    stages.over_infill(layers, start + k, areas, below.under())
+        for (k, filled) in all.iter_mut().enumerate() {
+            // At a block's beginning nothing but the infill is known below.
+            let next = self.window[start + k].span.index + 1;
+            let early =
+                next.is_multiple_of(BLOCK).then(|| Infilled::new(filled));
+            let over = match (&self.under, &filled.areas) {
+                (Some(below), Some(areas)) if !areas.skin.is_empty() => {
+                    let (layers, i) = (&self.window, start + k);
+                    let under = below.under();
+                    self.pool.install(|| {
+                        self.stages.over_infill(layers, i, areas, under)
+                    })?
                 }
-                _ => Ok(None),
-            }
-        };
-        let made = pool.install(|| {
-            let all = (0..all_before.len()).into_par_iter();
-            all.map(over).collect()
-        });
-        let made = all_or_first(made)?;
-        self.under = all.last().map(Infilled::new);
-        for (filled, over) in all.iter_mut().zip(made) {
+                _ => None,
+            };
             if let Some(over) = over {
                 filled.beads.skin = over.skin;
                 filled.beads.infill = over.infill;
                 filled.sparse = Solid::new(over.sparse);
             }
+            self.under = early.or_else(|| Some(Infilled::new(filled)));
         }
         Ok(())
     }

@@ -15,8 +15,10 @@
 //! fan of angles. What three quarters of the lines' length stay below decides.
 //!
 //! Guarantees: each line ends on a line of infill, on what is solid below, or
-//! at a wall. Not guaranteed: that there is a line of infill within [`REACH`];
-//! where there is none, the line goes back to the last one that it crosses.
+//! at a wall. It goes on into the layer's sparse area for that, or, where the
+//! next line of infill is far away, back to the last one that it crosses. Not
+//! guaranteed: that lines fill all of the skin. One of which an end cannot be
+//! held is left out, and the next layer lies over its place.
 
 use super::bridge::shared;
 use super::strokes::strokes;
@@ -34,8 +36,9 @@ use glam::DVec2;
 /// Tolerance of the offsets inside a part; nobody sees them.
 const TOLERANCE: Mm = 0.02;
 
-/// How far a line goes on to the next line of infill, at most, mm.
-const REACH: Mm = 12.0;
+/// How far a line goes on to the next line of infill, at most, in ways that are
+/// common from one line of infill to the next.
+const FARTHEST: f64 = 1.5;
 
 /// Step of the fan of angles.
 const FAN: Degrees = 7.5;
@@ -44,7 +47,7 @@ const FAN: Degrees = 7.5;
 const DIRECTIONS: usize = 4;
 
 /// Lines looked at for each direction.
-const ROWS: f64 = 24.0;
+const ROWS: f64 = 64.0;
 
 /// Share of the lines' length that counts.
 const COMMON: f64 = 0.75;
@@ -100,26 +103,25 @@ pub(crate) fn bridged(
         return None;
     }
     let gaps = intersection(&offset(&core, width, TOLERANCE), &hanging);
+    let (way, angle) = direction(under, width)?;
     let anchor = settings.bridge_anchor.max(0.5 * width);
-    let (mut angles, mut grown) = (Vec::new(), Vec::new());
-    for gap in gaps.islands() {
+    let grown = gaps.islands().into_iter().map(|gap| {
         crate::limits::check();
-        if let Some(angle) = direction(&gap, under, width) {
-            angles.push(angle);
-            grown.push(offset(&gap, anchor, TOLERANCE));
-        }
-    }
+        offset(&gap, anchor, TOLERANCE)
+    });
+    let grown: Vec<Area> = grown.collect();
     let (parts, skin) = shared(over.skin, &grown);
     let ground = Ground {
         under,
         skin: EdgeGrid::new(over.skin, 1.0),
         sparse: EdgeGrid::new(over.sparse, 1.0),
         reach: 0.5 * settings.infill_width(),
+        farthest: FARTHEST * way + width,
     };
     let space = spacing(width, width, over.height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
-    for (part, angle) in parts.iter().zip(angles) {
+    for part in &parts {
         crate::limits::check();
         let lines = Lines {
             angle,
@@ -129,13 +131,18 @@ pub(crate) fn bridged(
         let shortest = 0.5 * width;
         let mut beads = Vec::new();
         for (_, mut stroke) in strokes(part, lines, width, shortest) {
-            for last in [true, false] {
-                let end = ground.hold(&mut stroke, last);
-                taken.rings.extend(end.and_then(|(from, to)| {
-                    strip(from, to, 0.5 * space + TOLERANCE)
-                }));
+            let ends = [false, true].map(|last| ground.end(&stroke, last));
+            let [Some(first), Some(last)] = ends else {
+                continue;
+            };
+            for end in [&first, &last] {
+                stroke.points[end.index] = end.to;
             }
+            let ways = [first, last].into_iter().filter(|end| end.goes_on);
+            let half = 0.5 * space + TOLERANCE;
+            let strips = ways.filter_map(|end| strip(end.from, end.to, half));
             if stroke.length() >= shortest {
+                taken.rings.extend(strips);
                 beads.push(Bead::new(
                     Role::InternalBridge,
                     stroke,
@@ -189,21 +196,40 @@ struct Ground<'a> {
     sparse: EdgeGrid,
     /// How far from its middle a line of infill holds what lies on it.
     reach: Mm,
+    /// How far a line goes on to something that holds it.
+    farthest: Mm,
+}
+
+/// An end of a line that has to move.
+struct End {
+    /// Which of the line's points it is.
+    index: usize,
+    /// Where it is, and where it has to be.
+    from: DVec2,
+    to: DVec2,
+    /// True if that is farther out.
+    goes_on: bool,
 }
 
 impl Ground<'_> {
-    /// Lets a line end on something, if it does not. Returns the way that it
-    /// goes on.
-    fn hold(&self, line: &mut Stroke, last: bool) -> Option<(DVec2, DVec2)> {
+    /// Where an end of a line has to be so that something holds it; nothing if
+    /// there is no such place.
+    fn end(&self, line: &Stroke, last: bool) -> Option<End> {
         let n = line.points.len();
-        let (end, next) = match last {
+        let (index, next) = match last {
             true => (n.checked_sub(1)?, n.checked_sub(2)?),
             false => (0, 1),
         };
-        let (p, inner) = (line.points[end], *line.points.get(next)?);
+        let (p, inner) = (line.points[index], *line.points.get(next)?);
         let out = (p - inner).try_normalize()?;
+        let at = |to: DVec2| End {
+            index,
+            from: p,
+            to,
+            goes_on: (to - p).dot(out) > 0.0,
+        };
         if self.is_held(p, out) {
-            return None;
+            return Some(at(p));
         }
         // On from where a line of infill would hold it as it is, unless other
         // skin is in the way.
@@ -212,20 +238,14 @@ impl Ground<'_> {
         if free && let Some(to) = self.next_hold(from, out) {
             // It lies on the line of infill as wide as that is.
             let to = to + self.reach * out;
-            if (to - p).dot(out) <= 0.0 {
-                return None;
-            }
-            line.points[end] = to;
-            return Some((p, to));
+            return Some(at(if (to - p).dot(out) > 0.0 { to } else { p }));
         }
         // Back to the last line of infill that it crosses.
         let cuts = self.under.lines.crossings(p, inner);
         let near = cuts.into_iter().fold(f64::INFINITY, f64::min);
-        if near.is_finite() {
-            let back = p.lerp(inner, near) + self.reach * out;
-            line.points[end] = back;
-        }
-        None
+        let to = p.lerp(inner, near) + self.reach * out;
+        near.is_finite()
+            .then(|| at(if (to - p).dot(out) > 0.0 { p } else { to }))
     }
 
     /// True if a line that ends at `p` on its way `out` ends at a wall or over
@@ -239,13 +259,13 @@ impl Ground<'_> {
     /// Where the next thing is on the way out from a place that holds a line:
     /// a line of infill, what is solid below, or a wall.
     fn next_hold(&self, from: DVec2, out: DVec2) -> Option<DVec2> {
-        let to = from + REACH * out;
+        let to = from + self.farthest * out;
         let first = |cuts: Vec<f64>, least: f64| {
             let ahead = cuts.into_iter().filter(|t| *t > least);
             ahead.fold(f64::INFINITY, f64::min)
         };
         // Borders behind the end are passed already.
-        let end = (self.reach + BEYOND) / REACH;
+        let end = (self.reach + BEYOND) / self.farthest;
         let line = first(self.under.lines.crossings(from, to), 0.0);
         let solid = first(self.under.sparse.grid().crossings(from, to), end);
         // The sparse area ends at a wall, or at other skin of the layer.
@@ -259,30 +279,29 @@ impl Ground<'_> {
     }
 }
 
-/// The direction in which the ways of lines across a gap are shortest.
-fn direction(gap: &Area, under: Under<'_>, width: Mm) -> Option<Degrees> {
-    let across = infill_directions(gap, under.lines);
+/// The direction in which the ways over a layer's infill from one of its lines
+/// to the next are shortest, and the way that is common there. All of a layer
+/// has one direction, so that its lines do not get in one another's way.
+fn direction(under: Under<'_>, width: Mm) -> Option<(Mm, Degrees)> {
+    let across = infill_directions(under.lines, under.sparse.area());
     let across = across.into_iter().map(|a| (a + 90.0).rem_euclid(180.0));
     let fan = (0..(180.0 / FAN) as usize).map(|i| i as f64 * FAN);
     across
         .chain(fan)
-        .filter_map(|angle| {
-            Some((common_way(gap, under, angle, width)?, angle))
-        })
+        .filter_map(|angle| Some((common_way(under, angle, width)?, angle)))
         .reduce(|best, next| {
             // A direction that is better by rounding alone does not win.
             let better = next.0 < best.0 * (1.0 - 1e-3);
             if better { next } else { best }
         })
-        .map(|best| best.1)
 }
 
-/// The directions in which most of the infill below a gap runs.
-fn infill_directions(gap: &Area, lines: &EdgeGrid) -> Vec<Degrees> {
+/// The directions in which most of some infill's lines run.
+fn infill_directions(lines: &EdgeGrid, area: &Area) -> Vec<Degrees> {
     /// Directions that count as one, degrees.
     const STEP: usize = 2;
     const BINS: usize = 180 / STEP;
-    let bounds = gap.bounds();
+    let bounds = area.bounds();
     let mut edges = Vec::new();
     lines.visit_box(bounds.min, bounds.max, |edge| edges.push(edge));
     edges.sort_unstable();
@@ -308,12 +327,8 @@ fn infill_directions(gap: &Area, lines: &EdgeGrid) -> Vec<Degrees> {
 
 /// The way from one line of infill to the next that most of the length of lines
 /// in a direction stays below; nothing if no line fits in.
-fn common_way(
-    gap: &Area,
-    under: Under<'_>,
-    angle: Degrees,
-    width: Mm,
-) -> Option<Mm> {
+fn common_way(under: Under<'_>, angle: Degrees, width: Mm) -> Option<Mm> {
+    let gap = under.sparse.area();
     let along = DVec2::from_angle(angle.to_radians());
     let v = gap.rings.iter().flatten().map(|p| along.perp().dot(*p));
     let (low, high) = v.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
@@ -331,15 +346,8 @@ fn common_way(
         let mut stops = under.lines.crossings(line.from, line.to);
         stops.extend([0.0, 1.0]);
         stops.sort_by(f64::total_cmp);
-        let count = stops.len() - 1;
-        for (i, pair) in stops.windows(2).enumerate() {
-            let way = (pair[1] - pair[0]) * length;
-            // A line that ends over a hole goes on to the next line of infill.
-            let open = |p: DVec2| under.sparse.grid().contains(p);
-            let first = i == 0 && open(line.from - BEYOND * along);
-            let last = i + 1 == count && open(line.to + BEYOND * along);
-            ways.push(if first || last { 2.0 * way } else { way });
-        }
+        let all = stops.windows(2);
+        ways.extend(all.map(|pair| (pair[1] - pair[0]) * length));
     }
     ways.sort_by(f64::total_cmp);
     let total: Mm = ways.iter().sum();
