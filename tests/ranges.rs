@@ -108,8 +108,10 @@ fn internal_bridges() {
         "accuracy=0.05",
         "gcode.progress=off",
     ]);
-    // A cone, in which every layer has skin over infill, over two blocks.
-    let part = "max(sqrt(x^2 + y^2) - 20 + 0.5*z, max(-z, z - 29))";
+    // Stairs. One of the layers with internal bridges is the first of the
+    // second block of layers, and lies on infill of the first block.
+    let part = "max(max(abs(x) - 50 + 3*floor((z + 1.6)/2), abs(y) - 6), \
+                max(-z, z - 29))";
     let model = common::formula(part, &settings);
     assert_same_in_ranges(&model, &settings, &[2, 40, 128, 130]);
 }

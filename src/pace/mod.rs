@@ -14,7 +14,8 @@
 //!   above the layers without it;
 //! - a retraction is primed before the next bead, at the latest at the layer's
 //!   end, and is never repeated;
-//! - z rises before the head travels, and is the layer's top while it prints;
+//! - z rises before the head travels, and is the layer's top while it prints, or
+//!   what the levels of a bead tell;
 //! - the head stands at a bead's first point when the bead begins;
 //! - after [`Pacer::restart`] nothing depends on the layers before;
 //! - the same layers give the same numbers.

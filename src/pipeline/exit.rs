@@ -165,21 +165,25 @@ impl<'a, 'w> Exit<'a, 'w> {
             ended
         });
         self.head.at = ended.last().and_then(Ended::end).or(from);
-        let path = self.timings.time(Stage::Travel, || {
-            // By the layer's own height. Walls are shared by layers whose
-            // heights are the same but for rounding, and that decides between
-            // ways that are equally long: a range of layers would differ.
-            let (_, border) = wall_depths(layer.span.height(), self.settings);
+        let beads = self.timings.time(Stage::Travel, || {
             let below = below.filter(|below| !layer.same_outline(below));
             let below = below.map(|below| below.top(self.settings));
             let support = below
                 .as_deref()
                 .and_then(|b| Support::new(b, &layer.outline, self.settings));
-            let beads = match &support {
+            match &support {
                 Some(support) if !turns => cut(ended, support),
                 _ => ended,
-            };
-            let beads = self.on_surface(beads, layer, above)?;
+            }
+        });
+        let beads = self
+            .timings
+            .time(Stage::Skin, || self.on_surface(beads, layer, above))?;
+        let path = self.timings.time(Stage::Travel, || {
+            // By the layer's own height. Walls are shared by layers whose
+            // heights are the same but for rounding, and that decides between
+            // ways that are equally long: a range of layers would differ.
+            let (_, border) = wall_depths(layer.span.height(), self.settings);
             if written {
                 let of_part = beads.iter().filter(|b| b.bead.role.is_part());
                 let count = of_part.count();
@@ -212,8 +216,8 @@ impl<'a, 'w> Exit<'a, 'w> {
                 travel.retract = true;
                 travel.hop = true;
             }
-            Ok::<_, SliceError>(path)
-        })?;
+            path
+        });
         if written && let Some(pictures) = &self.pictures {
             pictures.draw(&path).map_err(|e| {
                 SliceError::Picture(pictures.folder().to_owned(), e)

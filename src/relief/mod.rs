@@ -191,7 +191,7 @@ impl<'a> Relief<'a> {
         };
         let ramp = chain.width();
         let knots = profile::filled(knots, ramp);
-        Ok(chain.levelled(&knots, TOLERANCE, |bead, fill| extra(bead, fill)))
+        Ok(chain.levelled(&knots, TOLERANCE, extra))
     }
 
     /// What is known of the heights at some stops of a chain; nothing if the

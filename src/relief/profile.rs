@@ -34,8 +34,9 @@ pub(super) struct Knot {
     pub corner: bool,
 }
 
-/// Greatest slope along a path; what is steeper is a cliff.
-const CLIFF: f64 = 1.0;
+/// Greatest slope along a path; what is steeper is a cliff. It is that of the
+/// steepest face which beads may follow in full, and a little more.
+const CLIFF: f64 = 0.75;
 
 /// A height by which knots may differ at any distance, mm.
 const SLACK: Mm = 0.002;
@@ -285,10 +286,11 @@ mod tests {
                 .map(|w| (w[1].rise - w[0].rise) / (w[1].at - w[0].at))
                 .collect();
             assert!(slopes.iter().all(|s| s.abs() < 0.5), "{slopes:?}");
-            // A ramp of 0.1 mm over 0.45 mm has 8 parts, whose slopes differ by
-            // a quarter of the mean slope each, and a little more.
+            // A cubic with a slope of 0.1 that goes down by 0.1 mm over 0.45 mm
+            // bends by (6·0.1 + 4·0.045)/0.45² = 3.9 a millimetre at its
+            // beginning, and has 8 parts.
             let bend = slopes.windows(2).map(|w| (w[1] - w[0]).abs());
-            assert!(bend.fold(0.0, f64::max) < 0.16, "{end} {slopes:?}");
+            assert!(bend.fold(0.0, f64::max) < 0.23, "{end} {slopes:?}");
             let middle = knots.iter().find(|k| k.kind == Kind::Covered);
             assert!(middle.unwrap().rise < 0.11);
             // What lies open keeps its heights.
@@ -342,8 +344,9 @@ mod tests {
             .map(|s| knot(s, Kind::Open, height(s)))
             .collect();
         let few = thinned(&knots, 0.0015);
-        // A chord of length l is off by l²·0.8²·0.1/8.
-        assert!((30..90).contains(&few.len()), "{}", few.len());
+        // A chord of length l is off by l²·0.8²·0.1/8: l is 0.43 mm where the
+        // way bends most.
+        assert!((15..35).contains(&few.len()), "{}", few.len());
         for pair in few.windows(2) {
             for k in &knots {
                 if k.at < pair[0].at || k.at > pair[1].at {

@@ -145,20 +145,20 @@ mod tests {
     }
 
     #[test]
-    fn a_ramp_is_found_to_a_tenth_of_a_micrometre() {
+    fn a_ramp_is_found_to_a_fraction_of_a_micrometre() {
         // Three times the distance, and 10 squared: only the sign matters.
         let plane = || Tree::z() - 3.0 - 0.2 * Tree::x() + 0.05 * Tree::y();
         for f in [3.0 * plane(), plane() * (Tree::z() + 7.0)] {
             let found = spot(f, 0.25).unwrap();
-            assert!((found.height - 3.025).abs() < 2e-6, "{found:?}");
+            assert!((found.height - 3.025).abs() < 2e-5, "{found:?}");
             let off = found.slope - DVec2::new(0.2, -0.05);
-            assert!(off.length() < 2e-5, "{found:?}");
+            assert!(off.length() < 3e-4, "{found:?}");
         }
     }
 
     #[test]
     fn what_goes_on_upwards_or_ends_below_has_no_surface() {
-        let at = |z: f64| Tree::z() - z + 0.0 * Tree::x() + 0.0 * Tree::y();
+        let at = |z: f32| Tree::z() - z + 0.0 * Tree::x() + 0.0 * Tree::y();
         assert!(spot(at(2.7), 0.0).is_none());
         assert!(spot(at(3.3), 0.0).is_none());
         assert!(spot(at(3.1), 0.0).is_some());
@@ -168,7 +168,7 @@ mod tests {
         // No number outside.
         let root = (3.0 - Tree::z()).sqrt() - 9.0 + 0.0 * Tree::x();
         let found = spot(root, 0.0).unwrap();
-        assert!((found.height - 3.0).abs() < 1e-6);
+        assert!((found.height - 3.0).abs() < 2e-5);
     }
 
     #[test]
@@ -177,7 +177,7 @@ mod tests {
         let ledge = Tree::z() - 3.0 + 0.0 * Tree::y();
         let f = ledge.min(1.0 - Tree::x());
         let found = spot(f, 0.95).unwrap();
-        assert!((found.height - 3.0).abs() < 1e-6);
-        assert!(found.slope.length() < 1e-5);
+        assert!((found.height - 3.0).abs() < 2e-5);
+        assert!(found.slope.length() < 3e-4);
     }
 }

@@ -173,7 +173,7 @@ table::settings! {
         contour_z: Varying<Percent> = Varying::Constant(0.0), in 0.0..=100.0;
         /// Angle from the level up to which faces get all of contour_z; it
         /// fades over the next 10°.
-        contour_z_angle: Degrees = 15.0, in 0.0..=60.0;
+        contour_z_angle: Degrees = 15.0, in 0.0..=35.0;
         /// How deep the nozzle's flat end may cut into higher lines beside the
         /// one it prints, as a share of the layer's height; faces so steep that
         /// it would cut deeper count as steeper than contour_z_angle.

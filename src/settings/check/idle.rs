@@ -114,6 +114,20 @@ pub(super) fn without_effect(
             round(s.nozzle_flat()),
         ),
     );
+    for key in [
+        "internal_bridge_flow",
+        "speed.internal_bridge",
+        "cooling.internal_bridge_fan_speed",
+    ] {
+        warn(
+            key,
+            !s.internal_bridges,
+            format!(
+                "{key} has no effect, since internal_bridges = false prints \
+                 no internal bridges; set it to true"
+            ),
+        );
+    }
     for key in ["contour_z_angle", "contour_z_gouge"] {
         warn(
             key,
@@ -132,6 +146,7 @@ pub(super) fn without_effect(
         "top_thickness",
         "ironing",
         "contour_z",
+        "internal_bridges",
         "fuzzy_skin",
         "supports",
     ] {
