@@ -43,6 +43,8 @@ pub(crate) enum Role {
     BottomSkin,
     /// Solid area over nothing, its lines held at both ends.
     Bridge,
+    /// Solid area over sparse infill, its lines held by the infill's.
+    InternalBridge,
     /// A pass over a finished top that makes it smooth.
     Ironing,
     /// What holds parts of the part that nothing else holds.
@@ -53,7 +55,7 @@ pub(crate) enum Role {
 
 impl Role {
     /// Every role, in the order summaries list them.
-    pub(crate) const ALL: [Role; 14] = [
+    pub(crate) const ALL: [Role; 15] = [
         Role::OuterWall,
         Role::InnerWall,
         Role::Overhang,
@@ -62,6 +64,7 @@ impl Role {
         Role::BottomSkin,
         Role::InternalSkin,
         Role::Bridge,
+        Role::InternalBridge,
         Role::Ironing,
         Role::SparseInfill,
         Role::Support,
@@ -344,13 +347,24 @@ impl Bead {
         cross_section(self.width, self.height + extra)
     }
 
-    /// Mean cross-section along segment `i`, whose height varies evenly.
+    /// Mean cross-section along segment `i`, whose height varies evenly, for
+    /// each length of its way in space: heights are measured upright, so a
+    /// steep way lays no more than the level one below it.
     pub(crate) fn area_along(&self, i: usize) -> Mm2 {
         let from = self.height + self.level(i).extra;
         let to = self.height + self.level(i + 1).extra;
         // Simpson's rule is exact, since the section is quadratic in the height.
         let at = |t: f64| cross_section(self.width, from + t * (to - from));
-        (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0
+        let mean = (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0;
+        let n = self.points.len().max(1);
+        let ends = [i, i + 1].map(|k| self.points.get(k % n).copied());
+        let [a, b] = ends.map(Option::unwrap_or_default);
+        let (level, rise) =
+            (a.distance(b), self.level(i + 1).rise - self.level(i).rise);
+        match level.hypot(rise) {
+            way if way > 0.0 => mean * level / way,
+            _ => mean,
+        }
     }
 }
 

@@ -38,7 +38,8 @@
 //! 7. [`seam`] says where loops may begin. [`order`] lets them begin there, and
 //!    puts all beads in an order with short travels, one island at a time. Beads
 //!    that nobody sees go on in the next one where that is near.
-//!    [`spiral`] lays one climbing wall in place of all of them.
+//!    [`spiral`] lays one climbing wall in place of all of them. [`relief`]
+//!    lets beads follow the surface above them.
 //! 8. [`travel`] connects the beads, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, and slower where the hot
 //!    end or the cooling could not follow. It adds up the time.
@@ -176,6 +177,7 @@ mod plane;
 pub mod preview;
 pub mod reader;
 mod region;
+mod relief;
 mod report;
 mod resolution;
 mod seam;

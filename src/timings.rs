@@ -41,7 +41,7 @@ pub enum Stage {
     Contour,
     /// Offsets of the outlines.
     Walls,
-    /// Exposure and the beads of the skin.
+    /// Exposure and the beads of the skin, and beads on the surface above them.
     Skin,
     /// Sparse infill.
     Infill,

@@ -64,6 +64,8 @@ const ORDER: &[&[&str]] = &[
     &["order"],
     // It only lays turns, which need no order.
     &["spiral"],
+    // It moves beads that have their order and their ends.
+    &["relief"],
     &["travel"],
     // The binary form of G-code: text in, bytes out, and back.
     &["bgcode"],

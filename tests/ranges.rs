@@ -93,6 +93,30 @@ fn a_spiral() {
 }
 
 #[test]
+fn a_surface_without_steps() {
+    let settings = common::settings(&["contour_z=100", "gcode.progress=off"]);
+    let part = "max(sqrt(x^2 + y^2) - 8, abs(z - 14) - 14 - 0.5*sin(x))";
+    let model = common::formula(part, &settings);
+    assert_same_in_ranges(&model, &settings, &[2, 40, 139]);
+}
+
+#[test]
+fn internal_bridges() {
+    let settings = common::settings(&[
+        "internal_bridges=true",
+        "sample_spacing=0.3",
+        "accuracy=0.05",
+        "gcode.progress=off",
+    ]);
+    // Stairs. One of the layers with internal bridges is the first of the
+    // second block of layers, and lies on infill of the first block.
+    let part = "max(max(abs(x) - 50 + 3*floor((z + 1.6)/2), abs(y) - 6), \
+                max(-z, z - 29))";
+    let model = common::formula(part, &settings);
+    assert_same_in_ranges(&model, &settings, &[2, 40, 128, 130]);
+}
+
+#[test]
 fn several_bodies() {
     check_example("box-with-lid", "0.3", &[5, 50]);
 }

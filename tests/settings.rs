@@ -479,6 +479,9 @@ fn unwise_settings_are_warned_of() {
                 &["retract.min_travel=40"],
                 &["retract.length=0", "retract.z_hop=0.4"],
                 &["ironing=true", "top_thickness=0"],
+                &["contour_z=100", "contour_z_angle=25"],
+                &["contour_z_gouge=50"],
+                &["internal_bridge_flow=90"],
                 &["infill_mode=solid"],
                 &[
                     "infill=expr: sin(x)",

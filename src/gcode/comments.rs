@@ -71,7 +71,7 @@ fn prusa(role: Role) -> &'static str {
         Role::SparseInfill => "Internal infill",
         Role::InternalSkin | Role::BottomSkin => "Solid infill",
         Role::TopSkin => "Top solid infill",
-        Role::Bridge => "Bridge infill",
+        Role::Bridge | Role::InternalBridge => "Bridge infill",
         Role::Ironing => "Ironing",
         Role::Support => "Support material",
         Role::SupportInterface => "Support material interface",
@@ -91,6 +91,7 @@ fn orca(role: Role) -> &'static str {
         Role::BottomSkin => "Bottom surface",
         Role::TopSkin => "Top surface",
         Role::Bridge => "Bridge",
+        Role::InternalBridge => "Internal Bridge",
         Role::Ironing => "Ironing",
         Role::Support => "Support",
         Role::SupportInterface => "Support interface",
@@ -109,6 +110,7 @@ fn cura(role: Role) -> &'static str {
         | Role::BottomSkin
         | Role::TopSkin
         | Role::Bridge
+        | Role::InternalBridge
         | Role::Ironing => "SKIN",
     }
 }

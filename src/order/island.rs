@@ -101,8 +101,8 @@ fn print_skin(
     let mut stops = Vec::new();
     let mut patches = Vec::new();
     for patch in skin {
-        let ring = patch.rings.first().and_then(|r| r.points.first());
-        if let Some(&p) = ring {
+        let first = patch.first().and_then(|bead| bead.points.first());
+        if let Some(&p) = first {
             stops.push(Stop {
                 from: p,
                 to: p,

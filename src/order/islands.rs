@@ -75,7 +75,7 @@ pub(super) fn islands(outline: &Area, beads: LayerBeads) -> Vec<Island> {
         islands[i].infill.push(bead);
     }
     for patch in beads.skin {
-        let i = find(patch.rings.first());
+        let i = find(patch.first());
         islands[i].skin.push(patch);
     }
     islands

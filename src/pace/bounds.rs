@@ -4,7 +4,7 @@ use super::rates::Rates;
 use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
 use crate::settings::Settings;
-use crate::units::{MmPerSec, MmPerSec2};
+use crate::units::{MICRON, MmPerSec, MmPerSec2};
 
 /// Greatest speed of a bead whatever its role: that of the first layer, and
 /// that of small walls.
@@ -50,8 +50,13 @@ fn steepest(bead: &Bead) -> f64 {
     let flat = bead.levels.is_empty();
     let segments = bead.segments().enumerate().filter(|_| !flat);
     let slopes = segments.map(|(i, (a, b))| {
-        let rise = bead.level(i + 1).rise - bead.level(i).rise;
-        (rise / a.distance(b).hypot(rise).max(f64::MIN_POSITIVE)).abs()
+        let rise = (bead.level(i + 1).rise - bead.level(i).rise).abs();
+        if rise <= 0.0 {
+            return 0.0;
+        }
+        // Both ends are rounded, which may make a short move steeper.
+        let (rise, way) = (rise + MICRON, (a.distance(b) - MICRON).max(0.0));
+        rise / way.hypot(rise)
     });
     slopes.fold(0.0, f64::max)
 }
@@ -70,7 +75,7 @@ pub(super) fn acceleration(
         Role::TopSkin | Role::Ironing => by_role.top_skin,
         Role::InternalSkin => by_role.internal_skin,
         Role::BottomSkin => by_role.bottom_skin,
-        Role::Bridge => by_role.bridge,
+        Role::Bridge | Role::InternalBridge => by_role.bridge,
         Role::SparseInfill => by_role.sparse_infill,
         Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface => {
             0.0

@@ -14,7 +14,8 @@
 //!   above the layers without it;
 //! - a retraction is primed before the next bead, at the latest at the layer's
 //!   end, and is never repeated;
-//! - z rises before the head travels, and is the layer's top while it prints;
+//! - z rises before the head travels, and is the layer's top while it prints, or
+//!   what the levels of a bead tell;
 //! - the head stands at a bead's first point when the bead begins;
 //! - after [`Pacer::restart`] nothing depends on the layers before;
 //! - the same layers give the same numbers.
@@ -88,6 +89,8 @@ pub(crate) struct Pacer<'a> {
     /// How far the highest bead of the layer so far reaches above the layer's
     /// top, mm.
     raised: Mm,
+    /// True if the head stands where a bead ended that is not level.
+    on_slope: bool,
     /// True during a hop and during the approach to the first layer.
     lifted: bool,
     /// The fan's speed as last set in the layer.
@@ -109,6 +112,7 @@ impl<'a> Pacer<'a> {
             retracted: false,
             oozed: 0.0,
             raised: 0.0,
+            on_slope: false,
             lifted: false,
             fan: 0.0,
         }
@@ -121,6 +125,7 @@ impl<'a> Pacer<'a> {
         self.xy = xy;
         self.z = Some(z);
         self.lifted = false;
+        self.on_slope = false;
         self.motion.tell(self.settings.travel_acceleration());
     }
 
@@ -222,6 +227,10 @@ impl<'a> Pacer<'a> {
             return;
         }
         let settings = self.settings;
+        if std::mem::take(&mut self.on_slope) {
+            // A level wipe would cut into what rises beside it.
+            self.lift(span.top + self.raised, out);
+        }
         if retract && !self.retracted {
             self.retract(wipe, out);
             self.lifted |= hop && settings.retract.z_hop > 0.0;
@@ -338,6 +347,7 @@ impl<'a> Pacer<'a> {
                 self.go(p, speed, acceleration, filament, true);
             }
         }
+        self.on_slope = !bead.levels.is_empty();
         let rises = bead.levels.iter().map(|l| l.rise);
         self.raised = rises.fold(self.raised, f64::max);
         out.push(PacedMove::Print {

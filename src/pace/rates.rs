@@ -71,6 +71,9 @@ fn speed_of(role: Role, speed: &Speed) -> (&'static str, Varying) {
         Role::TopSkin => ("speed.top_skin", &speed.top_skin),
         Role::BottomSkin => ("speed.bottom_skin", &speed.bottom_skin),
         Role::Bridge => ("speed.bridge", &speed.bridge),
+        Role::InternalBridge => {
+            ("speed.internal_bridge", &speed.internal_bridge)
+        }
         Role::Overhang => ("speed.overhang", &speed.overhang),
         Role::Ironing => ("speed.ironing", &speed.ironing),
     };
@@ -227,6 +230,7 @@ impl<'a> Rater<'a> {
     fn share(&self, bead: &Bead) -> f64 {
         match bead.role {
             Role::Bridge => 0.01 * self.settings.bridge_flow,
+            Role::InternalBridge => 0.01 * self.settings.internal_bridge_flow,
             // The layer that is ironed is full except for this share.
             Role::Ironing => {
                 let full = bead.width * bead.height;
@@ -274,6 +278,7 @@ impl<'a> Rater<'a> {
         let fan = match bead.role {
             _ if span.index < cooling.fan_off_layers as usize => 0.0,
             Role::Bridge => cooling.bridge_fan_speed,
+            Role::InternalBridge => cooling.internal_bridge_fan_speed,
             Role::Overhang => cooling.overhang_fan_speed,
             _ => fan,
         };

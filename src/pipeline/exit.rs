@@ -18,6 +18,7 @@ use crate::order::{Head, linked, order};
 use crate::pace::Pacer;
 use crate::preview::Pictures;
 use crate::region::wall_depths;
+use crate::relief::{Relief, Site};
 use crate::report;
 use crate::seam::ending::{Ended, cut, endings};
 use crate::settings::Settings;
@@ -38,6 +39,8 @@ pub(super) struct Exit<'a, 'w> {
     offset: DVec2,
     /// The climbing wall, if there is one.
     spiral: Option<&'a Spiral<'a>>,
+    /// What lets beads follow the surface, if they are to.
+    relief: Option<Relief<'a>>,
     head: Head,
     /// For infill that may stand on nothing.
     standing: Option<Standing>,
@@ -94,6 +97,7 @@ impl<'a, 'w> Exit<'a, 'w> {
         writer: Writer<'a, &'w mut dyn io::Write>,
         pacer: Pacer<'a>,
         spiral: Option<&'a Spiral<'a>>,
+        relief: Option<Relief<'a>>,
     ) -> Self {
         Exit {
             settings: pacer.settings(),
@@ -101,6 +105,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             pictures,
             offset,
             spiral,
+            relief,
             head: Head::default(),
             standing: Standing::new(pacer.settings()),
             pacer,
@@ -129,6 +134,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             look,
             figures,
             support: supported,
+            areas: _,
         } = ready.filled;
         let index = layer.span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {
@@ -159,20 +165,25 @@ impl<'a, 'w> Exit<'a, 'w> {
             ended
         });
         self.head.at = ended.last().and_then(Ended::end).or(from);
-        let path = self.timings.time(Stage::Travel, || {
-            // By the layer's own height. Walls are shared by layers whose
-            // heights are the same but for rounding, and that decides between
-            // ways that are equally long: a range of layers would differ.
-            let (_, border) = wall_depths(layer.span.height(), self.settings);
+        let beads = self.timings.time(Stage::Travel, || {
             let below = below.filter(|below| !layer.same_outline(below));
             let below = below.map(|below| below.top(self.settings));
             let support = below
                 .as_deref()
                 .and_then(|b| Support::new(b, &layer.outline, self.settings));
-            let beads = match &support {
+            match &support {
                 Some(support) if !turns => cut(ended, support),
                 _ => ended,
-            };
+            }
+        });
+        let beads = self
+            .timings
+            .time(Stage::Skin, || self.on_surface(beads, layer, above))?;
+        let path = self.timings.time(Stage::Travel, || {
+            // By the layer's own height. Walls are shared by layers whose
+            // heights are the same but for rounding, and that decides between
+            // ways that are equally long: a range of layers would differ.
+            let (_, border) = wall_depths(layer.span.height(), self.settings);
             if written {
                 let of_part = beads.iter().filter(|b| b.bead.role.is_part());
                 let count = of_part.count();
@@ -233,6 +244,24 @@ impl<'a, 'w> Exit<'a, 'w> {
             (self.options.on_layer)(done, self.layers.len());
         }
         Ok(())
+    }
+
+    /// A layer's beads on the surface above them, if they are to follow it.
+    fn on_surface(
+        &self,
+        beads: Vec<Ended>,
+        layer: &Layer,
+        above: Option<&Layer>,
+    ) -> Result<Vec<Ended>, SliceError> {
+        let covered = above.is_some_and(|above| layer.same_outline(above));
+        let Some(relief) = self.relief.as_ref().filter(|_| !covered) else {
+            return Ok(beads);
+        };
+        let site = Site {
+            span: layer.span,
+            above: above.map(|a| (a.span.height(), a.outline.grid())),
+        };
+        Ok(relief.apply(beads, site)?)
     }
 
     /// Follows what hangs.

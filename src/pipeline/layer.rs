@@ -7,7 +7,7 @@ use crate::order::LayerBeads;
 use crate::plane::{Area, Solid};
 use crate::region::Walls;
 use crate::region::compensate::Compensation;
-use crate::region::exposure::Window;
+use crate::region::exposure::{FillAreas, Window};
 use crate::report::LayerFigures;
 use crate::settings::Settings;
 use crate::skin::{Face, Faces};
@@ -113,6 +113,8 @@ pub(super) struct Filled {
     pub beads: LayerBeads,
     /// Where there is sparse infill.
     pub sparse: Solid<'static>,
+    /// Skin and sparse area, if internal bridges may change them.
+    pub areas: Option<FillAreas>,
     /// Where there are supports, if there are any.
     pub support: Option<Solid<'static>>,
     /// Area of gaps that nothing fills.

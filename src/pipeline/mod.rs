@@ -54,6 +54,7 @@ use crate::plane::offset::offset;
 use crate::plane::{Area, Rect};
 use crate::preview::{PictureError, Pictures, outline_from_above, thumbnails};
 use crate::reader::ReadError;
+use crate::relief::{Relief, ReliefError};
 use crate::report::{Figures, Gauge, Report, ReportError};
 use crate::settings::{Settings, Supports};
 use crate::spiral::{Spiral, SpiralError};
@@ -216,6 +217,9 @@ pub enum SliceError {
     /// The part cannot be one climbing wall.
     #[error(transparent)]
     Spiral(#[from] SpiralError),
+    /// Beads cannot follow the surface.
+    #[error(transparent)]
+    Relief(#[from] ReliefError),
     /// The layers cannot be measured.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -379,6 +383,7 @@ fn write(
     if settings.supports != Supports::Off && !settings.spiral {
         stages.plan_supports(pool, spans, &around, &fills)?;
     }
+    let relief = Relief::new(model, settings, &around)?;
     let rater = Rater::new(settings, model, &around)?;
     // Before hours of work, not after them.
     for span in &spans[layers.clone()] {
@@ -438,6 +443,7 @@ fn write(
         writer,
         Pacer::new(settings, rater),
         stages.spiral.as_ref(),
+        relief,
     );
 
     Supply::new(&stages, pool, spans, layers.clone())

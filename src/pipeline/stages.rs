@@ -21,12 +21,14 @@ use crate::plane::clip::union;
 use crate::plane::{Area, Rect, Solid};
 use crate::region::compensate::Compensation;
 use crate::region::cover::rough;
-use crate::region::exposure::{Exposure, roomy};
+use crate::region::exposure::{Exposure, FillAreas, roomy};
 use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::resolution::thin;
 use crate::seam::Seams;
 use crate::settings::{self, InfillPattern, Settings, Varying, WallOffset};
+use crate::skin::Patch;
+use crate::skin::over_infill::{Over, Under, bridged};
 use crate::spiral::Spiral;
 use crate::support::{Parts, Plan, Slice, Unheld};
 use crate::timings::{Stage, Timings};
@@ -315,7 +317,9 @@ impl<'a> Stages<'a> {
     pub(super) fn reach_below(&self) -> usize {
         // A turn lies on a layer that has to be known.
         let below = usize::from(self.settings.spiral);
-        self.exposure.reach_below().max(below)
+        // Internal bridges lie on infill, which has to be known as well.
+        let infill = usize::from(self.bridges_infill());
+        self.exposure.reach_below().max(below) + infill
     }
 
     /// Outlines of a slab's layers, as far as they are needed.
@@ -487,7 +491,7 @@ impl<'a> Stages<'a> {
         layers: &VecDeque<Layer>,
         i: usize,
         Inside { walls, roomy }: &Inside,
-    ) -> Result<(LayerBeads, Area), SliceError> {
+    ) -> Result<(LayerBeads, FillAreas), SliceError> {
         let Layer { span, outline, .. } = &layers[i];
         let (number, height) = (span.index, span.height());
         let solid = outline.grid();
@@ -510,7 +514,7 @@ impl<'a> Stages<'a> {
                 turn,
                 ..LayerBeads::default()
             };
-            return Ok((beads, Area::default()));
+            return Ok((beads, FillAreas::default()));
         }
         let (areas, skin) = self.timings.time(Stage::Skin, || {
             let window = window(layers, i);
@@ -543,35 +547,92 @@ impl<'a> Stages<'a> {
             turn: None,
             walls,
             sites,
-            infill: self.timings.time(Stage::Infill, || {
-                let place = infill::Place {
-                    number,
-                    z: span.sample_z(),
-                    height,
-                };
-                match self.settings.spiral {
-                    true => Ok(Vec::new()),
-                    false => {
-                        self.infill.beads(&areas.sparse, place, Some(solid))
-                    }
-                }
-            })?,
+            infill: self.infill_in(&areas.sparse, &layers[i])?,
             skin,
         };
         // The walls have been thinned already.
         self.timings.time(Stage::Infill, || {
-            let of_skin = beads.skin.iter_mut().flat_map(|patch| {
-                let fills = patch.fills.iter_mut().flat_map(|f| &mut f.lines);
-                patch.rings.iter_mut().chain(fills)
-            });
             let all = beads.skirt.iter_mut().chain(&mut beads.support);
-            let all = all.chain(&mut beads.infill);
-            for bead in all.chain(of_skin) {
-                let role = bead.role;
-                thin(bead, role, self.settings);
-            }
+            self.thin(all.chain(&mut beads.infill));
+            self.thin(of_skin(&mut beads.skin));
         });
-        Ok((beads, areas.sparse))
+        Ok((beads, areas))
+    }
+
+    /// A layer's sparse infill.
+    fn infill_in(
+        &self,
+        sparse: &Area,
+        layer: &Layer,
+    ) -> Result<Vec<Bead>, InfillError> {
+        let place = infill::Place {
+            number: layer.span.index,
+            z: layer.span.sample_z(),
+            height: layer.span.height(),
+        };
+        let solid = layer.outline.grid();
+        self.timings
+            .time(Stage::Infill, || match self.settings.spiral {
+                true => Ok(Vec::new()),
+                false => self.infill.beads(sparse, place, Some(solid)),
+            })
+    }
+
+    /// Thins beads to what their roles permit.
+    fn thin<'b>(&self, beads: impl Iterator<Item = &'b mut Bead>) {
+        for bead in beads {
+            let role = bead.role;
+            thin(bead, role, self.settings);
+        }
+    }
+
+    /// True if skin over sparse infill becomes internal bridges.
+    pub(super) fn bridges_infill(&self) -> bool {
+        self.settings.internal_bridges && !self.settings.spiral
+    }
+
+    /// Layer `i` of the window with internal bridges over the infill of the
+    /// layer below, if it has any; `areas` are its own.
+    pub(super) fn over_infill(
+        &self,
+        layers: &VecDeque<Layer>,
+        i: usize,
+        areas: &FillAreas,
+        under: Under<'_>,
+    ) -> Result<Option<OverInfill>, SliceError> {
+        let faces = faces(layers, i);
+        let Some(above) = faces.above else {
+            return Ok(None);
+        };
+        let layer = &layers[i];
+        let height = layer.span.height();
+        let over = Over {
+            skin: &areas.skin,
+            sparse: &areas.sparse,
+            above,
+            height,
+        };
+        let made = self.timings.time(Stage::Skin, || {
+            let bridged = bridged(over, under, self.settings)?;
+            let number = layer.span.index;
+            let rest = &bridged.skin;
+            let mut skin =
+                skin::patches(rest, faces, number, height, self.settings);
+            skin.extend(bridged.patches);
+            self.thin(of_skin(&mut skin));
+            Some((skin, bridged.sparse))
+        });
+        let Some((skin, sparse)) = made else {
+            return Ok(None);
+        };
+        let mut infill = self.infill_in(&sparse, layer)?;
+        self.timings
+            .time(Stage::Infill, || self.thin(infill.iter_mut()));
+        Ok(Some(OverInfill {
+            skin,
+            infill,
+            sparse,
+        }))
     }
 
     /// How many of the part's layers there are up to the highest one that
@@ -650,6 +711,21 @@ impl<'a> Stages<'a> {
     fn thinnest(&self) -> Mm {
         self.settings.thin_min / 100.0 * self.settings.outer_wall_width()
     }
+}
+
+/// The beads of some skin.
+fn of_skin(skin: &mut [Patch]) -> impl Iterator<Item = &mut Bead> {
+    skin.iter_mut().flat_map(|patch| {
+        let fills = patch.fills.iter_mut().flat_map(|f| &mut f.lines);
+        patch.rings.iter_mut().chain(fills)
+    })
+}
+
+/// What a layer with internal bridges has in place of what it had.
+pub(super) struct OverInfill {
+    pub skin: Vec<Patch>,
+    pub infill: Vec<Bead>,
+    pub sparse: Area,
 }
 
 /// The settings by which supports are filled.

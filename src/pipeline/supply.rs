@@ -10,6 +10,9 @@ use super::{BLOCK, SliceError};
 use crate::layers::LayerSpan;
 use crate::limits;
 use crate::plane::Solid;
+use crate::plane::grid::EdgeGrid;
+use crate::skin::over_infill::Under;
+use crate::units::Mm;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -37,6 +40,36 @@ pub(super) struct Supply<'a> {
     window: VecDeque<Layer>,
     /// Index of the layer that is filled next.
     next: usize,
+    /// The first one that is handed over.
+    first: usize,
+    /// What the last layer that was filled has of infill, if internal bridges
+    /// may lie on it.
+    under: Option<Infilled>,
+}
+
+/// A layer's sparse infill, as something to lie on.
+struct Infilled {
+    sparse: Solid<'static>,
+    lines: EdgeGrid,
+}
+
+impl Infilled {
+    fn new(filled: &Filled) -> Infilled {
+        /// Size of the grid's cells, mm.
+        const CELL: Mm = 1.0;
+        let lines = filled.beads.infill.iter().map(|bead| bead.path());
+        Infilled {
+            sparse: filled.sparse.clone(),
+            lines: EdgeGrid::of_lines(lines, CELL),
+        }
+    }
+
+    fn under(&self) -> Under<'_> {
+        Under {
+            sparse: &self.sparse,
+            lines: &self.lines,
+        }
+    }
 }
 
 impl<'a> Supply<'a> {
@@ -54,13 +87,18 @@ impl<'a> Supply<'a> {
         let slab = stages.slab_layers();
         let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
         let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
+        let first = layers.start - layers.start % BLOCK;
+        // Internal bridges of the first layer lie on infill of the one below.
+        let below = usize::from(stages.bridges_infill());
         Supply {
             stages,
             pool,
             slabs: slabs.iter().copied().collect(),
             needed,
             window: VecDeque::new(),
-            next: layers.start - layers.start % BLOCK,
+            next: first.saturating_sub(below),
+            first,
+            under: None,
             layers,
         }
     }
@@ -169,8 +207,12 @@ impl<'a> Supply<'a> {
                 ..layer.clone()
             })
         };
+        let count = which.len();
         for (i, filled) in which.zip(filled) {
             let Some(layer) = near(i) else { break };
+            if layer.span.index < self.first {
+                continue;
+            }
             batch.push(Ready {
                 layer,
                 below: i.checked_sub(1).and_then(near),
@@ -178,7 +220,7 @@ impl<'a> Supply<'a> {
                 filled,
             });
         }
-        self.next += batch.len();
+        self.next += count;
         let keep = self.next.saturating_sub(self.stages.reach_below());
         while self.window.front().is_some_and(|s| s.span.index < keep) {
             self.window.pop_front();
@@ -194,7 +236,7 @@ impl<'a> Supply<'a> {
         let (stages, layers) = (self.stages, &self.window);
         // Layers that are the same, together.
         let mut groups: Vec<Range<usize>> = Vec::new();
-        for i in which {
+        for i in which.clone() {
             match groups.last_mut() {
                 Some(group) if layers[i].same(&layers[i - 1]) => {
                     group.end = i + 1;
@@ -211,10 +253,12 @@ impl<'a> Supply<'a> {
                 }
                 false => None,
             };
-            let (beads, sparse) = stages.beads(layers, i, inside)?;
+            let (beads, areas) = stages.beads(layers, i, inside)?;
+            let bridges = stages.bridges_infill();
             Ok(Filled {
                 beads,
-                sparse: Solid::new(sparse),
+                areas: bridges.then(|| areas.clone()),
+                sparse: Solid::new(areas.sparse),
                 support: stages.support_area(index).map(Solid::new),
                 look: stages.look(layers, i),
                 gap: inside.walls.gap,
@@ -247,7 +291,43 @@ impl<'a> Supply<'a> {
                 self.window[group.end - 1].inside = Some(inside);
             }
         }
+        if stages.bridges_infill() {
+            self.bridge(which.start, &mut all)?;
+        }
         Ok(all)
+    }
+
+    /// Lays internal bridges in some layers, the first of which is layer
+    /// `start` of the window. One after the other, since what bridges take of a
+    /// layer's infill holds the next layer otherwise.
+    fn bridge(
+        &mut self,
+        start: usize,
+        all: &mut [Filled],
+    ) -> Result<(), SliceError> {
+        for (k, filled) in all.iter_mut().enumerate() {
+            // At a block's beginning nothing but the infill is known below.
+            let next = self.window[start + k].span.index + 1;
+            let early =
+                next.is_multiple_of(BLOCK).then(|| Infilled::new(filled));
+            let over = match (&self.under, &filled.areas) {
+                (Some(below), Some(areas)) if !areas.skin.is_empty() => {
+                    let (layers, i) = (&self.window, start + k);
+                    let under = below.under();
+                    self.pool.install(|| {
+                        self.stages.over_infill(layers, i, areas, under)
+                    })?
+                }
+                _ => None,
+            };
+            if let Some(over) = over {
+                filled.beads.skin = over.skin;
+                filled.beads.infill = over.infill;
+                filled.sparse = Solid::new(over.sparse);
+            }
+            self.under = early.or_else(|| Some(Infilled::new(filled)));
+        }
+        Ok(())
     }
 }
 

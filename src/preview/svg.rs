@@ -26,6 +26,7 @@ fn colour(role: Role) -> &'static str {
         Role::TopSkin => "#f04040",
         Role::BottomSkin => "#4d80ba",
         Role::Bridge => "#4da6ff",
+        Role::InternalBridge => "#4d66ff",
         Role::Ironing => "#ff8c69",
         Role::Support => "#00c000",
         Role::SupportInterface => "#008000",

@@ -73,6 +73,23 @@ by_nozzle! {
 }
 
 impl Settings {
+    /// Diameter of the nozzle's flat end: `printer.nozzle_flat` if set, else
+    /// what is usual.
+    pub fn nozzle_flat(&self) -> Mm {
+        const USUAL: f64 = 2.5;
+        let usual = USUAL * self.printer.nozzle_diameter;
+        self.printer.nozzle_flat.unwrap_or(usual)
+    }
+
+    /// Steepest face that beads of a layer follow in full: `contour_z_angle`,
+    /// or less if the nozzle's flat end, whose edge is r·tan of the angle deeper
+    /// than a face, would cut deeper than `contour_z_gouge` allows.
+    pub fn contour_z_full_angle(&self, height: Mm) -> Degrees {
+        let deep = 0.01 * self.contour_z_gouge * height;
+        let bound = deep.atan2(0.5 * self.nozzle_flat()).to_degrees();
+        self.contour_z_angle.min(bound)
+    }
+
     /// Whether all layers above the first have one height.
     pub fn is_uniform(&self) -> bool {
         self.layer_heights == Varying::Constant(LayerHeights::Uniform)

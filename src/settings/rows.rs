@@ -167,6 +167,17 @@ table::settings! {
         ironing_spacing: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
         /// Material for ironing, as a share of what would fill the layer.
         ironing_flow: Percent = 10.0, in 0.0..=100.0;
+        /// How much walls, skin and ironing that lie open follow the surface
+        /// above them: 0 leaves the layers' steps, with 100 the nozzle runs on
+        /// the surface itself.
+        contour_z: Varying<Percent> = Varying::Constant(0.0), in 0.0..=100.0;
+        /// Angle from the level up to which faces get all of contour_z; it
+        /// fades over the next 10°.
+        contour_z_angle: Degrees = 15.0, in 0.0..=35.0;
+        /// How deep the nozzle's flat end may cut into higher lines beside the
+        /// one it prints, as a share of the layer's height; faces so steep that
+        /// it would cut deeper count as steeper than contour_z_angle.
+        contour_z_gouge: Percent = 75.0, in 0.0..=1000.0;
 
         ["Bridges and overhangs"]
         /// Whether skin over nothing gets lines across the gap, from support
@@ -179,6 +190,12 @@ table::settings! {
         bridge_max: Mm = 20.0, in 0.0..=1000.0;
         /// Material of bridges, as a share of what skin would get.
         bridge_flow: Percent = 100.0, in 10.0..=300.0;
+        /// Whether the lowest solid layer over sparse infill gets lines across
+        /// those of the infill, which end on the infill or on walls. The
+        /// following layers lie on it.
+        internal_bridges: bool = false;
+        /// Material of internal bridges, as a share of what skin would get.
+        internal_bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Share of its width by which a wall may hang over the layer below
         /// before it is printed as an overhang; with 100 no wall is.
         overhang_share: Percent = 50.0, in 0.0..=100.0;
@@ -292,6 +309,9 @@ table::settings! {
         /// Speed of bridges.
         bridge: Varying<MmPerSec> = Varying::Constant(30.0),
             in 0.1..=2000.0;
+        /// Speed of internal bridges.
+        internal_bridge: Varying<MmPerSec> = Varying::Constant(40.0),
+            in 0.1..=2000.0;
         /// Speed of walls that hang over the layer below.
         overhang: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0;
@@ -325,7 +345,7 @@ table::settings! {
         top_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
         /// Acceleration of skin that faces downwards.
         bottom_skin: MmPerSec2 = 0.0, in 0.0..=100_000.0;
-        /// Acceleration of bridges.
+        /// Acceleration of bridges, internal ones as well.
         bridge: MmPerSec2 = 0.0, in 0.0..=100_000.0;
         /// Acceleration of walls that hang over the layer below.
         overhang: MmPerSec2 = 0.0, in 0.0..=100_000.0;
@@ -420,6 +440,8 @@ table::settings! {
             in 0.0..=100.0;
         /// Speed of the part's fan while bridges are printed.
         bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speed of the part's fan while internal bridges are printed.
+        internal_bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Speed of the part's fan while overhanging walls are printed.
         overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Number of layers, from the bed, printed without the fan.
@@ -489,6 +511,9 @@ table::settings! {
         /// Diameter of the nozzle's hole. Line widths, layer heights and other
         /// lengths that are auto, or a share such as 75%, follow it.
         nozzle_diameter: Mm = 0.4, in 0.05..=5.0;
+        /// Diameter of the nozzle's flat end, which contour_z has to allow for;
+        /// auto is 250% of the nozzle's diameter.
+        nozzle_flat: Option<Mm> = None, in 0.0..=20.0;
         /// Greatest temperature that the hot end bears; settings beyond it
         /// are refused. auto if it is not known: 450.
         max_nozzle_temperature: Option<Celsius> = None, in 1.0..=600.0;

@@ -85,25 +85,36 @@ pub(super) fn bridges(
         found.push(Bridge { area, angle });
         grown.push(offset(&gap, reach, TOLERANCE));
     }
+    let (parts, left) = shared(area, &grown);
+    for (bridge, part) in found.iter_mut().zip(parts) {
+        bridge.area = part;
+    }
+    found.retain(|b| !b.area.is_empty());
+    (found, left)
+}
+
+/// What each of some areas takes of an area, where several would the first one
+/// that is asked, and what they leave of it.
+pub(super) fn shared(area: &Area, takers: &[Area]) -> (Vec<Area>, Area) {
+    let mut parts = vec![Area::EMPTY; takers.len()];
     // Many places are clipped at a time: one by one, each would be clipped with
     // the whole area.
     let mut left = area.clone();
-    for set in apart(&grown) {
-        let rings = set.iter().flat_map(|&i| grown[i].rings.iter().cloned());
+    for set in apart(takers) {
+        let rings = set.iter().flat_map(|&i| takers[i].rings.iter().cloned());
         let reached = Area {
             rings: rings.collect(),
         };
-        let nest = Nest::new(set.iter().filter_map(|&i| outer(&grown[i])));
+        let nest = Nest::new(set.iter().filter_map(|&i| outer(&takers[i])));
         for part in intersection(&left, &reached).islands() {
             let p = part.rings.first().and_then(|r| point_beside(r));
             if let Some(k) = p.and_then(|p| nest.around(p)) {
-                found[set[k]].area.rings.extend(part.rings);
+                parts[set[k]].rings.extend(part.rings);
             }
         }
         left = difference(&left, &reached);
     }
-    found.retain(|b| !b.area.is_empty());
-    (found, left)
+    (parts, left)
 }
 
 /// Sorts areas into sets in which no two boxes meet, and returns their numbers.

@@ -20,6 +20,7 @@
 
 pub(crate) mod bridge;
 mod fill;
+pub(crate) mod over_infill;
 mod roles;
 mod short;
 mod strokes;
@@ -38,10 +39,18 @@ use roles::Sides;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Patch {
     /// Beads around the area and its holes, and those in the middle of
-    /// places too thin for lines.
+    /// places too thin for lines. Internal bridges have none.
     pub rings: Vec<Bead>,
     /// What is inside the rings, in print order.
     pub fills: Vec<Fill>,
+}
+
+impl Patch {
+    /// The bead that is printed first, or, of several fills, may be.
+    pub(crate) fn first(&self) -> Option<&Bead> {
+        let lines = self.fills.iter().flat_map(|fill| &fill.lines);
+        self.rings.iter().chain(lines).next()
+    }
 }
 
 /// Beads of one role inside a skin's rings.

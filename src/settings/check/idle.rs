@@ -1,6 +1,7 @@
 //! Finds settings that were asked for and that other settings deprive of their
 //! effect.
 
+use super::round;
 use crate::settings::{InfillMode, Settings, Varying};
 
 /// Warns of settings without effect.
@@ -97,6 +98,46 @@ pub(super) fn without_effect(
          top_thickness to more than 0"
             .to_owned(),
     );
+    let height = s.layer_height();
+    let full = s.contour_z_full_angle(height);
+    warn(
+        "contour_z_angle",
+        !s.contour_z.is(0.0) && full < s.contour_z_angle,
+        format!(
+            "contour_z_angle = {}° has no effect beyond {}° in layers of {} \
+             mm, where the nozzle's flat end ({} mm) cuts as deep into the \
+             lines beside as contour_z_gouge allows; raise contour_z_gouge, \
+             or tell printer.nozzle_flat if it is less",
+            s.contour_z_angle,
+            round(full),
+            round(height),
+            round(s.nozzle_flat()),
+        ),
+    );
+    for key in [
+        "internal_bridge_flow",
+        "speed.internal_bridge",
+        "cooling.internal_bridge_fan_speed",
+    ] {
+        warn(
+            key,
+            !s.internal_bridges,
+            format!(
+                "{key} has no effect, since internal_bridges = false prints \
+                 no internal bridges; set it to true"
+            ),
+        );
+    }
+    for key in ["contour_z_angle", "contour_z_gouge"] {
+        warn(
+            key,
+            s.contour_z.is(0.0),
+            format!(
+                "{key} has no effect, since contour_z = 0% leaves the layers' \
+                 steps; set contour_z to 100"
+            ),
+        );
+    }
     for key in [
         "walls",
         "infill",
@@ -104,6 +145,8 @@ pub(super) fn without_effect(
         "top_layers",
         "top_thickness",
         "ironing",
+        "contour_z",
+        "internal_bridges",
         "fuzzy_skin",
         "supports",
     ] {

@@ -67,6 +67,7 @@ pub(in crate::settings) fn speed_note(s: &Settings) -> Option<String> {
         ("speed.top_skin", speed.top_skin.constant()),
         ("speed.bottom_skin", speed.bottom_skin.constant()),
         ("speed.bridge", speed.bridge.constant()),
+        ("speed.internal_bridge", speed.internal_bridge.constant()),
         ("speed.overhang", speed.overhang.constant()),
         ("speed.ironing", speed.ironing.constant()),
         ("speed.skirt", Some(speed.skirt)),

@@ -1,0 +1,335 @@
+//! Surfaces without steps: beads that follow the surface above them
+//! (z-contouring).
+//!
+//! ```text
+//!        ____                             ____╱
+//!   ____|      layers, level,        ___╱       the same layers, whose beads
+//!       |____  sampled at their     ╱    ____╱  end on f = 0 where nothing
+//!   ____|      middle              ╱___╱        covers them
+//! ```
+//!
+//! In: a layer's beads in print order, with all their ends, and the outline of
+//! the layer above. Out: the beads; those that lie open have levels.
+//!
+//! A layer is exact at its middle. So what the next layer leaves open of it
+//! lies below a surface that is at most half a layer lower than the layer's top,
+//! or half of the next layer higher. The nozzle is led along this surface, and
+//! the material is as high as the nozzle is above the layer below. Where the
+//! next layer begins, its own beads begin at the height that these have reached.
+//!
+//! Guarantees, where a face is no steeper than the angle of full strength: each
+//! point of a bead's middle that lies open is on f = 0 within some micrometres,
+//! unless that is higher above the layer below than the nozzle is wide; all
+//! material together fills what is below f = 0. Steeper faces get less and less
+//! of it, and those [`FADE`] steeper nothing: nowhere does it begin at once.
+//! Under the next layer a bead comes back to the layer's top.
+//!
+//! Not guaranteed: how smooth a face is across the beads, as each is level there.
+//! A bead whose middle is just covered leaves a groove along the next layer's
+//! edge, less than half a bead wide. A nozzle has a flat end, which cuts into
+//! higher beads beside it that are printed before. How deep is bounded
+//! (`contour_z_gouge`).
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `surface` | where f = 0 is above a point, and how steep |
+//! | `chain` | beads that follow one another, as one path |
+//! | `profile` | how the nozzle's height goes on along a path |
+
+mod chain;
+mod profile;
+mod surface;
+
+use crate::bead::{Bead, Role, cross_section};
+use crate::layers::LayerSpan;
+use crate::model::{Model, Probe, ProbeError};
+use crate::plane::grid::EdgeGrid;
+use crate::resolution::pieces;
+use crate::seam::ending::Ended;
+use crate::settings::Settings;
+use crate::units::{Degrees, Mm, Mm2};
+use crate::vary::{Quantity, Surroundings, VaryError};
+use chain::{Chain, Stop};
+use glam::DVec2;
+use profile::{Kind, Knot};
+use surface::{Spot, Window};
+
+/// How much steeper than at full strength a face is that gets nothing.
+const FADE: Degrees = 10.0;
+
+/// Distance of places along a bead at which the surface is looked for, mm.
+const STEP: Mm = 0.1;
+
+/// Distance at which the slope of the surface is measured, mm.
+const BESIDE: Mm = 0.1;
+
+/// Rises below this are none, mm: half of what G-code resolves.
+const LEVEL: Mm = 0.0005;
+
+/// How far the nozzle may be from the heights that were found, mm.
+const TOLERANCE: Mm = 0.0015;
+
+/// Why beads cannot follow the surface.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReliefError {
+    /// The strength has no value somewhere.
+    #[error(transparent)]
+    Strength(#[from] VaryError),
+    /// The field cannot be evaluated.
+    #[error(transparent)]
+    Probe(#[from] ProbeError),
+}
+
+/// What follows the surface of a model.
+pub(crate) struct Relief<'a> {
+    settings: &'a Settings,
+    probe: Probe,
+    strength: Quantity,
+    around: &'a Surroundings<'a>,
+    /// Height of the bed in the model's coordinates.
+    bed: Mm,
+}
+
+/// A layer and what covers it.
+#[derive(Clone, Copy)]
+pub(crate) struct Site<'a> {
+    /// The layer.
+    pub span: LayerSpan,
+    /// The next layer's height and outline, if there is a next layer.
+    pub above: Option<(Mm, &'a EdgeGrid)>,
+}
+
+/// A layer with what its heights permit.
+struct Bounds {
+    /// Height of the layer, mm.
+    height: Mm,
+    /// Least and greatest height of the nozzle above the layer's top, mm.
+    low: Mm,
+    high: Mm,
+    /// Slope of a face up to which the strength is full.
+    full: Degrees,
+}
+
+impl<'a> Relief<'a> {
+    /// Of a model, if the settings ask for it.
+    ///
+    /// # Errors
+    /// If the strength is no expression, or the field cannot be evaluated.
+    pub(crate) fn new(
+        model: &Model,
+        settings: &'a Settings,
+        around: &'a Surroundings<'a>,
+    ) -> Result<Option<Relief<'a>>, ReliefError> {
+        let strength = Quantity::new("contour_z", &settings.contour_z)?;
+        if strength.constant() == Some(0.0) || settings.spiral {
+            return Ok(None);
+        }
+        Ok(Some(Relief {
+            settings,
+            probe: Probe::new(&model.tree)?,
+            strength,
+            around,
+            bed: -model.offset.z,
+        }))
+    }
+
+    /// Lets a layer's beads follow the surface.
+    ///
+    /// # Errors
+    /// If the strength has no value somewhere, or the evaluator fails.
+    pub(crate) fn apply(
+        &self,
+        beads: Vec<Ended>,
+        site: Site<'_>,
+    ) -> Result<Vec<Ended>, ReliefError> {
+        let mut out = Vec::with_capacity(beads.len());
+        let mut chain: Vec<Ended> = Vec::new();
+        for ended in beads {
+            crate::limits::check();
+            if !chain.last().is_some_and(|last| goes_on(last, &ended)) {
+                out.extend(self.chain(std::mem::take(&mut chain), site)?);
+            }
+            match follows(&ended.bead) {
+                true => chain.push(ended),
+                false => out.push(ended),
+            }
+        }
+        out.extend(self.chain(chain, site)?);
+        Ok(out)
+    }
+
+    /// Beads each of which begins where the one before ends.
+    fn chain(
+        &self,
+        beads: Vec<Ended>,
+        site: Site<'_>,
+    ) -> Result<Vec<Ended>, ReliefError> {
+        let cover = site.above.map(|above| above.1);
+        // Most of a part's beads lie below others.
+        if beads.is_empty() || !chain::any_open(&beads, cover) {
+            return Ok(beads);
+        }
+        let cut = |ended: &Ended| {
+            // A stroke with levels has one width.
+            let mut parts: Vec<Ended> =
+                pieces(ended.bead.clone(), self.settings)
+                    .into_iter()
+                    .map(Ended::from)
+                    .collect();
+            if let Some(last) = parts.last_mut() {
+                last.wipe = ended.wipe;
+            }
+            parts
+        };
+        let parts: Vec<Ended> = beads.iter().flat_map(cut).collect();
+        let chain = Chain::new(parts);
+        let stops = chain.stops(cover, STEP);
+        let bounds = Bounds::new(site, self.settings);
+        let Some(knots) = self.knots(&chain, &stops, site, &bounds)? else {
+            return Ok(beads);
+        };
+        let ramp = chain.width();
+        let knots = profile::filled(knots, ramp);
+        Ok(chain.levelled(&knots, TOLERANCE, extra))
+    }
+
+    /// What is known of the heights at some stops of a chain; nothing if the
+    /// layer is right as it is.
+    fn knots(
+        &self,
+        chain: &Chain,
+        stops: &[Stop],
+        site: Site<'_>,
+        bounds: &Bounds,
+    ) -> Result<Option<Vec<Knot>>, ReliefError> {
+        let top = site.span.top + self.bed;
+        let open: Vec<&Stop> = stops.iter().filter(|s| s.open).collect();
+        let points: Vec<DVec2> = open.iter().map(|s| s.point).collect();
+        // Wide enough for the slope at the bounds to be seen.
+        let window = Window {
+            low: top - 1.5 * bounds.height,
+            high: top + bounds.high + 0.5 * bounds.height,
+        };
+        let spots = surface::spots(&self.probe, &points, window, BESIDE)?;
+        let strengths = self.strengths(&points, &site.span)?;
+        let mut found = open.iter().zip(spots).zip(strengths);
+        let mut level = true;
+        let mut knot = |stop: &Stop| {
+            let mut knot = Knot {
+                at: stop.at,
+                kind: Kind::Covered,
+                rise: 0.0,
+                fill: 0.0,
+                corner: stop.corner,
+            };
+            if !stop.open {
+                return knot;
+            }
+            let found = found.next();
+            knot.kind = Kind::Bare;
+            if let Some(((_, Some(spot)), strength)) = found {
+                let of_slope = 0.01 * strength * bounds.share(&spot);
+                let rise = |more: Mm| {
+                    let rise = spot.height + more - top;
+                    bounds.clamped(of_slope * rise)
+                };
+                knot.kind = Kind::Open;
+                knot.rise = rise(0.0);
+                let cover = site.above.map(|above| above.1);
+                let (share, off) = chain.open_share(stop, cover);
+                knot.fill = share * rise(off.dot(spot.slope));
+                level &= knot.rise.abs() < LEVEL;
+            }
+            knot
+        };
+        let knots: Vec<Knot> = stops.iter().map(&mut knot).collect();
+        Ok((!level).then_some(knots))
+    }
+
+    /// The strength at points of a layer, %.
+    fn strengths(
+        &self,
+        points: &[DVec2],
+        span: &LayerSpan,
+    ) -> Result<Vec<f64>, VaryError> {
+        if let Some(strength) = self.strength.constant() {
+            return Ok(vec![strength; points.len()]);
+        }
+        let mut places = Vec::with_capacity(points.len());
+        let measure = self.strength.uses_depth();
+        let points = points.iter().copied();
+        self.around
+            .places(points, span.top, measure, None, &mut places)?;
+        let mut strengths = Vec::with_capacity(places.len());
+        self.strength.evaluate(&places, &mut strengths)?;
+        Ok(strengths)
+    }
+}
+
+impl Bounds {
+    fn new(site: Site<'_>, settings: &Settings) -> Bounds {
+        let height = site.span.height();
+        let next = site.above.map_or(height, |above| above.0);
+        // What is higher than the nozzle's hole is wide would not touch what is
+        // below it.
+        let room = (settings.printer.nozzle_diameter - height).max(0.0);
+        Bounds {
+            height,
+            low: -0.5 * height,
+            high: room.min(0.5 * next),
+            full: settings.contour_z_full_angle(height),
+        }
+    }
+
+    /// Share of the strength at a place: 1 where the face is level, fading to
+    /// 0 where it is steep, with a slope of its own (cubic).
+    fn share(&self, spot: &Spot) -> f64 {
+        let angle = spot.slope.length().atan().to_degrees();
+        let t = ((angle - self.full) / FADE).clamp(0.0, 1.0);
+        1.0 - t * t * (3.0 - 2.0 * t)
+    }
+
+    fn clamped(&self, rise: Mm) -> Mm {
+        rise.clamp(self.low, self.high)
+    }
+}
+
+/// True if a bead may follow the surface. A bridge hangs straight, infill has
+/// its place, and what is beside the part has no surface.
+fn follows(bead: &Bead) -> bool {
+    bead.role.is_part()
+        && !matches!(
+            bead.role,
+            Role::Bridge | Role::InternalBridge | Role::SparseInfill
+        )
+        && bead.levels.is_empty()
+        && bead.points.len() > 1
+}
+
+/// True if a bead goes on where the one before ends.
+fn goes_on(before: &Ended, next: &Ended) -> bool {
+    let bead = &before.bead;
+    before.wipe.is_none()
+        && !bead.closed
+        && !next.bead.closed
+        && follows(&next.bead)
+        && bead.points.last() == next.bead.points.first()
+}
+
+/// How much higher than its layer a bead's material has to be counted, so that
+/// as wide as it is, and one spacing from the next, it fills a layer that is
+/// higher by `fill`. Beads beside each other share their round ends, which are
+/// the larger the higher the beads are.
+fn extra(bead: &Bead, fill: Mm) -> Mm {
+    /// The round ends lack so much of a height's square.
+    const ENDS: f64 = 1.0 - std::f64::consts::FRAC_PI_4;
+    if bead.role == Role::Ironing {
+        return 0.0;
+    }
+    let own = cross_section(bead.width, bead.height);
+    let area: Mm2 = own * (1.0 + fill / bead.height);
+    // Of w·h − (1 − π/4)·h², solved for h.
+    let root = bead.width * bead.width - 4.0 * ENDS * area;
+    (bead.width - root.max(0.0).sqrt()) / (2.0 * ENDS) - bead.height
+}

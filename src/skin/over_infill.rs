@@ -1,0 +1,359 @@
+//! Internal bridges: the lowest layer of skin over sparse infill.
+//!
+//! ```text
+//!   ══╪════╪════╪══▌    lines run across those of the infill below (╪), so
+//!   ══╪════╪════╪══▌    that no way from one to the next is longer than need
+//!   ══╪════╪════╪══▌    be; they end on a line of infill or at a wall (▌)
+//! ```
+//!
+//! In: a layer's skin and sparse area, and what the layer below has of infill.
+//! Out: lines over the infill, the skin that is left, and what they take of the
+//! sparse area where they go on to the next line of infill.
+//!
+//! The direction is the one in which the ways from one line of infill to the
+//! next are shortest: the directions across the infill's lines are tried, and a
+//! fan of angles. What three quarters of the lines' length stay below decides.
+//!
+//! Guarantees: each line ends on a line of infill, on what is solid below, or
+//! at a wall. It goes on into the layer's sparse area for that, or, where the
+//! next line of infill is far away, back to the last one that it crosses. Not
+//! guaranteed: that lines fill all of the skin. One of which an end cannot be
+//! held is left out, and the next layer lies over its place.
+
+use super::bridge::shared;
+use super::strokes::strokes;
+use super::{Face, Fill, Patch};
+use crate::bead::{Bead, Role, Stroke, spacing};
+use crate::plane::clip::{difference, intersection, unite};
+use crate::plane::grid::EdgeGrid;
+use crate::plane::hatch::{Lines, hatch};
+use crate::plane::offset::offset;
+use crate::plane::{Area, Solid, signed_area};
+use crate::settings::Settings;
+use crate::units::{Degrees, Mm};
+use glam::DVec2;
+
+/// Tolerance of the offsets inside a part; nobody sees them.
+const TOLERANCE: Mm = 0.02;
+
+/// How far a line goes on to the next line of infill, at most, in ways that are
+/// common from one line of infill to the next.
+const FARTHEST: f64 = 1.5;
+
+/// Step of the fan of angles.
+const FAN: Degrees = 7.5;
+
+/// Directions of the infill's lines that are tried.
+const DIRECTIONS: usize = 4;
+
+/// Lines looked at for each direction.
+const ROWS: f64 = 64.0;
+
+/// Share of the lines' length that counts.
+const COMMON: f64 = 0.75;
+
+/// How far beyond its end is looked for what holds a line, mm.
+const BEYOND: Mm = 0.05;
+
+/// What the layer below has of infill.
+#[derive(Clone, Copy)]
+pub(crate) struct Under<'a> {
+    /// Where it has infill.
+    pub sparse: &'a Solid<'a>,
+    /// The infill's lines.
+    pub lines: &'a EdgeGrid,
+}
+
+/// A layer that may lie on infill.
+#[derive(Clone, Copy)]
+pub(crate) struct Over<'a> {
+    /// Its skin.
+    pub skin: &'a Area,
+    /// Its own sparse area.
+    pub sparse: &'a Area,
+    /// The layer above, which covers what is no top.
+    pub above: Face<'a>,
+    /// Its height.
+    pub height: Mm,
+}
+
+/// Internal bridges, and what they leave.
+#[derive(Clone, Debug)]
+pub(crate) struct Bridged {
+    /// The bridges.
+    pub patches: Vec<Patch>,
+    /// The rest of the skin.
+    pub skin: Area,
+    /// The rest of the sparse area.
+    pub sparse: Area,
+}
+
+/// The internal bridges of a layer, if there are any.
+pub(crate) fn bridged(
+    over: Over<'_>,
+    under: Under<'_>,
+    settings: &Settings,
+) -> Option<Bridged> {
+    let width = settings.skin_width();
+    let hanging = intersection(over.skin, under.sparse.area());
+    let hanging = intersection(&hanging, over.above.rough.area());
+    // What is narrower than two lines lies on what is beside it.
+    let core = offset(&hanging, -width, TOLERANCE);
+    if core.is_empty() {
+        return None;
+    }
+    let gaps = intersection(&offset(&core, width, TOLERANCE), &hanging);
+    let (way, angle) = direction(under, width)?;
+    let anchor = settings.bridge_anchor.max(0.5 * width);
+    let grown = gaps.islands().into_iter().map(|gap| {
+        crate::limits::check();
+        offset(&gap, anchor, TOLERANCE)
+    });
+    let grown: Vec<Area> = grown.collect();
+    let (parts, skin) = shared(over.skin, &grown);
+    let ground = Ground {
+        under,
+        skin: EdgeGrid::new(over.skin, 1.0),
+        sparse: EdgeGrid::new(over.sparse, 1.0),
+        reach: 0.5 * settings.infill_width(),
+        farthest: FARTHEST * way + width,
+    };
+    let space = spacing(width, width, over.height);
+    let mut taken = Area::EMPTY;
+    let mut patches = Vec::new();
+    for part in &parts {
+        crate::limits::check();
+        let lines = Lines {
+            angle,
+            spacing: space,
+            phase: 0.0,
+        };
+        let shortest = 0.5 * width;
+        let mut beads = Vec::new();
+        for (_, mut stroke) in strokes(part, lines, width, shortest) {
+            let ends = [false, true].map(|last| ground.end(&stroke, last));
+            let [Some(first), Some(last)] = ends else {
+                continue;
+            };
+            for end in [&first, &last] {
+                stroke.points[end.index] = end.to;
+            }
+            let ways = [first, last].into_iter().filter(|end| end.goes_on);
+            let half = 0.5 * space + TOLERANCE;
+            let strips = ways.filter_map(|end| strip(end.from, end.to, half));
+            if stroke.length() >= shortest {
+                taken.rings.extend(strips);
+                beads.push(Bead::new(
+                    Role::InternalBridge,
+                    stroke,
+                    over.height,
+                ));
+            }
+        }
+        if !beads.is_empty() {
+            patches.push(Patch {
+                rings: Vec::new(),
+                fills: vec![Fill {
+                    lines: beads,
+                    after: Vec::new(),
+                    one_way: Vec::new(),
+                }],
+            });
+        }
+    }
+    if patches.is_empty() {
+        return None;
+    }
+    // Lines beside one another end at one line of infill: the strips between
+    // them, thinner than a line, are no place for infill.
+    let taken = offset(&unite(&taken), 0.5 * space, TOLERANCE);
+    let taken = offset(&taken, -0.5 * space, TOLERANCE);
+    Some(Bridged {
+        patches,
+        skin,
+        sparse: difference(over.sparse, &taken),
+    })
+}
+
+/// The rectangle on both sides of a way; nothing if it has no length.
+fn strip(from: DVec2, to: DVec2, half: Mm) -> Option<Vec<DVec2>> {
+    let along = (to - from).try_normalize()?;
+    let side = half * along.perp();
+    let back = TOLERANCE * along;
+    let mut ring =
+        vec![from - back - side, to - side, to + side, from - back + side];
+    if signed_area(&ring) < 0.0 {
+        ring.reverse();
+    }
+    Some(ring)
+}
+
+/// What lines may end on.
+struct Ground<'a> {
+    under: Under<'a>,
+    /// The layer's own areas.
+    skin: EdgeGrid,
+    sparse: EdgeGrid,
+    /// How far from its middle a line of infill holds what lies on it.
+    reach: Mm,
+    /// How far a line goes on to something that holds it.
+    farthest: Mm,
+}
+
+/// An end of a line that has to move.
+struct End {
+    /// Which of the line's points it is.
+    index: usize,
+    /// Where it is, and where it has to be.
+    from: DVec2,
+    to: DVec2,
+    /// True if that is farther out.
+    goes_on: bool,
+}
+
+impl Ground<'_> {
+    /// Where an end of a line has to be so that something holds it; nothing if
+    /// there is no such place.
+    fn end(&self, line: &Stroke, last: bool) -> Option<End> {
+        let n = line.points.len();
+        let (index, next) = match last {
+            true => (n.checked_sub(1)?, n.checked_sub(2)?),
+            false => (0, 1),
+        };
+        let (p, inner) = (line.points[index], *line.points.get(next)?);
+        let out = (p - inner).try_normalize()?;
+        let at = |to: DVec2| End {
+            index,
+            from: p,
+            to,
+            goes_on: (to - p).dot(out) > 0.0,
+        };
+        if self.is_held(p, out) {
+            return Some(at(p));
+        }
+        // On from where a line of infill would hold it as it is, unless other
+        // skin is in the way.
+        let from = p - self.reach * out;
+        let free = self.sparse.contains(p + BEYOND * out);
+        if free && let Some(to) = self.next_hold(from, out) {
+            // It lies on the line of infill as wide as that is.
+            let to = to + self.reach * out;
+            return Some(at(if (to - p).dot(out) > 0.0 { to } else { p }));
+        }
+        // Back to the last line of infill that it crosses.
+        let cuts = self.under.lines.crossings(p, inner);
+        let near = cuts.into_iter().fold(f64::INFINITY, f64::min);
+        let to = p.lerp(inner, near) + self.reach * out;
+        near.is_finite()
+            .then(|| at(if (to - p).dot(out) > 0.0 { p } else { to }))
+    }
+
+    /// True if a line that ends at `p` on its way `out` ends at a wall or over
+    /// what is solid.
+    fn is_held(&self, p: DVec2, out: DVec2) -> bool {
+        let beyond = p + BEYOND * out;
+        let wall = !self.sparse.contains(beyond) && !self.skin.contains(beyond);
+        wall || !self.under.sparse.grid().contains(beyond)
+    }
+
+    /// Where the next thing is on the way out from a place that holds a line:
+    /// a line of infill, what is solid below, or a wall.
+    fn next_hold(&self, from: DVec2, out: DVec2) -> Option<DVec2> {
+        let to = from + self.farthest * out;
+        let first = |cuts: Vec<f64>, least: f64| {
+            let ahead = cuts.into_iter().filter(|t| *t > least);
+            ahead.fold(f64::INFINITY, f64::min)
+        };
+        // Borders behind the end are passed already.
+        let end = (self.reach + BEYOND) / self.farthest;
+        let line = first(self.under.lines.crossings(from, to), 0.0);
+        let solid = first(self.under.sparse.grid().crossings(from, to), end);
+        // The sparse area ends at a wall, or at other skin of the layer.
+        let wall = first(self.sparse.crossings(from, to), end);
+        let near = line.min(solid).min(wall);
+        let at = near.is_finite().then(|| from.lerp(to, near))?;
+        let skin = near == wall && self.skin.contains(at + BEYOND * out);
+        let hangs = self.under.sparse.grid().contains(at + BEYOND * out);
+        // Other skin that hangs itself holds nothing.
+        (!(skin && hangs)).then_some(at)
+    }
+}
+
+/// The direction in which the ways over a layer's infill from one of its lines
+/// to the next are shortest, and the way that is common there. All of a layer
+/// has one direction, so that its lines do not get in one another's way.
+fn direction(under: Under<'_>, width: Mm) -> Option<(Mm, Degrees)> {
+    let across = infill_directions(under.lines, under.sparse.area());
+    let across = across.into_iter().map(|a| (a + 90.0).rem_euclid(180.0));
+    let fan = (0..(180.0 / FAN) as usize).map(|i| i as f64 * FAN);
+    across
+        .chain(fan)
+        .filter_map(|angle| Some((common_way(under, angle, width)?, angle)))
+        .reduce(|best, next| {
+            // A direction that is better by rounding alone does not win.
+            let better = next.0 < best.0 * (1.0 - 1e-3);
+            if better { next } else { best }
+        })
+}
+
+/// The directions in which most of some infill's lines run.
+fn infill_directions(lines: &EdgeGrid, area: &Area) -> Vec<Degrees> {
+    /// Directions that count as one, degrees.
+    const STEP: usize = 2;
+    const BINS: usize = 180 / STEP;
+    let bounds = area.bounds();
+    let mut edges = Vec::new();
+    lines.visit_box(bounds.min, bounds.max, |edge| edges.push(edge));
+    edges.sort_unstable();
+    edges.dedup();
+    // Length, and length times angle, by direction.
+    let mut bins = [(0.0, 0.0); BINS];
+    for edge in edges {
+        let (a, b) = lines.edge(edge);
+        let angle = (b - a).to_angle().to_degrees();
+        // Whole degrees lie in the middle of a bin.
+        let angle = (angle + 0.5 * STEP as f64).rem_euclid(180.0);
+        let bin = &mut bins[(angle as usize / STEP).min(BINS - 1)];
+        let length = a.distance(b);
+        bin.0 += length;
+        bin.1 += length * (angle - 0.5 * STEP as f64);
+    }
+    let mut order: Vec<usize> =
+        (0..BINS).filter(|&i| bins[i].0 > 0.0).collect();
+    order.sort_by(|&a, &b| bins[b].0.total_cmp(&bins[a].0));
+    order.truncate(DIRECTIONS);
+    order.into_iter().map(|i| bins[i].1 / bins[i].0).collect()
+}
+
+/// The way from one line of infill to the next that most of the length of lines
+/// in a direction stays below; nothing if no line fits in.
+fn common_way(under: Under<'_>, angle: Degrees, width: Mm) -> Option<Mm> {
+    let gap = under.sparse.area();
+    let along = DVec2::from_angle(angle.to_radians());
+    let v = gap.rings.iter().flatten().map(|p| along.perp().dot(*p));
+    let (low, high) = v.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
+        (r.0.min(v), r.1.max(v))
+    });
+    let space = ((high - low) / ROWS).max(0.5 * width);
+    let lines = Lines {
+        angle,
+        spacing: space,
+        phase: low + 0.5 * space,
+    };
+    let mut ways: Vec<Mm> = Vec::new();
+    for line in hatch(gap, lines, 0.5 * width) {
+        let length = line.from.distance(line.to);
+        let mut stops = under.lines.crossings(line.from, line.to);
+        stops.extend([0.0, 1.0]);
+        stops.sort_by(f64::total_cmp);
+        let all = stops.windows(2);
+        ways.extend(all.map(|pair| (pair[1] - pair[0]) * length));
+    }
+    ways.sort_by(f64::total_cmp);
+    let total: Mm = ways.iter().sum();
+    let mut below = 0.0;
+    ways.into_iter().find(|way| {
+        below += way;
+        below >= COMMON * total
+    })
+}

@@ -1,0 +1,374 @@
+//! Beads that follow the surface above them (`contour_z`), against the height
+//! that the surface has by its formula.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+mod common;
+
+use glam::DVec3;
+use isoslice::settings::Settings;
+use std::f64::consts::FRAC_PI_4;
+
+/// Layer height, mm.
+const HEIGHT: f64 = 0.2;
+
+/// A part, 40 mm long and 20 mm wide or round with a radius of 15 mm, and the
+/// height at which it ends.
+struct Part {
+    formula: String,
+    top: fn(f64, f64, f64) -> f64,
+    /// What `top` depends on.
+    parameter: f64,
+    round: bool,
+}
+
+impl Part {
+    fn height(&self, p: DVec3) -> f64 {
+        (self.top)(p.x, p.y, self.parameter)
+    }
+
+    /// Its volume, from 2 million columns.
+    fn volume(&self) -> f64 {
+        let step = 0.02;
+        let mut volume = 0.0;
+        for i in 0..2000 {
+            for j in 0..1500 {
+                let x = step * (f64::from(i) + 0.5) - 20.0;
+                let y = step * (f64::from(j) + 0.5) - 15.0;
+                let inside = match self.round {
+                    true => x.hypot(y) < 15.0,
+                    false => y.abs() < 10.0,
+                };
+                if inside {
+                    volume += (self.top)(x, y, self.parameter);
+                }
+            }
+        }
+        volume * step * step
+    }
+}
+
+/// A ramp of an angle, °.
+fn wedge(angle: f64) -> Part {
+    let slope = angle.to_radians().tan();
+    Part {
+        formula: format!(
+            "max(max(abs(x) - 20, abs(y) - 10), \
+             max(-z, 7*(z - 2.03 - (x + 20)*{slope})))"
+        ),
+        top: |x, _, slope| 2.03 + (x + 20.0) * slope,
+        parameter: slope,
+        round: false,
+    }
+}
+
+/// A cap of a ball, 22° steep at its edge, on a cylinder.
+fn dome() -> Part {
+    Part {
+        formula: "max(max(sqrt(x^2 + y^2) - 15, -z), \
+                  x^2 + y^2 + (z + 34)^2 - 1600)"
+            .to_owned(),
+        top: |x, y, _| (1600.0 - x * x - y * y).sqrt() - 34.0,
+        parameter: 0.0,
+        round: true,
+    }
+}
+
+/// Waves, up to 13° steep.
+fn waves() -> Part {
+    Part {
+        formula: "max(max(abs(x) - 20, abs(y) - 10), \
+                  max(-z, z - 4 - 0.9*sin(0.25*x)*cos(0.2*y)))"
+            .to_owned(),
+        top: |x, y, _| 4.0 + 0.9 * (0.25 * x).sin() * (0.2 * y).cos(),
+        parameter: 0.0,
+        round: false,
+    }
+}
+
+fn settings(more: &[&str]) -> Settings {
+    let mut all = vec![
+        "layer_height=0.2",
+        "first_layer_height=0.2",
+        "infill_density=100",
+        "gcode.relative_e=true",
+        "gcode.progress=off",
+        "skirt.loops=0",
+    ];
+    all.extend(more);
+    common::settings(&all)
+}
+
+/// A nozzle that may follow all of these parts.
+const STEEP: [&str; 3] =
+    ["contour_z=100", "contour_z_angle=30", "contour_z_gouge=200"];
+
+/// A move that extrudes.
+struct Step {
+    from: DVec3,
+    to: DVec3,
+    /// Filament, mm.
+    fed: f64,
+    /// Top of the layer, mm.
+    top: f64,
+    /// True if no other move lies between it and the one before.
+    goes_on: bool,
+}
+
+fn steps(gcode: &str) -> Vec<Step> {
+    let end = gcode.find("; end of layers").unwrap();
+    let (mut at, mut top, mut steps) = (DVec3::NAN, 0.0, Vec::new());
+    let mut goes_on = false;
+    for line in gcode[..end].lines() {
+        if let Some(z) = line.strip_prefix(";Z:") {
+            top = z.parse().unwrap();
+        }
+        if !line.starts_with("G1 ") {
+            continue;
+        }
+        let (from, mut fed) = (at, 0.0);
+        for word in line.split_whitespace().skip(1) {
+            let value: f64 = word[1..].parse().unwrap();
+            match &word[..1] {
+                "X" => at.x = value - 110.0,
+                "Y" => at.y = value - 110.0,
+                "Z" => at.z = value,
+                "E" => fed = value,
+                _ => {}
+            }
+        }
+        let prints = fed > 0.0 && at.truncate() != from.truncate();
+        if prints && top > 0.0 {
+            steps.push(Step {
+                from,
+                to: at,
+                fed,
+                top,
+                goes_on,
+            });
+        }
+        goes_on = prints;
+    }
+    steps
+}
+
+fn print(part: &Part, settings: &Settings) -> Vec<Step> {
+    let model = common::formula(&part.formula, settings);
+    let (gcode, summary) = common::slice(&model, settings, 2);
+    assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
+    steps(&gcode)
+}
+
+/// Distances of the middles of beads that lie open from the surface, µm.
+fn distances(part: &Part, steps: &[Step]) -> Vec<f64> {
+    let mut off = Vec::new();
+    for step in steps {
+        let length = step.from.distance(step.to);
+        let count = (length / 0.1).ceil();
+        for i in 0..=count as usize {
+            let p = step.from.lerp(step.to, i as f64 / count);
+            let surface = part.height(p);
+            // Up to 2 µm below the next layer's middle.
+            if surface < step.top + 0.5 * HEIGHT - 0.002 {
+                off.push(1000.0 * (p.z - surface));
+            }
+        }
+    }
+    off
+}
+
+fn rms(off: &[f64]) -> f64 {
+    (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt()
+}
+
+fn worst(off: &[f64]) -> f64 {
+    off.iter().fold(0.0, |most, d| d.abs().max(most))
+}
+
+/// Volume of the filament, mm³.
+fn volume(steps: &[Step]) -> f64 {
+    let fed: f64 = steps.iter().map(|s| s.fed).sum();
+    fed * FRAC_PI_4 * 1.75 * 1.75
+}
+
+/// Greatest change of slope from a move to the next one in about the same
+/// direction, where both lie open.
+fn sharpest_bend(part: &Part, steps: &[Step]) -> f64 {
+    let open = |s: &Step| {
+        let low = |p: DVec3| part.height(p) < s.top + 0.5 * HEIGHT - 0.002;
+        low(s.from) && low(s.to)
+    };
+    let mut most: f64 = 0.0;
+    for pair in steps.windows(2) {
+        let [a, b] = [0, 1].map(|i: usize| pair[i].to - pair[i].from);
+        let [level_a, level_b] = [a, b].map(DVec3::truncate);
+        let (la, lb) = (level_a.length(), level_b.length());
+        let straight = level_a.dot(level_b) > 0.999 * la * lb;
+        // The rounding of z alone bends shorter ones.
+        let long = la.min(lb) > 0.05;
+        let both = open(&pair[0]) && open(&pair[1]);
+        if pair[1].goes_on && straight && long && both {
+            most = most.max((a.z / la - b.z / lb).abs());
+        }
+    }
+    most
+}
+
+#[test]
+fn tops_lie_on_the_surface() {
+    for part in [wedge(5.0), wedge(10.0), wedge(15.0), wedge(25.0)]
+        .into_iter()
+        .chain([dome(), waves()])
+    {
+        let steps = print(&part, &settings(&STEEP));
+        let off = distances(&part, &steps);
+        assert!(off.len() > 10_000);
+        // `TOLERANCE`, the rounding of z and that of x and y.
+        let name = &part.formula;
+        assert!(rms(&off) < 1.5, "{name}: {}", rms(&off));
+        assert!(worst(&off) < 3.0, "{name}: {}", worst(&off));
+        let share = volume(&steps) / part.volume() - 1.0;
+        assert!(share.abs() < 0.005, "{name}: {share}");
+        // Thinned to 1.5 µm, a way of 0.1 mm bends by 4·1.5/50.
+        let bend = sharpest_bend(&part, &steps);
+        assert!(bend < 0.08, "{name}: {bend}");
+        // Level layers are off by half of their height.
+        let flat = print(&part, &settings(&[]));
+        let off = distances(&part, &flat);
+        // Of a wedge of 25° only the middles of the outer walls lie open, all at
+        // one height.
+        assert!(rms(&off) > if part.parameter > 0.4 { 2.0 } else { 40.0 });
+        assert!(flat.iter().all(|s| s.from.z == s.to.z));
+    }
+}
+
+#[test]
+fn what_is_added_is_what_is_below_the_surface() {
+    // A wedge alone: what layers lay beside one another is the same in all of
+    // them, and does not average out.
+    for angle in [5.0, 7.0, 10.0, 13.0] {
+        let part = wedge(angle);
+        let [with, without] = [&STEEP[..], &[]]
+            .map(|more| volume(&print(&part, &settings(more))));
+        let share = (with - without) / part.volume();
+        assert!(share.abs() < 0.002, "{angle}: {share}");
+    }
+}
+
+#[test]
+fn a_level_top_is_printed_at_its_height() {
+    // 0.07 mm above the highest layer's top, and 0.07 mm below it.
+    for top in [3.07, 2.93] {
+        let formula =
+            format!("max(max(abs(x) - 6, abs(y) - 6), max(-z, z - {top}))");
+        let settings = settings(&["contour_z=100"]);
+        let model = common::formula(&formula, &settings);
+        let (gcode, _) = common::slice(&model, &settings, 2);
+        let steps = steps(&gcode);
+        let last = steps.last().unwrap().top;
+        for step in &steps {
+            let z = if step.top == last { top } else { step.top };
+            assert!((step.to.z - z).abs() < 1e-6, "{} {z}", step.to.z);
+        }
+        let full = volume(&steps) / (144.0 * top) - 1.0;
+        assert!(full.abs() < 0.01, "{full}");
+    }
+}
+
+#[test]
+fn steep_faces_stay_as_they_are_and_nothing_begins_at_once() {
+    // 22° at the dome's edge; full strength up to 8°, none from 18° on.
+    let part = dome();
+    let steps =
+        print(&part, &settings(&["contour_z=100", "contour_z_angle=8"]));
+    let radius = |angle: f64| 40.0 * angle.to_radians().sin();
+    let mut faded = 0;
+    for step in &steps {
+        let p = step.from.lerp(step.to, 0.5);
+        let at = p.truncate().length();
+        let surface = part.height(p);
+        if surface > step.top + 0.5 * HEIGHT - 0.002 {
+            continue;
+        }
+        let (rise, own) = (p.z - step.top, surface - step.top);
+        match at {
+            _ if at < radius(7.5) => assert!((rise - own).abs() < 0.003),
+            _ if at > radius(18.5) => assert!(rise.abs() < 1e-6, "{rise}"),
+            _ => {
+                let angle = (at / 40.0).asin().to_degrees();
+                let t = ((angle - 8.0) / 10.0).clamp(0.0, 1.0);
+                let share = 1.0 - t * t * (3.0 - 2.0 * t);
+                assert!((rise - share * own).abs() < 0.004, "{rise} {own}");
+                faded += 1;
+            }
+        }
+    }
+    assert!(faded > 1000);
+    assert!(sharpest_bend(&part, &steps) < 0.08);
+}
+
+#[test]
+fn a_flat_nozzle_follows_less() {
+    // Half of the flat end is 0.5 mm: at 75 % of 0.2 mm it cuts as deep as it
+    // may at 16.7°; at 26.7° nothing is left.
+    let part = wedge(30.0);
+    let asked = ["contour_z=100", "contour_z_angle=35"];
+    let level = print(&part, &settings(&asked));
+    assert!(level.iter().all(|s| s.from.z == s.to.z));
+    // One with a finer end may.
+    let fine = [&asked[..], &["printer.nozzle_flat=0.4"]].concat();
+    let off = distances(&part, &print(&part, &settings(&fine)));
+    assert!(worst(&off) < 3.0);
+}
+
+#[test]
+fn an_expression_says_where() {
+    let part = wedge(8.0);
+    let wanted = "contour_z=expr: 100*min(max(x/10, 0), 1)";
+    let steps = print(&part, &settings(&[wanted]));
+    for step in &steps {
+        let p = step.from.lerp(step.to, 0.5);
+        let own = part.height(p) - step.top;
+        if own < 0.5 * HEIGHT - 0.002 {
+            let share = (p.x / 10.0).clamp(0.0, 1.0);
+            let rise = p.z - step.top;
+            assert!((rise - share * own).abs() < 0.003, "{rise} {own}");
+        }
+    }
+}
+
+#[test]
+fn travels_run_above_what_is_printed() {
+    let part = waves();
+    let settings = settings(&STEEP);
+    let model = common::formula(&part.formula, &settings);
+    let (gcode, _) = common::slice(&model, &settings, 2);
+    let end = gcode.find("; end of layers").unwrap();
+    let (mut at, mut highest, mut travels) = (DVec3::ZERO, 0.0_f64, 0);
+    for line in gcode[..end].lines() {
+        if line.starts_with(";LAYER_CHANGE") {
+            highest = 0.0;
+        }
+        if !line.starts_with("G1 ") && !line.starts_with("G0 ") {
+            continue;
+        }
+        let (from, mut fed) = (at, 0.0);
+        for word in line.split_whitespace().skip(1) {
+            let value: f64 = word[1..].parse().unwrap();
+            match &word[..1] {
+                "X" => at.x = value,
+                "Y" => at.y = value,
+                "Z" => at.z = value,
+                "E" => fed = value,
+                _ => {}
+            }
+        }
+        if fed > 0.0 {
+            highest = highest.max(at.z).max(from.z);
+        } else if at.truncate() != from.truncate() {
+            assert!(at.z >= highest - 1e-9 && from.z >= highest - 1e-9);
+            travels += 1;
+        }
+    }
+    assert!(travels > 50);
+}
