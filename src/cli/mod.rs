@@ -7,6 +7,7 @@
 mod args;
 mod check;
 mod closed;
+mod excerpt;
 mod formats;
 mod info;
 mod limits;
@@ -26,6 +27,7 @@ mod signals;
 mod slice;
 mod summary;
 pub(crate) mod terminal;
+mod watch;
 
 use clap::{Parser, Subcommand};
 pub(crate) use parse::parse;
@@ -38,6 +40,7 @@ Examples:
   isoslice slice part.vm --size 60 --set layer_height=0.15 --set walls=3
   isoslice slice part.rhai --printer prusa-mk4 --filament petg --preset fine
   isoslice preview part.gcode                     a page that shows it in 3D
+  isoslice watch part.rhai --open                 a page to edit it beside
   isoslice info part.rhai                         size, layers, parameters
   isoslice profiles                               printers, filaments, presets
   isoslice render part.rhai                       a picture, part.png
@@ -78,6 +81,8 @@ enum Command {
     Slice(Box<slice::SliceArgs>),
     /// Make a page that shows G-code, or a model sliced, in 3D
     Preview(Box<preview::PreviewArgs>),
+    /// Serve a page that shows a model while it is edited, sliced
+    Watch(Box<watch::WatchArgs>),
     /// Check G-code, of any slicer, against what the printer can do
     Check(check::CheckArgs),
     /// Show a model's bounds, size, layers and parameters
@@ -105,6 +110,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Preview(args) => preview::run(&args),
+        Command::Watch(args) => watch::run(*args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),

@@ -17,7 +17,7 @@ mod svg;
 mod toolpath;
 
 pub(crate) use folder::Pictures;
-pub use html::write_html;
+pub use html::{live_html, live_moves, write_html};
 pub use picture::draw;
 pub(crate) use picture::thumbnails;
 pub(crate) use raster::outline_from_above;
