@@ -19,8 +19,10 @@ mod parse;
 mod patience;
 mod plain;
 mod preview;
+mod printers;
 mod profiles;
 mod render;
+mod send;
 mod settings;
 #[cfg(unix)]
 mod signals;
@@ -44,6 +46,7 @@ Examples:
   isoslice info part.rhai                         size, layers, parameters
   isoslice profiles                               printers, filaments, presets
   isoslice render part.rhai                       a picture, part.png
+  isoslice send part.gcode --to workshop          to OctoPrint, Klipper, Prusa
   isoslice settings > my.toml                     to edit, for --config my.toml
 
 Exit codes:
@@ -89,6 +92,10 @@ enum Command {
     Info(Box<info::InfoArgs>),
     /// Draw a model, shaded, as a PNG picture
     Render(Box<render::RenderArgs>),
+    /// Send G-code to a printer: OctoPrint, Moonraker (Klipper), PrusaLink
+    Send(send::SendArgs),
+    /// List, add, remove and test the printers that files are sent to
+    Printers(printers::PrintersArgs),
     /// Print all settings as commented TOML
     Settings(settings::SettingsArgs),
     /// List printers, filaments and presets, or show one
@@ -114,6 +121,8 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Send(args) => send::run(&args),
+        Command::Printers(args) => printers::run(&args),
         Command::Settings(args) => settings::run(&args),
         Command::Profiles(args) => profiles::run(&args),
         Command::New(args) => new::run(&args),

@@ -335,10 +335,7 @@ mod tests {
         let bounds = [("max".to_owned(), Said::One(Value::Int(5)))];
         let mut t = table(&[("n", "6")]);
         let error = t.declare("n", Value::Int(2), "", &bounds).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "-D n=6: the script allows at most 5"
-        );
+        assert_eq!(error.to_string(), "-D n=6: the script allows at most 5");
         let error = t.declare("m", Value::Int(7), "", &bounds).unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -161,7 +161,7 @@ await test("settings can be searched, changed and saved", async () => {
   await page.click('[data-tab="settings"]');
   await page.fill("#search", "layer_height");
   const row = page.locator('[data-name="layer_height"]');
-  await row.locator("input").fill("0.4");
+  await row.locator("input").fill("0.38");
   await row.locator("input").press("Enter");
   await layers(page, 11);
   await shoot(page, "watch-settings");
@@ -173,7 +173,7 @@ await test("settings can be searched, changed and saved", async () => {
     })(),
   ]);
   const saved = fs.readFileSync(await download.path(), "utf8");
-  assert.match(saved, /^layer_height = 0.4$/m);
+  assert.match(saved, /^layer_height = 0.38$/m);
   assert.match(saved, /^skirt.loops = 0$/m);
 });
 

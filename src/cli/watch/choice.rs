@@ -133,7 +133,8 @@ mod tests {
     fn what_is_no_change_changes_nothing() {
         let deep = "[".repeat(100_000);
         let long = format!("{{\"set\":{{\"a\":\"{}\"}}}}", "1".repeat(20_000));
-        let many: Vec<_> = (0..1001).map(|i| format!("\"{i}\":\"1\"")).collect();
+        let many: Vec<_> =
+            (0..1001).map(|i| format!("\"{i}\":\"1\"")).collect();
         let many = format!("{{\"set\":{{{}}}}}", many.join(","));
         for bad in [
             "",

@@ -20,7 +20,7 @@ mod work;
 
 use super::args::{ModelArgs, SettingsSource};
 use super::limits::LimitArgs;
-use super::{plain, terminal};
+use super::{plain, printers, terminal};
 use anyhow::{Context, bail};
 use choice::Choice;
 use clap::Args;
@@ -119,7 +119,10 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
     let address = guard.address();
     let choice = Choice::of(&job.model, &job.settings);
     let session = Arc::new(Session::new(choice, files));
-    let site = Site::new(session.clone(), job.clone(), guard, &profiles);
+    let printers = printers::book(&job.settings.profiles)?;
+    let printers = printers.printers().map(|p| p.name.clone()).collect();
+    let site =
+        Site::new(session.clone(), job.clone(), guard, &profiles, printers);
     let server = Server::new(move |request| site.answer(request))
         .bind((Ipv4Addr::LOCALHOST, port))
         .with_global_timeout(IDLE)

@@ -5,9 +5,12 @@
 //! the model leaves as JSON, which the page shows as text.
 
 use super::guard::Guard;
-use super::session::{Look, Session, State};
+use super::session::{Look, Print, Sending, Session, State};
 use super::work::{Job, draw_within, name_of};
-use crate::cli::plain;
+use crate::cli::send::outcome;
+use crate::cli::{plain, printers};
+use anyhow::bail;
+use isoslice::hosts;
 use isoslice::preview::{View, live_html};
 use isoslice::settings::{ProfileKind, Profiles};
 use oxhttp::model::header::{
@@ -15,10 +18,13 @@ use oxhttp::model::header::{
     HeaderName, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
 };
 use oxhttp::model::{Body, HeaderValue, Method, Request, Response, StatusCode};
+use serde::Deserialize;
 use serde_json::{Value, json};
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::io::{Cursor, Read};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
 use std::time::Duration;
 
 /// How long a page waits for news before it asks again.
@@ -37,6 +43,8 @@ pub(super) struct Site {
     pub guard: Guard,
     page: String,
     profiles: Value,
+    /// Names of the printers that G-code can be sent to.
+    printers: Vec<String>,
     /// Held while a picture is drawn: one at a time leaves time for slicing.
     drawing: Mutex<()>,
 }
@@ -50,6 +58,7 @@ impl Site {
         job: Arc<Job>,
         guard: Guard,
         profiles: &Profiles,
+        printers: Vec<String>,
     ) -> Site {
         let kinds = [
             ProfileKind::Printer,
@@ -67,17 +76,19 @@ impl Site {
             job,
             guard,
             profiles: kinds.map(names).to_vec().into(),
+            printers,
             drawing: Mutex::new(()),
         }
     }
 
     /// Answers a request.
     pub(super) fn answer(&self, request: &mut Request<Body>) -> Response<Body> {
-        let mut response = self.route(request).unwrap_or_else(|(code, text)| {
-            let mut refusal = of_type("text/plain; charset=utf-8", text);
-            *refusal.status_mut() = code;
-            refusal
-        });
+        let mut response =
+            self.route(request).unwrap_or_else(|(code, text)| {
+                let mut refusal = of_type("text/plain; charset=utf-8", text);
+                *refusal.status_mut() = code;
+                refusal
+            });
         let policy = "frame-ancestors 'none'";
         for (name, value) in [
             (CACHE_CONTROL, "no-store"),
@@ -107,10 +118,9 @@ impl Site {
             return Err((StatusCode::METHOD_NOT_ALLOWED, words));
         }
         match (post, below) {
-            (false, "") => Ok(of_type(
-                "text/html; charset=utf-8",
-                self.page.clone(),
-            )),
+            (false, "") => {
+                Ok(of_type("text/html; charset=utf-8", self.page.clone()))
+            }
             (false, "state") => self.state(&query),
             (false, "settings") => self.settings(),
             (false, "settings.toml") => self.toml(),
@@ -118,6 +128,7 @@ impl Site {
             (false, "print") => self.print(&query),
             (false, "gcode") => self.gcode(&query),
             (true, "change") => self.change(request),
+            (true, "send") => self.send(request),
             _ => Err((StatusCode::NOT_FOUND, "there is no such thing".into())),
         }
     }
@@ -143,7 +154,7 @@ impl Site {
             "settings": state.settings.as_ref().map_or(0, |s| s.revision),
             "model": state.model.as_ref().map(|model| &model.told),
             "print": state.print.as_ref().map(|print| &print.told),
-            "printers": [],
+            "printers": self.printers,
             "sending": state.sending,
         })
     }
@@ -234,10 +245,98 @@ impl Site {
         if let Err(error) = choice.change(&body) {
             return Err((StatusCode::BAD_REQUEST, error));
         }
-        self.session.want(|state| changed = state.choice.change(&body));
+        self.session
+            .want(|state| changed = state.choice.change(&body));
         changed.map_err(|error| (StatusCode::BAD_REQUEST, error))?;
         Ok(of_type("application/json", "{}"))
     }
+
+    /// Begins to send the print, if it is the newest one and no other is on its
+    /// way. How it goes on is part of the state.
+    fn send(&self, request: &mut Request<Body>) -> Answer {
+        let order: Order = serde_json::from_slice(&body(request)?)
+            .map_err(|error| (StatusCode::BAD_REQUEST, error.to_string()))?;
+        let refuse = |words: &str| (StatusCode::CONFLICT, words.to_owned());
+        let print = self.session.tell(|state| {
+            let current = state.busy.is_none() && state.fault.is_none();
+            let print = state
+                .print
+                .clone()
+                .filter(|print| current && print.revision == order.print);
+            let print = print.ok_or_else(|| {
+                refuse("there is a newer part by now; look at it first")
+            })?;
+            if state.sending.busy {
+                return Err(refuse("another file is on its way"));
+            }
+            state.sending.busy = true;
+            state.sending.text = format!("sending to {} …", order.to);
+            Ok(print)
+        })?;
+        let (session, job) = (self.session.clone(), self.job.clone());
+        let sent =
+            thread::Builder::new().name("send".into()).spawn(move || {
+                let text = send(&session, &job, &order, &print)
+                    .unwrap_or_else(|error| format!("{error:#}"));
+                session.tell(|state| {
+                    state.sending = Sending { busy: false, text };
+                });
+            });
+        if sent.is_err() {
+            self.session
+                .tell(|state| state.sending = Sending::default());
+            return Err(refuse("the system allows no more threads"));
+        }
+        Ok(of_type("application/json", "{}"))
+    }
+}
+
+/// What to send where.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Order {
+    to: String,
+    start: bool,
+    print: u64,
+}
+
+/// Sends a print, and says what became of it.
+fn send(
+    session: &Session,
+    job: &Job,
+    order: &Order,
+    print: &Print,
+) -> anyhow::Result<String> {
+    let book = printers::book(&job.settings.profiles)?;
+    let printer = book.find(&order.to)?;
+    if let Some(wanted) = &printer.model
+        && !print.printer_model.is_empty()
+        && *wanted != print.printer_model
+    {
+        bail!(
+            "the part was sliced for another printer, {}, and {} is {wanted}; \
+             choose the right one",
+            print.printer_model,
+            printer.name
+        );
+    }
+    let told = Cell::new(0);
+    let on_progress = |sent: u64, total: u64| {
+        let percent = sent * 100 / total.max(1);
+        if told.replace(percent) != percent {
+            let text = format!("sending to {}: {percent} %", printer.name);
+            session.tell(|state| state.sending.text = text);
+        }
+    };
+    let sending = hosts::Sending {
+        name: &print.file,
+        start: order.start,
+        on_progress: &on_progress,
+    };
+    let mut source = print.gcode.read();
+    let sent =
+        hosts::send_from(printer, &mut source, print.gcode.length, &sending)?;
+    Ok(outcome(printer, &sent))
 }
 
 const OPENER_POLICY: HeaderName =
@@ -250,9 +349,7 @@ fn not_yet() -> (StatusCode, String) {
 }
 
 /// The JSON that a request brings.
-fn body(
-    request: &mut Request<Body>,
-) -> Result<Vec<u8>, (StatusCode, String)> {
+fn body(request: &mut Request<Body>) -> Result<Vec<u8>, (StatusCode, String)> {
     let kind = request.headers().get(CONTENT_TYPE);
     if kind.is_none_or(|kind| kind != "application/json") {
         let words = "changes are JSON".to_owned();

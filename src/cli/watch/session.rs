@@ -91,6 +91,8 @@ pub(super) struct Print {
     pub gcode: Arc<Text>,
     /// Name for the G-code's file.
     pub file: String,
+    /// The printer that it was made for, if the settings tell.
+    pub printer_model: String,
 }
 
 /// Where a page looks at the part from, and the size of its picture.
@@ -200,9 +202,9 @@ impl Session {
         until: impl Fn(&State) -> bool,
     ) -> MutexGuard<'_, State> {
         let state = self.lock();
-        let waited = self
-            .changed
-            .wait_timeout_while(state, patience, |state| !until(state));
+        let waited =
+            self.changed
+                .wait_timeout_while(state, patience, |state| !until(state));
         waited.unwrap_or_else(PoisonError::into_inner).0
     }
 }
@@ -210,12 +212,15 @@ impl Session {
 /// A file without a name, which several may read at once.
 pub(super) struct Text {
     file: Mutex<File>,
+    /// Its size, bytes.
+    pub length: u64,
 }
 
 impl Text {
-    pub(super) fn new(file: File) -> Text {
+    pub(super) fn new(mut file: File) -> io::Result<Text> {
+        let length = file.seek(SeekFrom::End(0))?;
         let file = Mutex::new(file);
-        Text { file }
+        Ok(Text { file, length })
     }
 
     /// A reader of all of it.

@@ -75,8 +75,7 @@ fn give_up(stopped: &Stopped) {
 
 /// The error, with the place in the script.
 fn fault(job: &Job, error: &anyhow::Error) -> Fault {
-    let causes: Vec<_> =
-        error.chain().map(|e| plain::value(e)).collect();
+    let causes: Vec<_> = error.chain().map(|e| plain::value(e)).collect();
     let script = job.model.model.as_deref().map(fs::read_to_string);
     let script = script.and_then(Result::ok).unwrap_or_default();
     Fault {
@@ -143,6 +142,7 @@ fn make(
             moves: moves.into(),
             gcode,
             file,
+            printer_model: settings.printer.model.trim().to_owned(),
         }));
     });
     Ok(())
@@ -248,8 +248,9 @@ fn slice(
     let text = gcode
         .into_inner()
         .map_err(IntoInnerError::into_error)
+        .and_then(Text::new)
         .context(no_file)?;
-    Ok((Arc::new(Text::new(text)), summary))
+    Ok((Arc::new(text), summary))
 }
 
 /// The name of what is shown.

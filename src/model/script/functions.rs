@@ -130,9 +130,12 @@ pub(super) fn add_param(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
         .register_fn("param", move |name: Text, default: Dynamic| {
             plain(&name, &default, "", Map::new())
         })
-        .register_fn("param", move |name: Text, default: Dynamic, text: Text| {
-            with_text(&name, &default, &text, Map::new())
-        })
+        .register_fn(
+            "param",
+            move |name: Text, default: Dynamic, text: Text| {
+                with_text(&name, &default, &text, Map::new())
+            },
+        )
         .register_fn(
             "param",
             move |name: Text, default: Dynamic, bounds: Map| {
@@ -166,9 +169,11 @@ fn value(given: &Dynamic) -> Option<Value> {
 fn said(parameter: &str, bounds: Map) -> Outcome<Vec<(String, Said)>> {
     let one = |(name, given): (String, Dynamic)| {
         let found = match given.as_array_ref() {
-            Ok(array) => {
-                array.iter().map(value).collect::<Option<_>>().map(Said::Many)
-            }
+            Ok(array) => array
+                .iter()
+                .map(value)
+                .collect::<Option<_>>()
+                .map(Said::Many),
             Err(_) => value(&given).map(Said::One),
         };
         let refused = || {

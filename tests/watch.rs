@@ -1,0 +1,329 @@
+//! The server of `isoslice watch`, as a page and as strangers use it. What the
+//! page makes of it is tested in a browser: tests/browser/watch.mjs.
+
+// A test that cannot go on should say so and stop.
+#![allow(clippy::unwrap_used)]
+
+use serde_json::Value;
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Time after which a test gives up: much longer than anything takes.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A running `isoslice watch`, which ends with it.
+struct Watch {
+    child: Child,
+    port: u16,
+    secret: String,
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// An answer: its code, its head and its body.
+struct Answer {
+    code: u16,
+    head: String,
+    body: Vec<u8>,
+}
+
+impl Answer {
+    fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).unwrap()
+    }
+}
+
+impl Watch {
+    fn start(folder: &Path, arguments: &[&str]) -> Watch {
+        let mut child = Command::new(assert_cmd::cargo::cargo_bin!("isoslice"))
+            .args(["watch", "--threads", "2"])
+            .args(arguments)
+            .current_dir(folder)
+            .env("ISOSLICE_PROFILES", folder)
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let address = lines.find_map(|line| {
+            let line = line.unwrap();
+            line.strip_prefix("http://127.0.0.1:").map(str::to_owned)
+        });
+        let address = address.unwrap();
+        let (port, secret) = address.split_once('/').unwrap();
+        Watch {
+            port: port.parse().unwrap(),
+            secret: secret.trim_end_matches('/').to_owned(),
+            child,
+        }
+    }
+
+    /// Sends bytes as they are, and reads the answer.
+    fn raw(&self, bytes: &[u8]) -> Option<Answer> {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        // The server may answer, and close, before it has read everything.
+        let _ = stream.write_all(bytes);
+        let mut all = Vec::new();
+        let _ = stream.read_to_end(&mut all);
+        let end = all.windows(4).position(|w| w == b"\r\n\r\n")? + 4;
+        let head = String::from_utf8_lossy(&all[..end]).to_lowercase();
+        let mut body = all[end..].to_vec();
+        if head.contains("chunked") {
+            body = unchunked(&body);
+        }
+        Some(Answer {
+            code: head.split(' ').nth(1)?.parse().ok()?,
+            head,
+            body,
+        })
+    }
+
+    fn ask(&self, method: &str, path: &str, head: &str, body: &str) -> Answer {
+        let request = format!(
+            "{method} /{}/{path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n\
+             Connection: close\r\nContent-Length: {}\r\n{head}\r\n{body}",
+            self.secret,
+            self.port,
+            body.len()
+        );
+        self.raw(request.as_bytes()).unwrap()
+    }
+
+    fn get(&self, path: &str) -> Answer {
+        self.ask("GET", path, "", "")
+    }
+
+    fn post(&self, path: &str, body: &str) -> Answer {
+        self.ask("POST", path, "Content-Type: application/json\r\n", body)
+    }
+
+    /// Waits for a state.
+    fn state(&self, until: impl Fn(&Value) -> bool) -> Value {
+        let start = Instant::now();
+        let mut seen = 0;
+        while start.elapsed() < PATIENCE {
+            let state = self.get(&format!("state?seen={seen}")).json();
+            if until(&state) {
+                return state;
+            }
+            seen = state["revision"].as_u64().unwrap();
+        }
+        panic!("this state did not come");
+    }
+
+    /// Waits until all is done.
+    fn done(&self) -> Value {
+        self.state(|state| state["busy"].is_null())
+    }
+}
+
+fn unchunked(mut body: &[u8]) -> Vec<u8> {
+    let mut whole = Vec::new();
+    loop {
+        let end = body.windows(2).position(|w| w == b"\r\n").unwrap();
+        let size = std::str::from_utf8(&body[..end]).unwrap();
+        let size = usize::from_str_radix(size, 16).unwrap();
+        if size == 0 {
+            return whole;
+        }
+        whole.extend_from_slice(&body[end + 2..][..size]);
+        body = &body[end + size + 4..];
+    }
+}
+
+const CUP: &str = "let r = param(\"radius\", 4.0, \"mm\", #{ max: 9 });\n\
+                   max(sqrt(x * x + y * y) - r, abs(z - 1) - 1)\n";
+
+#[test]
+fn an_edit_is_sliced_and_a_mistake_leaves_what_was_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("cup.rhai");
+    fs::write(&model, CUP).unwrap();
+    let watch = Watch::start(folder.path(), &["cup.rhai"]);
+    let first = watch.done();
+    assert!(first["fault"].is_null(), "{}", first["fault"]);
+    assert_eq!(first["model"]["parameters"][0]["max"], 9.0);
+    assert_eq!(first["model"]["size"][2], 2.0);
+
+    fs::write(&model, CUP.replace("abs(z - 1) - 1", "abs(z - 2) - 2")).unwrap();
+    let edited = watch.state(|state| {
+        state["busy"].is_null() && state["model"]["size"][2] == 4.0
+    });
+    assert_eq!(edited["print"]["of_model"], edited["model"]["revision"]);
+    // The G-code is what `slice` writes.
+    let print = edited["print"]["revision"].as_u64().unwrap();
+    let gcode = watch.get(&format!("gcode?print={print}"));
+    assert!(gcode.head.contains("attachment; filename=\"cup.gcode\""));
+    Command::new(assert_cmd::cargo::cargo_bin!("isoslice"))
+        .args(["slice", "-q", "cup.rhai"])
+        .current_dir(folder.path())
+        .status()
+        .unwrap();
+    assert!(gcode.body == fs::read(folder.path().join("cup.gcode")).unwrap());
+    // An older one is not given out as the newest.
+    assert_eq!(watch.get("gcode?print=1").code, 409);
+
+    fs::write(&model, "let r = 4.0;\nx - rr\n").unwrap();
+    let wrong = watch.state(|state| state["fault"].is_object());
+    let text = wrong["fault"]["text"].as_str().unwrap();
+    assert!(text.contains("line 2"), "{text}");
+    let excerpt = wrong["fault"]["excerpt"].as_str().unwrap();
+    assert!(excerpt.contains("2 | x - rr"), "{excerpt}");
+    assert_eq!(wrong["print"], edited["print"]);
+    assert_eq!(watch.get("picture?width=40&height=30").code, 200);
+}
+
+#[test]
+fn changes_of_the_page_are_sliced() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("cup.rhai"), CUP).unwrap();
+    fs::write(folder.path().join("mine.toml"), "walls = 3\n").unwrap();
+    let arguments = ["cup.rhai", "--config", "mine.toml", "-D", "radius=5"];
+    let watch = Watch::start(folder.path(), &arguments);
+    assert_eq!(watch.done()["model"]["size"][0], 10.0);
+    let change =
+        r#"{"define": {"radius": "3"}, "set": {"layer_height": "0.1"}}"#;
+    assert_eq!(watch.post("change", change).code, 200);
+    let state = watch.done();
+    assert_eq!(state["model"]["size"][0], 6.0);
+    let toml = String::from_utf8(watch.get("settings.toml").body).unwrap();
+    assert!(toml.contains("\nlayer_height = 0.1\n"), "{toml}");
+    assert!(toml.contains("\nwalls = 3\n"), "{toml}");
+    // What is out of bounds is an error, and can be taken back.
+    watch.post("change", r#"{"define": {"radius": "10"}}"#);
+    let state = watch.state(|state| state["fault"].is_object());
+    let text = state["fault"]["text"].as_str().unwrap();
+    assert!(text.contains("at most 9"), "{text}");
+    watch.post("change", r#"{"define": {"radius": null}}"#);
+    let state = watch.done();
+    assert!(state["fault"].is_null());
+    assert_eq!(state["model"]["size"][0], 8.0);
+    // Settings that are watched.
+    fs::write(folder.path().join("mine.toml"), "walls = 1000000\n").unwrap();
+    let state = watch.state(|state| state["fault"].is_object());
+    let text = state["fault"]["text"].as_str().unwrap();
+    assert!(text.contains("mine.toml"), "{text}");
+    // A parameter that the script no longer has does not block it.
+    fs::write(folder.path().join("mine.toml"), "walls = 2\n").unwrap();
+    watch.post("change", r#"{"define": {"radius": "3"}}"#);
+    let plain = CUP.replace("\"radius\"", "\"size\"");
+    fs::write(folder.path().join("cup.rhai"), plain).unwrap();
+    watch.state(|state| {
+        state["busy"].is_null()
+            && state["fault"].is_null()
+            && state["model"]["parameters"][0]["name"] == "size"
+    });
+}
+
+#[test]
+fn hostile_requests_get_nothing_and_break_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("secret.txt"), "SECRET").unwrap();
+    let watch = Watch::start(folder.path(), &["-e", "sqrt(x^2+y^2+z^2) - 5"]);
+    let before = watch.done();
+
+    for (method, path, head, body, code) in [
+        ("GET", "nothing", "", "", 404),
+        ("GET", "../secret.txt", "", "", 404),
+        ("GET", "%2e%2e/secret.txt", "", "", 404),
+        ("GET", "state?seen=x", "", "", 400),
+        ("GET", "picture?width=nan", "", "", 400),
+        ("DELETE", "state", "", "", 405),
+        ("POST", "state", "", "", 404),
+        ("POST", "change", "", "{}", 415),
+        ("POST", "change", "Content-Type: text/plain\r\n", "{}", 415),
+        ("GET", "state", "Origin: http://evil.example\r\n", "", 403),
+        ("GET", "state", "Host: evil.example\r\n", "", 421),
+    ] {
+        let answer = watch.ask(method, path, head, body);
+        assert_eq!(answer.code, code, "{method} {path} {head}");
+        assert!(!String::from_utf8_lossy(&answer.body).contains("SECRET"));
+    }
+    let deep = "[".repeat(500_000);
+    let large = format!("{{\"set\":{{\"a\":\"{}\"}}}}", "1".repeat(2 << 20));
+    for (body, code) in [
+        ("", 400),
+        (r#"{"define":{"a":1}}"#, 400),
+        (r#"{"model":"/etc/passwd"}"#, 400),
+        (&*deep, 400),
+        (&*large, 413),
+    ] {
+        assert_eq!(watch.post("change", body).code, code, "{body:.40}");
+    }
+    let order = r#"{"to":"x","start":true,"print":999999}"#;
+    assert_eq!(watch.post("send", order).code, 409);
+    // A picture is no larger than allowed, whatever is asked for.
+    let png = watch.get("picture?width=1e9&height=16").body;
+    assert_eq!(png[16..20], 2048_u32.to_be_bytes());
+
+    for bytes in [
+        &b"\0\0\0\0\r\n\r\n"[..],
+        b"GET / HTTP/9.9\r\n\r\n",
+        &[b'A'; 100_000],
+        format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "y".repeat(1 << 20))
+            .as_bytes(),
+        b"GET http://127.0.0.1/state HTTP/1.1\r\nHost: a\r\n\r\n",
+    ] {
+        let mut closing = bytes.to_vec();
+        closing.extend_from_slice(b"\r\n\r\n");
+        let answer = watch.raw(&closing);
+        assert!(answer.is_none_or(|a| a.code >= 400), "{:.20?}", bytes);
+    }
+    // Nothing of that was a change.
+    let after = watch.done();
+    assert_eq!(after["model"], before["model"]);
+    assert_eq!(after["choice"], before["choice"]);
+}
+
+#[test]
+fn many_requests_do_not_starve_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("cup.rhai"), CUP).unwrap();
+    let watch = Watch::start(folder.path(), &["cup.rhai"]);
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                for _ in 0..250 {
+                    assert_eq!(watch.get("state?seen=0").code, 200);
+                }
+            });
+        }
+        watch.post("change", r#"{"define": {"radius": "6"}}"#);
+        watch.state(|state| {
+            state["busy"].is_null() && state["model"]["size"][0] == 12.0
+        });
+    });
+}
+
+#[test]
+fn what_cannot_be_watched_is_said_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, words) in [
+        (&["-"][..], "standard input"),
+        (&["none.rhai"], "there is no file none.rhai"),
+        (
+            &["-e", "x", "--config", "no.toml"],
+            "there is no file no.toml",
+        ),
+    ] {
+        let output = Command::new(assert_cmd::cargo::cargo_bin!("isoslice"))
+            .arg("watch")
+            .args(arguments)
+            .current_dir(folder.path())
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(error.contains(words), "{error}");
+    }
+}
