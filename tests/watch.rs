@@ -242,12 +242,19 @@ fn hostile_requests_get_nothing_and_break_nothing() {
         ("POST", "change", "", "{}", 415),
         ("POST", "change", "Content-Type: text/plain\r\n", "{}", 415),
         ("GET", "state", "Origin: http://evil.example\r\n", "", 403),
-        ("GET", "state", "Host: evil.example\r\n", "", 421),
+        ("GET", "state", "Host: evil.example\r\n", "", 400),
     ] {
         let answer = watch.ask(method, path, head, body);
         assert_eq!(answer.code, code, "{method} {path} {head}");
         assert!(!String::from_utf8_lossy(&answer.body).contains("SECRET"));
     }
+    // As after a name of another site was made to lead here.
+    let (secret, port) = (&watch.secret, watch.port);
+    let rebound = format!(
+        "GET /{secret}/state HTTP/1.1\r\nHost: evil.example:{port}\r\n\
+         Connection: close\r\n\r\n"
+    );
+    assert_eq!(watch.raw(rebound.as_bytes()).unwrap().code, 421);
     let deep = "[".repeat(500_000);
     let large = format!("{{\"set\":{{\"a\":\"{}\"}}}}", "1".repeat(2 << 20));
     for (body, code) in [
@@ -271,7 +278,8 @@ fn hostile_requests_get_nothing_and_break_nothing() {
         &[b'A'; 100_000],
         format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "y".repeat(1 << 20))
             .as_bytes(),
-        b"GET http://127.0.0.1/state HTTP/1.1\r\nHost: a\r\n\r\n",
+        b"GET http://127.0.0.1/state HTTP/1.1\r\nHost: a\r\n\
+          Connection: close\r\n\r\n",
     ] {
         let mut closing = bytes.to_vec();
         closing.extend_from_slice(b"\r\n\r\n");

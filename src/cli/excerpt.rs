@@ -42,7 +42,7 @@ mod tests {
             kind: SourceKind::Script,
             text: text.into(),
         };
-        excerpt(&load(&source, &[]).unwrap_err().into(), text)
+        excerpt(&load(&source, &[]).err().unwrap().into(), text)
     }
 
     #[test]

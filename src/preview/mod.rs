@@ -18,7 +18,7 @@ mod toolpath;
 
 pub(crate) use folder::Pictures;
 pub use html::{live_html, live_moves, write_html};
-pub use picture::draw;
+pub use picture::{draw, sketch};
 pub(crate) use picture::thumbnails;
 pub(crate) use raster::outline_from_above;
 pub use raster::{PictureError, View};

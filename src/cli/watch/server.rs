@@ -190,12 +190,13 @@ impl Site {
                 elevation: query.number("elevation", View::ISO.elevation)?,
             },
             size: [side("width")?, side("height")?],
+            rough: query.number("rough", 0.0)? > 0.0,
         };
         let drawing = self.drawing.lock();
         let _drawing = drawing.unwrap_or_else(PoisonError::into_inner);
         let (model, known) = {
             let mut state = self.session.lock();
-            if query.number("rough", 0.0)? > 0.0 {
+            if look.rough {
                 state.look = look;
             }
             let model = state.model.clone().ok_or_else(not_yet)?;

@@ -100,6 +100,8 @@ pub(super) struct Print {
 pub(super) struct Look {
     pub view: View,
     pub size: [usize; 2],
+    /// Whether it is to be there quickly, and not to be fine.
+    pub rough: bool,
 }
 
 /// What becomes of a print that is sent.
@@ -129,6 +131,7 @@ impl Session {
                 look: Look {
                     view: View::ISO,
                     size: [300, 200],
+                    rough: true,
                 },
                 picture: None,
                 sending: Sending::default(),

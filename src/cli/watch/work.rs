@@ -14,7 +14,7 @@ use anyhow::Context;
 use isoslice::limits::{Limits, Reason, Stopped, Watch, doing};
 use isoslice::model::{LoadError, Model, ParamError, ScriptError};
 use isoslice::pipeline::{self, Options, Summary};
-use isoslice::preview::{Toolpath, draw, live_moves};
+use isoslice::preview::{Toolpath, draw, live_moves, sketch};
 use isoslice::reader::Reader;
 use isoslice::settings::keys;
 use serde::Serialize;
@@ -220,6 +220,7 @@ pub(super) fn draw_within(
     });
     watch.run(|| {
         let pool = workers(threads)?;
+        let draw = if look.rough { sketch } else { draw };
         let drawn = pool.install(|| {
             doing("picture", || draw(model, look.view, look.size, None))
         });
