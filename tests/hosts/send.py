@@ -1,12 +1,13 @@
 """Sends files to the real OctoPrint and the real Moonraker: started by run.sh.
 
-    send.py ISOSLICE FOLDER
+    send.py octoprint|moonraker ISOSLICE FOLDER
 
 OctoPrint runs its own virtual printer, which prints the file to its end.
 Moonraker runs without Klipper, so that its store of files is tested, and that a
 print is refused. FOLDER takes their files.
 """
 
+import http.client
 import json
 import os
 import pathlib
@@ -18,7 +19,7 @@ import time
 import urllib.error
 import urllib.request
 
-isoslice, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+host, isoslice, folder = *sys.argv[1:3], pathlib.Path(sys.argv[3])
 KEY = "0123456789ABCDEF0123456789ABCDEF"
 PATIENCE = 240
 
@@ -51,7 +52,7 @@ def wait_for(what, test):
         try:
             if test():
                 return
-        except (OSError, ValueError):
+        except (OSError, ValueError, http.client.HTTPException):
             pass
         time.sleep(0.3)
     raise AssertionError(f"{what}: not within {PATIENCE} s")
@@ -200,5 +201,4 @@ validate_config: False
 
 
 slice_part()
-octoprint()
-moonraker()
+{"octoprint": octoprint, "moonraker": moonraker}[host]()

@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 /// Time between two looks at the files.
-pub(super) const EVERY: Duration = Duration::from_millis(30);
+pub(super) const EVERY: Duration = Duration::from_millis(15);
 
 /// For so many looks a file may be missing before that counts: some editors
 /// remove it before they write it.
-const PATIENCE: u32 = 15;
+const PATIENCE: u32 = 30;
 
 /// What the files were at one look: time and size of each.
 type Look = Vec<Option<(SystemTime, u64)>>;
