@@ -49,8 +49,8 @@ pub enum ParamError {
         name: String,
         /// The value given.
         value: String,
-        /// What is allowed.
-        allowed: Allowed,
+        /// What is allowed, in words.
+        allowed: String,
     },
     /// Bounds that make no sense.
     #[error("the parameter `{name}`: {what}")]
@@ -162,7 +162,7 @@ impl Table {
             return Err(ParamError::NotAllowed {
                 name: name.to_owned(),
                 value: value.to_string(),
-                allowed,
+                allowed: allowed.to_string(),
             });
         }
         if let Some((first, value)) =

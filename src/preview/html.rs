@@ -53,6 +53,10 @@ const LIVE_PARTS: &[(&str, &str)] = &[
     ("connect", "; img-src data: blob:; connect-src 'self'"),
     ("live.css", include_str!("../../assets/preview/live.css")),
     ("live.html", include_str!("../../assets/preview/live.html")),
+    (
+        "live-stage.html",
+        include_str!("../../assets/preview/live-stage.html"),
+    ),
     ("live.js", include_str!("../../assets/preview/live.js")),
 ];
 

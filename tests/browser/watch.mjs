@@ -144,6 +144,7 @@ await test("a second tab shows the same, and changes the first", async () => {
   const second = await open({ width: 420, height: 800 });
   await second.waitForFunction(() =>
     document.querySelector("#figures").textContent.includes("20.0 × 20.0"));
+  assert.ok(await second.locator("#views").isVisible());
   await shoot(second, "watch-phone");
   if (await second.locator("#panel").isHidden()) {
     await second.click("#show-panel");

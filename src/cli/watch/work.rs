@@ -9,7 +9,7 @@ use crate::cli::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
 use crate::cli::excerpt::excerpt;
 use crate::cli::info::parameter;
 use crate::cli::limits::{GRACE, LimitArgs, workers};
-use crate::cli::{output, plain, terminal};
+use crate::cli::{output, terminal};
 use anyhow::Context;
 use isoslice::limits::{Limits, Reason, Stopped, Watch, doing};
 use isoslice::model::{LoadError, Model, ParamError, ScriptError};
@@ -75,7 +75,7 @@ fn give_up(stopped: &Stopped) {
 
 /// The error, with the place in the script.
 fn fault(job: &Job, error: &anyhow::Error) -> Fault {
-    let causes: Vec<_> = error.chain().map(|e| plain::value(e)).collect();
+    let causes: Vec<_> = error.chain().map(terminal::shown).collect();
     let script = job.model.model.as_deref().map(fs::read_to_string);
     let script = script.and_then(Result::ok).unwrap_or_default();
     Fault {
