@@ -4,7 +4,11 @@
 // A test that cannot go on should say so and stop.
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/served.rs"]
+mod served;
+
 use serde_json::json;
+use served::Watch;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpListener;
@@ -213,4 +217,33 @@ fn keys_and_files_that_are_wrong_are_said() {
         &[&bad[..], &["--url", "a.local"]].concat(),
         "no address",
     );
+}
+
+#[test]
+fn the_page_sends_what_it_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let (url, seen) = moonraker();
+    let add = ["printers", "add", "shop", "--host", "moonraker", "--url"];
+    works(folder.path(), &[&add[..], &[&url]].concat(), SECRET);
+    fs::write(folder.path().join("part.rhai"), "sphere(4)").unwrap();
+    let profiles = ["--profiles", "mine"];
+    let watch =
+        Watch::start(folder.path(), &[&["part.rhai"], &profiles[..]].concat());
+    let state = watch.done();
+    assert_eq!(state["printers"], json!(["shop"]));
+    let print = state["print"]["revision"].as_u64().unwrap();
+    let order = json!({ "to": "shop", "start": true, "print": print });
+    assert_eq!(watch.post("send", &order.to_string()).code, 200);
+    let state = watch.state(|state| state["sending"]["busy"] == false);
+    assert_eq!(
+        state["sending"]["text"],
+        "part.gcode is being printed on shop"
+    );
+    let gcode = watch.get(&format!("gcode?print={print}")).body;
+    assert!(seen.lock().unwrap().file == gcode);
+    let order = json!({ "to": "shed", "start": true, "print": print });
+    assert_eq!(watch.post("send", &order.to_string()).code, 200);
+    let state = watch.state(|state| state["sending"]["busy"] == false);
+    let text = state["sending"]["text"].as_str().unwrap();
+    assert!(text.contains("there is no printer shed"), "{text}");
 }

@@ -8,6 +8,8 @@ const LARGEST = 1600;
 // Time until a program that does not answer is asked again, milliseconds.
 const AGAIN = 1000;
 
+const signalled = controller => controller?.signal.aborted ?? false;
+
 class Live {
   constructor() {
     // What the program told last.
@@ -174,9 +176,7 @@ class Live {
         "aria-pressed", (button.dataset.view === "part") === part);
     }
     if (part) {
-      // A new part's first picture is a rough one.
-      const { model } = $("picture").dataset;
-      this.turned(model !== String(this.has.model));
+      this.turned(false);
     } else {
       $("picture").hidden = true;
     }
@@ -186,6 +186,10 @@ class Live {
   turned(brisk) {
     if (camera && this.showsPart) {
       this.brisk = brisk;
+      if (brisk) {
+        // A fine picture that is still being drawn would come too late.
+        this.finePicture?.abort();
+      }
       this.draw();
     }
   }
@@ -205,39 +209,54 @@ class Live {
       left: `${left}px`, top: `${top}px`,
       width: `${room[0]}px`, height: `${room[1]}px`,
     });
-    const density = this.brisk ? ROUGH : Math.min(2, devicePixelRatio || 1);
+    // A new part's first picture is a rough one, too.
+    const known = $("picture").dataset.model === String(this.has.model);
+    const rough = this.brisk || !known;
+    const density = rough ? ROUGH : Math.min(2, devicePixelRatio || 1);
     const fit = Math.min(1, LARGEST / (density * Math.max(...room)));
     const [width, height] = room.map(side => Math.round(side * density * fit));
     const degrees = angle => (angle * 180 / Math.PI).toFixed(2);
-    const wanted = `picture?model=${this.has.model}&width=${width}`
+    const of = this.has.model;
+    const wanted = `picture?model=${of}&width=${width}`
       + `&height=${height}&azimuth=${degrees(camera.yaw % (2 * Math.PI))}`
-      + `&elevation=${degrees(camera.pitch)}&rough=${this.brisk ? 1 : 0}`;
+      + `&elevation=${degrees(camera.pitch)}&rough=${rough ? 1 : 0}`;
     if (wanted === this.asked) {
       $("picture").hidden = !this.showsPart;
       return;
     }
     this.drawing = true;
     this.asked = wanted;
+    this.finePicture = rough ? null : new AbortController();
+    let again = 0;
     try {
-      const answer = await fetch(wanted);
-      if (answer.ok) {
+      const signal = this.finePicture?.signal;
+      const answer = await fetch(wanted, { signal });
+      if (!answer.ok) {
+        this.asked = "";
+        again = AGAIN;
+      } else {
         const url = URL.createObjectURL(await answer.blob());
         const before = $("picture").src;
         $("picture").src = url;
         await $("picture").decode();
         $("picture").hidden = !this.showsPart;
-        $("picture").dataset.model = this.has.model;
+        $("picture").dataset.model = of;
         URL.revokeObjectURL(before);
       }
     } catch {
-      // The program has ended, which `follow` tells, or the picture was
-      // replaced while it was unpacked.
+      // Nobody waits for it any more, or the program has ended, which `follow`
+      // tells.
+      this.asked = "";
+      again = signalled(this.finePicture) ? 0 : AGAIN;
     }
     this.drawing = false;
     // Where the camera has gone since, and finer when it rests.
-    if (this.brisk) {
+    if (rough) {
       this.brisk = false;
-      setTimeout(() => this.turned(this.brisk), 120);
+      again = 120;
+    }
+    if (again > 0) {
+      setTimeout(() => this.turned(this.brisk), again);
     } else {
       this.turned(this.brisk);
     }
@@ -398,7 +417,8 @@ class Live {
   listWarnings() {
     const { model, print, warnings } = this.told;
     const all = [
-      ...warnings, ...model?.warnings ?? [], ...print?.warnings ?? [],
+      ...warnings, ...model?.warnings ?? [],
+      ...print?.of_model === model?.revision ? print?.warnings ?? [] : [],
     ];
     $("warnings").replaceChildren(...all.map(text => element("li", text)));
   }

@@ -6,11 +6,12 @@
 
 use super::guard::Guard;
 use super::session::{Look, Print, Sending, Session, State};
-use super::work::{Job, draw_within, name_of};
+use super::work::{Job, draw_within, name_of, picture_watch};
 use crate::cli::send::outcome;
 use crate::cli::{plain, printers};
 use anyhow::bail;
 use isoslice::hosts;
+use isoslice::limits::Watch;
 use isoslice::preview::{View, live_html};
 use isoslice::settings::{ProfileKind, Profiles};
 use oxhttp::model::header::{
@@ -47,6 +48,9 @@ pub(super) struct Site {
     printers: Vec<String>,
     /// Held while a picture is drawn: one at a time leaves time for slicing.
     drawing: Mutex<()>,
+    /// Stops the fine picture that is being drawn, for which a rough one does
+    /// not wait.
+    fine: Mutex<Option<Watch>>,
 }
 
 /// An answer, or why there is none.
@@ -78,6 +82,7 @@ impl Site {
             profiles: kinds.map(names).to_vec().into(),
             printers,
             drawing: Mutex::new(()),
+            fine: Mutex::new(None),
         }
     }
 
@@ -192,6 +197,12 @@ impl Site {
             size: [side("width")?, side("height")?],
             rough: query.number("rough", 0.0)? > 0.0,
         };
+        let fine = || self.fine.lock().unwrap_or_else(PoisonError::into_inner);
+        if look.rough
+            && let Some(watch) = fine().take()
+        {
+            watch.cancel();
+        }
         let drawing = self.drawing.lock();
         let _drawing = drawing.unwrap_or_else(PoisonError::into_inner);
         let (model, known) = {
@@ -208,7 +219,11 @@ impl Site {
         let picture = match known {
             Some(picture) => picture,
             None => {
-                let drawn = draw_within(&model.model, look, self.job.threads);
+                let watch = picture_watch();
+                *fine() = (!look.rough).then(|| watch.clone());
+                let threads = self.job.threads;
+                let drawn = draw_within(&watch, &model.model, look, threads);
+                fine().take();
                 let drawn = drawn.map_err(|error| {
                     (StatusCode::SERVICE_UNAVAILABLE, format!("{error:#}"))
                 })?;

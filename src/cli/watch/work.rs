@@ -176,7 +176,7 @@ fn show(
 ) -> anyhow::Result<Arc<Shown>> {
     let look = session.lock().look;
     // A rough picture is there before anybody asks for it.
-    let picture = draw_within(&model, look, job.threads);
+    let picture = draw_within(&picture_watch(), &model, look, job.threads);
     let corners = model.printed_bounds();
     let parameters = model.parameters.iter().map(parameter);
     let parameters = serde_json::to_value(parameters.collect::<Vec<_>>())?;
@@ -208,16 +208,21 @@ fn show(
     }))
 }
 
+/// A watch over drawing one picture.
+pub(super) fn picture_watch() -> Watch {
+    Watch::new(Limits {
+        time: Some(PICTURE),
+        memory_bytes: None,
+    })
+}
+
 /// Draws a model within a bounded time, in front of nothing.
 pub(super) fn draw_within(
+    watch: &Watch,
     model: &Model,
     look: Look,
     threads: Option<u16>,
 ) -> anyhow::Result<Vec<u8>> {
-    let watch = Watch::new(Limits {
-        time: Some(PICTURE),
-        memory_bytes: None,
-    });
     watch.run(|| {
         let pool = workers(threads)?;
         let draw = if look.rough { sketch } else { draw };
