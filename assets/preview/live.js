@@ -170,7 +170,9 @@ class Live {
 
   showView() {
     const part = this.showsPart;
-    document.documentElement.dataset.shows = part ? "part" : "layers";
+    const page = document.documentElement;
+    const before = page.dataset.shows;
+    page.dataset.shows = part ? "part" : "layers";
     for (const button of $("views").children) {
       button.setAttribute(
         "aria-pressed", (button.dataset.view === "part") === part);
@@ -179,6 +181,9 @@ class Live {
       this.turned(false);
     } else {
       $("picture").hidden = true;
+      if (before !== "layers") {
+        redraw(false);
+      }
     }
   }
 

@@ -78,7 +78,8 @@ let restTimer = 0;
 function redraw(brisk = true) {
   moving = brisk;
   live?.turned(brisk);
-  if (ready && !wanted) {
+  // Layers behind the part's picture need not be drawn.
+  if (ready && !wanted && !live?.showsPart) {
     wanted = true;
     requestAnimationFrame(frame);
   }

@@ -10,7 +10,7 @@
 //! Guaranteed: the file is readable by its user only (0600, where the system
 //! has such rights), and is changed in one step.
 
-use super::client::address;
+use super::address::address;
 use super::{HostError, HostKind};
 use crate::files::{FileError, read_text};
 use serde::{Deserialize, Serialize};

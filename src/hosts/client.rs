@@ -1,11 +1,12 @@
 //! Requests to one host, with its key, and errors in plain words.
 
+use super::address::{address, shortened};
 use super::book::Printer;
 use super::{HostError, HostKind};
 use serde_json::Value;
 use std::io::{self, Read};
 use std::time::Duration;
-use ureq::http::{Request, Uri};
+use ureq::http::Request;
 use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
 use ureq::{Agent, SendBody};
 
@@ -18,8 +19,6 @@ const STALL: Duration = Duration::from_secs(20);
 const ANSWER: Duration = Duration::from_secs(if cfg!(test) { 1 } else { 120 });
 /// Bytes of an answer that are read. Lists of files are long.
 const LARGEST: u64 = 16 << 20;
-/// Characters of a host's own words that are shown.
-const LONGEST: usize = 300;
 
 /// Header of the key, which all three hosts know.
 const KEY: &str = "X-Api-Key";
@@ -306,28 +305,6 @@ impl Answer {
     }
 }
 
-/// The address without a slash at its end, if it is one.
-pub(super) fn address(url: &str) -> Result<String, HostError> {
-    let wrong = |why: &str| HostError::Address {
-        url: shortened(url),
-        why: why.to_owned(),
-    };
-    let uri: Uri = url
-        .parse()
-        .map_err(|error| wrong(&format!("{error}").to_lowercase()))?;
-    if !matches!(uri.scheme_str(), Some("http" | "https")) {
-        return Err(wrong("it must begin with http:// or https://"));
-    }
-    let authority = uri.authority().ok_or_else(|| wrong("it has no host"))?;
-    if authority.as_str().contains('@') {
-        return Err(wrong("a name or password in it would be seen by others"));
-    }
-    if uri.query().is_some() {
-        return Err(wrong("it must end before the question mark"));
-    }
-    Ok(url.trim_end_matches('/').to_owned())
-}
-
 /// Whether an error of reading or writing is one of trust.
 fn of_tls(error: &io::Error) -> bool {
     let text = error.to_string();
@@ -335,13 +312,4 @@ fn of_tls(error: &io::Error) -> bool {
         && ["certificate", "handshake", "tls", "corrupt message"]
             .iter()
             .any(|word| text.to_lowercase().contains(word))
-}
-
-/// A host's words, no longer than people read, in one line.
-fn shortened(text: &str) -> String {
-    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    match line.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &line[..end]),
-        None => line,
-    }
 }

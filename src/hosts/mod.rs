@@ -18,6 +18,7 @@
 //! `client` speaks HTTP, `octoprint`, `moonraker` and `prusalink` know the
 //! hosts' words.
 
+mod address;
 mod book;
 mod client;
 mod error;
