@@ -46,7 +46,7 @@
 //! 10. [`gcode`] writes the G-code, and [`bgcode`] packs it for Prusa's
 //!     printers. [`reader`] reads G-code of any slicer, and [`mod@check`] tells
 //!     whether it is safe to run. [`preview`] draws it. [`report`] measures how
-//!     far outlines and walls are from f = 0.
+//!     far outlines and walls are from f = 0. [`hosts`] sends files to printers.
 //!
 //! The types that flow are a [`Model`], its
 //! [`LayerSpan`](layers::LayerSpan)s, for each span an
@@ -166,6 +166,7 @@ mod fuzzy;
 mod gcode;
 mod hang;
 pub mod heights;
+pub mod hosts;
 mod infill;
 pub mod layers;
 pub mod limits;

@@ -77,6 +77,8 @@ const ORDER: &[&[&str]] = &[
     &["check"],
     &["preview"],
     &["pipeline"],
+    // Sends files, whoever made them.
+    &["hosts"],
     &["cli"],
     &["main"],
 ];
@@ -98,6 +100,16 @@ const CONFINED: &[Confined] = &[
     Confined {
         name: "clap",
         modules: &["cli"],
+        in_tests: false,
+    },
+    Confined {
+        name: "oxhttp",
+        modules: &["cli"],
+        in_tests: false,
+    },
+    Confined {
+        name: "ureq",
+        modules: &["hosts"],
         in_tests: false,
     },
     Confined {

@@ -66,6 +66,10 @@ fn help_reads_well() {
         ("help_settings", &["settings", "--help"]),
         ("help_profiles", &["profiles", "--help"]),
         ("help_new", &["new", "--help"]),
+        ("help_watch", &["watch", "--help"]),
+        ("help_send", &["send", "--help"]),
+        ("help_printers", &["printers", "--help"]),
+        ("help_printers_add", &["printers", "add", "--help"]),
     ] {
         let help = stdout(isoslice(&folder).args(args));
         insta::with_settings!({ omit_expression => true }, {
@@ -917,6 +921,7 @@ fn info_and_summary_speak_json() {
         info["parameters"][0],
         serde_json::json!({
             "name": "radius",
+            "type": "number",
             "value": 5.0,
             "default": 4.0,
             "description": "radius, mm",

@@ -4,6 +4,10 @@ const FIELD_OF_VIEW = Math.PI / 6;
 // Looks from the front left corner, from above, the front and the side.
 const LOOKS = [[-1.05, 0.62], [-Math.PI / 2, 1.5695], [-Math.PI / 2, 0], [0, 0]];
 
+function halfDiagonal([min, max]) {
+  return Math.hypot(...min.map((low, i) => max[i] - low)) / 2;
+}
+
 class Camera {
   constructor(box) {
     this.box = box;
@@ -13,13 +17,19 @@ class Camera {
     this.fit(1);
   }
 
+  // Another box, seen from where the camera is.
+  hold(box) {
+    this.box = box;
+    this.radius = halfDiagonal(box);
+  }
+
   // The whole box in sight, from where the camera is, or from a look.
   fit(aspect, look = this.look) {
     this.look = look;
     [this.yaw, this.pitch] = LOOKS[look];
     const [min, max] = this.box;
     this.target = min.map((low, i) => (low + max[i]) / 2);
-    this.radius = Math.hypot(...min.map((low, i) => max[i] - low)) / 2;
+    this.radius = halfDiagonal(this.box);
     const narrow = Math.min(1, Math.max(0.2, aspect));
     const half = Math.atan(Math.tan(FIELD_OF_VIEW / 2) * narrow);
     this.distance = 1.02 * this.radius / Math.sin(half);

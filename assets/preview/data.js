@@ -60,10 +60,7 @@ class Planes {
 
 // All moves. `points` has x, y, z and, for the move that ends there, the
 // width of its bead: as the graphics card gets it.
-async function unpack(told) {
-  const element = document.getElementById("moves");
-  const packed = fromBase64(element.textContent);
-  element.remove();
+async function unpack(told, packed) {
   const planes = new Planes(await inflate(packed, told.size));
   const count = told.moves;
   const points = new Uint16Array(4 * (count + 1));

@@ -25,9 +25,12 @@ const BARS = 60;
 const REST = 160;
 
 const $ = id => document.getElementById(id);
-const told = JSON.parse($("told").textContent);
-const figures = told.statistics;
-let moves, scene, camera, layerSlider, moveSlider;
+// Of the print that is shown. A page that a program serves has none at first.
+let told = null;
+let figures, layerCount, moves, scene;
+let camera, layerSlider, moveSlider;
+// What asks the program that serves this page; nothing for a file.
+const live = typeof Live === "undefined" ? null : new Live();
 
 const state = {
   mode: "role",
@@ -58,7 +61,6 @@ function element(tag, text, properties = {}) {
   return Object.assign(made, properties);
 }
 
-const layerCount = told.first.length;
 const layerEnd = layer =>
   layer + 1 < layerCount ? told.first[layer + 1] : told.moves;
 
@@ -75,7 +77,9 @@ let restTimer = 0;
 // Asks for a picture; `brisk` while the view or the range changes.
 function redraw(brisk = true) {
   moving = brisk;
-  if (ready && !wanted) {
+  live?.turned(brisk);
+  // Layers behind the part's picture need not be drawn.
+  if (ready && !wanted && !live?.showsPart) {
     wanted = true;
     requestAnimationFrame(frame);
   }
@@ -137,6 +141,9 @@ function sayLayer(layer) {
 }
 
 function layersChanged() {
+  if (!told) {
+    return;
+  }
   const { low, high } = layerSlider;
   moveSlider.set(told.first[high], layerEnd(high), told.first[high],
     layerEnd(high));
@@ -150,6 +157,9 @@ function layersChanged() {
 }
 
 function movesChanged() {
+  if (!told) {
+    return;
+  }
   const output = $("move-text");
   const { low: first, high: end } = moveSlider;
   const count = layerEnd(layerSlider.high) - first;
@@ -230,6 +240,9 @@ function setMode(mode) {
   state.mode = mode;
   for (const button of $("modes").children) {
     button.setAttribute("aria-pressed", button.dataset.mode === mode);
+  }
+  if (!told) {
+    return;
   }
   const how = MODES[mode];
   $("scale").hidden = how === null;
@@ -340,6 +353,7 @@ function toggleRole(role, alone) {
 
 function listRoles() {
   const body = $("roles").tBodies[0];
+  body.replaceChildren();
   const add = (role, name, share) => {
     const row = body.insertRow();
     row.dataset.role = role;
@@ -370,6 +384,7 @@ function listRoles() {
 
 function listFigures() {
   const list = $("figures");
+  list.replaceChildren();
   const add = (name, text, title = "") => list.append(
     element("dt", name), element("dd", text, { title }));
   const time = figures.said_time ?? figures.time;
@@ -461,6 +476,10 @@ function onKey(event) {
   if (event.ctrlKey || event.metaKey || event.altKey || $("help").open) {
     return;
   }
+  const field = "input, select, textarea";
+  if (event.target.matches?.(field)) {
+    return;
+  }
   const onButton = event.target instanceof HTMLButtonElement;
   const end = event.target.dataset?.end;
   const layers = event.shiftKey ? 10 : 1;
@@ -499,6 +518,9 @@ function onKey(event) {
   if (!keys[key] || (onButton && key === " ")) {
     return;
   }
+  if (!told && !"dfvp".includes(key)) {
+    return;
+  }
   event.preventDefault();
   if (key !== " ") {
     state.playing = false;
@@ -506,15 +528,10 @@ function onKey(event) {
   keys[key]();
 }
 
-async function start() {
-  moves = await unpack(told);
+// Makes the page ready for a print in this box.
+function begin(box) {
   const canvas = $("view");
-  const box = figures.printed;
   camera = new Camera(box);
-  scene = new Scene(canvas, told, moves, box);
-  if (!scene.gl) {
-    throw new Error("This browser has no WebGL 2, which the preview needs.");
-  }
   layerSlider = new Slider($("layer-slider"), {
     vertical: true, two: true, say: sayLayer,
     names: ["Lowest layer shown", "Highest layer shown"],
@@ -526,22 +543,14 @@ async function start() {
     say: move => `move ${move - told.first[layerSlider.high]}`,
     change: movesChanged,
   });
-  listRoles();
-  listFigures();
   setTheme(remembered() ?? (prefersDark.matches ? "dark" : "light"));
   prefersDark.addEventListener("change", () => {
     if (!remembered()) {
       setTheme(prefersDark.matches ? "dark" : "light");
     }
   });
-  layerSlider.set(0, layerCount - 1, 0, layerCount - 1);
-  layersChanged();
-  setMode("role");
   showPanel(!matchMedia("(max-width: 640px)").matches);
   fit(0);
-  await scene.calibrate(camera, shown());
-  ready = true;
-  redraw(false);
 
   lead(camera, canvas, redraw);
   canvas.addEventListener("dblclick", () => fit());
@@ -550,20 +559,78 @@ async function start() {
   for (const button of $("modes").children) {
     button.addEventListener("click", () => setMode(button.dataset.mode));
   }
-  $("only").addEventListener("click", onlyThis);
+  $("only").addEventListener("click", () => told && onlyThis());
   $("fit").addEventListener("click", () => fit());
   $("look").addEventListener(
     "click", () => fit((camera.look + 1) % LOOKS.length));
   $("theme").addEventListener("click", otherTheme);
-  $("help-button").addEventListener("click", help);
+  $("help-button").addEventListener("click", () => told && help());
   $("show-panel").addEventListener("click", () => showPanel($("panel").hidden));
   canvas.addEventListener("webglcontextlost", event => event.preventDefault());
   canvas.addEventListener("webglcontextrestored", () => {
-    scene.build();
+    scene?.build();
     redraw(false);
   });
+}
+
+// The layer nearest to a height, or the top one.
+function layerAt(z) {
+  const above = told.z.findIndex(at => at >= z - 1e-6);
+  return above < 0 ? layerCount - 1 : above;
+}
+
+// Shows a print. If there is one already, the new one takes its place: the
+// camera, the colours and the heights that are shown stay.
+async function show(data, packed) {
+  const unpacked = await unpack(data, packed);
+  const before = told && {
+    low: told.z[layerSlider.low],
+    high: layerSlider.high < layerCount - 1
+      ? told.z[layerSlider.high] : Infinity,
+  };
+  [told, figures, moves] = [data, data.statistics, unpacked];
+  layerCount = told.first.length;
+  const box = figures.printed;
+  if (!camera) {
+    begin(box);
+  } else {
+    camera.hold(box);
+  }
+  state.playing = false;
+  const last = scene;
+  last?.release();
+  scene = new Scene($("view"), told, moves, box);
+  if (last) {
+    [scene.level, scene.restLevel] = [last.level, last.restLevel];
+  }
+  if (!scene.gl) {
+    throw new Error("This browser has no WebGL 2, which the preview needs.");
+  }
+  listRoles();
+  listFigures();
+  const [low, high] = before
+    ? [layerAt(before.low), layerAt(before.high)] : [0, layerCount - 1];
+  layerSlider.set(0, layerCount - 1, Math.min(low, high), high);
+  layersChanged();
+  setMode(state.mode);
+  if (!ready) {
+    await scene.calibrate(camera, shown());
+  }
+  ready = true;
+  redraw(false);
   $("notice").hidden = true;
   document.documentElement.dataset.ready = "true";
+}
+
+async function start() {
+  if (live) {
+    await live.begin();
+    return;
+  }
+  const element = $("moves");
+  const packed = fromBase64(element.textContent);
+  element.remove();
+  await show(JSON.parse($("told").textContent), packed);
 }
 
 start().catch(error => {

@@ -225,6 +225,22 @@ class Scene {
     gl.enable(gl.DEPTH_TEST);
   }
 
+  // Gives back what is in the graphics card.
+  release() {
+    const gl = this.gl;
+    const shared = [this.grid, this.cone];
+    const own = [this.whole.beads, this.coarse.beads];
+    for (const { attribs, indices } of [...shared, ...own]) {
+      for (const { buffer } of Object.values(attribs)) {
+        gl.deleteBuffer(buffer);
+      }
+      gl.deleteBuffer(indices ?? null);
+    }
+    for (const { program } of [this.bead, this.line, this.solid]) {
+      gl.deleteProgram(program);
+    }
+  }
+
   // Colours by a number for each move, from `low` to `high`, or by role.
   colourBy(number, low, high) {
     this.byValue = number !== null;

@@ -61,7 +61,7 @@ pub(super) struct ModelArgs {
         value_parser = define,
         help_heading = "Model"
     )]
-    defines: Vec<(String, String)>,
+    pub(super) defines: Vec<(String, String)>,
 
     /// Cut the model with this box, in its own coordinates, mm; the bounds
     /// are found without it
@@ -245,18 +245,18 @@ fn standard_input() -> anyhow::Result<String> {
 pub(super) struct SettingsSource {
     /// Settings for this printer; `isoslice profiles` lists them
     #[arg(long, value_name = "NAME")]
-    printer: Option<String>,
+    pub(super) printer: Option<String>,
 
     /// Settings for this filament
     #[arg(long, value_name = "NAME")]
-    filament: Option<String>,
+    pub(super) filament: Option<String>,
 
     /// Settings for this kind of print
     #[arg(long, value_name = "NAME")]
-    preset: Option<String>,
+    pub(super) preset: Option<String>,
 
     #[command(flatten)]
-    profiles: ProfilesSource,
+    pub(super) profiles: ProfilesSource,
 
     /// Read settings from a TOML file; may be given again, and what comes
     /// later wins; wins over profiles
@@ -266,7 +266,7 @@ pub(super) struct SettingsSource {
     /// Set one setting, as in layer_height=0.15 or speed.outer_wall=30;
     /// wins over all others; `isoslice settings` lists them
     #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    pub(super) set: Vec<String>,
 }
 
 /// Settings with their warnings and origins.
@@ -282,6 +282,14 @@ pub(super) struct Gathered {
 impl SettingsSource {
     /// Reads the settings, and shows their warnings to the user.
     pub(super) fn gather(&self) -> anyhow::Result<Gathered> {
+        let gathered = self.read()?;
+        terminal::warn(&gathered.warnings);
+        terminal::note(&gathered.settings.notes());
+        Ok(gathered)
+    }
+
+    /// Reads the settings.
+    pub(super) fn read(&self) -> anyhow::Result<Gathered> {
         let profiles = self.profiles.find()?;
         let mut builder = Builder::new();
         let mut files = self.config.clone();
@@ -308,8 +316,6 @@ impl SettingsSource {
         if let Infill::Script(path) = &settings.infill {
             files.push(path.into());
         }
-        terminal::warn(&warnings);
-        terminal::note(&settings.notes());
         Ok(Gathered {
             settings,
             warnings,

@@ -74,11 +74,21 @@ struct Json<'a> {
 }
 
 #[derive(Serialize)]
-struct JsonParameter<'a> {
+pub(super) struct JsonParameter<'a> {
     name: &'a str,
     value: serde_json::Value,
     default: serde_json::Value,
+    #[serde(rename = "type")]
+    kind: &'static str,
     description: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    min: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    choices: Vec<serde_json::Value>,
 }
 
 impl<'a> Json<'a> {
@@ -105,7 +115,8 @@ impl<'a> Json<'a> {
     }
 }
 
-fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
+/// A parameter as JSON.
+pub(super) fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
     // Numbers and booleans are written alike in Rhai and JSON; all else is
     // text.
     let json = |text: &str| {
@@ -116,7 +127,16 @@ fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
         name: &of_model.name,
         value: json(&of_model.value),
         default: json(&of_model.default),
+        kind: match json(&of_model.default) {
+            serde_json::Value::Bool(_) => "boolean",
+            number if number.is_i64() => "integer",
+            _ => "number",
+        },
         description: &of_model.description,
+        min: of_model.allowed.min,
+        max: of_model.allowed.max,
+        step: of_model.allowed.step,
+        choices: of_model.allowed.choices.iter().map(|c| json(c)).collect(),
     }
 }
 
@@ -207,6 +227,9 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
         let mut value = format!("{name:<width$} = {}", parameter.value);
         if parameter.value != parameter.default {
             write!(value, " (default {})", parameter.default)?;
+        }
+        if !parameter.allowed.is_anything() {
+            write!(value, " ({})", parameter.allowed)?;
         }
         match &*plain::line(&parameter.description) {
             "" => writeln!(text, "    {value}")?,

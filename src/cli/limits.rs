@@ -5,14 +5,16 @@
 
 use super::patience::Patience;
 use super::{output, terminal};
+use anyhow::Context;
 use clap::Args;
 use isoslice::limits::{Limits, Watch, enough_space};
+use rayon::ThreadPool;
 use std::process::exit;
 use std::time::Duration;
 
 /// Time in which a stage has to notice that it was stopped. After that the
 /// process ends without it.
-const GRACE: Duration = Duration::from_secs(2);
+pub(super) const GRACE: Duration = Duration::from_secs(2);
 
 /// Limits on a command.
 #[derive(Args, Debug)]
@@ -70,6 +72,17 @@ pub(super) fn watched<T>(
         },
         work,
     )?
+}
+
+/// Threads that work under this thread's watch; as many as the machine has if
+/// not given.
+pub(super) fn workers(threads: Option<u16>) -> anyhow::Result<ThreadPool> {
+    let watch = Watch::current();
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, usize::from))
+        .start_handler(move |_| Watch::adopt(watch.as_ref()))
+        .build()
+        .context("cannot start the worker threads; try --threads 1")
 }
 
 /// Reads a number and its unit; `none` is no limit.

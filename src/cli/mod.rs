@@ -7,6 +7,7 @@
 mod args;
 mod check;
 mod closed;
+mod excerpt;
 mod formats;
 mod info;
 mod limits;
@@ -18,14 +19,17 @@ mod parse;
 mod patience;
 mod plain;
 mod preview;
+mod printers;
 mod profiles;
 mod render;
+mod send;
 mod settings;
 #[cfg(unix)]
 mod signals;
 mod slice;
 mod summary;
 pub(crate) mod terminal;
+mod watch;
 
 use clap::{Parser, Subcommand};
 pub(crate) use parse::parse;
@@ -38,9 +42,11 @@ Examples:
   isoslice slice part.vm --size 60 --set layer_height=0.15 --set walls=3
   isoslice slice part.rhai --printer prusa-mk4 --filament petg --preset fine
   isoslice preview part.gcode                     a page that shows it in 3D
+  isoslice watch part.rhai --open                 a page to edit it beside
   isoslice info part.rhai                         size, layers, parameters
   isoslice profiles                               printers, filaments, presets
   isoslice render part.rhai                       a picture, part.png
+  isoslice send part.gcode --to workshop          to OctoPrint, Klipper, Prusa
   isoslice settings > my.toml                     to edit, for --config my.toml
 
 Exit codes:
@@ -78,12 +84,18 @@ enum Command {
     Slice(Box<slice::SliceArgs>),
     /// Make a page that shows G-code, or a model sliced, in 3D
     Preview(Box<preview::PreviewArgs>),
+    /// Serve a page that shows a model while it is edited, sliced
+    Watch(Box<watch::WatchArgs>),
     /// Check G-code, of any slicer, against what the printer can do
     Check(check::CheckArgs),
     /// Show a model's bounds, size, layers and parameters
     Info(Box<info::InfoArgs>),
     /// Draw a model, shaded, as a PNG picture
     Render(Box<render::RenderArgs>),
+    /// Send G-code to a printer: OctoPrint, Moonraker (Klipper), PrusaLink
+    Send(send::SendArgs),
+    /// List, add, remove and test the printers that files are sent to
+    Printers(printers::PrintersArgs),
     /// Print all settings as commented TOML
     Settings(settings::SettingsArgs),
     /// List printers, filaments and presets, or show one
@@ -105,9 +117,12 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Slice(args) => slice::run(&args),
         Command::Preview(args) => preview::run(&args),
+        Command::Watch(args) => watch::run(*args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Send(args) => send::run(&args),
+        Command::Printers(args) => printers::run(&args),
         Command::Settings(args) => settings::run(&args),
         Command::Profiles(args) => profiles::run(&args),
         Command::New(args) => new::run(&args),

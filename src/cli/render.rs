@@ -1,7 +1,7 @@
 //! `isoslice render`: draws a model straight from its function.
 
 use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
-use super::limits::{LimitArgs, watched};
+use super::limits::{LimitArgs, watched, workers};
 use super::output::{Output, is_stream};
 use super::terminal;
 use anyhow::{Context, bail};
@@ -134,12 +134,7 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
         azimuth: args.azimuth.unwrap_or(args.view.azimuth),
         elevation: args.elevation.unwrap_or(args.view.elevation),
     };
-    let watch = limits::Watch::current();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
-        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
-        .build()
-        .context("cannot start the worker threads; try --threads 1")?;
+    let pool = workers(args.threads)?;
     let behind = args.background.colour();
     let png = pool
         .install(|| {

@@ -5,10 +5,11 @@ use super::formats::format_of;
 use super::limits::{LimitArgs, watched};
 use super::output::{Output, is_stream, same_file};
 use super::summary::{Sums, describe};
-use super::{plain, terminal};
+use super::{plain, printers, send, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::Format;
+use isoslice::hosts::Printer;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
@@ -77,6 +78,14 @@ pub(super) struct SliceArgs {
     #[arg(long, help_heading = "Output")]
     timestamp: bool,
 
+    /// Also send the G-code to this printer, as `isoslice send` does
+    #[arg(long, value_name = "PRINTER", help_heading = "Output")]
+    send: Option<String>,
+
+    /// With --send: print it, once all of it has arrived
+    #[arg(long, requires = "send", help_heading = "Output")]
+    start: bool,
+
     /// Number of threads [default: all processors]; the result is the same
     #[arg(
         long,
@@ -116,7 +125,11 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         // If the model is G-code, the error from loading it says so.
         args.model.load(settings)?;
     }
+    let printer = args.printer()?;
     let mut output = Output::create(&path, &inputs)?;
+    if printer.is_some() && output.is_stream() {
+        bail!("--send sends a file, and {} is none", path.display());
+    }
     let format = format_of(&path)?;
     let report = args.report_output(&path, &inputs)?;
     let model = args.model.load(settings)?;
@@ -203,10 +216,23 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         // summary.
         stdout().write_all(plain::lines(&text).as_bytes())?;
     }
+    if let Some(printer) = printer {
+        send::check_model(&printer, &path)?;
+        send::send(&printer, &path, None, args.start)?;
+    }
     Ok(())
 }
 
 impl SliceArgs {
+    /// The printer to send the file to. A name that is not known costs no time.
+    fn printer(&self) -> anyhow::Result<Option<Printer>> {
+        let Some(name) = &self.send else {
+            return Ok(None);
+        };
+        let book = printers::book(&self.settings.profiles)?;
+        Ok(Some(book.find(name)?.clone()))
+    }
+
     fn output_path(&self) -> PathBuf {
         match (&self.output, &self.model.model) {
             (Some(output), _) => output.clone(),

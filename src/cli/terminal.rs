@@ -92,7 +92,7 @@ pub(crate) fn report_error(error: &anyhow::Error) {
 }
 
 /// An error as it is shown: in one line, unless it lists faults.
-fn shown(error: &(dyn Error + 'static)) -> String {
+pub(super) fn shown(error: &(dyn Error + 'static)) -> String {
     let text = error.to_string();
     match error.downcast_ref::<SliceError>() {
         Some(SliceError::Unsafe(_)) => {

@@ -16,6 +16,7 @@
 //!
 //! Not guaranteed: that the model is printable, or one body.
 
+mod allowed;
 mod error;
 mod expression;
 mod formula;
@@ -25,8 +26,10 @@ mod power;
 mod probe;
 mod script;
 mod source;
+mod value;
 mod vm;
 
+pub use allowed::Allowed;
 pub use error::LoadError;
 pub(crate) use expression::Place;
 pub use expression::{Expression, ExpressionError};

@@ -1,11 +1,12 @@
-//! Parameters of a script: `param(name, default, description)` in the script,
-//! `-D name=value` on the command line.
+//! Parameters of a script: `param(name, default, description, bounds)` in the
+//! script, `-D name=value` on the command line.
 //!
 //! In: the definitions given by the user and the calls made by the script.
 //! Out: the value of each call, the list of parameters, and an error for a
 //! definition that no call asked for. A value has the type of its default.
 
-use std::fmt;
+use super::allowed::{Allowed, Said};
+use super::value::Value;
 
 /// A parameter that a script declares.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,8 @@ pub struct Parameter {
     pub value: String,
     /// The script's description; empty if it gives none.
     pub description: String,
+    /// What it may be set to.
+    pub allowed: Allowed,
 }
 
 /// Why a parameter has no value.
@@ -38,6 +41,24 @@ pub enum ParamError {
         expected: &'static str,
         /// The default.
         default: String,
+    },
+    /// A value that the script does not allow.
+    #[error("-D {name}={value}: the script allows {allowed}")]
+    NotAllowed {
+        /// Parameter.
+        name: String,
+        /// The value given.
+        value: String,
+        /// What is allowed, in words.
+        allowed: String,
+    },
+    /// Bounds that make no sense.
+    #[error("the parameter `{name}`: {what}")]
+    BadBounds {
+        /// Parameter.
+        name: String,
+        /// What is wrong with its bounds.
+        what: String,
     },
     /// Declared twice, differently.
     #[error(
@@ -87,46 +108,6 @@ pub enum ParamError {
 /// Parameters a script may declare at most.
 const MAX_PARAMETERS: usize = 1000;
 
-/// Value of a parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Value {
-    Int(i64),
-    Float(f64),
-    Bool(bool),
-}
-
-impl fmt::Display for Value {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Int(v) => write!(f, "{v}"),
-            // With its point: the type shows, and that 2.5 is allowed.
-            Self::Float(v) => write!(f, "{v:?}"),
-            Self::Bool(v) => write!(f, "{v}"),
-        }
-    }
-}
-
-impl Value {
-    /// The text as a value of this one's type.
-    fn parse_like(self, text: &str) -> Result<Self, &'static str> {
-        let text = text.trim();
-        match self {
-            Self::Int(_) => {
-                text.parse().map(Self::Int).map_err(|_| "a whole number")
-            }
-            Self::Float(_) => text
-                .parse()
-                .ok()
-                .filter(|v: &f64| v.is_finite())
-                .map(Self::Float)
-                .ok_or("a number"),
-            Self::Bool(_) => {
-                text.parse().map(Self::Bool).map_err(|_| "true or false")
-            }
-        }
-    }
-}
-
 /// The parameters of one run of a script.
 #[derive(Debug, Default)]
 pub(super) struct Table {
@@ -142,14 +123,24 @@ impl Table {
         }
     }
 
-    /// The value of `param(name, default, description)`.
+    /// The value of `param(name, default, description, bounds)`.
     pub(super) fn declare(
         &mut self,
         name: &str,
         default: Value,
         description: &str,
+        bounds: &[(String, Said)],
     ) -> Result<Value, ParamError> {
         let shown = default.to_string();
+        let mut allowed = Allowed::default();
+        bounds
+            .iter()
+            .try_for_each(|(bound, said)| allowed.say(bound, said, default))
+            .and_then(|()| allowed.check(default))
+            .map_err(|what| ParamError::BadBounds {
+                name: name.chars().take(64).collect(),
+                what,
+            })?;
         let value = self
             .defines
             .iter()
@@ -167,6 +158,13 @@ impl Table {
             })
             .transpose()?
             .unwrap_or(default);
+        if !allowed.holds(value) {
+            return Err(ParamError::NotAllowed {
+                name: name.to_owned(),
+                value: value.to_string(),
+                allowed: allowed.to_string(),
+            });
+        }
         if let Some((first, value)) =
             self.declared.iter().find(|p| p.0.name == name)
         {
@@ -197,6 +195,7 @@ impl Table {
             default: shown,
             value: value.to_string(),
             description: description.to_owned(),
+            allowed,
         };
         self.declared.push((parameter, value));
         Ok(value)
@@ -268,13 +267,13 @@ mod tests {
     #[test]
     fn values_have_the_type_of_their_default() {
         let mut t = table(&[("n", "4"), ("r", "4"), ("b", "false")]);
-        assert_eq!(t.declare("n", Value::Int(2), ""), Ok(Value::Int(4)));
+        assert_eq!(t.declare("n", Value::Int(2), "", &[]), Ok(Value::Int(4)));
         assert_eq!(
-            t.declare("r", Value::Float(2.0), "radius"),
+            t.declare("r", Value::Float(2.0), "radius", &[]),
             Ok(Value::Float(4.0))
         );
         assert_eq!(
-            t.declare("b", Value::Bool(true), ""),
+            t.declare("b", Value::Bool(true), "", &[]),
             Ok(Value::Bool(false))
         );
         let all = t.finish().unwrap();
@@ -291,7 +290,7 @@ mod tests {
             ("r", Value::Float(2.0), "a number"),
             ("b", Value::Bool(true), "true or false"),
         ] {
-            let error = t.declare(name, default, "").unwrap_err();
+            let error = t.declare(name, default, "", &[]).unwrap_err();
             let error = error.to_string();
             assert!(error.contains(words), "{error}");
             assert!(error.contains(&format!("-D {name}=")), "{error}");
@@ -301,20 +300,20 @@ mod tests {
     #[test]
     fn the_last_definition_wins() {
         let mut t = table(&[("n", "1"), ("n", "2")]);
-        assert_eq!(t.declare("n", Value::Int(0), ""), Ok(Value::Int(2)));
+        assert_eq!(t.declare("n", Value::Int(0), "", &[]), Ok(Value::Int(2)));
     }
 
     #[test]
     fn a_second_declaration_must_agree() {
         let mut t = table(&[]);
-        t.declare("n", Value::Int(1), "").unwrap();
-        t.declare("n", Value::Int(1), "").unwrap();
+        t.declare("n", Value::Int(1), "", &[]).unwrap();
+        t.declare("n", Value::Int(1), "", &[]).unwrap();
         assert!(matches!(
-            t.declare("n", Value::Int(2), ""),
+            t.declare("n", Value::Int(2), "", &[]),
             Err(ParamError::Redeclared { .. })
         ));
         assert!(matches!(
-            t.declare("n", Value::Float(1.0), ""),
+            t.declare("n", Value::Float(1.0), "", &[]),
             Err(ParamError::Redeclared { .. })
         ));
     }
@@ -322,12 +321,25 @@ mod tests {
     #[test]
     fn unknown_definitions_list_the_known() {
         let mut t = table(&[("cel", "1")]);
-        t.declare("cell", Value::Int(1), "").unwrap();
-        t.declare("wall", Value::Int(1), "").unwrap();
+        t.declare("cell", Value::Int(1), "", &[]).unwrap();
+        t.declare("wall", Value::Int(1), "", &[]).unwrap();
         assert_eq!(
             t.finish().unwrap_err().to_string(),
             "unknown parameter -D cel (did you mean `cell`?); the model \
              has cell, wall"
+        );
+    }
+
+    #[test]
+    fn values_out_of_bounds_are_refused() {
+        let bounds = [("max".to_owned(), Said::One(Value::Int(5)))];
+        let mut t = table(&[("n", "6")]);
+        let error = t.declare("n", Value::Int(2), "", &bounds).unwrap_err();
+        assert_eq!(error.to_string(), "-D n=6: the script allows at most 5");
+        let error = t.declare("m", Value::Int(7), "", &bounds).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "the parameter `m`: its default, 7, is not at most 5"
         );
     }
 }

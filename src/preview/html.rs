@@ -5,9 +5,12 @@
 //! Everything that comes from the file is escaped, so that no comment or name
 //! in it can become markup or script.
 //!
+//! [`live_html`] is the page of a program that serves it, with parts that ask
+//! that program for the moves ([`live_moves`]) and for what else it can tell.
+//!
 //! The page's parts are in `assets/preview`, with two libraries in `vendor`.
 
-use super::pack::pack;
+use super::pack::{Packed, pack};
 use super::toolpath::{
     AREA_UNIT, LENGTH_UNIT, SPEED_UNIT, Statistics, Toolpath,
 };
@@ -44,6 +47,22 @@ const PARTS: &[(&str, &str)] = &[
     ("main.js", include_str!("../../assets/preview/main.js")),
 ];
 
+/// The parts of a page that a program serves. They are empty in other pages,
+/// but for what the page may load.
+const LIVE_PARTS: &[(&str, &str)] = &[
+    ("connect", "; img-src data: blob:; connect-src 'self'"),
+    ("live.css", include_str!("../../assets/preview/live.css")),
+    ("live.html", include_str!("../../assets/preview/live.html")),
+    (
+        "live-stage.html",
+        include_str!("../../assets/preview/live-stage.html"),
+    ),
+    ("live.js", include_str!("../../assets/preview/live.js")),
+];
+
+/// What a page that is only a file may load besides its own text.
+const FILE_PARTS: &[(&str, &str)] = &[("connect", "; img-src data:")];
+
 /// The data for the scripts.
 #[derive(Serialize)]
 struct Told<'a> {
@@ -72,8 +91,34 @@ pub fn write_html(
     name: &str,
 ) -> io::Result<()> {
     let packed = pack(path)?;
+    let told = serde_json::to_string(&told(path, &packed, name))?;
+    let moves = STANDARD.encode(&packed.bytes);
+    write_page(out, FILE_PARTS, name, &told, &moves)
+}
+
+/// The page of a program that serves it and tells it of the print `name`.
+pub fn live_html(name: &str) -> String {
+    let mut page = Vec::new();
+    // Memory takes any number of bytes.
+    let _ = write_page(&mut page, LIVE_PARTS, name, "null", "");
+    String::from_utf8_lossy(&page).into_owned()
+}
+
+/// What such a page asks for: a line of JSON, and behind it the packed moves.
+///
+/// # Errors
+/// Never, since it writes to memory. The encoder's interface requires it.
+pub fn live_moves(path: &Toolpath, name: &str) -> io::Result<Vec<u8>> {
+    let packed = pack(path)?;
+    let mut bytes = serde_json::to_vec(&told(path, &packed, name))?;
+    bytes.push(b'\n');
+    bytes.extend_from_slice(&packed.bytes);
+    Ok(bytes)
+}
+
+fn told<'a>(path: &'a Toolpath, packed: &Packed, name: &'a str) -> Told<'a> {
     let layers = &path.layers;
-    let told = Told {
+    Told {
         name,
         moves: path.len(),
         size: packed.size,
@@ -88,20 +133,27 @@ pub fn write_html(
         z: layers.iter().map(|l| thousandths(l.z)).collect(),
         time: layers.iter().map(|l| thousandths(l.time)).collect(),
         statistics: &path.statistics,
-    };
-    let told = serde_json::to_string(&told)?;
+    }
+}
+
+fn write_page(
+    out: &mut dyn Write,
+    parts: &[(&str, &str)],
+    name: &str,
+    told: &str,
+    moves: &str,
+) -> io::Result<()> {
     let mut rest = PAGE;
     while let Some((before, after)) = rest.split_once("{{") {
         out.write_all(before.as_bytes())?;
         let (part, after) = after.split_once("}}").unwrap_or((after, ""));
         match part {
             "title" => out.write_all(escape_html(name).as_bytes())?,
-            "told" => out.write_all(escape_json(&told).as_bytes())?,
-            "moves" => {
-                out.write_all(STANDARD.encode(&packed.bytes).as_bytes())?;
-            }
+            "told" => out.write_all(escape_json(told).as_bytes())?,
+            "moves" => out.write_all(moves.as_bytes())?,
             _ => {
-                let text = PARTS.iter().find(|(known, _)| *known == part);
+                let mut known = PARTS.iter().chain(parts);
+                let text = known.find(|(known, _)| *known == part);
                 let text = text.map_or("", |(_, text)| text);
                 out.write_all(text.as_bytes())?;
             }
@@ -157,7 +209,7 @@ mod tests {
         for outside in ["src=", "href=\"http", "url(http", "@import", "{{"] {
             assert!(!page.contains(outside), "{outside}");
         }
-        for (name, _) in PARTS {
+        for (name, _) in PARTS.iter().chain(LIVE_PARTS) {
             let slot = format!("{{{{{name}}}}}");
             assert_eq!(PAGE.matches(&slot).count(), 1, "{slot}");
         }
@@ -181,5 +233,27 @@ mod tests {
             plain.matches("</script").count()
         );
         assert!(page.contains("&lt;script&gt;alert(&#39;x&#39;)"));
+    }
+
+    #[test]
+    fn a_served_page_loads_from_its_own_server_only() {
+        let page = live_html("</script>{{told}}");
+        for outside in ["src=", "href=\"http", "url(http", "@import"] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+        assert!(page.contains("connect-src 'self'"));
+        assert!(page.contains("&lt;/script&gt;{{told}}"));
+    }
+
+    #[test]
+    fn moves_follow_the_line_that_tells_of_them() {
+        let path = Toolpath::read(Reader::new(&b"G1 X1 E1\n"[..])).unwrap();
+        let bytes = live_moves(&path, "a\nb").unwrap();
+        let end = bytes.iter().position(|b| *b == b'\n').unwrap();
+        let told: serde_json::Value =
+            serde_json::from_slice(&bytes[..end]).unwrap();
+        assert_eq!(told["name"], "a\nb");
+        assert_eq!(told["moves"], path.len());
+        assert_eq!(bytes[end + 1..], pack(&path).unwrap().bytes);
     }
 }

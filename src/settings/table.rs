@@ -117,6 +117,15 @@ impl Key {
         })
     }
 
+    /// The words that may be assigned, if nothing else may.
+    pub fn words(&self) -> &'static [&'static str] {
+        match self.kind() {
+            Kind::Word(words) => words,
+            Kind::Switch => &["true", "false"],
+            _ => &[],
+        }
+    }
+
     /// The setting's value in `settings`, as TOML.
     pub fn get(&self, settings: &Settings) -> String {
         (self.field)(settings).to_toml()

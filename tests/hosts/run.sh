@@ -16,7 +16,7 @@ isoslice=$(realpath "${1:-${CARGO_TARGET_DIR:-$root/target}/release/isoslice}")
 parsers=(moonraker==0.11.0 OctoPrint==1.11.8 py-gcode-metadata==0.2.0 pillow)
 
 skip() {
-    printf 'SKIPPED: what hosts read: %s\n' "$*"
+    printf 'SKIPPED: the hosts: %s\n' "$*"
     [ "${ISOSLICE_HOSTS:-}" != required ] || exit 1
     exit 0
 }
@@ -34,3 +34,15 @@ venv=${VENV:-$work/venv}
     || skip "pip cannot get ${parsers[*]}"
 
 "$venv/bin/python" "$here/hosts.py" "$isoslice" "$work"
+
+# The hosts themselves, to send files to. What they depend on does not go
+# together, so each has an environment of its own.
+for host in octoprint==1.11.8 moonraker==0.11.0; do
+    name=${host%%=*}
+    venv=${VENV:-$work/venv}-$name
+    mkdir "$work/$name"
+    [ -x "$venv/bin/pip" ] || python3 -m venv "$venv" >"$work/log" 2>&1
+    "$venv/bin/pip" install --quiet --disable-pip-version-check "$host" \
+        >"$work/log" 2>&1 || skip "pip cannot get $host and what it needs"
+    "$venv/bin/python" "$here/send.py" "$name" "$isoslice" "$work/$name"
+done

@@ -58,6 +58,20 @@ pub enum ScriptError {
     },
 }
 
+impl ScriptError {
+    /// Line and column of the script where it failed, from 1, as far as they
+    /// are known.
+    pub fn place(&self) -> (Option<usize>, Option<usize>) {
+        match self {
+            Self::Failed { line, column, .. } => (*line, *column),
+            Self::Limit { line, .. } | Self::Param { line, .. } => {
+                (*line, None)
+            }
+            Self::NoModel { .. } | Self::Bug { .. } => (None, None),
+        }
+    }
+}
+
 fn place(line: Option<usize>, column: Option<usize>) -> String {
     match (line, column) {
         (Some(l), Some(c)) => format!("line {l}, column {c}: "),

@@ -1,10 +1,12 @@
 //! The functions that scripts have beside fidget's: powers, `draw`, `param`.
 
 use super::shape::{Outcome, describe, shape};
-use crate::model::param::{ParamError, Table, Value};
+use crate::model::allowed::Said;
+use crate::model::param::{ParamError, Table};
 use crate::model::power::{power, power_of};
+use crate::model::value::Value;
 use fidget::context::Tree;
-use rhai::{Dynamic, Engine, ImmutableString};
+use rhai::{Dynamic, Engine, ImmutableString, Map};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What a script hands out while it runs.
@@ -92,58 +94,100 @@ pub(super) fn add_draw(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
     });
 }
 
-/// `param(name, default)`, also with a description.
+/// `param(name, default)`, also with a description, and with bounds.
 pub(super) fn add_param(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
-    let declare = {
-        let shared = shared.clone();
-        move |name: &str, default: &Dynamic, text: &str| -> Outcome<Dynamic> {
-            let value = if let Ok(v) = default.as_int() {
-                Value::Int(v)
-            } else if let Ok(v) = default.as_float() {
-                Value::Float(v)
-            } else if let Ok(v) = default.as_bool() {
-                Value::Bool(v)
-            } else {
-                return Err(format!(
-                    "the default of the parameter `{name}` must be a number, \
-                     true or false, not {}",
-                    describe(default)
-                )
-                .into());
-            };
-            let mut state =
-                shared.lock().unwrap_or_else(PoisonError::into_inner);
-            match state.parameters.declare(name, value, text) {
-                Ok(Value::Int(v)) => Ok(v.into()),
-                Ok(Value::Float(v)) => Ok(v.into()),
-                Ok(Value::Bool(v)) => Ok(v.into()),
-                Err(error) => {
-                    let message = error.to_string();
-                    state.error = Some(error);
-                    Err(message.into())
-                }
+    type Text = ImmutableString;
+    let shared = shared.clone();
+    let declare = move |name: &str,
+                        default: &Dynamic,
+                        text: &str,
+                        bounds: Map|
+          -> Outcome<Dynamic> {
+        let Some(default) = value(default) else {
+            return Err(format!(
+                "the default of the parameter `{name}` must be a number, \
+                 true or false, not {}",
+                describe(default)
+            )
+            .into());
+        };
+        let bounds = said(name, bounds)?;
+        let mut state = shared.lock().unwrap_or_else(PoisonError::into_inner);
+        match state.parameters.declare(name, default, text, &bounds) {
+            Ok(Value::Int(v)) => Ok(v.into()),
+            Ok(Value::Float(v)) => Ok(v.into()),
+            Ok(Value::Bool(v)) => Ok(v.into()),
+            Err(error) => {
+                let message = error.to_string();
+                state.error = Some(error);
+                Err(message.into())
             }
         }
     };
-    let with_text = declare.clone();
-    engine.register_fn(
-        "param",
-        move |name: ImmutableString, default: Dynamic| {
-            declare(&name, &default, "")
-        },
-    );
-    engine.register_fn(
-        "param",
-        move |name: ImmutableString,
-              default: Dynamic,
-              text: ImmutableString| {
-            with_text(&name, &default, &text)
-        },
-    );
-    // The likeliest mistakes with these two, said plainly.
-    engine.register_fn("param", |_: ImmutableString| -> Outcome<Dynamic> {
+    let (plain, with_text) = (declare.clone(), declare.clone());
+    let with_bounds = declare.clone();
+    engine
+        .register_fn("param", move |name: Text, default: Dynamic| {
+            plain(&name, &default, "", Map::new())
+        })
+        .register_fn(
+            "param",
+            move |name: Text, default: Dynamic, text: Text| {
+                with_text(&name, &default, &text, Map::new())
+            },
+        )
+        .register_fn(
+            "param",
+            move |name: Text, default: Dynamic, bounds: Map| {
+                with_bounds(&name, &default, "", bounds)
+            },
+        )
+        .register_fn(
+            "param",
+            move |name: Text, default: Dynamic, text: Text, bounds: Map| {
+                declare(&name, &default, &text, bounds)
+            },
+        );
+    // The likeliest mistakes with these, said plainly.
+    engine.register_fn("param", |_: Text| -> Outcome<Dynamic> {
         Err("param() needs a default: param(\"name\", 10.0, \
                  \"description\")"
             .into())
     });
+}
+
+/// A number, or true or false.
+fn value(given: &Dynamic) -> Option<Value> {
+    let int = given.as_int().map(Value::Int);
+    let float = || given.as_float().map(Value::Float);
+    int.or_else(|_| float())
+        .or_else(|_| given.as_bool().map(Value::Bool))
+        .ok()
+}
+
+/// The bounds of a parameter, in the order of their names.
+fn said(parameter: &str, bounds: Map) -> Outcome<Vec<(String, Said)>> {
+    let one = |(name, given): (String, Dynamic)| {
+        let found = match given.as_array_ref() {
+            Ok(array) => array
+                .iter()
+                .map(value)
+                .collect::<Option<_>>()
+                .map(Said::Many),
+            Err(_) => value(&given).map(Said::One),
+        };
+        let refused = || {
+            format!(
+                "the parameter `{parameter}`: {name} must be a number, and \
+                 choices an array of numbers"
+            )
+        };
+        let found = found.ok_or_else(refused)?;
+        Ok((name, found))
+    };
+    bounds
+        .into_iter()
+        .map(|(name, given)| (name.to_string(), given))
+        .map(one)
+        .collect()
 }

@@ -1,0 +1,519 @@
+// What a page does that isoslice serves (`isoslice watch`): it asks what there
+// is to show, and says what its user has changed.
+
+// Share of the window's pixels, along a side, in pictures while they turn.
+const ROUGH = 0.3;
+// Greatest side of a picture, pixels.
+const LARGEST = 1600;
+// Time until a program that does not answer is asked again, milliseconds.
+const AGAIN = 1000;
+
+const signalled = controller => controller?.signal.aborted ?? false;
+
+class Live {
+  constructor() {
+    // What the program told last.
+    this.told = null;
+    // What the page has of that.
+    this.has = { model: 0, print: 0, settings: 0 };
+    // What the user wants to see, and whether they want it while it is old.
+    this.view = "layers";
+    this.impatient = false;
+    this.drawing = false;
+    this.asked = "";
+    this.changes = null;
+    this.changing = false;
+  }
+
+  async begin() {
+    const press = (group, what) => {
+      for (const button of $(group).children) {
+        button.addEventListener("click", () => what(button.dataset));
+      }
+    };
+    press("tabs", ({ tab }) => this.openTab(tab));
+    press("views", ({ view }) => {
+      this.view = view;
+      this.impatient = view === "layers";
+      this.showView();
+    });
+    // The page's own parts, which other pages have as well, are a tab here.
+    for (const id of ["modes", "scale", "roles", "figures"]) {
+      $(id).classList.add("of-print");
+    }
+    this.openTab("model");
+    const search = () => this.filterSettings();
+    $("search").addEventListener("input", search);
+    $("only-changed").addEventListener("change", search);
+    $("send-store").addEventListener("click", () => this.send(false));
+    $("send-start").addEventListener("click", () => this.send(true));
+    setTheme(remembered() ?? (prefersDark.matches ? "dark" : "light"));
+    $("notice").textContent = "Reading the model …";
+    for (;;) {
+      await this.follow();
+    }
+  }
+
+  openTab(tab) {
+    for (const button of $("tabs").children) {
+      button.setAttribute("aria-pressed", button.dataset.tab === tab);
+    }
+    for (const page of document.querySelectorAll("[data-page]")) {
+      page.hidden = page.dataset.page !== tab;
+    }
+    document.documentElement.dataset.tab = tab;
+  }
+
+  // Waits for news, and shows them.
+  async follow() {
+    try {
+      const seen = this.told?.revision ?? 0;
+      const answer = await fetch(`state?seen=${seen}`);
+      if (!answer.ok) {
+        throw new Error(await answer.text());
+      }
+      this.told = await answer.json();
+      await this.showNews();
+    } catch (error) {
+      document.documentElement.dataset.state = "gone";
+      this.sayFault("isoslice does not answer: if it has ended, start it "
+        + "again, and open the address that it shows", error.message);
+      await new Promise(resolve => setTimeout(resolve, AGAIN));
+    }
+  }
+
+  async showNews() {
+    const { has, told: news } = this;
+    const { model, print, fault, busy, progress } = news;
+    $("busy").hidden = !busy;
+    const [done, all] = progress;
+    $("busy").firstChild.style.width = `${all > 0 ? 100 * done / all : 2}%`;
+    if (busy) {
+      $("summary").textContent = all > 0
+        ? `${busy}, layer ${done} of ${all}` : busy;
+    }
+    if (model && model.revision !== has.model) {
+      has.model = model.revision;
+      this.impatient = false;
+      if (camera) {
+        camera.hold(model.box);
+      } else {
+        begin(model.box);
+        $("notice").hidden = true;
+      }
+      this.asked = "";
+      this.listParameters();
+    }
+    this.listProfiles();
+    if (news.settings !== has.settings) {
+      has.settings = news.settings;
+      await this.listSettings();
+    }
+    if (print && print.revision !== has.print) {
+      await this.fetchPrint(print);
+    } else if (!busy && told) {
+      listFigures();
+    }
+    this.listWarnings();
+    this.listPrinters();
+    const current = Boolean(print) && !busy && !fault;
+    const save = $("save-gcode");
+    save.setAttribute("aria-disabled", !current);
+    if (current) {
+      save.href = `gcode?print=${print.revision}`;
+      save.download = print.file;
+    } else {
+      save.removeAttribute("href");
+    }
+    if (fault) {
+      this.sayFault(fault.text, fault.excerpt);
+      $("notice").hidden = true;
+    } else {
+      $("fault").hidden = true;
+    }
+    const state = fault ? "wrong" : busy ? "busy" : "done";
+    document.documentElement.dataset.state = state;
+    this.showView();
+  }
+
+  sayFault(text, excerpt) {
+    $("fault").hidden = false;
+    $("fault").querySelector("b").textContent = text;
+    $("fault").querySelector("pre").textContent = excerpt;
+  }
+
+  async fetchPrint(print) {
+    const answer = await fetch(`print?revision=${print.revision}`);
+    // A newer one may have taken its place; there will be news of it.
+    if (!answer.ok) {
+      return;
+    }
+    const bytes = new Uint8Array(await answer.arrayBuffer());
+    const end = bytes.indexOf(10);
+    const told = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));
+    await show(told, bytes.subarray(end + 1));
+    this.has.print = print.revision;
+  }
+
+  // --- the part's picture
+
+  // Whether the part is shown, and not its layers.
+  get showsPart() {
+    const { told: news, has } = this;
+    if (!news?.model || this.view === "part") {
+      return Boolean(news?.model);
+    }
+    // The layers of an older model are not shown in a newer one's place.
+    return has.print === 0 || !this.impatient
+      && news.print?.of_model !== news.model.revision;
+  }
+
+  showView() {
+    const part = this.showsPart;
+    const page = document.documentElement;
+    const before = page.dataset.shows;
+    page.dataset.shows = part ? "part" : "layers";
+    for (const button of $("views").children) {
+      button.setAttribute(
+        "aria-pressed", (button.dataset.view === "part") === part);
+    }
+    if (part) {
+      this.turned(false);
+    } else {
+      $("picture").hidden = true;
+      if (before !== "layers") {
+        redraw(false);
+      }
+    }
+  }
+
+  // The camera has moved.
+  turned(brisk) {
+    if (camera && this.showsPart) {
+      this.brisk = brisk;
+      if (brisk) {
+        // A fine picture that is still being drawn would come too late.
+        this.finePicture?.abort();
+      }
+      this.draw();
+    }
+  }
+
+  // One picture is drawn at a time, from where the camera is by then.
+  async draw() {
+    if (this.drawing) {
+      return;
+    }
+    const canvas = $("view");
+    const [left, top] = [2 * camera.aside + 20, 76];
+    const room = [
+      Math.max(80, canvas.clientWidth - left - 20),
+      Math.max(80, canvas.clientHeight - top - 30),
+    ];
+    Object.assign($("picture").style, {
+      left: `${left}px`, top: `${top}px`,
+      width: `${room[0]}px`, height: `${room[1]}px`,
+    });
+    // A new part's first picture is a rough one, too.
+    const known = $("picture").dataset.model === String(this.has.model);
+    const rough = this.brisk || !known;
+    const density = rough ? ROUGH : Math.min(2, devicePixelRatio || 1);
+    const fit = Math.min(1, LARGEST / (density * Math.max(...room)));
+    const [width, height] = room.map(side => Math.round(side * density * fit));
+    const degrees = angle => (angle * 180 / Math.PI).toFixed(2);
+    const of = this.has.model;
+    const wanted = `picture?model=${of}&width=${width}`
+      + `&height=${height}&azimuth=${degrees(camera.yaw % (2 * Math.PI))}`
+      + `&elevation=${degrees(camera.pitch)}&rough=${rough ? 1 : 0}`;
+    if (wanted === this.asked) {
+      $("picture").hidden = !this.showsPart;
+      return;
+    }
+    this.drawing = true;
+    this.asked = wanted;
+    this.finePicture = rough ? null : new AbortController();
+    let again = 0;
+    try {
+      const signal = this.finePicture?.signal;
+      const answer = await fetch(wanted, { signal });
+      if (!answer.ok) {
+        this.asked = "";
+        again = AGAIN;
+      } else {
+        const url = URL.createObjectURL(await answer.blob());
+        const before = $("picture").src;
+        $("picture").src = url;
+        await $("picture").decode();
+        $("picture").hidden = !this.showsPart;
+        $("picture").dataset.model = of;
+        URL.revokeObjectURL(before);
+      }
+    } catch {
+      // Nobody waits for it any more, or the program has ended, which `follow`
+      // tells.
+      this.asked = "";
+      again = signalled(this.finePicture) ? 0 : AGAIN;
+    }
+    this.drawing = false;
+    // Where the camera has gone since, and finer when it rests.
+    if (rough) {
+      this.brisk = false;
+      again = 120;
+    }
+    if (again > 0) {
+      setTimeout(() => this.turned(this.brisk), again);
+    } else {
+      this.turned(this.brisk);
+    }
+  }
+
+  // --- what the user changes
+
+  // Changes are sent one after the other; those in between are put together.
+  async change(kind, name, value) {
+    this.changes ??= {};
+    if (kind === "profile") {
+      this.changes[name] = value;
+    } else {
+      (this.changes[kind] ??= {})[name] = value;
+    }
+    if (this.changing) {
+      return;
+    }
+    this.changing = true;
+    while (this.changes) {
+      const body = JSON.stringify(this.changes);
+      this.changes = null;
+      try {
+        await this.post("change", body);
+      } catch (error) {
+        this.sayFault(error.message, "");
+      }
+    }
+    this.changing = false;
+  }
+
+  async post(path, body) {
+    const answer = await fetch(path, {
+      method: "POST",
+      headers: { "Content-Type": "application/json" },
+      body,
+    });
+    if (!answer.ok) {
+      throw new Error(await answer.text());
+    }
+  }
+
+  // A line with a name, what sets it, and what is said of it.
+  field(name, input, words, changed, back) {
+    const field = element("label", "", { className: "field" });
+    field.classList.toggle("changed", changed);
+    field.append(element("span", name, { title: name }), ...input);
+    if (words) {
+      field.append(element("small", words));
+    }
+    if (changed) {
+      const button = element("button", "back to the default",
+        { className: "back", type: "button" });
+      button.addEventListener("click", back);
+      field.append(button);
+    }
+    return field;
+  }
+
+  select(values, value, changed) {
+    const select = element("select", "");
+    for (const [given, text] of values) {
+      select.append(element("option", text, { value: given }));
+    }
+    select.value = value;
+    select.addEventListener("change", () => changed(select.value));
+    return select;
+  }
+
+  text(value, changed) {
+    const input = element("input", "", {
+      value, autocomplete: "off", spellcheck: false,
+    });
+    input.addEventListener("change", () => changed(input.value));
+    return input;
+  }
+
+  listParameters() {
+    const box = $("parameters");
+    // Not while the user is at them: what they do would be lost.
+    const held = box.contains(document.activeElement)
+      ? document.activeElement.dataset.of : null;
+    const { parameters } = this.told.model;
+    const fields = parameters.map(parameter => this.parameter(parameter));
+    const names = list => [...list].map(f => f.dataset.name).join();
+    if (held && names(box.children) === names(fields)) {
+      fields.forEach((field, i) => {
+        if (field.dataset.name !== held) {
+          box.children[i].replaceWith(field);
+        }
+      });
+    } else {
+      box.replaceChildren(...fields);
+    }
+  }
+
+  parameter(parameter) {
+    const { name, value, description, min, max, step, choices } = parameter;
+    const to = text => this.change("define", name, String(text));
+    const words = [];
+    let input;
+    if (choices) {
+      input = [this.select(choices.map(c => [c, c]), value, to)];
+    } else if (typeof value === "boolean") {
+      const box = element("input", "", { type: "checkbox", checked: value });
+      box.addEventListener("change", () => to(box.checked));
+      input = [box];
+    } else {
+      const text = this.text(value, to);
+      input = [text];
+      if (min !== undefined && max !== undefined) {
+        const whole = parameter.type === "integer";
+        const slider = element("input", "", {
+          type: "range", min, max,
+          step: step ?? (whole ? 1 : (max - min) / 200), value,
+        });
+        slider.setAttribute("aria-label", name);
+        slider.addEventListener("input", () => {
+          text.value = slider.value;
+          to(slider.value);
+        });
+        input.push(slider);
+      } else if (min !== undefined) {
+        words.push(`at least ${min}`);
+      } else if (max !== undefined) {
+        words.push(`at most ${max}`);
+      }
+    }
+    words.unshift(...description ? [description] : []);
+    const changed = value !== parameter.default;
+    const field = this.field(name, input, words.join("; "), changed,
+      () => this.change("define", name, null));
+    field.dataset.name = name;
+    for (const part of input) {
+      part.dataset.of = name;
+    }
+    return field;
+  }
+
+  listProfiles() {
+    const { profiles, choice } = this.told;
+    const text = JSON.stringify([profiles, choice.profiles]);
+    if (text === this.listed) {
+      return;
+    }
+    this.listed = text;
+    $("profiles").replaceChildren(...profiles.map(({ kind, names }) => {
+      const chosen = choice.profiles[kind] ?? "";
+      const known = chosen && !names.includes(chosen)
+        ? [chosen, ...names] : names;
+      const values = [["", "default"], ...known.map(name => [name, name])];
+      const select = this.select(values, chosen,
+        name => this.change("profile", kind, name || null));
+      return this.field(kind, [select], "", false);
+    }));
+  }
+
+  listWarnings() {
+    const { model, print, warnings } = this.told;
+    const all = [
+      ...warnings, ...model?.warnings ?? [],
+      ...print?.of_model === model?.revision ? print?.warnings ?? [] : [],
+    ];
+    $("warnings").replaceChildren(...all.map(text => element("li", text)));
+  }
+
+  async listSettings() {
+    const answer = await fetch("settings");
+    if (!answer.ok) {
+      return;
+    }
+    const held = $("settings").contains(document.activeElement)
+      ? document.activeElement.dataset.of : null;
+    const rows = [];
+    let section = "";
+    for (const setting of await answer.json()) {
+      if (setting.section !== section) {
+        section = setting.section;
+        rows.push(element("h3", section));
+      }
+      rows.push(this.setting(setting));
+    }
+    $("settings").replaceChildren(...rows);
+    this.filterSettings();
+    if (held) {
+      [...$("settings").querySelectorAll("input, select")]
+        .find(input => input.dataset.of === held)?.focus();
+    }
+  }
+
+  setting(setting) {
+    const { name, value, unit, words, allowed, description, from } = setting;
+    const to = text => this.change("set", name, text);
+    const input = words.length > 0
+      ? this.select(words.map(word => [word, word]), value, to)
+      : this.text(value, to);
+    input.dataset.of = name;
+    const field = this.field(
+      unit ? `${name}, ${unit}` : name, [input],
+      `${description} (${allowed}; ${from})`, setting.set,
+      () => this.change("set", name, null));
+    field.dataset.name = name;
+    field.dataset.search = `${name} ${description}`.toLowerCase();
+    field.dataset.differs = setting.differs;
+    return field;
+  }
+
+  filterSettings() {
+    const words = $("search").value.toLowerCase().split(/\s+/).filter(Boolean);
+    const changed = $("only-changed").checked;
+    let heading = null;
+    for (const row of $("settings").children) {
+      if (row.tagName === "H3") {
+        heading = row;
+        heading.hidden = true;
+        continue;
+      }
+      const { search, differs } = row.dataset;
+      row.hidden = !words.every(word => search.includes(word))
+        || changed && differs !== "true";
+      if (!row.hidden && heading) {
+        heading.hidden = false;
+      }
+    }
+  }
+
+  // --- printers
+
+  listPrinters() {
+    const { printers, sending, print, busy, fault } = this.told;
+    $("sending").hidden = printers.length === 0;
+    const select = $("send-to");
+    if ([...select.options].map(o => o.value).join() !== printers.join()) {
+      select.replaceChildren(
+        ...printers.map(name => element("option", name, { value: name })));
+    }
+    const can = Boolean(print) && !busy && !fault && !sending.busy;
+    $("send-store").disabled = $("send-start").disabled = !can;
+    $("sent").textContent = sending.text;
+  }
+
+  async send(start) {
+    const { print } = this.told;
+    const to = $("send-to").value;
+    if (start && !confirm(`Print ${print.file} on ${to} now?`)) {
+      return;
+    }
+    try {
+      await this.post("send",
+        JSON.stringify({ to, start, print: print.revision }));
+    } catch (error) {
+      $("sent").textContent = error.message;
+    }
+  }
+}

@@ -1,0 +1,63 @@
+//! The line of a script that an error is about, with a mark under its place.
+//!
+//! In: an error and the script's text. Out: the line before it, the line, and a
+//! caret, if the error says where the script failed.
+
+use isoslice::model::LoadError;
+
+/// Longest part of a line that is shown, characters.
+const LONGEST: usize = 100;
+
+/// The place of an error in the text of the script that caused it.
+pub(super) fn excerpt(error: &anyhow::Error, text: &str) -> Option<String> {
+    let load = error.chain().find_map(|e| e.downcast_ref::<LoadError>())?;
+    let LoadError::Script { error, .. } = load else {
+        return None;
+    };
+    let (line, column) = error.place();
+    let line = line?.checked_sub(1)?;
+    let mut shown = String::new();
+    for at in line.saturating_sub(1)..=line {
+        let Some(text) = text.lines().nth(at) else {
+            continue;
+        };
+        let text: String = text.chars().take(LONGEST).collect();
+        let text = text.replace('\t', " ");
+        shown.push_str(&format!("{:>5} | {text}\n", at + 1));
+    }
+    if let Some(column) = column.filter(|c| (1..=LONGEST).contains(c)) {
+        shown.push_str(&format!("      | {:>column$}\n", '^'));
+    }
+    Some(shown)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use isoslice::model::{Source, SourceKind, load};
+
+    fn failing(text: &str) -> Option<String> {
+        let source = Source::Text {
+            name: "part".into(),
+            kind: SourceKind::Script,
+            text: text.into(),
+        };
+        excerpt(&load(&source, &[]).err().unwrap().into(), text)
+    }
+
+    #[test]
+    fn a_caret_stands_under_the_mistake() {
+        let shown = failing("let r = 2.0;\nx - rr").unwrap();
+        assert_eq!(
+            shown,
+            "    1 | let r = 2.0;\n    2 | x - rr\n      |     ^\n"
+        );
+        assert_eq!(failing("1.5"), None);
+    }
+
+    #[test]
+    fn a_long_line_is_cut() {
+        let shown = failing(&format!("{}+ rr", "x + ".repeat(99))).unwrap();
+        assert!(shown.lines().all(|l| l.chars().count() <= LONGEST + 8));
+    }
+}

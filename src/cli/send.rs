@@ -1,0 +1,190 @@
+//! `isoslice send`: sends G-code to the program that runs a printer.
+
+use super::args::ProfilesSource;
+use super::{plain, printers, terminal};
+use anyhow::{Context, bail};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use isoslice::hosts::{self, Printer, Sending, Sent};
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  isoslice send part.gcode --to workshop
+  isoslice send part.gcode --to workshop --start
+  isoslice slice part.rhai --printer prusa-mk4 --send workshop";
+
+/// Arguments of `isoslice send`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct SendArgs {
+    /// The G-code, as text or binary
+    file: PathBuf,
+
+    /// The printer, as `isoslice printers` lists it
+    #[arg(long, value_name = "PRINTER")]
+    to: String,
+
+    /// Print the file, once all of it has arrived
+    #[arg(long)]
+    start: bool,
+
+    /// Name that it is to have there [default: the file's]
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+
+    /// Send it even if it was made for another printer
+    #[arg(long)]
+    force: bool,
+
+    #[command(flatten)]
+    folder: ProfilesSource,
+}
+
+pub(super) fn run(args: &SendArgs) -> anyhow::Result<()> {
+    let book = printers::book(&args.folder)?;
+    let printer = book.find(&args.to)?;
+    let shown = args.file.display();
+    if !args.file.is_file() {
+        bail!("there is no file {shown}");
+    }
+    let ending = args.file.extension().and_then(|e| e.to_str());
+    let ending = ending.unwrap_or_default().to_ascii_lowercase();
+    if !["gcode", "gco", "g", "bgcode"].contains(&&*ending) {
+        bail!(
+            "{shown} is no G-code by its name (.gcode or .bgcode); isoslice \
+             slice makes G-code of models"
+        );
+    }
+    if !args.force {
+        check_model(printer, &args.file)?;
+    }
+    send(printer, &args.file, args.name.as_deref(), args.start)
+}
+
+/// Sends a file, with a bar on a terminal, and says what became of it.
+pub(super) fn send(
+    printer: &Printer,
+    file: &Path,
+    name: Option<&str>,
+    start: bool,
+) -> anyhow::Result<()> {
+    let of_file = file.file_name().map(|name| name.to_string_lossy());
+    let of_file = of_file.unwrap_or_default();
+    let target = match terminal::is_quiet() {
+        true => ProgressDrawTarget::hidden(),
+        false => ProgressDrawTarget::stderr(),
+    };
+    let bar = ProgressBar::with_draw_target(None, target);
+    if let Ok(style) =
+        ProgressStyle::with_template("{bar:30} {bytes} of {total_bytes}")
+    {
+        bar.set_style(style);
+    }
+    let sent = hosts::send(
+        printer,
+        file,
+        &Sending {
+            name: name.unwrap_or(&of_file),
+            start,
+            on_progress: &|sent, total| {
+                bar.set_length(total);
+                bar.set_position(sent);
+            },
+        },
+    );
+    bar.finish_and_clear();
+    let sent = sent.with_context(|| {
+        format!("cannot send {} to {}", file.display(), printer.name)
+    })?;
+    if !terminal::is_quiet() {
+        plain::print(&format!("{}\n", outcome(printer, &sent)))?;
+    }
+    Ok(())
+}
+
+/// What became of a file, in words.
+pub(super) fn outcome(printer: &Printer, sent: &Sent) -> String {
+    let what = match sent.started {
+        true => "is being printed on",
+        false => "is stored on",
+    };
+    format!("{} {what} {}", sent.name, printer.name)
+}
+
+/// Checks that a file was made for a printer, if the printer's entry and the
+/// file tell.
+pub(super) fn check_model(
+    printer: &Printer,
+    file: &Path,
+) -> anyhow::Result<()> {
+    let Some(wanted) = &printer.model else {
+        return Ok(());
+    };
+    let cannot = || format!("cannot read {}", file.display());
+    let mut open = File::open(file).with_context(cannot)?;
+    let said = said_model(&mut open).with_context(cannot)?;
+    if let Some(said) = said
+        && said != *wanted
+    {
+        bail!(
+            "{} was made for another printer, {}, and {} is {wanted}; slice \
+             it with the right --printer, or send it with --force",
+            file.display(),
+            plain::line(&said),
+            printer.name
+        );
+    }
+    Ok(())
+}
+
+/// The printer's model, which slicers write at the end or at the beginning of
+/// their files, and binary files as text at the beginning.
+fn said_model(file: &mut File) -> std::io::Result<Option<String>> {
+    const PART: u64 = 1 << 17;
+    let length = file.metadata()?.len();
+    for start in [0, length.saturating_sub(PART)] {
+        file.seek(SeekFrom::Start(start))?;
+        let mut bytes = Vec::new();
+        Read::by_ref(file).take(PART).read_to_end(&mut bytes)?;
+        let text = String::from_utf8_lossy(&bytes);
+        let said = text.lines().find_map(|line| {
+            let line = line.trim_start_matches(['\0', ';', ' ']);
+            let (_, value) = line.split_once("printer_model")?;
+            let value = value.trim_start().strip_prefix('=')?.trim();
+            (!value.is_empty()).then(|| value.to_owned())
+        });
+        if said.is_some() {
+            return Ok(said);
+        }
+    }
+    Ok(None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn the_model_is_found_at_either_end() {
+        let filler = "G1 X1 E1\n".repeat(50_000);
+        for (text, model) in [
+            ("; printer_model = MK4\nG28\n".to_owned(), Some("MK4")),
+            (format!("{filler}; printer_model = XL\n"), Some("XL")),
+            (
+                "GCDE\0\u{1}printer_model=MINI\nx=1\n".to_owned(),
+                Some("MINI"),
+            ),
+            ("; printer_model =\nG28\n".to_owned(), None),
+            (filler.clone(), None),
+        ] {
+            let mut file = tempfile::tempfile().unwrap();
+            file.write_all(text.as_bytes()).unwrap();
+            let said = said_model(&mut file).unwrap();
+            assert_eq!(said.as_deref(), model);
+        }
+    }
+}

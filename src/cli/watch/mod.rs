@@ -1,0 +1,179 @@
+//! `isoslice watch`: a page that shows a model while it is edited.
+//!
+//! ```text
+//!   files ──► session ◄──► server ◄──► pages
+//!                ▲
+//!                ▼
+//!              work: read, draw, slice
+//! ```
+//!
+//! `session` holds what is wanted and what there is, `work` makes it, `server`
+//! tells the page of it, behind `guard`; `stamp` sees that files have changed,
+//! and `choice` holds what the page's user has changed.
+
+mod choice;
+mod guard;
+mod server;
+mod session;
+mod stamp;
+mod work;
+
+use super::args::{ModelArgs, SettingsSource};
+use super::limits::LimitArgs;
+use super::{plain, printers, terminal};
+use anyhow::{Context, bail};
+use choice::Choice;
+use clap::Args;
+use guard::Guard;
+use isoslice::limits::enough_space;
+use oxhttp::Server;
+use server::Site;
+use session::Session;
+use stamp::Stamps;
+use std::net::{Ipv4Addr, TcpListener};
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+use work::{Job, work};
+
+const EXAMPLES: &str = "\
+Examples:
+  isoslice watch part.rhai --open
+  isoslice watch part.rhai --config part.toml --printer prusa-mk4
+  isoslice watch part.rhai -D radius=15 --port 8123";
+
+/// Connections at once. A browser has six for all tabs of a page.
+const CONNECTIONS: usize = 64;
+
+/// Time until a connection on which nothing moves is given up. It must be
+/// longer than a page waits for news.
+const IDLE: Duration = Duration::from_secs(60);
+
+/// Arguments of `isoslice watch`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = EXAMPLES,
+    override_usage = "isoslice watch [OPTIONS] <MODEL>\n       \
+                      isoslice watch [OPTIONS] -e <FORMULA>"
+)]
+pub(super) struct WatchArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    #[command(flatten)]
+    settings: SettingsSource,
+
+    /// Port of the page's address [default: one that is free]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..),
+        help_heading = "Page"
+    )]
+    port: Option<u16>,
+
+    /// Show the page in the browser, too
+    #[arg(long, help_heading = "Page")]
+    open: bool,
+
+    /// Number of threads [default: all processors]; the result is the same
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = "Page"
+    )]
+    threads: Option<u16>,
+
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
+    enough_space()?;
+    if args.model.is_stdin() {
+        bail!(
+            "watch shows a model whenever its file changes, and standard \
+             input is none; name a file"
+        );
+    }
+    let job = Arc::new(Job {
+        model: args.model,
+        settings: args.settings,
+        limits: args.limits,
+        threads: args.threads,
+    });
+    // What is wrong with the command line is an error at once; what is wrong
+    // with the model and in the files is shown in the page, until it is mended.
+    let profiles = job.settings.profiles.find()?;
+    let given = job.model.model.iter().chain(&job.settings.config);
+    let files: Vec<_> = given.cloned().collect();
+    for file in &files {
+        if !file.is_file() {
+            bail!("there is no file {}", file.display());
+        }
+    }
+
+    let port = free_port(args.port)?;
+    let guard = Guard::new(port)?;
+    let address = guard.address();
+    let choice = Choice::of(&job.model, &job.settings);
+    let session = Arc::new(Session::new(choice, files));
+    let printers = printers::book(&job.settings.profiles)?;
+    let printers = printers.printers().map(|p| p.name.clone()).collect();
+    let site =
+        Site::new(session.clone(), job.clone(), guard, &profiles, printers);
+    let server = Server::new(move |request| site.answer(request))
+        .bind((Ipv4Addr::LOCALHOST, port))
+        .with_global_timeout(IDLE)
+        .with_max_concurrent_connections(CONNECTIONS)
+        .spawn()
+        .with_context(|| no_port(port))?;
+    {
+        let session = session.clone();
+        thread::Builder::new()
+            .name("work".into())
+            .spawn(move || work(&session, &job))
+            .context("cannot start a thread")?;
+    }
+    thread::Builder::new()
+        .name("files".into())
+        .spawn(move || watch_files(&session))
+        .context("cannot start a thread")?;
+
+    if !terminal::is_quiet() {
+        plain::print("Showing the model until you press Ctrl-C:\n")?;
+    }
+    plain::print(&format!("{address}\n"))?;
+    if args.open {
+        open::that_detached(&address).context(
+            "cannot start a browser; open the address in one yourself",
+        )?;
+    }
+    server.join().context("the server has ended")
+}
+
+/// Waits for files to change.
+fn watch_files(session: &Session) {
+    let mut stamps = Stamps::default();
+    loop {
+        let files = session.lock().files.clone();
+        if stamps.changed(&files) {
+            session.want(|_| ());
+        }
+        thread::sleep(stamp::EVERY);
+    }
+}
+
+/// The port that was asked for, or one that is free.
+fn free_port(wanted: Option<u16>) -> anyhow::Result<u16> {
+    let port = wanted.unwrap_or(0);
+    // The server does not tell which port it got, so it is told one.
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
+        .with_context(|| no_port(port))?;
+    Ok(listener.local_addr()?.port())
+}
+
+fn no_port(port: u16) -> String {
+    format!("cannot use port {port} of 127.0.0.1; choose another with --port")
+}

@@ -1,0 +1,110 @@
+//! Notices that files have changed.
+//!
+//! The files are looked at many times a second. That takes a few microseconds,
+//! also works on network drives, and sees an editor that writes a file anew as
+//! well as one that puts another file in its place.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+/// Time between two looks at the files.
+pub(super) const EVERY: Duration = Duration::from_millis(15);
+
+/// For so many looks a file may be missing before that counts: some editors
+/// remove it before they write it.
+const PATIENCE: u32 = 30;
+
+/// What the files were at one look: time and size of each.
+type Look = Vec<Option<(SystemTime, u64)>>;
+
+/// Looks at files.
+#[derive(Debug, Default)]
+pub(super) struct Stamps {
+    files: Vec<PathBuf>,
+    /// As told last.
+    known: Look,
+    /// At the look before this one.
+    last: Look,
+    missing: u32,
+}
+
+impl Stamps {
+    /// True if a file has changed since that was told last, and it did not
+    /// change between this look and the one before, so that nobody is writing
+    /// it. Files that are new in the list count as unchanged.
+    pub(super) fn changed(&mut self, files: &[PathBuf]) -> bool {
+        let now: Look = files.iter().map(|file| stamp(file)).collect();
+        if self.files != files {
+            let old = self.files.iter().zip(&self.known);
+            let old: Vec<_> = old.map(|(f, s)| (f.clone(), *s)).collect();
+            let known = |file: &PathBuf, now| {
+                let before = old.iter().find(|(f, _)| f == file);
+                before.map_or(now, |(_, stamp)| *stamp)
+            };
+            self.known =
+                files.iter().zip(&now).map(|(f, s)| known(f, *s)).collect();
+            self.files = files.to_vec();
+        }
+        let calm = std::mem::replace(&mut self.last, now) == self.last;
+        let gone = |(now, known): (&Option<_>, &Option<_>)| {
+            now.is_none() && known.is_some()
+        };
+        if self.last.iter().zip(&self.known).any(gone) {
+            self.missing += 1;
+        } else {
+            self.missing = 0;
+        }
+        let waits = (1..PATIENCE).contains(&self.missing);
+        if !calm || waits || self.last == self.known {
+            return false;
+        }
+        self.known.clone_from(&self.last);
+        true
+    }
+}
+
+fn stamp(file: &Path) -> Option<(SystemTime, u64)> {
+    let data = std::fs::metadata(file).ok()?;
+    Some((data.modified().ok()?, data.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_change_is_told_once_and_when_it_is_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("part.rhai");
+        let files = [file.clone()];
+        fs::write(&file, "x").unwrap();
+        let mut stamps = Stamps::default();
+        assert!(!stamps.changed(&files));
+        assert!(!stamps.changed(&files));
+        fs::write(&file, "x + 1").unwrap();
+        assert!(!stamps.changed(&files), "it may still be written");
+        assert!(stamps.changed(&files));
+        assert!(!stamps.changed(&files));
+        // Another file in its place.
+        fs::write(folder.path().join("new"), "x + 1 + 1").unwrap();
+        fs::rename(folder.path().join("new"), &file).unwrap();
+        assert!(!stamps.changed(&files));
+        assert!(stamps.changed(&files));
+    }
+
+    #[test]
+    fn a_file_may_be_missing_for_a_moment() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("part.rhai");
+        let files = [file.clone()];
+        fs::write(&file, "x").unwrap();
+        let mut stamps = Stamps::default();
+        assert!(!stamps.changed(&files));
+        fs::remove_file(&file).unwrap();
+        for _ in 1..PATIENCE {
+            assert!(!stamps.changed(&files));
+        }
+        assert!(stamps.changed(&files));
+    }
+}

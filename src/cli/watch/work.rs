@@ -1,0 +1,338 @@
+//! The work behind the page: read, draw, slice, over and over.
+//!
+//! What is wanted may change at any time; work that is then in vain is stopped.
+//! An error is shown, and what was made last stays.
+
+use super::choice::Choice;
+use super::session::{Fault, Listed, Look, Print, Session, Shown, Text};
+use crate::cli::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
+use crate::cli::excerpt::excerpt;
+use crate::cli::info::parameter;
+use crate::cli::limits::{GRACE, LimitArgs, workers};
+use crate::cli::{output, terminal};
+use anyhow::Context;
+use isoslice::limits::{Limits, Reason, Stopped, Watch, doing};
+use isoslice::model::{LoadError, Model, ParamError, ScriptError};
+use isoslice::pipeline::{self, Options, Summary};
+use isoslice::preview::{Toolpath, draw, live_moves, sketch};
+use isoslice::reader::Reader;
+use isoslice::settings::keys;
+use serde::Serialize;
+use serde_json::json;
+use std::fs::{self, File};
+use std::io::{BufReader, BufWriter, IntoInnerError};
+use std::path::Path;
+use std::process::exit;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What the work is done with, which does not change.
+pub(super) struct Job {
+    pub model: ModelArgs,
+    pub settings: SettingsSource,
+    pub limits: LimitArgs,
+    pub threads: Option<u16>,
+}
+
+/// Time that a picture may take.
+const PICTURE: Duration = Duration::from_secs(10);
+
+/// Makes what is wanted, for ever.
+pub(super) fn work(session: &Session, job: &Job) {
+    let mut last = 0;
+    loop {
+        let (wanted, choice, watch) = {
+            let mut state = session.next_wanted(last);
+            let watch = job.limits.watch();
+            state.watch = Some(watch.clone());
+            (state.wanted, state.choice.clone(), watch)
+        };
+        last = wanted;
+        let made = watch.last_resort(GRACE, &give_up, || {
+            make(session, job, &choice, wanted)
+        });
+        let made = made.unwrap_or_else(|stopped| Err(stopped.into()));
+        session.tell(|state| {
+            state.watch = None;
+            // Otherwise the next turn says what is wrong with it.
+            if state.wanted == wanted {
+                state.busy = None;
+                state.fault = made.err().map(|error| fault(job, &error));
+            }
+        });
+    }
+}
+
+/// Ends the program when it holds too much memory and does not let go of it.
+/// Work that takes too long otherwise is waited for.
+fn give_up(stopped: &Stopped) {
+    if matches!(stopped.reason, Reason::Memory | Reason::Space) {
+        let _pending = output::discard_all();
+        terminal::report_error(&stopped.clone().into());
+        exit(1);
+    }
+}
+
+/// The error, with the place in the script.
+fn fault(job: &Job, error: &anyhow::Error) -> Fault {
+    let causes: Vec<_> = error.chain().map(terminal::shown).collect();
+    let script = job.model.model.as_deref().map(fs::read_to_string);
+    let script = script.and_then(Result::ok).unwrap_or_default();
+    Fault {
+        text: causes.join("\nbecause: "),
+        excerpt: excerpt(error, &script).unwrap_or_default(),
+    }
+}
+
+fn make(
+    session: &Session,
+    job: &Job,
+    choice: &Choice,
+    wanted: u64,
+) -> anyhow::Result<()> {
+    let gathered = choice.settings(&job.settings).read()?;
+    let listed = list(&gathered, choice);
+    session.tell(|state| {
+        let paths = job.model.inputs(&gathered).into_iter();
+        state.files = paths.map(Path::to_owned).collect();
+        state.warnings.clone_from(&gathered.warnings);
+        let old = state.settings.as_ref();
+        if old.is_none_or(|old| old.json != listed.0) {
+            state.settings = Some(Arc::new(Listed {
+                revision: state.revision,
+                json: listed.0,
+                toml: listed.1,
+            }));
+        }
+    });
+    let settings = &gathered.settings;
+    let model = match choice.model(&job.model).load(settings) {
+        Ok(model) => model,
+        Err(error) => match no_longer_there(&error, choice) {
+            // The script has lost a parameter that the page had changed.
+            Some(name) => {
+                session.want(|state| drop(state.choice.define.remove(&name)));
+                return Ok(());
+            }
+            None => return Err(error),
+        },
+    };
+    let shown = show(session, job, model, wanted)?;
+    let (gcode, summary) = slice(session, job, &gathered, &shown.model)?;
+    let name = name_of(job);
+    let reader = BufReader::new(gcode.read());
+    let diameter = settings.filament.diameter;
+    let reader = Reader::new(reader).filament_diameter(diameter);
+    let path = doing("reading", || Toolpath::read(reader))?;
+    let moves = live_moves(&path, &name)?;
+    let stem = Path::new(&name).file_stem().unwrap_or_default();
+    let file = format!("{}.gcode", stem.to_string_lossy());
+    session.tell(|state| {
+        if state.wanted != wanted {
+            return;
+        }
+        state.print = Some(Arc::new(Print {
+            revision: state.revision,
+            told: json!({
+                "revision": state.revision,
+                "of_model": shown.revision,
+                "file": file,
+                "warnings": summary.warnings,
+            }),
+            moves: moves.into(),
+            gcode,
+            file,
+            printer_model: settings.printer.model.trim().to_owned(),
+        }));
+    });
+    Ok(())
+}
+
+/// The parameter that the page has changed and the script does not have.
+fn no_longer_there(error: &anyhow::Error, choice: &Choice) -> Option<String> {
+    let of_load = error.chain().find_map(|e| e.downcast_ref::<LoadError>())?;
+    let error = match of_load {
+        LoadError::Param { error, .. } => &**error,
+        LoadError::Script { error, .. } => match &**error {
+            ScriptError::Param { error, .. } => error,
+            _ => return None,
+        },
+        _ => return None,
+    };
+    match error {
+        ParamError::Unknown { name, .. } => {
+            choice.define.contains_key(name).then(|| name.clone())
+        }
+        _ => None,
+    }
+}
+
+/// Tells of a new model, with its picture, if that is quickly drawn.
+fn show(
+    session: &Session,
+    job: &Job,
+    model: Model,
+    wanted: u64,
+) -> anyhow::Result<Arc<Shown>> {
+    let look = session.lock().look;
+    // A rough picture is there before anybody asks for it.
+    let picture = draw_within(&picture_watch(), &model, look, job.threads);
+    let corners = model.printed_bounds();
+    let parameters = model.parameters.iter().map(parameter);
+    let parameters = serde_json::to_value(parameters.collect::<Vec<_>>())?;
+    let size = model.bounds.size().to_array();
+    let told = json!({
+        "box": [corners.min.to_array(), corners.max.to_array()],
+        "size": size,
+        "parameters": parameters,
+        "warnings": model.warnings,
+    });
+    Ok(session.tell(|state| {
+        let mut told = told;
+        told["revision"] = state.revision.into();
+        let shown = Arc::new(Shown {
+            revision: state.revision,
+            model,
+            told,
+        });
+        if state.wanted == wanted {
+            state.model = Some(shown.clone());
+            state.fault = None;
+            state.busy = Some("slicing");
+            if let Ok(picture) = picture {
+                let picture = (shown.revision, look, picture.into());
+                state.picture = Some(picture);
+            }
+        }
+        shown
+    }))
+}
+
+/// A watch over drawing one picture.
+pub(super) fn picture_watch() -> Watch {
+    Watch::new(Limits {
+        time: Some(PICTURE),
+        memory_bytes: None,
+    })
+}
+
+/// Draws a model within a bounded time, in front of nothing.
+pub(super) fn draw_within(
+    watch: &Watch,
+    model: &Model,
+    look: Look,
+    threads: Option<u16>,
+) -> anyhow::Result<Vec<u8>> {
+    watch.run(|| {
+        let pool = workers(threads)?;
+        let draw = if look.rough { sketch } else { draw };
+        let drawn = pool.install(|| {
+            doing("picture", || draw(model, look.view, look.size, None))
+        });
+        drawn.with_context(|| format!("cannot draw {}", model.name))
+    })?
+}
+
+fn slice(
+    session: &Session,
+    job: &Job,
+    gathered: &Gathered,
+    model: &Model,
+) -> anyhow::Result<(Arc<Text>, Summary)> {
+    let options = Options {
+        threads: job.threads.map(usize::from),
+        on_layer: &|done, total| session.report(done, total),
+        ..Options::default()
+    };
+    let no_file = "cannot make a temporary file for the G-code";
+    let file: File = tempfile::tempfile().context(no_file)?;
+    let mut gcode = BufWriter::new(file);
+    let sliced =
+        pipeline::slice(model, &gathered.settings, &options, &mut gcode);
+    let summary =
+        sliced.with_context(|| format!("cannot slice {}", model.name))?;
+    let text = gcode
+        .into_inner()
+        .map_err(IntoInnerError::into_error)
+        .and_then(Text::new)
+        .context(no_file)?;
+    Ok((Arc::new(text), summary))
+}
+
+/// The name of what is shown.
+pub(super) fn name_of(job: &Job) -> String {
+    let name = job.model.model.as_deref().and_then(Path::file_name);
+    name.map_or(FORMULA.into(), |name| name.to_string_lossy().into_owned())
+}
+
+/// A setting, for the page.
+#[derive(Serialize)]
+struct Setting {
+    name: &'static str,
+    section: String,
+    description: String,
+    unit: &'static str,
+    words: &'static [&'static str],
+    allowed: String,
+    value: String,
+    from: String,
+    /// Whether the page has set it.
+    set: bool,
+    /// Whether it is not the default.
+    differs: bool,
+}
+
+/// All settings as JSON, and those that are not the defaults as TOML.
+fn list(gathered: &Gathered, choice: &Choice) -> (String, String) {
+    let mut all = Vec::new();
+    let mut toml = String::new();
+    for key in keys() {
+        let value = key.get(&gathered.settings);
+        let differs = value != key.default();
+        if differs {
+            toml.push_str(&format!("{} = {value}\n", key.name));
+        }
+        let place = gathered.builder.place(key);
+        all.push(Setting {
+            name: key.name,
+            section: key.section(),
+            description: key.description(),
+            unit: key.unit,
+            words: key.words(),
+            allowed: key.allowed(),
+            value: bare(value),
+            from: place.map_or("default".into(), ToString::to_string),
+            set: choice.set.contains_key(key.name),
+            differs,
+        });
+    }
+    (serde_json::to_string(&all).unwrap_or_default(), toml)
+}
+
+/// A value as `--set` takes it: a word without its quotes.
+fn bare(value: String) -> String {
+    let inner = value.strip_prefix('"').and_then(|v| v.strip_suffix('"'));
+    match inner {
+        Some(word) if !word.is_empty() && !word.contains(['"', '\\']) => {
+            word.to_owned()
+        }
+        _ => value,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_lose_their_quotes_and_texts_keep_theirs() {
+        for (value, shown) in [
+            ("\"auto\"", "auto"),
+            ("0.2", "0.2"),
+            ("\"\"", "\"\""),
+            ("\"G28\\nG1\"", "\"G28\\nG1\""),
+        ] {
+            assert_eq!(bare(value.to_owned()), shown);
+        }
+    }
+}

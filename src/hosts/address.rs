@@ -1,0 +1,38 @@
+//! Addresses of hosts, and words of strangers.
+
+use super::HostError;
+use ureq::http::Uri;
+
+/// Characters of a stranger's words that are shown.
+const LONGEST: usize = 300;
+
+/// The address without a slash at its end, if it is one.
+pub(super) fn address(url: &str) -> Result<String, HostError> {
+    let wrong = |why: &str| HostError::Address {
+        url: shortened(url),
+        why: why.to_owned(),
+    };
+    let uri: Uri = url
+        .parse()
+        .map_err(|error| wrong(&format!("{error}").to_lowercase()))?;
+    if !matches!(uri.scheme_str(), Some("http" | "https")) {
+        return Err(wrong("it must begin with http:// or https://"));
+    }
+    let authority = uri.authority().ok_or_else(|| wrong("it has no host"))?;
+    if authority.as_str().contains('@') {
+        return Err(wrong("a name or password in it would be seen by others"));
+    }
+    if uri.query().is_some() {
+        return Err(wrong("it must end before the question mark"));
+    }
+    Ok(url.trim_end_matches('/').to_owned())
+}
+
+/// A host's words, no longer than people read, in one line.
+pub(super) fn shortened(text: &str) -> String {
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line,
+    }
+}

@@ -1,0 +1,40 @@
+//! A form with one file, as browsers send it (RFC 7578).
+
+use super::Upload;
+use std::io::{Cursor, Read};
+
+/// What divides the parts. It is no line of G-code, and in a binary file it is
+/// as unlikely as any 30 letters.
+const BOUNDARY: &str = "isoslice-7f3b1c9e52d84a60";
+
+/// The header that announces such a form.
+pub(super) const TYPE: (&str, &str) = (
+    "Content-Type",
+    "multipart/form-data; boundary=isoslice-7f3b1c9e52d84a60",
+);
+
+/// A form of some fields and a file, and its length in bytes.
+pub(super) fn form<'a>(
+    fields: &[(&str, &str)],
+    name: &str,
+    file: &'a mut Upload<'_>,
+) -> (impl Read + 'a, u64) {
+    let mut head = String::new();
+    for (field, value) in fields {
+        head.push_str(&format!(
+            "--{BOUNDARY}\r\nContent-Disposition: form-data; \
+             name=\"{field}\"\r\n\r\n{value}\r\n"
+        ));
+    }
+    head.push_str(&format!(
+        "--{BOUNDARY}\r\nContent-Disposition: form-data; name=\"file\"; \
+         filename=\"{name}\"\r\nContent-Type: application/octet-stream\r\n\r\n"
+    ));
+    let tail = format!("\r\n--{BOUNDARY}--\r\n");
+    let length = (head.len() + tail.len()) as u64 + file.length;
+    let body = file.take(file.length);
+    (
+        Cursor::new(head).chain(body).chain(Cursor::new(tail)),
+        length,
+    )
+}

@@ -1,0 +1,118 @@
+//! PrusaLink's words, version 1,
+//! <https://github.com/prusa3d/Prusa-Link-Web/blob/master/spec/openapi.yaml>.
+
+use super::client::{Answer, Client};
+use super::{Host, HostError, Status, Upload};
+use serde_json::{Value, json};
+use std::io::Read;
+
+pub(super) struct PrusaLink {
+    /// Name of the storage to use; the first that can be written if not given.
+    pub storage: Option<String>,
+}
+
+/// A place for files.
+struct Storage {
+    name: String,
+    free: Option<u64>,
+}
+
+impl PrusaLink {
+    fn storage(&self, client: &Client) -> Result<Storage, HostError> {
+        let answer =
+            client.done(client.get("api/v1/storage")?, "list places")?;
+        let list = answer.json.pointer("/storage_list");
+        let list = list.and_then(Value::as_array);
+        let list = list.ok_or_else(|| client.stranger("it has no storage"))?;
+        let mut known = Vec::new();
+        for storage in list {
+            let path = storage["path"].as_str().unwrap_or_default();
+            let name = path.trim_matches('/');
+            let plain = name.chars().all(|c| {
+                c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | ' ')
+            });
+            let can = plain
+                && !name.is_empty()
+                && storage["available"] != json!(false)
+                && storage["read_only"] != json!(true);
+            if !can {
+                continue;
+            }
+            if self.storage.as_deref().is_none_or(|wanted| wanted == name) {
+                return Ok(Storage {
+                    name: name.to_owned(),
+                    free: storage["free_space"].as_u64(),
+                });
+            }
+            known.push(name);
+        }
+        let why = match &self.storage {
+            Some(wanted) => {
+                format!("there is no place {wanted} (only {known:?})")
+            }
+            None => "no USB drive or card is in it".to_owned(),
+        };
+        Err(HostError::Refused {
+            host: client.name(),
+            what: "store files".to_owned(),
+            why,
+        })
+    }
+}
+
+impl Host for PrusaLink {
+    fn status(&self, client: &Client) -> Result<Status, HostError> {
+        let version = client.get("api/version")?;
+        let program = client.text(&version, "/text")?;
+        if !program.contains("PrusaLink") {
+            return Err(client.stranger(&format!("it is {program}")));
+        }
+        let status = client.get("api/v1/status")?;
+        let state = client.text(&status, "/printer/state")?;
+        let ready = ["IDLE", "READY", "FINISHED", "STOPPED"];
+        Ok(Status {
+            program,
+            ready: ready.contains(&state.as_str()),
+            state: state.to_lowercase(),
+            free: self.storage(client)?.free,
+        })
+    }
+
+    fn upload(
+        &self,
+        client: &Client,
+        name: &str,
+        file: &mut Upload<'_>,
+    ) -> Result<String, HostError> {
+        let storage = self.storage(client)?.name;
+        let name = format!("{storage}/{name}");
+        let length = file.length;
+        let headers = [
+            ("Content-Type", "application/octet-stream"),
+            ("Overwrite", "?1"),
+            ("Print-After-Upload", "?0"),
+        ];
+        let mut body = file.take(length);
+        let answer =
+            client.send("PUT", &path(&name), &headers, length, &mut body)?;
+        client.done(answer, "store the file")?;
+        Ok(name)
+    }
+
+    fn size(&self, client: &Client, name: &str) -> Result<u64, HostError> {
+        let answer = client.get(&path(name))?;
+        let answer: Answer = client.done(answer, "show the file")?;
+        client.bytes(&answer, "/size")
+    }
+
+    fn start(&self, client: &Client, name: &str) -> Result<(), HostError> {
+        let answer = client.post(&path(name), &json!({}))?;
+        client.done(answer, "start the print").map(drop)
+    }
+}
+
+/// Where a file is; its name has plain letters only, but for a storage's
+/// spaces.
+fn path(name: &str) -> String {
+    format!("api/v1/files/{}", name.replace(' ', "%20"))
+}

@@ -1,0 +1,64 @@
+//! Values of parameters: whole numbers, numbers, and true or false.
+
+use std::fmt;
+
+/// Value of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Value {
+    Int(i64),
+    Float(f64),
+    Bool(bool),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Int(v) => write!(f, "{v}"),
+            // With its point: the type shows, and that 2.5 is allowed.
+            Self::Float(v) => write!(f, "{v:?}"),
+            Self::Bool(v) => write!(f, "{v}"),
+        }
+    }
+}
+
+impl Value {
+    /// The text as a value of this one's type.
+    pub(super) fn parse_like(self, text: &str) -> Result<Self, &'static str> {
+        let text = text.trim();
+        match self {
+            Self::Int(_) => {
+                text.parse().map(Self::Int).map_err(|_| "a whole number")
+            }
+            Self::Float(_) => text
+                .parse()
+                .ok()
+                .filter(|v: &f64| v.is_finite())
+                .map(Self::Float)
+                .ok_or("a number"),
+            Self::Bool(_) => {
+                text.parse().map(Self::Bool).map_err(|_| "true or false")
+            }
+        }
+    }
+
+    /// The value as a number, if it is one that can be compared.
+    pub(super) fn number(self) -> Option<f64> {
+        match self {
+            Self::Int(v) => Some(v as f64),
+            Self::Float(v) => Some(v).filter(|v| !v.is_nan()),
+            Self::Bool(_) => None,
+        }
+    }
+
+    /// The value as one of the type of `default`: whole numbers may stand for
+    /// others.
+    pub(super) fn like(self, default: Self) -> Option<Self> {
+        match (self, default) {
+            (Self::Int(v), Self::Float(_)) => Some(Self::Float(v as f64)),
+            (Self::Int(_), Self::Int(_))
+            | (Self::Float(_), Self::Float(_))
+            | (Self::Bool(_), Self::Bool(_)) => Some(self),
+            _ => None,
+        }
+    }
+}
