@@ -236,8 +236,6 @@ impl Ground<'_> {
         let from = p - self.reach * out;
         let free = self.sparse.contains(p + BEYOND * out);
         if free && let Some(to) = self.next_hold(from, out) {
-            // It lies on the line of infill as wide as that is.
-            let to = to + self.reach * out;
             return Some(at(if (to - p).dot(out) > 0.0 { to } else { p }));
         }
         // Back to the last line of infill that it crosses.
@@ -256,8 +254,8 @@ impl Ground<'_> {
         wall || !self.under.sparse.grid().contains(beyond)
     }
 
-    /// Where the next thing is on the way out from a place that holds a line:
-    /// a line of infill, what is solid below, or a wall.
+    /// Where a line may end that goes on from a place on its way out: on the
+    /// next line of infill, on what is solid below, or at a wall.
     fn next_hold(&self, from: DVec2, out: DVec2) -> Option<DVec2> {
         let to = from + self.farthest * out;
         let first = |cuts: Vec<f64>, least: f64| {
@@ -272,9 +270,14 @@ impl Ground<'_> {
         let wall = first(self.sparse.crossings(from, to), end);
         let near = line.min(solid).min(wall);
         let at = near.is_finite().then(|| from.lerp(to, near))?;
-        let skin = near == wall && self.skin.contains(at + BEYOND * out);
-        let hangs = self.under.sparse.grid().contains(at + BEYOND * out);
+        if near < wall {
+            // It lies on the line of infill as wide as that is.
+            return Some(at + self.reach * out);
+        }
         // Other skin that hangs itself holds nothing.
+        let beyond = at + BEYOND * out;
+        let skin = self.skin.contains(beyond);
+        let hangs = self.under.sparse.grid().contains(beyond);
         (!(skin && hangs)).then_some(at)
     }
 }
