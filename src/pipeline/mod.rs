@@ -35,6 +35,7 @@ mod layer;
 mod sound;
 mod stages;
 mod supply;
+mod supported;
 mod tally;
 
 use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
@@ -65,12 +66,13 @@ use exit::Exit;
 use glam::{DVec2, DVec3};
 use isocontour::SLAB;
 use rayon::ThreadPool;
-use stages::{Fills, Stages};
+use stages::Stages;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use supply::Supply;
+use supported::{Fills, Supported};
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
@@ -454,7 +456,7 @@ fn write(
     warnings.extend(stages.spiral.iter().flat_map(Spiral::warnings));
     warnings.extend(done.warnings);
     let mut hanging = done.hanging;
-    if let Some(unheld) = stages.unheld() {
+    if let Some(unheld) = stages.support().map(Supported::unheld) {
         // The plan has seen to what hangs, and tells what it could not hold.
         hanging = Hanging::default();
         if unheld.area > UNHELD {

@@ -6,9 +6,10 @@
 
 use super::layer::{Inside, Layer, faces, window};
 use super::sound::{self, Found};
+use super::supported::{Fills, Supported};
 use super::{BLOCK, SliceError};
 use crate::adhesion::{Skirt, loops};
-use crate::bead::{Bead, Role};
+use crate::bead::Bead;
 use crate::contour::{Detail, Field, FieldError, field, field_in, outlines};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
@@ -26,11 +27,11 @@ use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::resolution::thin;
 use crate::seam::Seams;
-use crate::settings::{self, InfillPattern, Settings, Varying, WallOffset};
+use crate::settings::{Settings, WallOffset};
 use crate::skin::Patch;
 use crate::skin::over_infill::{Over, Under, bridged};
 use crate::spiral::Spiral;
-use crate::support::{Parts, Plan, Slice, Unheld};
+use crate::support::{Parts, Plan};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::Surroundings;
@@ -147,7 +148,8 @@ impl<'a> Stages<'a> {
             areas.extend(of_span.into_iter().map(|l| l.outline));
         }
         let areas = areas.iter().map(|outline| outline.area());
-        let support = beside.iter().filter_map(|s| self.slice(s.index));
+        let slice = |s: &LayerSpan| self.support.as_ref()?.slice(s.index);
+        let support = beside.iter().filter_map(slice);
         let support = support.flat_map(|s| [&s.body, &s.interface]);
         Ok(Skirt::new(areas.chain(support), self.settings))
     }
@@ -197,53 +199,21 @@ impl<'a> Stages<'a> {
             bed: 0.5 * (parts.bed.min + parts.bed.max),
             origin: self.model.origin.truncate(),
         };
-        let fill = |settings: &'a Settings, role| {
-            let infill = Infill::new(settings, around, site)?;
-            Ok::<_, InfillError>(SupportFill {
-                settings,
-                infill,
-                role,
-            })
-        };
-        self.support = Some(Supported {
-            plan,
-            body: fill(&fills.body, Role::Support)?,
-            interface: fill(&fills.interface, Role::SupportInterface)?,
-        });
+        self.support = Some(Supported::new(plan, fills, around, site)?);
         if self.skirt.is_some() {
             self.skirt = Some(self.skirt_round(spans)?);
         }
         Ok(())
     }
 
-    /// What needs a support and has none, if there are supports.
-    pub(super) fn unheld(&self) -> Option<Unheld> {
-        self.support.as_ref().map(|s| s.plan.unheld)
-    }
-
-    /// The planned support in a layer.
-    fn slice(&self, layer: usize) -> Option<&Slice> {
-        self.support.as_ref().and_then(|s| s.plan.slice(layer))
+    /// The supports, once they are planned.
+    pub(super) fn support(&self) -> Option<&Supported<'a>> {
+        self.support.as_ref()
     }
 
     /// Where a layer has supports.
     pub(super) fn support_area(&self, layer: usize) -> Option<Area> {
-        self.slice(layer).map(|s| union(&s.body, &s.interface))
-    }
-
-    /// The beads of a layer's supports.
-    fn support_beads(
-        &self,
-        span: &LayerSpan,
-    ) -> Result<Vec<Bead>, InfillError> {
-        let (Some(support), Some(slice)) =
-            (&self.support, self.slice(span.index))
-        else {
-            return Ok(Vec::new());
-        };
-        let mut beads = support.interface.beads(&slice.interface, span)?;
-        beads.extend(support.body.beads(&slice.body, span)?);
-        Ok(beads)
+        self.support()?.area(layer)
     }
 
     /// Plans the climbing wall of the layers to be printed, if there is to be
@@ -539,9 +509,12 @@ impl<'a> Stages<'a> {
             })?;
         }
         let mut beads = LayerBeads {
-            support: self
-                .timings
-                .time(Stage::Support, || self.support_beads(span))?,
+            support: self.timings.time(Stage::Support, || {
+                match self.support() {
+                    Some(support) => support.beads(span),
+                    None => Ok(Vec::new()),
+                }
+            })?,
             support_last: !number.is_multiple_of(2),
             skirt,
             turn: None,
@@ -726,74 +699,6 @@ pub(super) struct OverInfill {
     pub skin: Vec<Patch>,
     pub infill: Vec<Bead>,
     pub sparse: Area,
-}
-
-/// The settings by which supports are filled.
-pub(super) struct Fills {
-    body: Settings,
-    interface: Settings,
-}
-
-impl Fills {
-    /// Of a run with these settings.
-    pub(super) fn new(settings: &Settings) -> Fills {
-        let of = |density| Settings {
-            walls: 1,
-            outer_wall_width: settings.infill_width().into(),
-            infill: settings::Infill::Pattern(InfillPattern::Rectilinear),
-            infill_density: Varying::Constant(density),
-            wall_offset: WallOffset::Distance,
-            ..settings.clone()
-        };
-        Fills {
-            body: of(settings.support.density),
-            interface: of(settings.support.interface_density),
-        }
-    }
-}
-
-/// How an area of support is filled.
-struct SupportFill<'a> {
-    settings: &'a Settings,
-    infill: Infill<'a>,
-    role: Role,
-}
-
-impl SupportFill<'_> {
-    /// A wall around the area, and lines inside it.
-    fn beads(
-        &self,
-        area: &Area,
-        span: &LayerSpan,
-    ) -> Result<Vec<Bead>, InfillError> {
-        if area.is_empty() {
-            return Ok(Vec::new());
-        }
-        let height = span.height();
-        let mut walls = walls(area, height, self.settings);
-        walls::thin(&mut walls, self.settings);
-        let place = infill::Place {
-            number: span.index,
-            z: span.sample_z(),
-            height,
-        };
-        let lines = self.infill.beads(&walls.fill, place, None)?;
-        let small = self.settings.speed.small_wall_length;
-        let mut beads = walls::beads(&walls, height, small);
-        beads.extend(lines);
-        for bead in &mut beads {
-            bead.role = self.role;
-            bead.small = false;
-        }
-        Ok(beads)
-    }
-}
-
-/// The supports of a part.
-struct Supported<'a> {
-    plan: Plan,
-    body: SupportFill<'a>,
-    interface: SupportFill<'a>,
 }
 
 /// What is known of a layer that was looked at alone.
