@@ -54,7 +54,11 @@ const IDLE: Duration = Duration::from_secs(60);
 #[command(
     after_help = EXAMPLES,
     override_usage = "isoslice watch [OPTIONS] <MODEL>\n       \
-                      isoslice watch [OPTIONS] -e <FORMULA>"
+                      isoslice watch [OPTIONS] -e <FORMULA>",
+    mut_arg("model", |arg| arg.help(
+        "The model: a Rhai script (.rhai) or fidget's text format (.vm)"
+    )),
+    mut_arg("format", |arg| arg.hide(true))
 )]
 pub(super) struct WatchArgs {
     #[command(flatten)]
