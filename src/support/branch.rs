@@ -14,9 +14,8 @@
 //! Each point of a layer's core lies within that reach of the core below, so
 //! what is printed always rests on something.
 
-use super::gaps::gap_below;
-use super::plan::Parts;
-use super::room::{Foot, Room, widened};
+use super::parts::{Parts, gap_below};
+use super::room::{Foot, Room, Size, widened};
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
@@ -40,26 +39,6 @@ const FINE: Mm = 0.01;
 const CORNERS: u32 = 24;
 /// Longest edge of a core that is moved as one, mm.
 const EDGE: Mm = 1.0;
-
-/// How thick branches are.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Size {
-    /// Half the thickness of the thinnest neck.
-    pub core: Mm,
-    /// Half the thickness of the thinnest post.
-    pub post: Mm,
-}
-
-impl Size {
-    /// By the width of the lines.
-    pub(super) fn new(settings: &Settings) -> Size {
-        let width = settings.infill_width();
-        Size {
-            core: 0.45 * width,
-            post: 1.1 * width,
-        }
-    }
-}
 
 /// A layer that branches come down to.
 #[derive(Clone, Copy)]

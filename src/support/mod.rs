@@ -32,13 +32,14 @@ use crate::units::{Mm, Mm2};
 
 mod branch;
 mod cells;
-mod gaps;
 mod need;
+mod parts;
 mod plan;
 mod room;
 mod tree;
 
-pub(crate) use plan::{Parts, Plan, Slice, Unheld};
+pub(crate) use parts::Parts;
+pub(crate) use plan::{Plan, Slice, Unheld};
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.02;

@@ -14,9 +14,7 @@
 //! closed(j) = taken(j) ∪ (closed(j − 1) shrunk by h·tan(angle)).
 
 use super::TOLERANCE;
-use super::branch::Size;
-use super::gaps::{gap_below, top_below};
-use super::plan::Parts;
+use super::parts::{Parts, gap_below, top_below};
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
@@ -24,6 +22,26 @@ use crate::plane::{Area, Rect};
 use crate::settings::Settings;
 use crate::units::Mm;
 use rayon::prelude::*;
+
+/// How thick branches are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    /// Half the thickness of the thinnest neck.
+    pub core: Mm,
+    /// Half the thickness of the thinnest post.
+    pub post: Mm,
+}
+
+impl Size {
+    /// By the width of the lines.
+    pub(super) fn new(settings: &Settings) -> Size {
+        let width = settings.infill_width();
+        Size {
+            core: 0.45 * width,
+            post: 1.1 * width,
+        }
+    }
+}
 
 /// What of the layers, from the bed, is no place for supports.
 pub(super) struct Room<'a> {

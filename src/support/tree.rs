@@ -10,11 +10,10 @@
 //!    above the bed and nothing is in their way. Those that meet become one.
 
 use super::TOLERANCE;
-use super::branch::{Branch, Size, Step, middle};
+use super::branch::{Branch, Step, middle};
 use super::cells::Cells;
-use super::gaps::top_below;
-use super::plan::Parts;
-use super::room::{Foot, Room};
+use super::parts::{Parts, top_below};
+use super::room::{Foot, Room, Size};
 use crate::plane::clip::{crop, intersection, unite};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Solid, edges};

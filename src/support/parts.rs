@@ -1,11 +1,23 @@
-//! The layers that a gap between support and part takes.
+//! The part's layers, and those that a gap between support and part takes.
 
 use crate::layers::LayerSpan;
+use crate::plane::{Area, Rect};
 use crate::settings::Settings;
 use crate::units::Mm;
 
 /// Heights closer than this differ by rounding only, mm.
 const ROUNDED: Mm = 1e-6;
+
+/// A part's layers, from the bed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Parts<'a> {
+    /// The layers.
+    pub spans: &'a [LayerSpan],
+    /// The outline of each.
+    pub outlines: &'a [Area],
+    /// The bed, in the model's coordinates.
+    pub bed: Rect,
+}
 
 /// The highest layer whose top is at least `support.z_gap` below layer `i`.
 pub(super) fn top_below(
