@@ -388,7 +388,7 @@ mod tests {
         let plan = plan(&tee(), Supports::Auto);
         for j in 1..49 {
             let (upper, lower) = (all(&plan, j), all(&plan, j - 1));
-            // Half a line's width at the most is laid over nothing.
+            // Less than a quarter of a line's width is laid over nothing.
             let reached = offset(&lower, 0.2 + 0.1, 1e-3);
             let hangs = difference(&upper, &reached);
             // Where a post begins, a corner of its polygon may stick out.
