@@ -6,11 +6,13 @@
 //!     ┊←─ distance ─→┊
 //! ```
 
+mod ears;
+
 use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::plane::nest::Nest;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Ring, signed_area};
-use crate::settings::{BrimPlace, Settings};
+use crate::settings::{self, BrimPlace, DraftShield, Settings};
 use crate::units::Mm;
 use geo::{ConvexHull, Coord, MultiPoint, Point};
 use glam::DVec2;
@@ -26,6 +28,8 @@ pub(crate) struct Skirt {
     /// The outermost first.
     loops: Vec<Ring>,
     width: Mm,
+    /// How many layers, from the bed, have it.
+    layers: usize,
 }
 
 impl Skirt {
@@ -36,30 +40,13 @@ impl Skirt {
         outlines: impl IntoIterator<Item = &'a Area>,
         settings: &Settings,
     ) -> Self {
-        let points: MultiPoint<f64> = outlines
-            .into_iter()
-            .flat_map(|outline| outline.rings.iter().flatten())
-            .map(|p| Point::new(p.x, p.y))
-            .collect();
-        let hull: Vec<DVec2> = points
-            .convex_hull()
-            .exterior()
-            .coords()
-            .skip(1)
-            .map(|&Coord { x, y }| DVec2::new(x, y))
-            .collect();
+        let rings = outlines.into_iter().flat_map(|outline| &outline.rings);
+        let hull = around_points(rings.flatten());
         let width = settings.outer_wall_width();
         let mut loops = Vec::new();
         if hull.len() >= 3 {
             let hull = Area { rings: vec![hull] };
-            let brim = match settings.brim.place {
-                BrimPlace::Outer | BrimPlace::Both => {
-                    let height = settings.first_layer_height();
-                    let depths = brim_depths(height, settings);
-                    depths.last().map_or(0.0, |d| d + 0.5 * width)
-                }
-                _ => 0.0,
-            };
+            let brim = brim_reach(settings);
             let step = spacing(width, width, settings.thickest_layer());
             let nearest = brim + settings.skirt.distance + 0.5 * width;
             for i in (0..settings.skirt.loops).rev() {
@@ -67,15 +54,74 @@ impl Skirt {
                 loops.extend(offset(&hull, away, TOLERANCE).rings);
             }
         }
-        Skirt { loops, width }
+        let layers = settings.skirt.layers as usize;
+        Skirt {
+            loops,
+            width,
+            layers,
+        }
     }
 
-    /// Its beads in a layer of this height.
-    pub(crate) fn beads(&self, height: Mm) -> Vec<Bead> {
-        let rings = self.loops.iter().cloned();
+    /// The draft shield, in so many layers, of a print that lies within these
+    /// outlines.
+    pub(crate) fn shield<'a>(
+        outlines: impl IntoIterator<Item = &'a Area>,
+        layers: usize,
+        settings: &Settings,
+    ) -> Self {
+        let one = settings::Skirt {
+            loops: 1,
+            distance: settings.draft_shield_gap,
+            ..settings.skirt.clone()
+        };
+        let settings = Settings {
+            skirt: one,
+            ..settings.clone()
+        };
+        Skirt {
+            layers,
+            ..Skirt::new(outlines, &settings)
+        }
+    }
+
+    /// Its beads in a layer of this number and height.
+    pub(crate) fn beads(&self, number: usize, height: Mm) -> Vec<Bead> {
+        let rings = self.loops.iter().filter(|_| number < self.layers);
         rings
+            .cloned()
             .map(|points| around(Role::Skirt, points, self.width, height))
             .collect()
+    }
+}
+
+/// The convex ring round an area; it is empty if there is none.
+pub(crate) fn hull(area: &Area) -> Ring {
+    around_points(area.rings.iter().flatten())
+}
+
+fn around_points<'a>(points: impl Iterator<Item = &'a DVec2>) -> Ring {
+    let points: MultiPoint<f64> =
+        points.map(|p| Point::new(p.x, p.y)).collect();
+    points
+        .convex_hull()
+        .exterior()
+        .coords()
+        .skip(1)
+        .map(|&Coord { x, y }| DVec2::new(x, y))
+        .collect()
+}
+
+/// How far the brim reaches beyond the outside of a part.
+pub(crate) fn brim_reach(settings: &Settings) -> Mm {
+    match settings.brim.place {
+        BrimPlace::Outer | BrimPlace::Both => {
+            let height = settings.first_layer_height();
+            let depths = brim_depths(height, settings);
+            let width = settings.outer_wall_width();
+            depths.last().map_or(0.0, |d| d + 0.5 * width)
+        }
+        BrimPlace::Ears => settings.brim.ear_radius,
+        _ => 0.0,
     }
 }
 
@@ -89,14 +135,32 @@ pub(crate) fn loops(
     settings: &Settings,
 ) -> Vec<Bead> {
     let mut beads = match skirt {
-        _ if number >= settings.skirt.layers as usize => Vec::new(),
-        Some(skirt) => skirt.beads(height),
-        None => Skirt::new([outline], settings).beads(height),
+        Some(skirt) => skirt.beads(number, height),
+        None if number >= settings.skirt.layers as usize => Vec::new(),
+        None => Skirt::new([outline], settings).beads(number, height),
     };
     if number == 0 {
         beads.extend(brim(outline, height, settings));
     }
     beads
+}
+
+/// A warning if ears are asked for, and there are none among the loops of a
+/// first layer.
+pub(crate) fn without_ears(
+    loops: &[Bead],
+    settings: &Settings,
+) -> Option<String> {
+    let ears = settings.brim.place == BrimPlace::Ears;
+    let any = loops.iter().any(|bead| bead.role == Role::Brim);
+    (ears && !any).then(|| {
+        format!(
+            "there are no brim ears: no corner of the first layer is sharper \
+             than brim.ear_angle = {}°; raise that, or set brim.place to \
+             \"outer\"",
+            settings.brim.ear_angle
+        )
+    })
 }
 
 /// Leaves out loops that would leave the bed, and tells what to do about it.
@@ -122,8 +186,16 @@ pub(crate) fn keep_on_bed(
     let told = [
         (
             Role::Skirt,
-            "the skirt does not fit on the bed and is left out; lower \
-             skirt.distance or set skirt.loops = 0",
+            match settings.draft_shield {
+                DraftShield::Off => {
+                    "the skirt does not fit on the bed and is left out; lower \
+                     skirt.distance or set skirt.loops = 0"
+                }
+                _ => {
+                    "the draft shield does not fit on the bed and is left out; \
+                     lower draft_shield_gap or set draft_shield = off"
+                }
+            },
         ),
         (
             Role::Brim,
@@ -149,6 +221,13 @@ pub(crate) fn brim(
     let place = settings.brim.place;
     if place == BrimPlace::None || outline.is_empty() {
         return Vec::new();
+    }
+    let width = settings.outer_wall_width();
+    if place == BrimPlace::Ears {
+        let loops = ears::ears(outline, height, settings).into_iter();
+        return loops
+            .map(|points| around(Role::Brim, points, width, height))
+            .collect();
     }
     let (outer, holes): (Vec<&Ring>, Vec<&Ring>) =
         outline.rings.iter().partition(|r| signed_area(r) > 0.0);
@@ -177,7 +256,6 @@ pub(crate) fn brim(
         BrimPlace::Inner => Vec::new(),
         _ => inwards(levels),
     };
-    let width = settings.outer_wall_width();
     let near = outside.last().and_then(|ring| ring.first()).copied();
     outside
         .into_iter()
@@ -296,7 +374,7 @@ mod tests {
         settings.skirt.loops = 2;
         let lengths = |outlines: &[Area], settings: &Settings| {
             let skirt = Skirt::new(outlines, settings);
-            let beads = skirt.beads(0.2);
+            let beads = skirt.beads(0, 0.2);
             beads.iter().map(|b| b.length()).collect::<Vec<f64>>()
         };
         let alone = lengths(std::slice::from_ref(&outline), &settings);

@@ -73,6 +73,27 @@ impl Role {
         Role::Brim,
     ];
 
+    /// Its name in summaries, which is that of its settings.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Role::Skirt => "skirt",
+            Role::Brim => "brim",
+            Role::OuterWall => "outer_wall",
+            Role::InnerWall => "inner_wall",
+            Role::Overhang => "overhang",
+            Role::GapFill => "gap_fill",
+            Role::SparseInfill => "sparse_infill",
+            Role::InternalSkin => "internal_skin",
+            Role::TopSkin => "top_skin",
+            Role::BottomSkin => "bottom_skin",
+            Role::Bridge => "bridge",
+            Role::InternalBridge => "internal_bridge",
+            Role::Ironing => "ironing",
+            Role::Support => "support",
+            Role::SupportInterface => "support_interface",
+        }
+    }
+
     /// True if its beads belong to the part, and so lie inside it.
     pub(crate) fn is_part(self) -> bool {
         !matches!(self, Role::Skirt | Role::Brim) && !self.is_support()
@@ -312,6 +333,10 @@ pub(crate) struct Bead {
     /// True for a wall that goes round something small, a thin pin or a hole,
     /// and stays true for what it is cut into.
     pub small: bool,
+    /// True for a wall behind the outer wall, also where it hangs.
+    pub inner: bool,
+    /// True for a wall that is to lie half a layer lower.
+    pub sunk: bool,
 }
 
 impl Deref for Bead {
@@ -336,6 +361,8 @@ impl Bead {
             stroke,
             height,
             small: false,
+            inner: role == Role::InnerWall,
+            sunk: false,
         }
     }
 
@@ -368,6 +395,18 @@ impl Bead {
     }
 }
 
+/// Height at which a bead of this width has a cross-section: the inverse of
+/// (w − h)·h + π(h/2)², or of an ellipse if it is higher than wide.
+pub(crate) fn height_of(area: Mm2, width: Mm) -> Mm {
+    use std::f64::consts::FRAC_PI_4;
+    if area >= FRAC_PI_4 * width * width {
+        return area / (FRAC_PI_4 * width);
+    }
+    const ENDS: f64 = 1.0 - FRAC_PI_4;
+    let root = width * width - 4.0 * ENDS * area;
+    (width - root.max(0.0).sqrt()) / (2.0 * ENDS)
+}
+
 /// Distance between the centre lines of two beads side by side that fill the
 /// plane between them: the mean width less h·(1 − π/4).
 pub(crate) fn spacing(width_a: Mm, width_b: Mm, height: Mm) -> Mm {
@@ -387,6 +426,15 @@ mod tests {
     fn beads_at_their_spacing_fill_the_plane() {
         let (w, h) = (0.45, 0.2);
         assert!((cross_section(w, h) - spacing(w, w, h) * h).abs() < 1e-12);
+    }
+
+    #[test]
+    fn heights_are_those_of_cross_sections() {
+        for (width, height) in [(0.45, 0.2), (0.45, 0.01), (0.2, 0.3)] {
+            let area = cross_section(width, height);
+            assert!((height_of(area, width) - height).abs() < 1e-9);
+        }
+        assert_eq!(height_of(0.0, 0.4), 0.0);
     }
 
     #[test]

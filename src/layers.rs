@@ -22,9 +22,11 @@ pub struct LayerSpan {
 }
 
 impl LayerSpan {
-    /// Thickness of the layer.
+    /// Thickness of the layer, rounded to 10⁻⁹ mm: layers that are meant to be
+    /// equally thick have the same number, whatever their heights above the bed
+    /// round to.
     pub fn height(&self) -> Mm {
-        self.top - self.bottom
+        (1e9 * (self.top - self.bottom)).round() / 1e9
     }
 
     /// The plane whose outline the layer prints: its middle.

@@ -16,6 +16,7 @@
 //! 1. [`model`] reads a script, fidget's `.vm` text or a formula, bounds the
 //!    part by interval arithmetic and places it on the bed. [`settings`] say
 //!    how to print it.
+//!    A [`plate`] is one part or several, each with its settings and its places.
 //! 2. [`layers`] cuts the height into layers. A layer is the function at one
 //!    height, its sample plane, in the middle between top and bottom.
 //!    [`mod@heights`] lets their heights follow the surface.
@@ -120,6 +121,8 @@
 //! | line width | width of a squeezed bead |
 //! | outline | border of the part in a layer: where f = 0 |
 //! | overhang | wall that the layer below does not hold |
+//! | place | where a part stands on the plate |
+//! | plate | what is printed in one go: a part, or several |
 //! | prime | push forward what retraction has pulled back |
 //! | reach | distance of a hanging place from what holds it |
 //! | retraction | pulling filament back, so that it does not ooze on a travel |
@@ -175,6 +178,7 @@ mod order;
 mod pace;
 pub mod pipeline;
 mod plane;
+pub mod plate;
 pub mod preview;
 pub mod reader;
 mod region;
@@ -193,12 +197,15 @@ mod vary;
 mod walls;
 
 pub use bgcode::Unpacked;
-pub use gcode::Format;
-pub use hang::{Hanging, Sum};
+pub use gcode::{Format, TemplateError};
+pub use gcode::{try_templates, understands_placeholder};
+pub use hang::{Hanging, Kind, Place, Sum};
 pub use model::{Model, load, place};
-pub use pipeline::{Options, SliceError, Summary, slice};
+pub use pipeline::{Options, SliceError, Summary, slice, slice_plate};
+pub use pipeline::{Survey, survey};
+pub use plate::Plate;
 pub use reader::Reader;
-pub use report::Figures;
+pub use report::{Figures, RoleSum};
 pub use settings::Settings;
 pub use timings::Stage;
 pub use units::human_time;

@@ -106,6 +106,18 @@ pub(crate) struct Spiral<'a> {
     ring: Ring,
     /// Height from which the wall is not held by the turn below.
     flat: Option<Mm>,
+    /// Index of the first layer with a turn.
+    first: usize,
+}
+
+/// How many flat layers a vase has at its bottom: `bottom_layers` if set, else
+/// those that begin below `bottom_thickness`.
+fn flat_layers(settings: &Settings, spans: &[LayerSpan]) -> usize {
+    if settings.bottom_layers.is_some() || settings.is_uniform() {
+        return settings.bottom_layers() as usize;
+    }
+    let thickness = settings.bottom_thickness() - 1e-6;
+    spans.partition_point(|span| span.bottom < thickness)
 }
 
 impl<'a> Spiral<'a> {
@@ -116,6 +128,7 @@ impl<'a> Spiral<'a> {
     pub(crate) fn new(
         model: &Model,
         settings: &'a Settings,
+        spans: &[LayerSpan],
     ) -> Result<Self, SpiralError> {
         Ok(Spiral {
             settings,
@@ -126,13 +139,14 @@ impl<'a> Spiral<'a> {
             holes: false,
             ring: Ring::new(),
             flat: None,
+            first: flat_layers(settings, spans).max(1),
         })
     }
 
     /// Index of the first layer with a turn: all below are flat. There is at
     /// least one of these, since the nozzle cannot begin on the bed.
-    pub(crate) fn first(settings: &Settings) -> usize {
-        settings.bottom_layers().max(1) as usize
+    pub(crate) fn first(&self) -> usize {
+        self.first
     }
 
     /// Takes the outline of the next layer, from the last flat one on.
@@ -179,13 +193,13 @@ impl<'a> Spiral<'a> {
 
     /// Where the turn of a layer begins, if it goes on from one below.
     pub(crate) fn start(&self, layer: usize) -> Option<DVec2> {
-        let first = Spiral::first(self.settings);
+        let first = self.first;
         self.ends.get(layer.checked_sub(first + 1)? + 1).copied()
     }
 
     /// True if the layer has a turn.
     pub(crate) fn has(&self, layer: usize) -> bool {
-        layer >= Spiral::first(self.settings)
+        layer >= self.first
     }
 
     /// The turn of a layer that lies on a layer `below` and has an outline.
@@ -198,7 +212,7 @@ impl<'a> Spiral<'a> {
         below: &LayerSpan,
         outline: &Area,
     ) -> Result<Bead, SpiralError> {
-        let first = Spiral::first(self.settings);
+        let first = self.first;
         let number = span.index - first;
         let ring = self.middle_line(span, outline)?;
         let ring = match self.ends.get(number + 1) {

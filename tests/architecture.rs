@@ -55,6 +55,8 @@ const ORDER: &[&[&str]] = &[
     &["resolution"],
     &["region"],
     &["walls", "fuzzy", "skin", "infill", "adhesion"],
+    // The parts to print, with their brims.
+    &["plate"],
     // What hangs, except for what the skin's bridges hold.
     &["hang"],
     // What holds what hangs; skin says where bridges do.

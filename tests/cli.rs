@@ -623,7 +623,19 @@ fn typical_mistakes_are_told_what_to_write() {
             "slice ok.rhai --set walls 3",
             "write --set walls=3, without a space",
         ),
-        ("slice ok.rhai b.rhai", "one model at a time"),
+        ("info ok.rhai b.rhai", "one model at a time"),
+        ("slice ok.rhai b.rhai", "cannot read b.rhai: check its name"),
+        ("slice ok.rhai --copies 1000000000", "1..=1000"),
+        (
+            "slice ok.rhai --copies 40 --size 90",
+            "there is no place for ok_",
+        ),
+        (
+            "slice ok.rhai --copies 2 --at 50,50",
+            "--at is for a single part",
+        ),
+        ("slice unit.toml", "a plate file is TOML"),
+        ("info unit.toml", "is a plate file or a file of settings"),
         ("ok.rhai", "write isoslice slice ok.rhai"),
         ("slice ok.rhai --size 50mm", "without a unit, as in 50"),
         ("slice ok.rhai --config unit.toml", "unit.toml:2: "),
@@ -707,8 +719,10 @@ fn profiles_are_listed_and_shown() {
     let folder = folder();
     write_profile(&folder, "filaments/mine.toml", "description = 'My own'\n");
     let list = stdout(isoslice(&folder).arg("profiles"));
-    assert!(list.starts_with("printers (--printer NAME)\n  ender-3  "));
-    assert!(list.contains("\n  mine                 My own (yours)\n"));
+    assert!(
+        list.starts_with("printers (--printer NAME)\n  anycubic-kobra-2  ")
+    );
+    assert!(list.contains("\n  mine                    My own (yours)\n"));
     assert!(list.contains("\npresets (--preset NAME)\n  draft "));
     assert!(list.trim_end().ends_with("profiles"), "{list}");
     let list = stdout(isoslice(&folder).args(["profiles", "list", "presets"]));

@@ -228,7 +228,7 @@ fn they_have_speed_flow_and_fan_of_their_own() {
 }
 
 #[test]
-fn without_them_nothing_changes_and_solid_parts_have_none() {
+fn there_are_none_unless_asked_for_and_none_in_solid_parts() {
     let off = ["internal_bridges=false"];
     let layers_of = |more: &[&str]| layers(BOX, &settings(more));
     let has =

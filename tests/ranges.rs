@@ -76,6 +76,15 @@ fn a_blend_with_holes() {
 }
 
 #[test]
+fn a_prism_whose_layers_are_all_alike() {
+    // Heights above the bed are rounded differently from layer to layer.
+    let settings = common::settings(&["gcode.progress=off"]);
+    let text = "max(sqrt(x*x + y*y) - 3, max(-z, z - 40))";
+    let model = common::formula(text, &settings);
+    assert_same_in_ranges(&model, &settings, &[140]);
+}
+
+#[test]
 fn a_twist() {
     check_example("twisted-vase", "0.3", &[33, 128, 140]);
 }
@@ -163,6 +172,21 @@ fn supports_of_a_tee() {
     assert!(summary.support_length > 0.0);
     assert_eq!(summary.warnings, Vec::<String>::new());
     assert_same_in_ranges(&model, &settings, &[3, 33, 52]);
+}
+
+/// So is the raft; ranges begin in it, with the part, and above.
+#[test]
+fn a_raft_under_a_tee() {
+    let mut all = COARSE.to_vec();
+    all.extend(["supports=auto", "layer_height=0.2", "raft.layers=3"]);
+    all.extend(["skirt.layers=4"]);
+    let settings = common::settings(&all);
+    let model = common::formula(
+        "min(max(abs(x) - 3, abs(y) - 4, abs(z - 5) - 5), \
+         max(abs(x) - 12, abs(y) - 4, abs(z - 11) - 1))",
+        &settings,
+    );
+    assert_same_in_ranges(&model, &settings, &[2, 3, 4, 33]);
 }
 
 /// What the layers below have told the machine, a range's head tells it.

@@ -306,3 +306,61 @@ fn seams_depend_neither_on_threads_nor_on_the_range() {
         assert!(body(&upper, 0) == body(&one, 128), "{seam}");
     }
 }
+
+/// A scarf that rises: at each angle as much is laid as at any other, and every
+/// move lies between the layer below and its own.
+#[test]
+fn a_scarf_that_rises_lays_the_same_at_each_angle() {
+    let own = [
+        "seam_scarf=20",
+        "seam_scarf_rise=true",
+        "gcode.relative_e=true",
+        "cooling.min_layer_time=0",
+    ];
+    let all: Vec<&str> = BARE.iter().chain(&own).copied().collect();
+    let settings = settings(&all);
+    let short = CYLINDER.replace("30", "2");
+    let (gcode, _) = slice(&formula(&short, &settings), &settings, 2);
+    let rules = isoslice::check::Rules::new(&settings);
+    let verdict = isoslice::check::check(gcode.as_bytes(), &rules).unwrap();
+    assert!(verdict.counts.is_empty(), "{:?}", verdict.counts);
+    for layer in &parse(&gcode)[1..] {
+        const BINS: usize = 180;
+        let mut laid = [0.0; BINS];
+        let (mut low, mut rises) = (f64::INFINITY, 0);
+        for m in layer.prints() {
+            let below = layer.z - 0.2;
+            for z in [m.from.z, m.to.z] {
+                assert!(z > below && z <= layer.z + 1e-9, "{z} {below}");
+                low = low.min(z);
+            }
+            assert!(m.to.z >= m.from.z);
+            rises += usize::from(m.to.z > m.from.z);
+            let (a, b) = m.ends();
+            let middle = DVec2::splat(110.0);
+            // Short parts of it; the ramp grows along it.
+            let count = 200;
+            for k in 0..count {
+                let t = (f64::from(k) + 0.5) / f64::from(count);
+                let turn = (a.lerp(b, t) - middle).to_angle() / TAU;
+                let bin = (turn.rem_euclid(1.0) * BINS as f64) as usize;
+                laid[bin.min(BINS - 1)] += m.fed / f64::from(count);
+            }
+        }
+        // 20 mm of 93, in steps of less than a millimetre.
+        assert!(rises > 15, "{rises}");
+        assert!((low - (layer.z - 0.18)).abs() < 0.0011, "{low}");
+        let mean = laid.iter().sum::<f64>() / BINS as f64;
+        let area = common::filament_area(1.75);
+        let meant = TAU * 14.775 * (0.25 * 0.2 + 0.01 * TAU / 2.0);
+        let all = mean * BINS as f64 * area / meant;
+        assert!((all - 1.0).abs() < 1e-3, "{all}");
+        for (i, laid) in laid.iter().enumerate() {
+            assert!((laid / mean - 1.0).abs() < 0.01, "{i}: {}", laid / mean);
+        }
+    }
+    // The first layer has nothing to rise from.
+    let first = &parse(&gcode)[0];
+    let level = |m: &common::Move| m.from.z == m.to.z;
+    assert!(first.prints().all(level));
+}

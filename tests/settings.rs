@@ -66,6 +66,9 @@ fn another_value(key: &Key) -> String {
         return "\"\"\"\na \\\"quoted\\\" {name} \\\\ \\u0007\tb\n\n\"\"\""
             .to_owned();
     }
+    if allowed.starts_with("off, or shares") {
+        return "\"12.5: 40, 100: 0.5\"".to_owned();
+    }
     let other = allowed
         .split([',', ' '])
         .filter(|word| !word.is_empty() && *word != "or")

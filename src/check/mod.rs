@@ -723,8 +723,8 @@ impl<'a> Checker<'a> {
             return;
         }
         let z = step.from.z.max(step.to.z);
-        // A layer is no higher than the nozzle is wide. The first one may lie
-        // on a thick sheet or over a raft's gap.
+        // A layer is no higher than the nozzle is wide, the air above a raft
+        // included. The first one may lie on a thick sheet.
         let most = self.top + rules.nozzle + ROUNDING;
         if z > most {
             let top = self.top;

@@ -10,6 +10,7 @@ use isoslice::files;
 use isoslice::model::{
     self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
 };
+use isoslice::plate::Wanted;
 use isoslice::settings::{
     Builder, Infill, Origin, ProfileKind, Profiles, Settings,
 };
@@ -169,10 +170,9 @@ enum Format {
 }
 
 impl ModelArgs {
-    /// Loads the model and puts it on the printer.
-    pub(super) fn load(&self, settings: &Settings) -> anyhow::Result<Model> {
-        let loaded = model::load(&self.source()?, &self.defines)?;
-        let placement = Placement {
+    /// How the model is placed.
+    fn placement(&self, settings: &Settings) -> Placement {
+        Placement {
             scale: self.scale,
             size: self.size,
             rotate: [self.rotate_x, self.rotate_y, self.rotate_z],
@@ -181,7 +181,54 @@ impl ModelArgs {
             bounds: self.bounds,
             height: self.height,
             margin: settings.reach(),
+        }
+    }
+
+    /// True if the model's parameters or its placement are given.
+    pub(super) fn places(&self) -> bool {
+        let given = Placement {
+            margin: 0.0,
+            ..self.placement(&Settings::default())
         };
+        !self.defines.is_empty() || given != Placement::default()
+    }
+
+    /// The model for a plate, where a place is found for it.
+    pub(super) fn wanted(&self, settings: &Settings) -> anyhow::Result<Wanted> {
+        if self.at.is_some() {
+            bail!(
+                "--at is for a single part; tell where several stand in a \
+                 plate file (docs/plates.md), or leave it out to have them \
+                 arranged"
+            );
+        }
+        let source = self.source()?;
+        let asked = match &source {
+            Source::File(path) => path.display().to_string(),
+            Source::Text { name, .. } => name.clone(),
+        };
+        Ok(Wanted {
+            source,
+            defines: self.defines.clone(),
+            placement: self.placement(settings),
+            settings: settings.clone(),
+            at: None,
+            copies: 1,
+            asked,
+        })
+    }
+
+    /// Loads the model and puts it on the printer.
+    pub(super) fn load(&self, settings: &Settings) -> anyhow::Result<Model> {
+        if let Some(path) = self.model.as_deref().filter(|p| is_plate(p)) {
+            bail!(
+                "{} is a plate file or a file of settings, not a model; `slice` \
+                 and `render` take plate files, --config takes settings",
+                path.display()
+            );
+        }
+        let loaded = model::load(&self.source()?, &self.defines)?;
+        let placement = self.placement(settings);
         let volume = BuildVolume {
             x: settings.printer.bed_x,
             y: settings.printer.bed_y,
@@ -227,6 +274,12 @@ impl ModelArgs {
             },
         })
     }
+}
+
+/// True for the name of a plate file.
+pub(super) fn is_plate(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }
 
 fn standard_input() -> anyhow::Result<String> {

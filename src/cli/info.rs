@@ -3,17 +3,20 @@
 use super::args::{ModelArgs, SettingsSource};
 use super::limits::{LimitArgs, watched};
 use super::{plain, print_json, terminal};
+use anyhow::Context;
 use clap::Args;
 use glam::DVec3;
 use isoslice::heights::{Heights, Steps, heights};
 use isoslice::model::{Bounds, Model, Parameter};
 use isoslice::settings::Settings;
+use isoslice::{Hanging, Kind, Place, Survey, survey};
 use serde::Serialize;
 use std::fmt::Write as _;
 
 const EXAMPLES: &str = "\
 Examples:
   isoslice info part.rhai
+  isoslice info part.rhai --supports
   isoslice info part.vm --size 60 --set layer_height=0.1";
 
 /// Arguments of `isoslice info`.
@@ -31,6 +34,10 @@ pub(super) struct InfoArgs {
     #[command(flatten)]
     limits: LimitArgs,
 
+    /// Also list what would need supports, place by place
+    #[arg(long, help_heading = "Output")]
+    supports: bool,
+
     /// Print JSON
     #[arg(long, help_heading = "Output")]
     json: bool,
@@ -45,11 +52,29 @@ fn show(args: &InfoArgs) -> anyhow::Result<()> {
     let settings = &gathered.settings;
     let model = args.model.load(settings)?;
     terminal::warn(&model.warnings);
+    let survey = match args.supports {
+        true => {
+            let found = survey(&model, settings, None).with_context(|| {
+                format!("cannot look at what hangs in {}", model.name)
+            })?;
+            terminal::warn(&found.hanging.warnings(found.height, settings));
+            Some(found)
+        }
+        false => None,
+    };
     if args.json {
-        let warnings = [&gathered.warnings[..], &model.warnings].concat();
-        return print_json(&Json::new(&model, settings, warnings)?);
+        let mut warnings = [&gathered.warnings[..], &model.warnings].concat();
+        if let Some(found) = &survey {
+            warnings.extend(found.hanging.warnings(found.height, settings));
+        }
+        let mut json = Json::new(&model, settings, warnings)?;
+        json.needs_support = survey.as_ref().map(SupportsJson::new);
+        return print_json(&json);
     }
-    let text = describe(&model, settings)?;
+    let mut text = describe(&model, settings)?;
+    if let Some(found) = &survey {
+        describe_supports(found, &mut text)?;
+    }
     plain::print(&text)
 }
 
@@ -70,6 +95,9 @@ struct Json<'a> {
     steps: Option<Steps>,
     operations: usize,
     parameters: Vec<JsonParameter<'a>>,
+    /// With `--supports`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    needs_support: Option<SupportsJson>,
     warnings: Vec<String>,
 }
 
@@ -98,18 +126,20 @@ impl<'a> Json<'a> {
         warnings: Vec<String>,
     ) -> anyhow::Result<Self> {
         let corners = |b: Bounds| [b.min.to_array(), b.max.to_array()];
-        let Heights { spans, steps } = heights(model, settings)?;
+        let raised = model.raised(settings.raft_height());
+        let Heights { spans, steps } = heights(&raised, settings)?;
         Ok(Json {
             model: &model.name,
             size_mm: model.bounds.size().to_array(),
             bounds_mm: corners(model.drawn_bounds()),
-            on_the_bed_mm: corners(model.printed_bounds()),
+            on_the_bed_mm: corners(raised.printed_bounds()),
             layer_count: spans.len(),
             layer_height_mm: settings.thickest_layer(),
-            first_layer_height_mm: settings.first_layer_height(),
+            first_layer_height_mm: settings.bed_layer_height(),
             steps,
             operations: model.expression_size,
             parameters: model.parameters.iter().map(parameter).collect(),
+            needs_support: None,
             warnings,
         })
     }
@@ -180,9 +210,115 @@ pub(super) fn describe_steps(
     Ok(())
 }
 
+/// What would need supports.
+#[derive(Serialize)]
+struct SupportsJson {
+    area_mm2: f64,
+    begins_on_nothing_mm2: f64,
+    leans_mm2: f64,
+    long_bridges_mm2: f64,
+    places: Vec<PlaceJson>,
+}
+
+#[derive(Serialize)]
+struct PlaceJson {
+    kind: &'static str,
+    area_mm2: f64,
+    from_z_mm: f64,
+    to_z_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reach_mm: Option<f64>,
+    at_mm: [f64; 3],
+}
+
+impl SupportsJson {
+    fn new(survey: &Survey) -> SupportsJson {
+        let Hanging {
+            begins,
+            leans,
+            bridges,
+            ..
+        } = &survey.hanging;
+        let place = |place: &Place| PlaceJson {
+            kind: match place.kind {
+                Kind::Begins => "begins_on_nothing",
+                Kind::Leans => "leans",
+                Kind::Bridge => "long_bridge",
+            },
+            area_mm2: place.area,
+            from_z_mm: place.from,
+            to_z_mm: place.to,
+            reach_mm: (place.kind != Kind::Begins).then_some(place.reach),
+            at_mm: place.at.to_array(),
+        };
+        SupportsJson {
+            area_mm2: begins.area + leans.area + bridges.area,
+            begins_on_nothing_mm2: begins.area,
+            leans_mm2: leans.area,
+            long_bridges_mm2: bridges.area,
+            places: survey.places.iter().map(place).collect(),
+        }
+    }
+}
+
+/// The lines about what would need supports.
+fn describe_supports(
+    survey: &Survey,
+    text: &mut String,
+) -> Result<(), std::fmt::Error> {
+    /// So many places are told of; lattices have thousands of small ones.
+    const TOLD: usize = 30;
+    let Hanging {
+        begins,
+        leans,
+        bridges,
+        ..
+    } = &survey.hanging;
+    let area = begins.area + leans.area + bridges.area;
+    if survey.places.is_empty() {
+        return writeln!(text, "  supports    nothing needs any");
+    }
+    let count = survey.places.len();
+    let places = if count == 1 { "place" } else { "places" };
+    writeln!(
+        text,
+        "  supports    {area:.1} mm² in {count} {places} need some"
+    )?;
+    // The largest ones, in the order of their heights.
+    let mut order: Vec<usize> = (0..count).collect();
+    let content = |k: &usize| survey.places[*k].area;
+    order.sort_by(|a, b| content(b).total_cmp(&content(a)));
+    order.truncate(TOLD);
+    order.sort_unstable();
+    for k in order {
+        let place = &survey.places[k];
+        let p = place.at;
+        let what = match place.kind {
+            Kind::Begins => "begins on nothing".to_owned(),
+            Kind::Leans => format!("leans, reach {:.1} mm", place.reach),
+            Kind::Bridge => format!("bridge of {:.1} mm", place.reach),
+        };
+        let heights = match place.to > place.from {
+            true => format!("z = {:.2} to {:.2}", place.from, place.to),
+            false => format!("z = {:.2}", place.from),
+        };
+        writeln!(
+            text,
+            "    {:>8.1} mm²  {heights}, {what}, at x = {:.1}, y = {:.1}, z = \
+             {:.2} mm",
+            place.area, p.x, p.y, p.z
+        )?;
+    }
+    if count > TOLD {
+        writeln!(text, "    and {} smaller ones (--json)", count - TOLD)?;
+    }
+    Ok(())
+}
+
 fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
     let size = model.bounds.size();
-    let Heights { spans, steps } = heights(model, settings)?;
+    let raised = model.raised(settings.raft_height());
+    let Heights { spans, steps } = heights(&raised, settings)?;
     let layers = spans.len();
     let mut text = String::new();
     writeln!(text, "{}", plain::line(&model.name))?;
@@ -194,7 +330,7 @@ fn describe(model: &Model, settings: &Settings) -> anyhow::Result<String> {
         corner(drawn.min),
         corner(drawn.max)
     )?;
-    let printed = model.printed_bounds();
+    let printed = raised.printed_bounds();
     writeln!(
         text,
         "  on the bed  {} to {} mm",

@@ -9,6 +9,7 @@ mod check;
 mod closed;
 mod excerpt;
 mod formats;
+mod import;
 mod info;
 mod limits;
 mod manual;
@@ -18,6 +19,7 @@ mod output;
 mod parse;
 mod patience;
 mod plain;
+mod plates;
 mod preview;
 mod printers;
 mod profiles;
@@ -41,6 +43,7 @@ Examples:
   isoslice slice -e 'sqrt(x^2+y^2+z^2) - 15' -o ball.gcode
   isoslice slice part.vm --size 60 --set layer_height=0.15 --set walls=3
   isoslice slice part.rhai --printer prusa-mk4 --filament petg --preset fine
+  isoslice slice part.rhai lid.rhai --copies 3    a plate of six parts
   isoslice preview part.gcode                     a page that shows it in 3D
   isoslice watch part.rhai --open                 a page to edit it beside
   isoslice info part.rhai                         size, layers, parameters
@@ -98,7 +101,7 @@ enum Command {
     Printers(printers::PrintersArgs),
     /// Print all settings as commented TOML
     Settings(settings::SettingsArgs),
-    /// List printers, filaments and presets, or show one
+    /// List printers, filaments and presets, show one, or import one
     Profiles(profiles::ProfilesArgs),
     /// Write a starter script, and settings for it
     New(new::NewArgs),

@@ -15,7 +15,7 @@ const WORDS: &[(&str, &str)] = &[
     ("supports", SUPPORTS),
     ("support", SUPPORTS),
     ("support-material", SUPPORTS),
-    ("raft", NO_RAFTS),
+    ("raft", "--set raft.layers=3"),
     ("brim", "--set brim.place=outer, and brim.width"),
     ("brim-width", "--set brim.place=outer --set brim.width=5"),
     ("skirt", "--set skirt.loops=1"),
@@ -49,6 +49,8 @@ const WORDS: &[(&str, &str)] = &[
     ("export-gcode", "-o FILE"),
     ("out", "-o FILE"),
     ("param", "-D name=value"),
+    ("duplicate", "--copies N"),
+    ("count", "--copies N"),
     ("jobs", "--threads N"),
     ("verbose-level", "-v"),
     ("gcode-flavor", "--set gcode.flavour=klipper"),
@@ -57,7 +59,6 @@ const WORDS: &[(&str, &str)] = &[
 
 const TEMPERATURE: &str = "--set filament.nozzle_temperature=210";
 const SUPPORTS: &str = "--set supports=auto";
-const NO_RAFTS: &str = "isoslice makes no rafts yet: see brim.place";
 
 /// Reads the command line, or ends the program.
 pub(crate) fn parse() -> Cli {
@@ -86,6 +87,10 @@ fn suggest_setting(error: &mut clap::Error) {
     let kind = match error.kind() {
         ErrorKind::UnknownArgument => ContextKind::InvalidArg,
         ErrorKind::InvalidSubcommand => ContextKind::InvalidSubcommand,
+        // What stands where a further model may be.
+        ErrorKind::ValueValidation if is_more(error) => {
+            ContextKind::InvalidValue
+        }
         _ => return,
     };
     let Some(ContextValue::String(given)) = error.get(kind).cloned() else {
@@ -113,6 +118,12 @@ fn suggest_setting(error: &mut clap::Error) {
     error.insert(ContextKind::Suggested, tips);
 }
 
+/// True if the error is about a model after the first.
+fn is_more(error: &clap::Error) -> bool {
+    let argument = error.get(ContextKind::InvalidArg);
+    matches!(argument, Some(ContextValue::String(s)) if s == "[MORE]...")
+}
+
 fn is_model(given: &str) -> bool {
     given.ends_with(".rhai") || given.ends_with(".vm")
 }
@@ -125,7 +136,9 @@ fn stray(given: &str, before: &str) -> Option<String> {
         return Some(format!("write --set {before}={given}, without a space"));
     }
     is_model(given).then(|| {
-        "one model at a time; a script holds several bodies as min(f, g)".into()
+        "one model at a time; a script holds several bodies as min(f, g), and \
+         slice takes several models"
+            .into()
     })
 }
 

@@ -1,7 +1,7 @@
 //! `isoslice profiles`: lists printers, filaments and presets.
 
 use super::args::ProfilesSource;
-use super::{plain, print_json, terminal};
+use super::{import, plain, print_json, terminal};
 use anyhow::bail;
 use clap::{Args, Subcommand};
 use isoslice::settings::{Origin, Profile, ProfileKind, Profiles};
@@ -13,6 +13,7 @@ Examples:
   isoslice profiles                     all of them
   isoslice profiles list printers
   isoslice profiles show prusa-mk4      its text, to copy and change
+  isoslice profiles import my.ini       another slicer's, as yours
   isoslice slice part.rhai --printer prusa-mk4 --filament petg --preset fine";
 
 /// Arguments of `isoslice profiles`.
@@ -32,6 +33,8 @@ enum Command {
     List(ListArgs),
     /// Show a profile's text
     Show(ShowArgs),
+    /// Make profiles of those of PrusaSlicer, OrcaSlicer, Bambu Studio or Cura
+    Import(import::ImportArgs),
 }
 
 #[derive(Args, Debug)]
@@ -62,6 +65,7 @@ pub(super) fn run(args: &ProfilesArgs) -> anyhow::Result<()> {
         None => list(&args.list),
         Some(Command::List(args)) => list(args),
         Some(Command::Show(args)) => show(args),
+        Some(Command::Import(args)) => import::run(args),
     }
 }
 

@@ -1,12 +1,14 @@
 //! `isoslice render`: draws a model straight from its function.
 
-use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
+use super::args::{FORMULA, Gathered, ModelArgs, STDIN, SettingsSource};
 use super::limits::{LimitArgs, watched, workers};
 use super::output::{Output, is_stream};
+use super::plates::{self, PlateArgs};
 use super::terminal;
 use anyhow::{Context, bail};
 use clap::Args;
 use isoslice::limits;
+use isoslice::model::Model;
 use isoslice::preview::{View, draw};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,6 +16,7 @@ use std::path::{Path, PathBuf};
 const EXAMPLES: &str = "\
 Examples:
   isoslice render part.rhai
+  isoslice render plate.toml
   isoslice render part.rhai -o part.png --pixels 800x600 --view front
   isoslice render part.rhai --azimuth 30 --elevation 20 --background none
   isoslice render -e 'sqrt(x^2+y^2+z^2) - 15' -o - > ball.png";
@@ -128,7 +131,7 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
         );
     }
     let mut output = Output::create(&path, &args.model.inputs(&gathered))?;
-    let model = args.model.load(&gathered.settings)?;
+    let model = args.subject(&gathered)?;
     terminal::warn(&model.warnings);
     let view = View {
         azimuth: args.azimuth.unwrap_or(args.view.azimuth),
@@ -153,6 +156,25 @@ fn path_is_png(path: &Path) -> bool {
 }
 
 impl RenderArgs {
+    /// What is to be drawn: the model, or everything on a plate.
+    fn subject(&self, gathered: &Gathered) -> anyhow::Result<Model> {
+        let alone = PlateArgs::default();
+        let sets = &self.settings.set;
+        let file = plates::file(&self.model, &alone, gathered, sets)?;
+        if file.is_none() {
+            return self.model.load(&gathered.settings);
+        }
+        let job = alone.job(&self.model, file, &gathered.settings)?;
+        terminal::warn(&job.warnings);
+        job.plate.whole().with_context(|| {
+            format!(
+                "the expressions of all parts of {} are too large together to \
+                 be drawn; draw the models one by one",
+                job.plate.name
+            )
+        })
+    }
+
     fn output_path(&self) -> PathBuf {
         match (&self.output, &self.model.model) {
             (Some(output), _) => output.clone(),

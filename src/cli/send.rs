@@ -152,7 +152,12 @@ fn said_model(file: &mut File) -> std::io::Result<Option<String>> {
         let text = String::from_utf8_lossy(&bytes);
         let said = text.lines().find_map(|line| {
             let line = line.trim_start_matches(['\0', ';', ' ']);
-            let (_, value) = line.split_once("printer_model")?;
+            let (before, value) = line.split_once("printer_model")?;
+            // In a binary file its header stands before it; in other lines it
+            // is a word of a condition.
+            if !before.is_empty() && !before.ends_with(char::is_control) {
+                return None;
+            }
             let value = value.trim_start().strip_prefix('=')?.trim();
             (!value.is_empty()).then(|| value.to_owned())
         });

@@ -4,6 +4,7 @@ use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
 use super::formats::format_of;
 use super::limits::{LimitArgs, watched};
 use super::output::{Output, is_stream, same_file};
+use super::plates::{self, PlateArgs};
 use super::summary::{Sums, describe};
 use super::{plain, printers, send, terminal};
 use anyhow::{Context, bail};
@@ -13,6 +14,7 @@ use isoslice::hosts::Printer;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
+use isoslice::plate::{Part, Plate};
 use isoslice::settings::Flavour;
 use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
@@ -26,18 +28,23 @@ Examples:
   isoslice slice -e 'sqrt(x^2+y^2+z^2) - 15' -o ball.gcode
   isoslice slice part.rhai --printer ender-3 --filament petg --preset fine
   isoslice slice part.rhai --config petg.toml --config fine.toml --svg pictures
+  isoslice slice bracket.rhai plug.vm --copies 3
+  isoslice slice plate.toml
   generate | isoslice slice - --size 60 -o - > part.gcode";
 
 /// Arguments of `isoslice slice`.
 #[derive(Args, Debug)]
 #[command(
     after_help = EXAMPLES,
-    override_usage = "isoslice slice [OPTIONS] <MODEL>\n       \
+    override_usage = "isoslice slice [OPTIONS] <MODEL> [MORE]...\n       \
                       isoslice slice [OPTIONS] -e <FORMULA>"
 )]
 pub(super) struct SliceArgs {
     #[command(flatten)]
     model: ModelArgs,
+
+    #[command(flatten)]
+    plate: PlateArgs,
 
     #[command(flatten)]
     settings: SettingsSource,
@@ -116,14 +123,19 @@ pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
 fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let started = Instant::now();
     let gathered = args.settings.gather()?;
-    let settings = &gathered.settings;
+    let sets = &args.settings.set;
+    let file = plates::file(&args.model, &args.plate, &gathered, sets)?;
+    let of_file = file.as_ref().map_or(&[][..], |file| &file.models);
+    let of_file = of_file.to_vec();
     let path = args.output_path();
     // Outputs are opened before the work, so that a mistaken name costs no
     // time.
-    let inputs = args.model.inputs(&gathered);
+    let mut inputs = args.model.inputs(&gathered);
+    inputs.extend(args.plate.models());
+    inputs.extend(of_file.iter().map(PathBuf::as_path));
     if args.output.is_none() && inputs.contains(&path.as_path()) {
         // If the model is G-code, the error from loading it says so.
-        args.model.load(settings)?;
+        args.model.load(&gathered.settings)?;
     }
     let printer = args.printer()?;
     let mut output = Output::create(&path, &inputs)?;
@@ -132,9 +144,15 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     }
     let format = format_of(&path)?;
     let report = args.report_output(&path, &inputs)?;
-    let model = args.model.load(settings)?;
-    // What may be wrong with the model may be why it cannot be sliced.
-    terminal::warn(&model.warnings);
+    let job = args.plate.job(&args.model, file, &gathered.settings)?;
+    let (plate, settings) = (&job.plate, &job.plate.settings);
+    // What may be wrong with the models may be why they cannot be sliced.
+    let told = job.warnings.iter().cloned();
+    let before: Vec<String> = told
+        .filter(|warning| !gathered.warnings.contains(warning))
+        .chain(of_models(plate))
+        .collect();
+    terminal::warn(&before);
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| {
             format!("cannot make the folder {}", folder.display())
@@ -155,10 +173,10 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
             bar.set_position(done as u64);
         },
     };
-    let sliced = pipeline::slice(&model, settings, &options, &mut output);
+    let sliced = pipeline::slice_plate(plate, &options, &mut output);
     bar.finish_and_clear();
     let summary =
-        sliced.with_context(|| format!("cannot slice {}", model.name))?;
+        sliced.with_context(|| format!("cannot slice {}", plate.name))?;
     let mut streamed = output.is_stream();
     // Both files are complete before either is put in its place.
     let report = match (report, &summary.report) {
@@ -193,7 +211,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     }
     terminal::warn(&of_print);
     let sums = Sums {
-        model: &model.name,
+        model: &plate.name,
         output: &path,
         settings,
         summary: &summary,
@@ -201,8 +219,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         timings: args.timings || terminal::wants_timings(),
     };
     let text = if args.json {
-        let warnings =
-            [gathered.warnings, model.warnings.clone(), of_print].concat();
+        let warnings = [gathered.warnings, before, of_print].concat();
         sums.to_json(&warnings)?
     } else if terminal::is_quiet() {
         String::new()
@@ -239,7 +256,7 @@ impl SliceArgs {
             _ if self.model.is_stdin() => {
                 Path::new(STDIN).with_extension("gcode")
             }
-            (None, Some(model)) => model.with_extension("gcode"),
+            (None, Some(model)) => self.plate.output(model),
             (None, None) => Path::new(FORMULA).with_extension("gcode"),
         }
     }
@@ -263,6 +280,21 @@ impl SliceArgs {
         }
         Ok(Some((Output::create(path, inputs)?, path)))
     }
+}
+
+/// What the user should know of a plate's models, with their names if there are
+/// several.
+fn of_models(plate: &Plate) -> Vec<String> {
+    let several = plate.parts.len() > 1;
+    let of_part = |part: &Part| {
+        let name = part.model.name.clone();
+        let told = part.model.warnings.clone().into_iter();
+        told.map(move |warning| match several {
+            true => format!("{name}: {warning}"),
+            false => warning,
+        })
+    };
+    plate.parts.iter().flat_map(of_part).collect()
 }
 
 /// The time now, or SOURCE_DATE_EPOCH.

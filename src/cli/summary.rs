@@ -8,9 +8,9 @@ use isoslice::Figures;
 use isoslice::Stage;
 use isoslice::check::{Finding, Kind, Verdict};
 use isoslice::human_time;
-use isoslice::pipeline::Summary;
-use isoslice::settings::Settings;
-use isoslice::{Hanging, Sum};
+use isoslice::pipeline::{PartSummary, Summary};
+use isoslice::settings::{Settings, Supports};
+use isoslice::{Hanging, RoleSum, Sum};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -47,6 +47,7 @@ impl Sums<'_> {
             output: self.output.display().to_string(),
             size_mm: summary.size.to_array(),
             layer_count: summary.layer_count,
+            raft_layers: summary.raft_layers,
             first_layer: summary.layers.start + 1,
             last_layer: summary.layers.end,
             print_time_s: summary.time,
@@ -65,6 +66,8 @@ impl Sums<'_> {
                 in_the_air(verdict).map_or(0, |(count, _)| count)
             }),
             hanging: HangingJson::new(&summary.hanging),
+            roles: &summary.roles,
+            parts: summary.parts.iter().map(PartJson::new).collect(),
             warnings,
             took_s: self.took.as_secs_f64(),
             timings_s: self
@@ -82,6 +85,7 @@ struct Json<'a> {
     output: String,
     size_mm: [f64; 3],
     layer_count: usize,
+    raft_layers: usize,
     first_layer: usize,
     last_layer: usize,
     print_time_s: f64,
@@ -98,10 +102,34 @@ struct Json<'a> {
     checked: bool,
     islands_in_air: Option<u64>,
     hanging: HangingJson,
+    roles: &'a BTreeMap<&'static str, RoleSum>,
+    parts: Vec<PartJson<'a>>,
     warnings: &'a [String],
     took_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     timings_s: Option<BTreeMap<&'static str, f64>>,
+}
+
+/// A part of the plate.
+#[derive(Serialize)]
+struct PartJson<'a> {
+    name: &'a str,
+    copies: usize,
+    size_mm: [f64; 3],
+    layer_count: usize,
+    filament_mm: f64,
+}
+
+impl PartJson<'_> {
+    fn new(part: &PartSummary) -> PartJson<'_> {
+        PartJson {
+            name: &part.name,
+            copies: part.copies,
+            size_mm: part.size.to_array(),
+            layer_count: part.layer_count,
+            filament_mm: part.filament_length,
+        }
+    }
 }
 
 /// What hangs while it is printed, by kind.
@@ -204,6 +232,29 @@ fn in_the_air(verdict: &Verdict) -> Option<(u64, DVec3)> {
     Some((count, first.at))
 }
 
+/// The lines of the summary about the parts, if there are several.
+fn describe_parts(
+    summary: &Summary,
+    text: &mut String,
+) -> Result<(), std::fmt::Error> {
+    if summary.parts.iter().map(|part| part.copies).sum::<usize>() < 2 {
+        return Ok(());
+    }
+    let mut title = "  parts       ";
+    for part in &summary.parts {
+        let title = std::mem::replace(&mut title, "              ");
+        let metres = part.filament_length / 1000.0;
+        let name = plain::line(&part.name);
+        let size = dimensions(part.size);
+        writeln!(
+            text,
+            "{title}{} × {name}, {size}, {metres:.2} m each",
+            part.copies
+        )?;
+    }
+    Ok(())
+}
+
 /// The summary for people.
 pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     let summary = sums.summary;
@@ -216,18 +267,23 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     writeln!(text, "  size        {}", dimensions(summary.size))?;
     let (layers, count) = (&summary.layers, summary.layer_count);
     if *layers == (0..count) {
-        writeln!(text, "  layers      {count}")?
+        write!(text, "  layers      {count}")?
     } else {
-        writeln!(
+        write!(
             text,
             "  layers      {} to {} of {count}",
             layers.start + 1,
             layers.end
         )?
     }
+    match summary.raft_layers {
+        0 => writeln!(text)?,
+        n => writeln!(text, ", the lowest {n} of them the raft's")?,
+    }
     if let Some(steps) = &summary.steps {
         describe_steps(steps, count, &mut text)?;
     }
+    describe_parts(summary, &mut text)?;
     writeln!(text, "  print time  {}", human_time(summary.time))?;
     write!(
         text,
@@ -245,7 +301,22 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     }
     if summary.support_length > 0.0 {
         let metres = summary.support_length / 1000.0;
-        writeln!(text, "  supports    {metres:.2} m of that filament")?;
+        let of = ["support", "support_interface"];
+        let settings = sums.settings;
+        let sums = of.iter().filter_map(|role| summary.roles.get(role));
+        let time: f64 = sums.map(|sum| sum.time_s).sum();
+        // A raft is counted as supports are.
+        let any = settings.supports != Supports::Off;
+        let (title, with) = match (summary.raft_layers, any) {
+            (0, _) => ("supports    ", ""),
+            (_, true) => ("supports    ", ", the raft included"),
+            (_, false) => ("raft        ", ""),
+        };
+        writeln!(
+            text,
+            "  {title}{metres:.2} m of that filament, {} of the time{with}",
+            human_time(time)
+        )?;
     }
     let p99 =
         |f: Option<Figures>| f.map(|f| format!("{:.1} µm", f.p99.max(0.1)));

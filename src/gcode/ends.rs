@@ -73,9 +73,8 @@ impl<W: Write> Writer<'_, W> {
         self.head_comments(header);
         self.lines(&flavour::checks(settings));
         self.mark(0.0);
-        if let Some(label) = self.label.clone() {
-            self.lines(&label.define);
-        }
+        let labels = std::mem::take(&mut self.labels.define);
+        self.lines(&labels);
         self.modes();
         if let Some(select) = flavour::select_tool(flavour) {
             self.line(select);

@@ -59,7 +59,7 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     add(of, true, "max_layer_z", text(t.height, XYZ));
 
     of = Of::Slicer;
-    let first = text(s.first_layer_height(), WIDTH);
+    let first = text(s.bed_layer_height(), WIDTH);
     add(of, true, "layer_height", text(s.layer_height(), WIDTH));
     add(of, false, "first_layer_height", first);
     let nozzle = text(s.printer.nozzle_diameter, 3);
@@ -93,6 +93,7 @@ pub(super) fn facts(s: &Settings, t: &Totals) -> Vec<Fact> {
     }
     let brim = match s.brim.place {
         BrimPlace::None => 0.0,
+        BrimPlace::Ears => s.brim.ear_radius.ceil(),
         _ => s.brim.width.ceil(),
     };
     add(of, true, "brim_width", text(brim, 0));

@@ -1,65 +1,97 @@
-//! Labels of the part. Hosts show them, and leave the labelled part out if
-//! asked.
+//! Labels of the parts. Hosts show them, and leave a labelled part out if asked.
 //!
-//! In: the part's name and its outline seen from above. Out: the lines that
-//! define it in the file's head, and those around it in every layer. What is
+//! In: the parts' names and their outlines seen from above. Out: the lines that
+//! define them in the file's head, and those around each in every layer. What is
 //! not the part, a skirt, stands outside of them.
 
 use super::Header;
+use super::Standing;
 use super::flavour::Board;
 use super::number::text;
 use crate::settings::{Emit, Flavour, Settings};
 use glam::DVec2;
+use std::collections::BTreeSet;
 
 /// Decimals of the outline, which is clicked on, not printed.
 const DECIMALS: u32 = 2;
 
-/// The lines of a part's label.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Label {
+/// The labels of the parts on a plate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Labels {
     /// Lines for the file's head.
     pub define: Vec<String>,
-    /// The line before the part in a layer.
+    /// The label of each part; none if the settings ask for none.
+    pub around: Vec<Around>,
+}
+
+/// The lines around a part in a layer.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Around {
+    /// The line before it.
     pub start: String,
-    /// The line after the part in a layer.
+    /// The line after it.
     pub end: String,
 }
 
-impl Label {
-    /// The label of the file's part; nothing if the settings ask for none.
-    pub(super) fn new(settings: &Settings, header: &Header) -> Option<Label> {
+impl Labels {
+    /// The labels of the file's parts; none if the settings ask for none.
+    pub(super) fn new(settings: &Settings, header: &Header) -> Labels {
+        if !wanted(settings) {
+            return Labels::default();
+        }
         let flavour = settings.gcode.flavour;
-        let wanted = wanted(settings);
-        let name = name(&header.model_name);
-        let numbered = |define: &[&str]| Label {
-            define: define.iter().map(|l| (*l).to_owned()).collect(),
-            start: "M486 S0".to_owned(),
-            end: "M486 S-1".to_owned(),
-        };
-        wanted.then(|| match flavour {
-            Flavour::Klipper => Label {
-                define: vec![format!(
-                    "EXCLUDE_OBJECT_DEFINE NAME={name} {}",
-                    outline(header)
-                )],
+        let names = names(&header.parts);
+        let named = || names.iter().zip(&header.parts);
+        let around = |(k, name): (usize, &String)| match flavour {
+            Flavour::Klipper => Around {
                 start: format!("EXCLUDE_OBJECT_START NAME={name}"),
                 end: format!("EXCLUDE_OBJECT_END NAME={name}"),
             },
-            Flavour::Marlin => numbered(&["M486 T1"]),
-            Flavour::Rrf => numbered(&[
-                "M486 T1",
-                &format!("M486 S0 A\"{name}\""),
-                "M486 S-1",
-            ]),
-            // The name has to be alone in its line.
-            Flavour::Prusa => numbered(&[
-                "M486 T1",
-                "M486 S0",
-                &format!("M486 A{name}"),
-                "M486 S-1",
-            ]),
-        })
+            _ => Around {
+                start: format!("M486 S{k}"),
+                end: "M486 S-1".to_owned(),
+            },
+        };
+        let count = format!("M486 T{}", names.len());
+        let mut define = match flavour {
+            Flavour::Klipper => Vec::new(),
+            _ => vec![count],
+        };
+        for (k, (name, part)) in named().enumerate() {
+            match flavour {
+                Flavour::Klipper => define.push(format!(
+                    "EXCLUDE_OBJECT_DEFINE NAME={name} {}",
+                    outline(part)
+                )),
+                Flavour::Marlin => {}
+                Flavour::Rrf => define.push(format!("M486 S{k} A\"{name}\"")),
+                // The name has to be alone in its line.
+                Flavour::Prusa => define
+                    .extend([format!("M486 S{k}"), format!("M486 A{name}")]),
+            }
+        }
+        if matches!(flavour, Flavour::Rrf | Flavour::Prusa) {
+            define.push("M486 S-1".to_owned());
+        }
+        let around = names.iter().enumerate().map(around).collect();
+        Labels { define, around }
     }
+}
+
+/// A name for each part, none of them twice.
+fn names(parts: &[Standing]) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    let unique = |part: &Standing| {
+        let plain = name(&part.name);
+        let more = (2..).map(|k| format!("{plain}_{k}"));
+        let mut names = std::iter::once(plain.clone()).chain(more);
+        // Klipper does not tell capitals from small letters.
+        let free = names.find(|n| !taken.contains(&n.to_ascii_lowercase()));
+        let name = free.unwrap_or(plain);
+        taken.insert(name.to_ascii_lowercase());
+        name
+    };
+    parts.iter().map(unique).collect()
 }
 
 /// True if the part's label needs the part's outline, as Klipper's does.
@@ -100,23 +132,23 @@ fn name(model: &str) -> String {
 }
 
 /// `CENTER=x,y POLYGON=[[x,y],...]`.
-fn outline(header: &Header) -> String {
-    let (min, max) = (header.part_min, header.part_max);
+fn outline(part: &Standing) -> String {
+    let (min, max) = (part.min, part.max);
     let corners = [
         DVec2::new(min.x, min.y),
         DVec2::new(max.x, min.y),
         DVec2::new(max.x, max.y),
         DVec2::new(min.x, max.y),
     ];
-    let ring = match header.outline.len() {
+    let ring = match part.outline.len() {
         0..3 => corners.as_slice(),
-        _ => header.outline.as_slice(),
+        _ => part.outline.as_slice(),
     };
     let point =
         |p: &DVec2| format!("{},{}", text(p.x, DECIMALS), text(p.y, DECIMALS));
     let points: Vec<_> =
         ring.iter().map(|p| format!("[{}]", point(p))).collect();
-    let centre = 0.5 * (min + max).truncate();
+    let centre = 0.5 * (min + max);
     format!("CENTER={} POLYGON=[{}]", point(&centre), points.join(","))
 }
 
@@ -129,5 +161,14 @@ mod tests {
         assert_eq!(name("my part \"2\".v1"), "my_part__2__v1");
         assert_eq!(name("Ü"), "_");
         assert_eq!(name(""), "part");
+        let part = |name: &str| Standing {
+            name: name.to_owned(),
+            min: DVec2::ZERO,
+            max: DVec2::ONE,
+            outline: Vec::new(),
+        };
+        let parts = ["a-b", "a_b", "c", "a_b_2", "a b"].map(part);
+        let names = names(&parts);
+        assert_eq!(names, ["a_b", "a_b_2", "c", "a_b_2_2", "a_b_3"]);
     }
 }

@@ -1,11 +1,12 @@
 //! A layer's text: its marks, the user's own lines, the label and the steps.
 
+use super::label::Around;
 use super::placeholders::Moment;
 use super::progress::Clock;
 use super::{FULL, WIDTH, WriteError, Writer, XYZ, flavour, scan};
 use crate::bead::Role;
-use crate::pace::{PacedLayer, PacedMove};
-use crate::settings::Comments;
+use crate::pace::{OfPart, PacedLayer, PacedMove};
+use crate::settings::{Comments, Flavour};
 use std::io::Write;
 use std::ops::Range;
 
@@ -39,21 +40,35 @@ impl<W: Write> Writer<'_, W> {
             self.line(&format!("SET_PRINT_STATS_INFO CURRENT_LAYER={current}"));
         }
         self.set_fan(layer.fan);
-        let labelled = labelled(&layer.moves);
-        let label = if labelled.is_empty() {
-            None
-        } else {
-            self.label.clone()
-        };
+        let mut labels = self.labels_in(layer).into_iter().peekable();
+        let mut open: Option<(usize, String)> = None;
+        // While it leaves out a part, such firmware forgets where it should be.
+        let forgetful = matches!(
+            self.settings.gcode.flavour,
+            Flavour::Marlin | Flavour::Prusa
+        );
+        let mut lifted = None;
         let mut clock = Clock::new(layer);
         self.mark_if_due(clock.time());
         for (i, step) in layer.moves.iter().enumerate() {
-            if i == labelled.start
-                && let Some(label) = &label
+            if let Some((_, end)) = open.take_if(|(last, _)| *last == i) {
+                self.line(&end);
+            }
+            if let Some((moves, label)) =
+                labels.next_if(|(moves, _)| moves.start == i)
             {
+                if let Some((z, speed)) = lifted.filter(|_| forgetful) {
+                    // The machine may have left out the part that moved there.
+                    self.z = None;
+                    self.lift(z, speed)?;
+                }
                 self.line(&label.start);
+                open = Some((moves.end, label.end));
             }
             self.step(step)?;
+            if let PacedMove::Lift { z, speed } = step {
+                lifted = Some((*z, *speed));
+            }
             if self.waiting.is_some() {
                 clock.step(step);
                 self.mark_if_due(clock.time());
@@ -62,11 +77,26 @@ impl<W: Write> Writer<'_, W> {
                 pass_on(self)?;
             }
         }
-        if let Some(label) = &label {
-            self.line(&label.end);
+        if let Some((_, end)) = open {
+            self.line(&end);
         }
         self.count("time", layer.time, XYZ)?;
         Ok(())
+    }
+
+    /// The labels of a layer's parts, each with the moves it stands around.
+    fn labels_in(&self, layer: &PacedLayer) -> Vec<(Range<usize>, Around)> {
+        let around = |part: &OfPart| {
+            let label = self.labels.around.get(part.place?)?;
+            let of_part = layer.moves.get(part.moves.clone())?;
+            let moves = labelled(of_part);
+            let first = part.moves.start;
+            (!moves.is_empty()).then(|| {
+                let moves = first + moves.start..first + moves.end;
+                (moves, label.clone())
+            })
+        };
+        layer.parts.iter().filter_map(around).collect()
     }
 
     /// Tells the machine what the layers below tell it, if those layers are in
@@ -136,7 +166,7 @@ impl<W: Write> Writer<'_, W> {
     }
 }
 
-/// The moves of a layer that print the part, with the travel to it, without the
+/// The moves of a part in a layer that print it, with the travel to it, without the
 /// skirt before it. The range is empty if no part of it is printed.
 fn labelled(moves: &[PacedMove]) -> Range<usize> {
     let is = |m: &PacedMove, skirt: bool| {

@@ -57,13 +57,13 @@ pub(super) fn warnings(
 }
 
 /// A warning about beads that are too thick.
-pub(super) fn thick_beads(settings: &Settings) -> Option<String> {
+pub(crate) fn thick_beads(settings: &Settings) -> Option<String> {
     let s = settings;
     let constant = |v: &Varying| v.constant().unwrap_or(100.0) / 100.0;
     let flow = constant(&s.flow) * s.filament.flow / 100.0;
     let widen = constant(&s.bead_width);
     let thin = s.thin_max / 100.0;
-    let height = s.thickest_layer().max(s.first_layer_height());
+    let height = s.thickest_layer().max(s.bed_layer_height());
     let widths = [
         s.outer_wall_width() * thin,
         s.inner_wall_width() * thin,

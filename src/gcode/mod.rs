@@ -33,7 +33,7 @@
 //! | `layer` | what a layer's text consists of |
 //! | `moves` | moves, as lines that say only what changes; `filament`, how far it has been fed; `lines`, `number`, how they are written |
 //! | `thumbnail` | the pictures in the head |
-//! | `label` | the part's name and outline, for hosts |
+//! | `label` | the parts' names and outlines, for hosts |
 //! | `progress` | lines that need the whole print's time |
 //! | `time` | how long the file's head and foot take |
 //! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
@@ -60,8 +60,9 @@ mod thumbnail;
 mod time;
 
 pub(crate) use label::needs_outline;
+pub(crate) use limits::thick_beads;
 pub(crate) use placeholders::PLACEHOLDERS;
-pub(crate) use template::TemplateError;
+pub use template::{TemplateError, try_templates, understands_placeholder};
 pub(crate) use thumbnail::Thumbnail;
 
 use crate::bead::Role;
@@ -70,7 +71,7 @@ use crate::settings::{Comments, Settings};
 use crate::units::{Celsius, Mm, Mm3, Seconds, filament_area};
 use filament::Filament;
 use glam::{DVec2, DVec3};
-use label::Label;
+use label::Labels;
 use number::text;
 use progress::{Waiting, tells_progress};
 use sink::Sink;
@@ -102,6 +103,21 @@ pub enum Format {
     Binary,
 }
 
+/// A part on the plate, for its label.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Standing {
+    /// The part's name.
+    pub name: String,
+    /// Lower corner of what is printed of it, on the bed.
+    pub min: DVec2,
+    /// Upper corner.
+    pub max: DVec2,
+    /// The part seen from above, on the bed: a convex ring around it. If the
+    /// ring is empty, the part's box is used. [`needs_outline`] says whether it
+    /// is needed.
+    pub outline: Vec<DVec2>,
+}
+
 /// What the file's start says about the print.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Header {
@@ -115,14 +131,12 @@ pub(crate) struct Header {
     pub timestamp: Option<SystemTime>,
     /// Temperature of the nozzle on the first layer of the file.
     pub nozzle_temperature: Celsius,
-    /// Lower corner of the part, on the bed.
+    /// Lower corner of the part, or of all parts, on the bed.
     pub part_min: DVec3,
     /// Upper corner of the part.
     pub part_max: DVec3,
-    /// The part seen from above, on the bed: a convex ring around it. If the
-    /// ring is empty, the part's box is used. [`needs_outline`] says whether it
-    /// is needed.
-    pub outline: Vec<DVec2>,
+    /// The parts on the plate, which get a label each.
+    pub parts: Vec<Standing>,
     /// Pictures of the part.
     pub thumbnails: Vec<Thumbnail>,
     /// What the file is written as.
@@ -180,7 +194,7 @@ pub(crate) struct Writer<'a, W: Write> {
     copy: &'a mut dyn FnMut(&[u8]),
     settings: &'a Settings,
     templates: Templates<'a>,
-    label: Option<Label>,
+    labels: Labels,
     /// Holds the text until the whole time is known, if a line in it tells the
     /// time left.
     waiting: Option<Waiting>,
@@ -243,7 +257,7 @@ impl<'a, W: Write> Writer<'a, W> {
             copy,
             settings,
             templates,
-            label: Label::new(settings, header),
+            labels: Labels::new(settings, header),
             waiting,
             warnings: Vec::new(),
             buffer: Vec::with_capacity(2 * FULL),

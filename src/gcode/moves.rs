@@ -220,7 +220,11 @@ impl<W: Write> Writer<'_, W> {
         self.end_move(speed)
     }
 
-    fn lift(&mut self, z: Mm, speed: MmPerSec) -> Result<(), WriteError> {
+    pub(super) fn lift(
+        &mut self,
+        z: Mm,
+        speed: MmPerSec,
+    ) -> Result<(), WriteError> {
         let z = self.count("z", z, XYZ)?;
         if self.z == Some(z) {
             return Ok(());

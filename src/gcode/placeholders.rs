@@ -47,8 +47,8 @@ impl Moment {
     pub(super) fn of_trial(settings: &Settings) -> Self {
         Moment {
             number: 1,
-            z: settings.first_layer_height(),
-            height: settings.first_layer_height(),
+            z: settings.bed_layer_height(),
+            height: settings.bed_layer_height(),
         }
     }
 }

@@ -4,7 +4,6 @@
 use crate::bead::{Bead, Role, Stroke};
 use crate::gcode::{Header, Totals, WriteError, Writer};
 use crate::layers::LayerSpan;
-use crate::pace::rates::Rater;
 use crate::pace::{PacedLayer, PacedMove, Pacer};
 use crate::settings::{Flavour, Settings};
 use crate::travel::{LayerPath, Move, Travel};
@@ -125,15 +124,19 @@ fn header(layer_count: usize) -> Header {
         nozzle_temperature: 215.0,
         part_min: DVec3::new(100.0, 100.0, 0.0),
         part_max: DVec3::new(112.0, 110.0, 0.2 * layer_count as f64),
-        outline: Vec::new(),
+        parts: vec![super::Standing {
+            name: "tiny".to_owned(),
+            min: DVec2::splat(100.0),
+            max: DVec2::new(112.0, 110.0),
+            outline: Vec::new(),
+        }],
         thumbnails: Vec::new(),
         format: crate::gcode::Format::Text,
     }
 }
 
 fn pacer(settings: &Settings) -> Pacer<'_> {
-    let rater = Rater::constant(settings).expect("no expressions");
-    Pacer::new(settings, rater)
+    Pacer::new(settings)
 }
 
 fn written(settings: &Settings, job: Vec<LayerPath>) -> (String, Totals) {
@@ -144,7 +147,7 @@ fn written(settings: &Settings, job: Vec<LayerPath>) -> (String, Totals) {
         .expect("templates");
     let mut pacer = pacer(settings);
     for path in job {
-        let paced = pacer.layer(path, None).expect("rates");
+        let paced = pacer.paced(path);
         writer.layer(&paced).expect("layer");
     }
     let totals = writer.finish().expect("end");
@@ -609,11 +612,13 @@ fn what_is_no_number_is_an_error() {
                 points: vec![DVec2::new(bad, 1.0)],
                 speed: 100.0,
             }],
+            parts: Vec::new(),
             fan: 0.0,
             nozzle_temperature: 210.0,
             time: 1.0,
             printing: 0,
             slowed: 0,
+            amounts: Default::default(),
         };
         let error = writer.layer(&paced);
         assert!(matches!(
@@ -634,7 +639,7 @@ fn a_point_that_is_no_number_passes_pacing_and_is_reported() {
     if let Some(Move::Print(b)) = path.moves.get_mut(3) {
         b.points[1].y = f64::NAN;
     }
-    let paced = pacer(&s).layer(path, None).expect("rates");
+    let paced = pacer(&s).paced(path);
     let mut nobody = |_: &[u8]| {};
     let mut writer = Writer::new(Vec::new(), &s, &header(1), &mut nobody)
         .expect("templates");

@@ -41,16 +41,29 @@
 pub(crate) mod foot;
 mod gap;
 mod look;
+mod places;
 mod reach;
 mod tip;
 mod track;
 mod words;
 
 pub(crate) use look::Look;
+pub use places::Place;
 pub(crate) use track::Tracker;
 
 use crate::units::{Mm, Mm2};
 use glam::DVec3;
+
+/// Why something hangs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It is an island that begins on nothing.
+    Begins,
+    /// It leans too far.
+    Leans,
+    /// It is a bridge that is too long.
+    Bridge,
+}
 
 /// What hangs in some layers, of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,6 +94,33 @@ impl Sum {
     /// True if there is nothing of this kind.
     pub fn is_none(&self) -> bool {
         self.first.is_none()
+    }
+}
+
+impl Sum {
+    /// Adds what hangs in each of some equal parts.
+    fn add_parts(&mut self, other: &Sum, copies: usize) {
+        self.count += copies * other.count;
+        self.area += copies as f64 * other.area;
+        self.largest = self.largest.max(other.largest);
+        self.reach = self.reach.max(other.reach);
+        let lower = |p: &DVec3| self.first.is_none_or(|first| p.z < first.z);
+        self.first = other.first.filter(lower).or(self.first);
+    }
+}
+
+impl Hanging {
+    /// Adds what hangs in each of some equal parts. Of two feet that are too
+    /// small the one stays that holds less.
+    pub(crate) fn add(&mut self, other: &Hanging, copies: usize) {
+        self.begins.add_parts(&other.begins, copies);
+        self.in_cavity.add_parts(&other.in_cavity, copies);
+        self.leans.add_parts(&other.leans, copies);
+        self.bridges.add_parts(&other.bridges, copies);
+        let less = |foot: &foot::Foot| {
+            self.foot.is_none_or(|known| foot.holds < known.holds)
+        };
+        self.foot = other.foot.filter(less).or(self.foot);
     }
 }
 

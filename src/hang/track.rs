@@ -1,9 +1,11 @@
 //! What hangs, added up from layer to layer.
 
-use super::Hanging;
 use super::look::{Ledge, Look, Place};
+use super::places::{self, Found, Places};
 use super::reach::Limits;
 use super::tip::{Island, Tips};
+use super::{Hanging, Kind};
+use crate::plane::Rect;
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
@@ -18,6 +20,8 @@ pub(crate) struct Tracker {
     /// Islands that have begun on nothing.
     tips: Tips,
     sums: Hanging,
+    /// Where it is, if that is asked for.
+    places: Option<Places>,
 }
 
 /// What is known of a place on a rim.
@@ -39,9 +43,25 @@ struct Slope {
     /// The farthest place.
     reach: Mm,
     at: DVec2,
+    around: Rect,
 }
 
 impl Tracker {
+    /// A tracker that also says where it is.
+    pub(crate) fn with_places() -> Tracker {
+        Tracker {
+            places: Some(Places::default()),
+            ..Tracker::default()
+        }
+    }
+
+    /// Notes a place, if that is asked for.
+    fn note(&mut self, found: Found) {
+        if let Some(places) = &mut self.places {
+            places.add(found);
+        }
+    }
+
     /// Forgets all layers so far: what follows is taken to be held. If `count`
     /// says so, islands count that have not met anything yet.
     pub(crate) fn restart(&mut self, count: bool, settings: &Settings) {
@@ -62,26 +82,50 @@ impl Tracker {
         count: bool,
         place: impl Fn(DVec2) -> DVec3,
     ) {
+        self.places.iter_mut().for_each(Places::next_layer);
         let found = self.follow(look);
         let begins = self.tips.layer(look, here, &place);
         if !count {
             return;
         }
         self.count(begins);
-        let sums = &mut self.sums;
         for gap in &look.gaps {
+            let around = gap.area.bounds();
             if gap.leans > 0.0 {
                 let at = place(gap.at);
-                sums.leans.add(gap.leans, gap.leans, gap.reach, at);
+                self.sums.leans.add(gap.leans, gap.leans, gap.reach, at);
+                self.note(Found {
+                    kind: Kind::Leans,
+                    area: gap.leans,
+                    reach: gap.reach,
+                    at,
+                    around,
+                });
             }
             if gap.bridges > 0.0 {
                 let at = place(gap.middle);
-                sums.bridges.add(gap.bridges, gap.bridges, gap.span, at);
+                let sum = &mut self.sums.bridges;
+                sum.add(gap.bridges, gap.bridges, gap.span, at);
+                self.note(Found {
+                    kind: Kind::Bridge,
+                    area: gap.bridges,
+                    reach: gap.span,
+                    at,
+                    around,
+                });
             }
         }
         for slope in found {
             let at = place(slope.at);
-            sums.leans.add(slope.area, slope.all, slope.reach, at);
+            let sum = &mut self.sums.leans;
+            sum.add(slope.area, slope.all, slope.reach, at);
+            self.note(Found {
+                kind: Kind::Leans,
+                area: slope.area,
+                reach: slope.reach,
+                at,
+                around: slope.around,
+            });
         }
     }
 
@@ -126,6 +170,7 @@ impl Tracker {
                     all,
                     reach: state.excess + limits.held,
                     at: place.at,
+                    around: Rect::around(run.iter().map(|(p, _)| &p.at)),
                 });
             }
             run.iter_mut().for_each(|(_, state)| state.slope = all);
@@ -207,6 +252,13 @@ impl Tracker {
         } in begins
         {
             self.sums.begins.add(area, area, 0.0, at);
+            self.note(Found {
+                kind: Kind::Begins,
+                area,
+                reach: 0.0,
+                at,
+                around: Rect::around(&[at.truncate()]),
+            });
             if in_cavity {
                 self.sums.in_cavity.add(area, area, 0.0, at);
             }
@@ -221,6 +273,7 @@ impl Tracker {
         count: bool,
         settings: &Settings,
     ) {
+        self.places.iter_mut().for_each(Places::next_layer);
         let limits = Limits::new(height, settings);
         let begins = self.tips.same(height, limits);
         if count {
@@ -237,8 +290,10 @@ impl Tracker {
         }
     }
 
-    /// What hangs in the layers that were counted.
-    pub(crate) fn finish(self) -> Hanging {
-        self.sums
+    /// What hangs in the layers that were counted, and where, if that was
+    /// asked for.
+    pub(crate) fn finish(self) -> (Hanging, Vec<places::Place>) {
+        let places = self.places.map(Places::finish);
+        (self.sums, places.unwrap_or_default())
     }
 }

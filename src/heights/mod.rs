@@ -96,7 +96,8 @@ pub enum HeightsError {
     Lean(#[source] LeanError),
 }
 
-/// The layers of a placed model.
+/// The layers of a placed model, those of its raft included; with a raft the
+/// model has to be raised ([`Model::raised`]).
 ///
 /// # Errors
 /// If there are none, or too many, or an expression for their heights has no
@@ -105,11 +106,51 @@ pub fn heights(
     model: &Model,
     settings: &Settings,
 ) -> Result<Heights, HeightsError> {
+    let raft = settings.raft_layers();
+    if raft > 0 {
+        let part = heights_above(model, settings)?;
+        return Ok(on_raft(part, raft, settings));
+    }
+    heights_above(model, settings)
+}
+
+/// The layers of the part on those of its raft.
+fn on_raft(part: Heights, raft: usize, settings: &Settings) -> Heights {
+    let top = |i: usize| {
+        settings.bed_layer_height() + i as f64 * settings.layer_height()
+    };
+    let of_raft = (0..raft).map(|index| LayerSpan {
+        index,
+        bottom: index.checked_sub(1).map_or(0.0, top),
+        top: top(index),
+    });
+    let of_part = part.spans.iter().map(|span| LayerSpan {
+        index: span.index + raft,
+        ..*span
+    });
+    Heights {
+        spans: of_raft.chain(of_part).collect(),
+        steps: part.steps,
+    }
+}
+
+/// The layers of the part alone.
+fn heights_above(
+    model: &Model,
+    settings: &Settings,
+) -> Result<Heights, HeightsError> {
+    let base = settings.raft_height();
     let top = model.bounds.max.z + model.offset.z;
-    let first = settings.first_layer_height();
+    let first = settings.part_first_height();
     let of_z = match &settings.layer_heights {
         Varying::Constant(LayerHeights::Uniform) => {
-            let spans = plan(top, first, settings.layer_height())?;
+            let mut spans = plan(top - base, first, settings.layer_height())?;
+            if base > 0.0 {
+                for span in &mut spans {
+                    span.bottom += base;
+                    span.top += base;
+                }
+            }
             return Ok(Heights { spans, steps: None });
         }
         Varying::Constant(LayerHeights::Adaptive) => None,
@@ -119,18 +160,20 @@ pub fn heights(
         }
     };
     let range = Range::new(settings);
-    if top < 0.5 * first {
-        return Err(PlanError::TooFlat { height: top, first }.into());
+    let height = top - base;
+    if height < 0.5 * first {
+        return Err(PlanError::TooFlat { height, first }.into());
     }
-    if (top - first) / range.most >= MAX_LAYERS as f64 {
-        let (count, layer) = ((top - first) / range.most, range.most);
+    if (height - first) / range.most >= MAX_LAYERS as f64 {
+        let (count, layer) = ((height - first) / range.most, range.most);
         return Err(PlanError::TooMany { count, layer }.into());
     }
     let lean = surface(model, settings, &range)?;
     let lift = model.offset.z;
     let bottom = lean.bottom + lift;
     let faces: Vec<Mm> = lean.faces.iter().map(|z| z + lift).collect();
-    let (borders, missed, top) = borders(first, top, &faces, range.least);
+    let (borders, missed, top) =
+        borders([base, first + base], top, &faces, range.least);
     let mut level = lean.most_level;
     let bin_of = |z: Mm| ((z - bottom) / lean.bin).max(0.0);
     for z in &missed {
@@ -160,8 +203,8 @@ pub fn heights(
     let tops = stack::stack(&borders, limit)?;
     let mut spans = vec![LayerSpan {
         index: 0,
-        bottom: 0.0,
-        top: first,
+        bottom: base,
+        top: base + first,
     }];
     for top in tops {
         let bottom = spans.last().map_or(0.0, |s| s.top);
@@ -189,7 +232,7 @@ pub fn heights(
             .count(),
         missed_faces: missed.len(),
         unproved_mm: lean.unproved,
-        ..amount(&of_layers, top, first, &range)
+        ..amount(&of_layers, top - base, first, &range)
     };
     Ok(Heights {
         spans,
@@ -264,11 +307,12 @@ fn surface(
     }))
 }
 
-/// Where layers have to end, from the first layer's top to the part's; the faces
+/// Where layers have to end, from the first layer's top (`first`, after its
+/// bottom) to the part's; the faces
 /// at which none ends, as they lie too close to another border; and the part's
 /// top, which is a level face if there is one near it.
 fn borders(
-    first: Mm,
+    [bottom, first]: [Mm; 2],
     top: Mm,
     faces: &[Mm],
     least: Mm,
@@ -282,7 +326,7 @@ fn borders(
     let mut borders = vec![first];
     let mut missed = Vec::new();
     let last_fits = top - first >= THINNER * least;
-    let inside = |z: &&Mm| **z > BOUNDS && **z < top - BOUNDS;
+    let inside = |z: &&Mm| **z > bottom + BOUNDS && **z < top - BOUNDS;
     for &z in faces.iter().filter(inside) {
         let last = borders.last().copied().unwrap_or(first);
         if (z - last).abs() <= BOUNDS {
@@ -316,7 +360,7 @@ fn amount(layers: &[(Mm, f64)], top: Mm, first: Mm, range: &Range) -> Steps {
     Steps {
         step_max_mm: max,
         step_p99_mm: at(0.99),
-        thinnest_mm: heights.clone().fold(range.most, f64::min),
+        thinnest_mm: heights.clone().reduce(f64::min).unwrap_or(0.0),
         thickest_mm: heights.fold(0.0, f64::max),
         uniform_layers: match layers.is_empty() {
             true => 1,

@@ -158,10 +158,18 @@ impl PrinterBook {
         };
         let read = toml::from_str::<BTreeMap<String, Printer>>(&text);
         let mut printers = read.map_err(|error| {
-            // The whole message quotes the line, which may hold a key.
+            // The whole message quotes the line, and the short one may quote a
+            // value: either may hold a key.
             let at = error.span().map_or(0, |span| span.start);
             let line = text.get(..at).unwrap_or_default().matches('\n').count();
-            let message = format!("line {}: {}", line + 1, error.message());
+            let said = error.message();
+            let said = match said.split_once(", expected ") {
+                Some((what, expected)) if what.starts_with("invalid ") => {
+                    format!("expected {expected}")
+                }
+                _ => said.to_owned(),
+            };
+            let message = format!("line {}: {said}", line + 1);
             BookError::Malformed(path.clone(), message)
         })?;
         for (name, printer) in &mut printers {

@@ -162,7 +162,7 @@ impl Client {
                 let to = to.as_ref().and_then(|to| to.to_str().ok());
                 Err(HostError::Elsewhere {
                     host: self.name(),
-                    to: shortened(to.unwrap_or("another address")),
+                    to: self.said(to.unwrap_or("another address")),
                 })
             }
             401 | 403 => Err(HostError::Key {
@@ -228,12 +228,34 @@ impl Client {
         }
     }
 
+    /// A host's words, without the key, which some repeat.
+    fn said(&self, text: &str) -> String {
+        match &self.key {
+            Some(key) if !key.is_empty() => {
+                shortened(&text.replace(key.as_str(), "…"))
+            }
+            _ => shortened(text),
+        }
+    }
+
+    /// The program that answers, if it is the expected one.
+    pub(super) fn program(
+        &self,
+        is_own: impl Fn(&str) -> bool,
+    ) -> Result<String, HostError> {
+        let program = self.text(&self.get("api/version")?, "/text")?;
+        match is_own(&program) {
+            true => Ok(program),
+            false => Err(self.stranger(&format!("it is {program}"))),
+        }
+    }
+
     /// The answer is not what this kind of host answers.
     pub(super) fn stranger(&self, why: &str) -> HostError {
         HostError::Stranger {
             host: self.name(),
             kind: self.kind.name(),
-            why: shortened(why),
+            why: self.said(why),
         }
     }
 
@@ -278,7 +300,7 @@ impl Client {
         Err(HostError::Refused {
             host: self.name(),
             what: what.to_owned(),
-            why: answer.words(),
+            why: self.said(&answer.words()),
         })
     }
 }

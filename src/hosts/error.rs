@@ -68,9 +68,20 @@ pub enum HostError {
     /// No answer in time.
     #[error(
         "{host} stopped answering ({why}); nothing was started; look whether \
-         it is still running, and send the file again"
+         it is still running, and try again"
     )]
     Vanished {
+        /// Address.
+        host: String,
+        /// What was noticed.
+        why: String,
+    },
+    /// No answer to the order to print.
+    #[error(
+        "{host} did not answer when it was told to print ({why}); the print \
+         may have begun: look at the printer before you send the file again"
+    )]
+    Unsure {
         /// Address.
         host: String,
         /// What was noticed.

@@ -56,15 +56,6 @@ impl HostKind {
     pub const ALL: [HostKind; 3] =
         [Self::OctoPrint, Self::Moonraker, Self::PrusaLink];
 
-    /// The word in the file of printers.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::OctoPrint => "octoprint",
-            Self::Moonraker => "moonraker",
-            Self::PrusaLink => "prusalink",
-        }
-    }
-
     /// The program's own name.
     pub fn name(self) -> &'static str {
         match self {
@@ -165,7 +156,8 @@ pub fn status(printer: &Printer) -> Result<Status, HostError> {
 ///
 /// # Errors
 /// If the file cannot be read or sent, or, when it is to be printed, the
-/// printer is busy. Nothing is started then.
+/// printer is busy. Nothing is started then, unless it is
+/// [`HostError::Unsure`].
 pub fn send(
     printer: &Printer,
     path: &Path,
@@ -226,7 +218,13 @@ pub fn send_from(
         });
     }
     if sending.start {
-        host.start(&client, &name)?;
+        host.start(&client, &name).map_err(|error| match error {
+            HostError::Vanished { host, why }
+            | HostError::Stranger { host, why, .. } => {
+                HostError::Unsure { host, why }
+            }
+            error => error,
+        })?;
     }
     Ok(Sent {
         name,

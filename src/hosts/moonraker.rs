@@ -1,7 +1,7 @@
 //! Moonraker's words, <https://moonraker.readthedocs.io/en/latest/external_api/>.
 
 use super::client::Client;
-use super::multipart::{TYPE, form};
+use super::multipart::store;
 use super::{Host, HostError, Status, Upload};
 use percent_encoding::{NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::json;
@@ -40,10 +40,8 @@ impl Host for Moonraker {
         file: &mut Upload<'_>,
     ) -> Result<String, HostError> {
         let fields = [("root", "gcodes"), ("print", "false")];
-        let (mut form, length) = form(&fields, name, file);
         let path = "server/files/upload";
-        let answer = client.send("POST", path, &[TYPE], length, &mut form)?;
-        let answer = client.done(answer, "store the file")?;
+        let answer = store(client, path, &fields, name, file)?;
         // Some versions put the answer into a result, as others are.
         client
             .text(&answer, "/item/path")

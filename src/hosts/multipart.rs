@@ -1,6 +1,7 @@
 //! A form with one file, as browsers send it (RFC 7578).
 
-use super::Upload;
+use super::client::{Answer, Client};
+use super::{HostError, Upload};
 use std::io::{Cursor, Read};
 
 /// What divides the parts. It is no line of G-code, and in a binary file it is
@@ -8,13 +9,26 @@ use std::io::{Cursor, Read};
 const BOUNDARY: &str = "isoslice-7f3b1c9e52d84a60";
 
 /// The header that announces such a form.
-pub(super) const TYPE: (&str, &str) = (
+const TYPE: (&str, &str) = (
     "Content-Type",
     "multipart/form-data; boundary=isoslice-7f3b1c9e52d84a60",
 );
 
+/// Stores a file by such a form.
+pub(super) fn store(
+    client: &Client,
+    path: &str,
+    fields: &[(&str, &str)],
+    name: &str,
+    file: &mut Upload<'_>,
+) -> Result<Answer, HostError> {
+    let (mut form, length) = form(fields, name, file);
+    let answer = client.send("POST", path, &[TYPE], length, &mut form)?;
+    client.done(answer, "store the file")
+}
+
 /// A form of some fields and a file, and its length in bytes.
-pub(super) fn form<'a>(
+fn form<'a>(
     fields: &[(&str, &str)],
     name: &str,
     file: &'a mut Upload<'_>,

@@ -1,7 +1,7 @@
 //! OctoPrint's words, <https://docs.octoprint.org/en/master/api/files.html>.
 
 use super::client::Client;
-use super::multipart::{TYPE, form};
+use super::multipart::store;
 use super::{Host, HostError, Status, Upload};
 use percent_encoding::{NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::json;
@@ -10,11 +10,7 @@ pub(super) struct OctoPrint;
 
 impl Host for OctoPrint {
     fn status(&self, client: &Client) -> Result<Status, HostError> {
-        let version = client.get("api/version")?;
-        let program = client.text(&version, "/text")?;
-        if !program.starts_with("OctoPrint") {
-            return Err(client.stranger(&format!("it is {program}")));
-        }
+        let program = client.program(|text| text.starts_with("OctoPrint"))?;
         let job = client.get("api/job")?;
         let state = client.text(&job, "/state")?;
         let files = client.get("api/files")?;
@@ -33,10 +29,8 @@ impl Host for OctoPrint {
         file: &mut Upload<'_>,
     ) -> Result<String, HostError> {
         let fields = [("select", "false"), ("print", "false")];
-        let (mut form, length) = form(&fields, name, file);
         let path = "api/files/local";
-        let answer = client.send("POST", path, &[TYPE], length, &mut form)?;
-        let answer = client.done(answer, "store the file")?;
+        let answer = store(client, path, &fields, name, file)?;
         client.text(&answer, "/files/local/path")
     }
 

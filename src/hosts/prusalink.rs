@@ -62,11 +62,7 @@ impl PrusaLink {
 
 impl Host for PrusaLink {
     fn status(&self, client: &Client) -> Result<Status, HostError> {
-        let version = client.get("api/version")?;
-        let program = client.text(&version, "/text")?;
-        if !program.contains("PrusaLink") {
-            return Err(client.stranger(&format!("it is {program}")));
-        }
+        let program = client.program(|text| text.contains("PrusaLink"))?;
         let status = client.get("api/v1/status")?;
         let state = client.text(&status, "/printer/state")?;
         let ready = ["IDLE", "READY", "FINISHED", "STOPPED"];

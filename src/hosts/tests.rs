@@ -232,6 +232,13 @@ fn a_wrong_key_is_said_and_not_shown() {
             assert!(!error.to_string().contains(SECRET), "{error}");
             assert!(!format!("{printer:?}").contains(SECRET));
         }
+        for code in [400, 500] {
+            let (printer, _) =
+                odd_host(kind, move |_| Some((code, json!({"error": SECRET}))));
+            let error = try_to_send(&printer, true).unwrap_err();
+            assert!(!matches!(error, HostError::Key { .. }), "{error}");
+            assert!(!error.to_string().contains(SECRET), "{error}");
+        }
     }
 }
 
@@ -490,6 +497,14 @@ fn the_file_of_printers_is_private_and_keeps_what_it_is_told() {
     let error = PrinterBook::open(folder.path()).unwrap_err().to_string();
     assert!(error.contains("line 3"), "{error}");
     assert!(!error.contains(SECRET), "{error}");
+    // Nor is what stands where a table should.
+    for key in [format!("\"{SECRET}\""), "12345678".to_owned()] {
+        let text = format!("key = {key}\n");
+        std::fs::write(folder.path().join("printers.toml"), text).unwrap();
+        let error = PrinterBook::open(folder.path()).unwrap_err().to_string();
+        assert!(error.contains("line 1"), "{error}");
+        assert!(!error.contains(key.trim_matches('"')), "{error}");
+    }
 }
 
 #[test]

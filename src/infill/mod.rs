@@ -12,7 +12,6 @@
 //! are in. The joins along the area's border come on top of it; they belong
 //! to the wall they follow, and are as long as half of it.
 
-mod clusters;
 mod concentric;
 mod cubic;
 mod diamond;

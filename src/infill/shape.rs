@@ -13,23 +13,23 @@
 //! their places from layer to layer. Places where it is not a number are
 //! outside. Features thinner than the lattice may be missed.
 
-use super::clusters::clusters;
 use super::{InfillError, Layer, Site};
 use crate::bead::Stroke;
 use crate::contour::{Detail, Field, field, outlines};
 use crate::model::{Expression, Place, Source, SourceKind, load};
-use crate::plane::border::{Border, Cutter, Piece};
+use crate::plane::border::{Cutter, Piece};
 use crate::plane::clip::intersection;
+use crate::plane::clusters::clusters;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
-use crate::plane::{Area, Rect, Ring, path_length};
+use crate::plane::zero::{self, Sampling, zero_lines};
+use crate::plane::{Area, Rect, path_length};
 use crate::region::{Lay, lay, shrink};
 use crate::settings::Settings;
 use crate::timings::Timings;
 use crate::units::Mm;
 use crate::vary::{Surroundings, VaryError};
 use glam::DVec2;
-use isocontour::level::{Lattice, thin, trace};
 
 /// An expression, ready to be evaluated.
 pub(super) enum Shape {
@@ -41,13 +41,6 @@ pub(super) enum Shape {
 
 /// Distance of the lattice's nodes, as a share of the line's width.
 const STEP: f64 = 0.5;
-/// Nodes of a lattice at most; beyond that they are farther apart.
-const MOST: f64 = 4e6;
-/// Cells along the side of a block; a block is sampled whole, or not at all.
-const BLOCK: usize = 8;
-/// Nodes evaluated at once: their places take little memory, and the time
-/// between the calls does not matter.
-const AT_ONCE: usize = 1 << 14;
 /// Lines may be off by this, mm; nobody sees them.
 const CHORD: Mm = 0.05;
 /// A field's box is larger than the part's by this, mm: the sides that close
@@ -134,11 +127,25 @@ impl Shape {
                 pieces = cutter.finish();
             }
             Shape::Deep(expression) => {
+                let mut places = Vec::new();
                 for cluster in clusters(layer.border.area()) {
                     let (border, bounds) = (layer.border, cluster.bounds);
-                    let lines = curves(
-                        expression, border, bounds, layer.z, around, width,
+                    let lines = zero_lines(
+                        border,
+                        bounds,
+                        sampling(width),
                         false,
+                        |points, out| {
+                            let z = layer.z;
+                            deep(
+                                expression,
+                                around,
+                                points,
+                                z,
+                                &mut places,
+                                out,
+                            )
+                        },
                     )?;
                     let mut cutter = Cutter::new(border);
                     for (points, closed) in lines {
@@ -170,20 +177,11 @@ impl Shape {
             }
             Shape::Deep(expression) => expression,
         };
-        let mut rings = Vec::new();
-        for cluster in clusters(area) {
-            let (border, bounds) = (Border::new(&cluster.area), cluster.bounds);
-            let lines =
-                curves(expression, &border, bounds, z, around, width, true)?;
-            let own = lines
-                .into_iter()
-                .filter(|(points, closed)| *closed && points.len() > 2);
-            let own = Area {
-                rings: own.map(|(points, _)| points).collect(),
-            };
-            rings.extend(intersection(&own, &cluster.area).rings);
-        }
-        Ok(Area { rings })
+        let mut places = Vec::new();
+        let found = zero::negative(area, sampling(width), |points, out| {
+            deep(expression, around, points, z, &mut places, out)
+        });
+        Ok(found?)
     }
 
     /// Centre lines of the solid in `area`: walls, and lines inside them.
@@ -247,113 +245,29 @@ fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
     Ok(found.into_iter().next().map_or(Area::EMPTY, |o| o.area))
 }
 
-/// The zero lines of an expression near the part of a border that lies in a
-/// box, and whether each is closed. There may be more lines elsewhere in the
-/// box. `whole` closes lines along the box's sides.
-fn curves(
-    expression: &Expression,
-    border: &Border<'_>,
-    bounds: Rect,
-    z: Mm,
-    around: Around<'_>,
-    width: Mm,
-    whole: bool,
-) -> Result<Vec<(Ring, bool)>, VaryError> {
-    let extent = bounds.max - bounds.min;
-    let step = (STEP * width).max((extent.x * extent.y / MOST).sqrt());
-    // Nodes lie whole steps from the origin, so that every layer has them at
-    // equal places.
-    let origin = ((bounds.min / step).floor() - 1.0) * step;
-    let size = (bounds.max - origin) / step;
-    let lattice = Lattice {
-        origin,
-        step,
-        size: [size.x as usize + 3, size.y as usize + 3],
-        periodic: false,
-    };
-    let mut places: Vec<Place> = Vec::new();
-    let mut failed = None;
-    let mut eval = |points: &mut dyn Iterator<Item = DVec2>,
-                    out: &mut Vec<f64>| {
-        places.clear();
-        let Around {
-            surroundings,
-            solid,
-        } = around;
-        match surroundings.places(points, z, true, solid, &mut places) {
-            Ok(()) => expression.evaluate(&places, out),
-            Err(e) => failed = Some(e),
-        }
-    };
-    let [nx, ny] = lattice.size;
-    let mut values = vec![f64::NAN; lattice.count()];
-    let wanted = nodes_near(&lattice, border);
-    let mut some = Vec::with_capacity(AT_ONCE);
-    for nodes in wanted.chunks(AT_ONCE) {
-        crate::limits::check();
-        some.clear();
-        let mut places = nodes.iter().map(|&k| {
-            let k = k as usize;
-            lattice.node(k % nx, k / nx)
-        });
-        eval(&mut places, &mut some);
-        for (&k, &value) in nodes.iter().zip(&some) {
-            values[k as usize] = value;
-        }
+/// How closely an expression that asks for d is looked at.
+fn sampling(width: Mm) -> Sampling {
+    Sampling {
+        step: STEP * width,
+        chord: CHORD,
     }
-    if whole {
-        for (k, value) in values.iter_mut().enumerate() {
-            let (i, j) = (k % nx, k / nx);
-            if i == 0 || j == 0 || i + 1 == nx || j + 1 == ny {
-                *value = f64::INFINITY;
-            }
-        }
-    }
-    let curves = trace(&lattice, &values, 4, &mut |points, out| {
-        eval(&mut points.iter().copied(), out);
-        out.resize(points.len(), f64::NAN);
-    });
-    if let Some(e) = failed {
-        return Err(e);
-    }
-    let thinned = curves.into_iter().map(|c| {
-        let mut points = c.points;
-        if c.closed {
-            points.extend(points.first().copied());
-        }
-        let mut points = thin(&points, CHORD);
-        if c.closed {
-            points.pop();
-        }
-        (points, c.closed)
-    });
-    Ok(thinned.collect())
 }
 
-/// The numbers of the nodes that matter for what is within a border: those of
-/// the blocks of cells that come near to it.
-fn nodes_near(lattice: &Lattice, border: &Border<'_>) -> Vec<u32> {
-    let [nx, ny] = lattice.size;
-    let mut near = vec![false; nx * ny];
-    for j in (0..ny).step_by(BLOCK) {
-        crate::limits::check();
-        for i in (0..nx).step_by(BLOCK) {
-            let (right, top) =
-                ((i + BLOCK).min(nx - 1), (j + BLOCK).min(ny - 1));
-            // One step is added: lines end where no value is known, and such an
-            // end must not come into the area when the lines are thinned.
-            let block = Rect {
-                min: lattice.node(i, j) - lattice.step,
-                max: lattice.node(right, top) + lattice.step,
-            };
-            if border.touches(block) {
-                for row in j..=top {
-                    near[row * nx + i..=row * nx + right].fill(true);
-                }
-            }
-        }
-    }
-    (0..near.len() as u32)
-        .filter(|&k| near[k as usize])
-        .collect()
+/// Appends the values of an expression that asks for d at some points.
+fn deep(
+    expression: &Expression,
+    around: Around<'_>,
+    points: &mut dyn Iterator<Item = DVec2>,
+    z: Mm,
+    places: &mut Vec<Place>,
+    out: &mut Vec<f64>,
+) -> Result<(), VaryError> {
+    let Around {
+        surroundings,
+        solid,
+    } = around;
+    places.clear();
+    surroundings.places(points, z, true, solid, places)?;
+    expression.evaluate(places, out);
+    Ok(())
 }

@@ -16,10 +16,10 @@
 //! needed follows from the length of the mixtures' lines, which is measured as
 //! well. A mixture that changes slowly has a zero set without ends or steps.
 
-use super::clusters::clusters;
 use super::grading::Grading;
 use super::{Density, Layer, Pattern};
 use crate::plane::border::{Cutter, Piece};
+use crate::plane::clusters::clusters;
 use crate::plane::{Rect, path_length};
 use crate::units::Mm;
 use glam::DVec2;

@@ -7,7 +7,7 @@
 //! - `source`: which format, reading; `script` (rhai, sandboxed), `vm`
 //!   (fidget's text), `formula` (one expression), `expression` (of settings), `param` (`-D name=value`)
 //! - `placement`: scale, rotation, position, in the box that
-//!   [`isocontour::find_bounds`] finds
+//!   [`isocontour::find_bounds`] finds; `together`, several models as one
 //!
 //! Guarantees: whatever the input, an error or a model within bounded time
 //! and memory, without panics and without recursion on the caller's stack;
@@ -26,6 +26,7 @@ mod power;
 mod probe;
 mod script;
 mod source;
+mod together;
 mod value;
 mod vm;
 
@@ -41,4 +42,5 @@ pub use probe::ProbeError;
 pub(crate) use probe::{Probe, Spot};
 pub use script::{ScriptError, ScriptLimits};
 pub use source::{Loaded, Source, SourceKind, load, load_within};
+pub(crate) use together::together;
 pub use vm::{VmError, parse_vm};

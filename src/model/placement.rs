@@ -78,6 +78,9 @@ pub struct Model {
     pub bounds: Bounds,
     /// Printer coordinates = coordinates of the model's frame + offset, mm.
     pub offset: DVec3,
+    /// How much of the offset's height is a raft's and that of the air above
+    /// it, mm: what lies below that much is cut off.
+    pub lift: f64,
     /// Where in the coordinates in which the model was drawn (and turned and
     /// scaled) the frame's origin is, mm: 0, but for models that were drawn so
     /// far out that f32 has too few digits left there.
@@ -97,6 +100,20 @@ impl Model {
             min: self.bounds.min + self.origin,
             max: self.bounds.max + self.origin,
         }
+    }
+
+    /// The model, higher above the bed.
+    pub fn raised(&self, by: f64) -> Model {
+        let mut raised = self.clone();
+        raised.offset.z += by;
+        raised.lift += by;
+        raised
+    }
+
+    /// Height in the model's frame below which it is cut off, mm: that of the
+    /// bed, or of the air above a raft.
+    pub fn foot(&self) -> f64 {
+        self.lift - self.offset.z
     }
 
     /// The box of the part on the printer.
@@ -292,6 +309,7 @@ pub fn place(
             max: bounds.max - origin,
         },
         offset: offset + origin,
+        lift: 0.0,
         origin,
         parameters: loaded.parameters.clone(),
         warnings,

@@ -5,7 +5,7 @@ use super::begin::{begin_near, nearest_spot};
 use super::islands::{Island, Loop};
 use super::jobs::{Job, print};
 use super::tour::{Stop, tour};
-use super::{SEAM_REACH, sweep};
+use super::{Place, SEAM_REACH, sweep};
 use crate::bead::{Bead, Role};
 use crate::settings::{SeamRule, Settings, Varying, WallOrder};
 use crate::skin::{Fill, Patch};
@@ -16,6 +16,7 @@ pub(super) fn print_island(
     island: Island,
     at: &mut Option<DVec2>,
     to: Option<DVec2>,
+    place: Place<'_>,
     settings: &Settings,
     out: &mut Vec<Bead>,
 ) {
@@ -23,11 +24,29 @@ pub(super) fn print_island(
     // Walls that pass no seam have a stage of their own, before all loops or
     // after them.
     let mut jobs: Vec<(u32, Job)> = Vec::new();
-    let away_stage = if inner_first { 0 } else { 2 };
-    for group in island.loops {
+    let stage = |inner_first| if inner_first { 0 } else { 2 };
+    let away_stage = stage(inner_first);
+    // The nozzle is low while it prints these: nothing may be beside it yet.
+    let mut sunk: Vec<(u32, Job)> = Vec::new();
+    for mut group in island.loops {
+        let low = group.walls.extract_if(.., |wall| wall.sunk);
+        sunk.extend(low.map(|wall| (0, Job::of(wall))));
+        let mut inner_first = inner_first;
+        if settings.overhang_inner_first || settings.overhang_reverse {
+            let hangs = group.walls.first().is_some_and(|w| place.hangs(w));
+            inner_first |= hangs && settings.overhang_inner_first;
+            let odd = !place.number.is_multiple_of(2);
+            if hangs && odd && settings.overhang_reverse {
+                group.walls.iter_mut().for_each(turn_round);
+            }
+        }
         let (job, away) = loop_job(group, inner_first, settings);
         jobs.extend(job.map(|job| (1, job)));
-        jobs.extend(away.into_iter().map(|b| (away_stage, Job::of(b))));
+        let stage = stage(inner_first);
+        jobs.extend(away.into_iter().map(|b| (stage, Job::of(b))));
+    }
+    if !sunk.is_empty() {
+        print(sunk, at, None, out);
     }
     // If there are such walls, gaps lie between them. Otherwise gaps can be
     // filled on the way through the infill.
@@ -45,6 +64,15 @@ pub(super) fn print_island(
     }
     print(jobs, at, None, out);
     print_skin(island.skin, at, to, out);
+}
+
+/// Turns a bead round; a closed one begins where it did.
+fn turn_round(bead: &mut Bead) {
+    bead.reverse();
+    if bead.closed {
+        let last = bead.points.len().saturating_sub(1);
+        bead.begin_at(last);
+    }
 }
 
 /// A loop's walls that pass its seam, in their order, and the loop's other

@@ -49,6 +49,7 @@ pub(crate) fn linked(
         if let Some(before) = out.last_mut()
             && hidden(before.role, settings)
             && hidden(bead.role, settings)
+            && !(before.sunk || bead.sunk)
             && let Some(link) = Link::between(before, &bead)
             && link.is_free(solid, outer)
         {

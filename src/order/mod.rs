@@ -35,6 +35,7 @@ use crate::seam::{Site, follow};
 use crate::settings::Settings;
 use crate::skin::Patch;
 use crate::units::Mm;
+use crate::walls::Support;
 use begin::nearest_spot;
 use glam::DVec2;
 use island::print_island;
@@ -88,10 +89,28 @@ pub(crate) struct Head {
 /// one, and how far from it inner walls may begin, mm.
 const SEAM_REACH: Mm = 2.0;
 
-/// Puts a layer's beads in order. `outline` is the layer's solid.
+/// What is known of a layer besides its beads.
+#[derive(Clone, Copy)]
+pub(crate) struct Place<'a> {
+    /// Its number, from the bed.
+    pub number: usize,
+    /// Its solid.
+    pub outline: &'a Area,
+    /// What holds its walls, if that is less than all of them.
+    pub support: Option<&'a Support<'a>>,
+}
+
+impl Place<'_> {
+    /// True if an outer wall hangs somewhere, and so does what is beside it.
+    fn hangs(&self, outer: &Bead) -> bool {
+        self.support.is_some_and(|support| support.hangs(outer))
+    }
+}
+
+/// Puts a layer's beads in order.
 pub(crate) fn order(
     mut beads: LayerBeads,
-    outline: &Area,
+    place: Place<'_>,
     head: &mut Head,
     settings: &Settings,
 ) -> Vec<Bead> {
@@ -111,7 +130,7 @@ pub(crate) fn order(
         false => (support, Vec::new()),
     };
     jobs::print(first, &mut head.at, None, &mut out);
-    let mut islands = islands(outline, beads);
+    let mut islands = islands(place.outline, beads);
     head.seams = place_seams(&mut islands, &head.seams);
     let mut stops = Vec::new();
     let mut left = Vec::new();
@@ -133,11 +152,27 @@ pub(crate) fn order(
         let next = visits.get(k + 1).unwrap_or(visit);
         let to = Some(stops[next.stop].from);
         if let Some(island) = left[visit.stop].take() {
-            print_island(island, &mut head.at, to, settings, &mut out);
+            print_island(island, &mut head.at, to, place, settings, &mut out);
         }
     }
     jobs::print(last, &mut head.at, None, &mut out);
     out
+}
+
+/// The order in which to go ways that each have their beginning and end: a
+/// short one from `at` on.
+pub(crate) fn in_turn(
+    ways: &[(DVec2, DVec2)],
+    at: Option<DVec2>,
+) -> Vec<usize> {
+    let stop = |&(from, to): &(DVec2, DVec2)| Stop {
+        from,
+        to,
+        turns: false,
+        stage: 0,
+    };
+    let stops: Vec<Stop> = ways.iter().map(stop).collect();
+    tour(&stops, at, None).iter().map(|v| v.stop).collect()
 }
 
 /// Rotates the outer walls to their seams, which are returned.
@@ -218,6 +253,14 @@ mod tests {
         ])
     }
 
+    fn held(outline: &Area) -> Place<'_> {
+        Place {
+            number: 1,
+            outline,
+            support: None,
+        }
+    }
+
     fn two_squares() -> (LayerBeads, Area) {
         let beads = LayerBeads {
             walls: vec![
@@ -242,7 +285,7 @@ mod tests {
             ..Head::default()
         };
         let settings = Settings::default();
-        let out = order(beads, &outline, &mut head, &settings);
+        let out = order(beads, held(&outline), &mut head, &settings);
         let side: Vec<bool> =
             out.iter().map(|b| b.points[0].x > 10.0).collect();
         assert_eq!(side, [true, true, false, false]);
@@ -266,7 +309,7 @@ mod tests {
             seams: vec![DVec2::new(1.2, -4.1)],
         };
         let settings = Settings::default();
-        let out = order(beads, &outline, &mut head, &settings);
+        let out = order(beads, held(&outline), &mut head, &settings);
         let starts: Vec<DVec2> = out
             .iter()
             .filter(|b| b.role == Role::OuterWall)
@@ -309,7 +352,7 @@ mod tests {
                 wall_order,
                 ..Settings::default()
             };
-            let out = order(beads, &outline, &mut head, &settings);
+            let out = order(beads, held(&outline), &mut head, &settings);
             assert_eq!(out.len(), 6);
             let here = out.iter().filter(|b| b.points[0].x < 10.0);
             let roles: Vec<Role> = here.map(|b| b.role).collect();

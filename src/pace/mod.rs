@@ -1,6 +1,6 @@
 //! Speeds, cooling and time: how fast each move of a layer is run.
 //!
-//! In: [`LayerPath`]s in print order, and the settings. Out: a [`PacedLayer`]
+//! In: the [`Stretch`]es of each layer, in print order. Out: a [`PacedLayer`]
 //! for each: the moves with their speeds and, between them, every step that the
 //! machine needs: retractions, primings and moves of z.
 //!
@@ -39,18 +39,17 @@ mod moves;
 pub(crate) mod rates;
 mod slowing;
 
-pub(crate) use moves::{PacedLayer, PacedMove};
+pub(crate) use moves::{Amount, OfPart, PacedLayer, PacedMove};
 
-use crate::bead::{Bead, Stroke};
+use crate::bead::{Bead, Role, Stroke};
 use crate::layers::LayerSpan;
 use crate::plane::arc;
-use crate::plane::grid::EdgeGrid;
 use crate::plane::path_length;
 use crate::resolution::arc_tolerance;
 use crate::settings::Settings;
-use crate::travel::{LayerPath, Move, Travel};
+use crate::travel::{Move, Travel};
 use crate::units::{
-    MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, filament_area,
+    MICRON, Mm, Mm2, MmPerSec, MmPerSec2, Percent, Seconds, filament_area,
 };
 use crate::vary::VaryError;
 use bounds::{acceleration, print_speed, speed_limit};
@@ -58,8 +57,10 @@ use crowd::{Rated, slowed};
 use fan::fan_speed;
 use glam::{DVec2, DVec3};
 use motion::{Limits, Motion};
-use rates::{Rater, Rates};
-use slowing::slow_down;
+use rates::{Rater, Rates, Site};
+use slowing::{Slowing, slow_down};
+use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Height above the first layer at which the head comes from where the start
 /// template left it, mm. It clears what start templates leave on the bed.
@@ -73,11 +74,24 @@ const SAME_PLACE: Mm = 0.1 * MICRON;
 /// touches what has just been printed.
 const WIPE_SPEED: f64 = 0.8;
 
+/// Moves of a layer that belong together: those of a part, or of what stands
+/// round all parts.
+pub(crate) struct Stretch<'a, 'r> {
+    /// Which of the plate's places the part has; nothing if it is no part.
+    pub place: Option<usize>,
+    /// The moves, in print coordinates.
+    pub moves: Vec<Move>,
+    /// The rates of its beads. Its settings hold for the stretch.
+    pub rater: &'r Rater<'a>,
+    /// Where it is.
+    pub site: Site<'r>,
+}
+
 /// Gives speeds to one layer after another. Between two layers it knows where
 /// the head stands.
 pub(crate) struct Pacer<'a> {
+    /// Those of what is being paced.
     settings: &'a Settings,
-    rater: Rater<'a>,
     motion: Motion,
     /// Where the head is; nothing before the first move.
     xy: Option<DVec2>,
@@ -95,14 +109,16 @@ pub(crate) struct Pacer<'a> {
     lifted: bool,
     /// The fan's speed as last set in the layer.
     fan: Percent,
+    /// The layer's beads so far: role, length, filament, and the segments of
+    /// `motion`.
+    printed: Vec<(Role, Amount, Range<usize>)>,
 }
 
 impl<'a> Pacer<'a> {
     /// A pacer for a print from the bed up.
-    pub(crate) fn new(settings: &'a Settings, rater: Rater<'a>) -> Self {
+    pub(crate) fn new(settings: &'a Settings) -> Self {
         Self {
             settings,
-            rater,
             motion: Motion::new(
                 Limits::new(settings),
                 settings.travel_acceleration(),
@@ -115,6 +131,7 @@ impl<'a> Pacer<'a> {
             on_slope: false,
             lifted: false,
             fan: 0.0,
+            printed: Vec::new(),
         }
     }
 
@@ -130,57 +147,53 @@ impl<'a> Pacer<'a> {
     }
 
     /// Gives the next layer its speeds. Layers must come in print order.
-    /// `solid` is the layer's outline in the model's coordinates, for settings
-    /// that depend on the depth.
+    /// `whole` has the rates that hold for all of the layer.
     ///
     /// # Errors
     /// If a setting that is an expression has no value somewhere.
     pub(crate) fn layer(
         &mut self,
-        path: LayerPath,
-        solid: Option<&EdgeGrid>,
+        span: LayerSpan,
+        stretches: Vec<Stretch<'a, '_>>,
+        whole: &Rater<'a>,
     ) -> Result<PacedLayer, VaryError> {
-        let LayerPath { span, moves } = path;
         self.motion.clear();
+        self.printed.clear();
         self.raised = 0.0;
-        let mut fan = self.rater.fan(&span).unwrap_or(f64::NAN);
+        let mut fan = whole.fan(&span).unwrap_or(f64::NAN);
         self.fan = fan;
-        let mut out = Vec::with_capacity(moves.len() + 8);
-        // Beads without a travel between them.
-        let mut chain = Vec::new();
+        let count: usize = stretches.iter().map(|s| s.moves.len()).sum();
+        let mut out = Vec::with_capacity(count + 8);
+        let mut parts = Vec::with_capacity(stretches.len());
         let (mut printing, mut slow) = (0, 0);
-        for step in moves {
-            crate::limits::check();
-            match step {
-                Move::Travel(travel) => {
-                    slow += self.print_all(&span, &mut chain, &mut out);
-                    self.travel(&span, travel, &mut out);
-                }
-                Move::Print(bead) => {
-                    let limit = speed_limit(&bead, &span, self.settings);
-                    let pieces = self.rater.pieces(bead, &span, solid)?;
-                    for (piece, mut rates) in pieces {
-                        rates.speed = rates.speed.min(limit);
-                        rates.speed =
-                            print_speed(self.settings, &piece, &rates);
-                        let rated = self.with_arcs(piece, rates);
-                        printing += rated.bead.segments().count();
-                        chain.push(rated);
-                    }
-                }
-            }
+        for stretch in stretches {
+            let (place, first) = (stretch.place, out.len());
+            let (printed, slowed) = self.stretch(&span, stretch, &mut out)?;
+            printing += printed;
+            slow += slowed;
+            let moves = first..out.len();
+            parts.push(OfPart { place, moves });
         }
-        slow += self.print_all(&span, &mut chain, &mut out);
+        self.settings = whole.settings();
         if fan.is_nan() {
             // The fan's speed for the first bead holds from the layer's
             // beginning.
             let first = |m: &PacedMove| matches!(m, PacedMove::Fan(_));
-            fan = match out.iter().position(first).map(|i| out.remove(i)) {
+            let at = out.iter().position(first);
+            fan = match at.map(|i| out.remove(i)) {
                 Some(PacedMove::Fan(speed)) => speed,
                 _ => 0.0,
             };
+            for OfPart { moves, .. } in &mut parts {
+                let moved =
+                    |k: usize| k - usize::from(at.is_some_and(|i| i < k));
+                *moves = moved(moves.start)..moved(moves.end);
+            }
         }
         self.prime(&mut out);
+        if let Some(last) = parts.last_mut() {
+            last.moves.end = out.len();
+        }
         let (slowing, time) =
             slow_down(&mut self.motion, &self.settings.cooling);
         let fan_at = |asked| fan_speed(asked, span.index, time, self.settings);
@@ -194,20 +207,72 @@ impl<'a> Pacer<'a> {
             }
         }
         fan = fan_at(fan);
+        let amounts = self.amounts(slowing);
         Ok(PacedLayer {
             span,
             moves: out,
+            parts,
             fan,
-            nozzle_temperature: self.rater.temperature(&span)?,
+            nozzle_temperature: whole.temperature(&span)?,
             time,
             printing,
             slowed: slow,
+            amounts,
         })
     }
 
-    /// The settings of the print.
-    pub(crate) fn settings(&self) -> &'a Settings {
-        self.settings
+    /// What the layer's beads amount to, as they are slowed.
+    fn amounts(&mut self, slowing: Slowing) -> BTreeMap<Role, Amount> {
+        let times: Vec<Seconds> = slowing.times(&mut self.motion).collect();
+        let mut amounts: BTreeMap<Role, Amount> = BTreeMap::new();
+        for (role, amount, segments) in &self.printed {
+            let of_bead = times.get(segments.clone()).unwrap_or_default();
+            let sum = amounts.entry(*role).or_default();
+            sum.time += of_bead.iter().sum::<Seconds>();
+            sum.length += amount.length;
+            sum.filament += amount.filament;
+        }
+        amounts
+    }
+
+    /// Paces a stretch of a layer, and tells how many moves print, and how many
+    /// of these had to be slowed.
+    fn stretch(
+        &mut self,
+        span: &LayerSpan,
+        stretch: Stretch<'a, '_>,
+        out: &mut Vec<PacedMove>,
+    ) -> Result<(usize, usize), VaryError> {
+        let Stretch {
+            moves, rater, site, ..
+        } = stretch;
+        self.settings = rater.settings();
+        // Beads without a travel between them.
+        let mut chain = Vec::new();
+        let (mut printing, mut slow) = (0, 0);
+        for step in moves {
+            crate::limits::check();
+            match step {
+                Move::Travel(travel) => {
+                    slow += self.print_all(span, &mut chain, out);
+                    self.travel(span, travel, out);
+                }
+                Move::Print(bead) => {
+                    let limit = speed_limit(&bead, span, self.settings);
+                    let pieces = rater.pieces(bead, span, site)?;
+                    for (piece, mut rates) in pieces {
+                        rates.speed = rates.speed.min(limit);
+                        rates.speed =
+                            print_speed(self.settings, &piece, &rates);
+                        let rated = self.with_arcs(piece, rates);
+                        printing += rated.bead.segments().count();
+                        chain.push(rated);
+                    }
+                }
+            }
+        }
+        slow += self.print_all(span, &mut chain, out);
+        Ok((printing, slow))
     }
 
     fn travel(
@@ -329,24 +394,36 @@ impl<'a> Pacer<'a> {
             area * rates.flow / filament_area(settings.filament.diameter)
         };
         self.xy = Some(start);
+        let first = self.motion.segments().len();
+        let mut amount = Amount::default();
         for (i, (from, to)) in bead.segments().enumerate() {
+            let mut add = |way: Mm, filament: f64| {
+                amount.length += way;
+                amount.filament += way * filament;
+            };
             if let Some(rise) = bead.rise(i + 1) {
                 let fed = filament(bead.area_along(i));
+                let up = rise - bead.rise(i).unwrap_or(rise);
+                add(from.distance(to).hypot(up), fed);
                 let to = to.extend(level(Some(rise)));
                 self.go_up(to, speed, acceleration, fed, true);
                 continue;
             }
             let filament = filament(bead.area());
             let Some(turn) = turns.get(i).copied().flatten() else {
+                add(from.distance(to), filament);
                 self.go(to, speed, acceleration, filament, true);
                 continue;
             };
+            add(turn.length(from), filament);
             let chord = self.motion.chord(turn.radius(from));
             let count = (turn.length(from) / chord).ceil().max(1.0);
             for p in turn.chords(from, to, count as usize) {
                 self.go(p, speed, acceleration, filament, true);
             }
         }
+        let segments = first..self.motion.segments().len();
+        self.printed.push((bead.role, amount, segments));
         self.on_slope = !bead.levels.is_empty();
         let rises = bead.levels.iter().map(|l| l.rise);
         self.raised = rises.fold(self.raised, f64::max);

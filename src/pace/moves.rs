@@ -1,10 +1,12 @@
 //! The steps of the machine that pacing makes, layer by layer.
 
-use crate::bead::Bead;
+use crate::bead::{Bead, Role};
 use crate::layers::LayerSpan;
 use crate::plane::arc::Turn;
 use crate::units::{Celsius, Mm, MmPerSec, MmPerSec2, Percent, Seconds};
 use glam::DVec2;
+use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// One step of the machine, with its speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +70,26 @@ pub(crate) enum PacedMove {
     Fan(Percent),
 }
 
+/// What some beads amount to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Amount {
+    /// Length of the beads.
+    pub length: Mm,
+    /// Length of filament.
+    pub filament: Mm,
+    /// How long it takes to print them, travels aside.
+    pub time: Seconds,
+}
+
+/// Moves of a layer that belong to one part.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct OfPart {
+    /// Which of the plate's places the part has; nothing if it is no part.
+    pub place: Option<usize>,
+    /// The moves, by their numbers.
+    pub moves: Range<usize>,
+}
+
 /// A layer ready to be written.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PacedLayer {
@@ -75,6 +97,8 @@ pub(crate) struct PacedLayer {
     pub span: LayerSpan,
     /// The layer's moves in order.
     pub moves: Vec<PacedMove>,
+    /// Which of them belong to which part, in order.
+    pub parts: Vec<OfPart>,
     /// Speed of the part's fan at the layer's beginning.
     pub fan: Percent,
     /// Temperature of the nozzle.
@@ -85,4 +109,6 @@ pub(crate) struct PacedLayer {
     /// the printer takes only so many in a second.
     pub printing: usize,
     pub slowed: usize,
+    /// What the beads of each role amount to.
+    pub amounts: BTreeMap<Role, Amount>,
 }

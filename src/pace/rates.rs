@@ -4,7 +4,8 @@
 //! In: a bead. Out: the bead, or pieces of it that follow each other without a
 //! break, each with its rates. A setting that is an expression is evaluated
 //! along the bead every `STEP`, and the bead is cut where the value changes
-//! noticeably.
+//! noticeably. So are walls whose speed or fan depends on how far they reach
+//! beyond the layer below.
 
 use crate::bead::{Bead, Level, Role, Stroke};
 use crate::layers::LayerSpan;
@@ -14,6 +15,7 @@ use crate::resolution::pieces;
 use crate::settings::{Range, Settings, Speed, Varying};
 use crate::units::{Celsius, Mm, MmPerSec, Percent};
 use crate::vary::{Quantity, Surroundings, VaryError};
+use crate::walls::Reach;
 use glam::DVec2;
 
 /// Distance between the points of a bead at which expressions are evaluated.
@@ -21,6 +23,28 @@ const STEP: Mm = 1.0;
 
 /// Share of itself by which a rate has to change for the bead to be cut.
 const CHANGE: f64 = 0.01;
+
+/// Distance between the points of a wall at which its reach is measured.
+const REACH_STEP: Mm = 0.25;
+
+/// Stretches shorter than this that reach farther, or less far, than what is on
+/// both sides of them do not count, mm: the head hardly changes its speed there.
+const REACH_SHORT: Mm = 1.0;
+
+/// Share of itself by which the speed has to change for a wall to be cut for its
+/// reach, and change of the fan's speed: the steps do not show.
+const REACH_CHANGE: (f64, Percent) = (0.05, 5.0);
+
+/// What is known of the place of a layer's beads, in the model's coordinates.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Site<'a> {
+    /// The layer's outline, for settings that depend on the depth.
+    pub solid: Option<&'a EdgeGrid>,
+    /// What holds the layer, if that is not the same everywhere.
+    pub reach: Option<Reach<'a>>,
+    /// How far the part is from where the model was placed.
+    pub shift: DVec2,
+}
 
 /// How a bead is printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,6 +165,11 @@ impl<'a> Rater<'a> {
         })
     }
 
+    /// The settings of what it rates.
+    pub(crate) fn settings(&self) -> &'a Settings {
+        self.settings
+    }
+
     /// Temperature of the nozzle on a layer. The value of an expression is
     /// rounded to whole degrees.
     ///
@@ -186,7 +215,6 @@ impl<'a> Rater<'a> {
     }
 
     /// The bead in pieces of constant width and rates, in print coordinates.
-    /// `solid` is the layer's outline in the model's coordinates.
     ///
     /// # Errors
     /// If a setting has no value somewhere along the bead.
@@ -194,29 +222,38 @@ impl<'a> Rater<'a> {
         &self,
         bead: Bead,
         span: &LayerSpan,
-        solid: Option<&EdgeGrid>,
+        site: Site<'_>,
     ) -> Result<Vec<(Bead, Rates)>, VaryError> {
-        let quantities =
-            [self.speed(bead.role), &self.flow, &self.width, &self.fan];
-        if !self.varies || quantities.iter().all(|q| q.constant().is_some()) {
-            let [speed, flow, width, fan] =
-                quantities.map(|q| q.constant().unwrap_or(f64::NAN));
-            let pieces = pieces(bead, self.settings).into_iter();
-            return Ok(pieces
-                .map(|b| self.rated(b, span, [speed, flow, width, fan]))
-                .collect());
-        }
+        let by_reach = self.by_reach(&bead);
+        let role = match (by_reach.speed, bead.inner) {
+            (false, _) => bead.role,
+            (true, false) => Role::OuterWall,
+            (true, true) => Role::InnerWall,
+        };
+        let quantities = [self.speed(role), &self.flow, &self.width, &self.fan];
+        let constant =
+            !self.varies || quantities.iter().all(|q| q.constant().is_some());
         let mut out = Vec::new();
         for piece in pieces(bead, self.settings) {
             crate::limits::check();
-            let steps = steps(&piece);
-            let places = self.places(&steps, span, solid)?;
+            let reach = site.reach.filter(|_| by_reach.any());
+            let (steps, shares) = self.reaching(&piece, reach, site.shift);
+            let reaches = shares.iter().any(|share| *share > 0.0);
+            if constant && !reaches {
+                let all = quantities.map(|q| q.constant().unwrap_or(f64::NAN));
+                out.push(self.rated(piece, span, all));
+                continue;
+            }
+            let places = self.places(&steps, span, site)?;
             let mut values: [Vec<f64>; 4] = Default::default();
             for (quantity, values) in quantities.iter().zip(&mut values) {
                 quantity.evaluate(&places, values)?;
             }
+            if reaches {
+                by_reach.apply(&shares, &mut values, self.settings);
+            }
             let at = |i: usize| [0, 1, 2, 3].map(|k: usize| values[k][i]);
-            for run in runs(steps.len(), at) {
+            for run in runs(steps.len(), at, reaches) {
                 let (first, last) = (at(run.start), at(run.end - 1));
                 let mean = [0, 1, 2, 3].map(|k| 0.5 * (first[k] + last[k]));
                 let part = part(&piece, &steps[run]);
@@ -224,6 +261,44 @@ impl<'a> Rater<'a> {
             }
         }
         Ok(out)
+    }
+
+    /// What of a bead depends on its reach.
+    fn by_reach(&self, bead: &Bead) -> ByReach {
+        let wall = matches!(
+            bead.role,
+            Role::OuterWall | Role::InnerWall | Role::Overhang
+        );
+        let Settings { speed, cooling, .. } = self.settings;
+        ByReach {
+            speed: wall && !speed.overhang_steps.is_off(),
+            fan: wall && !cooling.overhang_fan_steps.is_off(),
+        }
+    }
+
+    /// The stretches of a piece, and how much of its width reaches beyond the
+    /// layer below in each, %; no shares if that does not matter.
+    fn reaching(
+        &self,
+        piece: &Bead,
+        reach: Option<Reach<'_>>,
+        shift: DVec2,
+    ) -> (Vec<Step>, Vec<Percent>) {
+        let Some(reach) = reach else {
+            return (steps(piece, STEP), Vec::new());
+        };
+        let steps = steps(piece, REACH_STEP);
+        let placed = self.around.map_or(DVec2::ZERO, |around| around.1);
+        let offset = placed + shift;
+        let share = |step: &Step| {
+            let middle = 0.5 * (step.from + step.to) - offset;
+            let along = (step.to - step.from).normalize_or_zero();
+            let side = 0.5 * piece.width * along.perp();
+            100.0 * reach.share(middle - side, middle + side)
+        };
+        let shares: Vec<Percent> = steps.iter().map(share).collect();
+        let shares = without_short(&steps, shares);
+        (steps, shares)
     }
 
     /// Share of its volume at which a bead of its role is printed.
@@ -244,14 +319,21 @@ impl<'a> Rater<'a> {
         &self,
         steps: &[Step],
         span: &LayerSpan,
-        solid: Option<&EdgeGrid>,
+        site: Site<'_>,
     ) -> Result<Vec<Place>, VaryError> {
         let mut places = Vec::with_capacity(steps.len());
         if let Some((around, offset)) = self.around {
+            let offset = offset + site.shift;
             let middles = steps.iter().map(|s| 0.5 * (s.from + s.to) - offset);
             // Halfway up the layer, where its outline is that of the part.
             let z = span.sample_z();
-            around.places(middles, z, self.measures, solid, &mut places)?;
+            around.places(
+                middles,
+                z,
+                self.measures,
+                site.solid,
+                &mut places,
+            )?;
             for place in &mut places {
                 place.at.z = span.top;
             }
@@ -277,6 +359,7 @@ impl<'a> Rater<'a> {
         let cooling = &self.settings.cooling;
         let fan = match bead.role {
             _ if span.index < cooling.fan_off_layers as usize => 0.0,
+            Role::Overhang if !cooling.overhang_fan_steps.is_off() => fan,
             Role::Bridge => cooling.bridge_fan_speed,
             Role::InternalBridge => cooling.internal_bridge_fan_speed,
             Role::Overhang => cooling.overhang_fan_speed,
@@ -291,6 +374,74 @@ impl<'a> Rater<'a> {
     }
 }
 
+/// What of a bead depends on how far it reaches beyond the layer below.
+struct ByReach {
+    speed: bool,
+    fan: bool,
+}
+
+impl ByReach {
+    fn any(&self) -> bool {
+        self.speed || self.fan
+    }
+
+    /// Changes values that depend on the reach.
+    fn apply(
+        &self,
+        shares: &[Percent],
+        [speeds, _, _, fans]: &mut [Vec<f64>; 4],
+        settings: &Settings,
+    ) {
+        if self.speed {
+            let steps = &settings.speed.overhang_steps;
+            for (speed, share) in speeds.iter_mut().zip(shares) {
+                *speed = steps.at(*share, *speed).min(*speed);
+            }
+        }
+        if self.fan {
+            let steps = &settings.cooling.overhang_fan_steps;
+            for (fan, share) in fans.iter_mut().zip(shares) {
+                *fan = steps.at(*share, *fan);
+            }
+        }
+    }
+}
+
+/// Shares of some stretches of a bead without those that are greater, or less,
+/// than what is on both sides of them for less than [`REACH_SHORT`].
+fn without_short(steps: &[Step], shares: Vec<Percent>) -> Vec<Percent> {
+    let mut at = 0.0;
+    let places: Vec<Mm> = steps
+        .iter()
+        .map(|step| {
+            let length = step.from.distance(step.to);
+            at += length;
+            at - 0.5 * length
+        })
+        .collect();
+    // The least or the greatest share near each stretch.
+    let near = |shares: &[Percent], most: bool| -> Vec<Percent> {
+        let (mut from, mut to) = (0, 0);
+        let half = 0.5 * REACH_SHORT;
+        let of = |&place: &Mm| {
+            while places[from] < place - half {
+                from += 1;
+            }
+            while to < places.len() && places[to] <= place + half {
+                to += 1;
+            }
+            let all = shares[from..to].iter().copied();
+            match most {
+                true => all.fold(f64::NEG_INFINITY, f64::max),
+                false => all.fold(f64::INFINITY, f64::min),
+            }
+        };
+        places.iter().map(of).collect()
+    };
+    let opened = near(&near(&shares, false), true);
+    near(&near(&opened, true), false)
+}
+
 /// A short stretch of a bead.
 #[derive(Clone, Copy, Debug)]
 struct Step {
@@ -302,12 +453,12 @@ struct Step {
     corner: bool,
 }
 
-/// The bead in stretches of at most [`STEP`].
-fn steps(bead: &Bead) -> Vec<Step> {
+/// The bead in stretches of at most `longest`.
+fn steps(bead: &Bead, longest: Mm) -> Vec<Step> {
     let mut steps = Vec::new();
     for (k, (a, b)) in bead.segments().enumerate() {
         let level = |t: f64| bead.level(k).lerp(bead.level(k + 1), t);
-        let count = (a.distance(b) / STEP).ceil().max(1.0);
+        let count = (a.distance(b) / longest).ceil().max(1.0);
         for i in 0..count as usize {
             let last = i + 1 == count as usize;
             steps.push(Step {
@@ -325,20 +476,28 @@ fn steps(bead: &Bead) -> Vec<Step> {
     steps
 }
 
-/// Stretches that follow each other with about the same values.
+/// Stretches that follow each other with about the same values. `reaches` tells
+/// whether speed and fan depend on how far they reach.
 fn runs(
     count: usize,
     at: impl Fn(usize) -> [f64; 4],
+    reaches: bool,
 ) -> Vec<std::ops::Range<usize>> {
+    let (speed, fan) = match reaches {
+        true => REACH_CHANGE,
+        false => (CHANGE, 0.0),
+    };
+    let slack = [(speed, 0.0), (CHANGE, 0.0), (CHANGE, 0.0), (CHANGE, fan)];
     let mut runs = Vec::new();
     let mut start = 0;
     for i in 1..=count {
         let same = i < count && {
             let (first, here) = (at(start), at(i));
-            let close = |(a, b): (&f64, &f64)| {
-                (a - b).abs() <= CHANGE * a.abs().max(b.abs())
-            };
-            first.iter().zip(&here).all(close)
+            let close =
+                |((a, b), (share, fixed)): ((&f64, &f64), (f64, f64))| {
+                    (a - b).abs() <= fixed.max(share * a.abs().max(b.abs()))
+                };
+            first.iter().zip(&here).zip(slack).all(close)
         };
         if !same {
             runs.push(start..i);
@@ -384,7 +543,7 @@ mod tests {
     fn stretches_are_the_bead() {
         let square =
             bead(&[(0.0, 0.0), (3.5, 0.0), (3.5, 2.0), (0.0, 2.0)], true);
-        let steps = steps(&square);
+        let steps = steps(&square, STEP);
         assert_eq!(steps.len(), 4 + 2 + 4 + 2);
         assert!(steps.windows(2).all(|w| w[0].to == w[1].from));
         let longest = steps.iter().map(|s| s.from.distance(s.to));
@@ -399,8 +558,10 @@ mod tests {
     fn runs_end_where_values_change() {
         let values = [10.0, 10.05, 10.2, 10.2, 5.0];
         let at = |i: usize| [values[i], 1.0, 1.0, 0.0];
-        assert_eq!(runs(5, at), vec![0..2, 2..4, 4..5]);
-        assert!(runs(0, at).is_empty());
+        assert_eq!(runs(5, at, false), vec![0..2, 2..4, 4..5]);
+        assert!(runs(0, at, false).is_empty());
+        // Speeds that depend on the reach change less often.
+        assert_eq!(runs(5, at, true), vec![0..4, 4..5]);
     }
 
     #[test]
@@ -417,7 +578,7 @@ mod tests {
             top: 1.0,
         };
         let line = bead(&[(0.0, 0.0), (30.0, 0.0)], false);
-        let pieces = rater.pieces(line, &span, None).unwrap();
+        let pieces = rater.pieces(line, &span, Site::default()).unwrap();
         assert_eq!(pieces.len(), 1);
         let (bead, rates) = &pieces[0];
         assert!((bead.width - 0.495).abs() < 1e-12);

@@ -28,8 +28,16 @@ impl Slowing {
         (speed * self.factor).max(speed.min(self.floor))
     }
 
-    fn time(&self, motion: &mut Motion) -> Seconds {
-        motion.time(|s| {
+    fn time(self, motion: &mut Motion) -> Seconds {
+        self.times(motion).sum()
+    }
+
+    /// The time of each move.
+    pub(super) fn times(
+        self,
+        motion: &mut Motion,
+    ) -> impl Iterator<Item = Seconds> + '_ {
+        motion.times(move |s| {
             if s.prints {
                 self.apply(s.speed)
             } else {

@@ -4,14 +4,23 @@ use super::slowing::LAYER_TIME_TOLERANCE;
 use super::*;
 use crate::bead::{Role, Stroke, cross_section};
 use crate::settings::{Flavour, Varying};
+use crate::travel::LayerPath;
 
 impl<'a> Pacer<'a> {
     fn plain(settings: &'a Settings) -> Self {
-        Pacer::new(settings, Rater::constant(settings).unwrap())
+        Pacer::new(settings)
     }
 
-    fn paced(&mut self, path: LayerPath) -> PacedLayer {
-        self.layer(path, None).unwrap()
+    /// The layer of a single part, with settings that are all constant.
+    pub(crate) fn paced(&mut self, path: LayerPath) -> PacedLayer {
+        let rater = Rater::constant(self.settings).unwrap();
+        let stretch = Stretch {
+            place: Some(0),
+            moves: path.moves,
+            rater: &rater,
+            site: Site::default(),
+        };
+        self.layer(path.span, vec![stretch], &rater).unwrap()
     }
 }
 

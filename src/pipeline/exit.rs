@@ -1,79 +1,82 @@
-//! What is done in order: from a layer's beads to its text.
+//! What is done in order for the whole plate: from the parts' paths to the text.
 //!
-//! In: layers from below. Out: their G-code and pictures. Everything that one
-//! layer hands to the next passes through here, and is forgotten at the
-//! beginning of every block: see [`Exit::restart`].
+//! In: layers of all parts from below. Out: their G-code and pictures. The parts
+//! of a layer are printed one after the other, on a short way that begins where
+//! the layer below has ended. A part that stands in several places has one path,
+//! which is moved to each of them. What one layer hands to the next is forgotten
+//! at the beginning of every block: see [`Exit::restart`].
 
-use super::layer::{Filled, Layer, Ready};
-use super::tally::Tally;
+use super::part::{PartDone, PartExit, Passed};
+use super::supply::OnPlate;
 use super::{BLOCK, Options, SliceError};
-use crate::adhesion::keep_on_bed;
+use crate::adhesion::{Skirt, keep_on_bed};
+use crate::bead::Role;
 use crate::gcode::{Totals, Writer};
-use crate::hang::foot::Foot;
-use crate::hang::{self, Hanging, Look};
-use crate::infill::standing::Standing;
 use crate::layers::LayerSpan;
 use crate::limits;
-use crate::order::{Head, linked, order};
-use crate::pace::Pacer;
+use crate::order::{begin_near, in_turn};
+use crate::pace::rates::{Rater, Site};
+use crate::pace::{PacedLayer, PacedMove, Pacer, Stretch};
 use crate::preview::Pictures;
-use crate::region::wall_depths;
-use crate::relief::{Relief, Site};
-use crate::report;
-use crate::seam::ending::{Ended, cut, endings};
+use crate::report::{self, RoleSum};
 use crate::settings::Settings;
-use crate::spiral::Spiral;
 use crate::timings::{Stage, Timings};
-use crate::travel::{Ground, Move, connect};
-use crate::walls::Support;
+use crate::travel::{LayerPath, Move, Travel, between_parts};
+use crate::units::Mm3;
 use glam::DVec2;
+use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 
 /// The stages that run in order.
 pub(super) struct Exit<'a, 'w> {
+    /// Those of the whole plate.
     settings: &'a Settings,
     options: &'a Options<'a>,
     pictures: Option<Pictures>,
-    /// From the model's coordinates to the bed's.
-    offset: DVec2,
-    /// The climbing wall, if there is one.
-    spiral: Option<&'a Spiral<'a>>,
-    /// What lets beads follow the surface, if they are to.
-    relief: Option<Relief<'a>>,
-    head: Head,
-    /// For infill that may stand on nothing.
-    standing: Option<Standing>,
+    parts: Vec<PartExit<'a>>,
+    /// Rates of the parts, and of what belongs to none.
+    raters: &'a [Rater<'a>],
+    rater: &'a Rater<'a>,
+    /// For each place on the plate its part, and how far it is from where the
+    /// model was placed.
+    places: Vec<(usize, DVec2)>,
+    /// The skirt round several parts; a single one has its own.
+    skirt: Option<Skirt>,
+    /// The place printed last; nothing if that is forgotten.
+    last: Option<usize>,
+    /// Where the head is, on the bed; nothing if that is forgotten.
+    at: Option<DVec2>,
     pacer: Pacer<'a>,
     writer: Writer<'a, &'w mut dyn io::Write>,
     /// The layers to be written.
     layers: Range<usize>,
-    /// How many the part has.
-    layer_count: usize,
     /// The one that comes next.
     next: usize,
     timings: &'a Timings,
-    beads: usize,
-    tally: Tally,
+    printing: usize,
+    slowed: usize,
+    /// Volume extruded at each place.
+    extruded: Vec<Mm3>,
+    /// What the beads of each role amount to.
+    roles: BTreeMap<&'static str, RoleSum>,
     warnings: Vec<String>,
-    hanging: hang::Tracker,
-    /// What the part stands on, if the first layer is written.
-    foot: Option<Foot>,
     figures: report::RunFigures,
 }
 
 /// What came of it.
 pub(super) struct Done {
-    /// Beads of the part printed: a skirt alone is nothing.
-    pub beads: usize,
-    /// What was counted.
-    pub tally: Tally,
+    /// What came of each part.
+    pub parts: Vec<PartDone>,
+    /// Moves that print, and how many of them had to be slowed.
+    pub printing: usize,
+    pub slowed: usize,
+    /// Volume extruded at each place.
+    pub extruded: Vec<Mm3>,
+    /// What the beads of each role amount to.
+    pub roles: BTreeMap<&'static str, RoleSum>,
     /// What the user should know.
     pub warnings: Vec<String>,
-    /// What hangs.
-    pub hanging: Hanging,
-    /// What the part stands on, if that is written.
-    pub foot: Option<Foot>,
     /// What the print takes.
     pub totals: Totals,
     /// How far it is off.
@@ -81,162 +84,95 @@ pub(super) struct Done {
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
-    /// For writing `layers` of a part's `layer_count`; those of the same block
-    /// before them have to be given, too.
+    /// For writing `layers` of a plate; those of the same block before them have
+    /// to be given, too.
     #[expect(
         clippy::too_many_arguments,
         reason = "each is a part that the caller has made, and is used once"
     )]
     pub(super) fn new(
         timings: &'a Timings,
-        offset: DVec2,
+        parts: Vec<PartExit<'a>>,
+        raters: &'a [Rater<'a>],
+        rater: &'a Rater<'a>,
+        places: Vec<(usize, DVec2)>,
+        skirt: Option<Skirt>,
         layers: Range<usize>,
-        layer_count: usize,
         options: &'a Options<'a>,
         pictures: Option<Pictures>,
         writer: Writer<'a, &'w mut dyn io::Write>,
-        pacer: Pacer<'a>,
-        spiral: Option<&'a Spiral<'a>>,
-        relief: Option<Relief<'a>>,
     ) -> Self {
         Exit {
-            settings: pacer.settings(),
+            settings: rater.settings(),
             options,
             pictures,
-            offset,
-            spiral,
-            relief,
-            head: Head::default(),
-            standing: Standing::new(pacer.settings()),
-            pacer,
+            parts,
+            raters,
+            rater,
+            extruded: vec![0.0; places.len()],
+            places,
+            skirt,
+            last: None,
+            at: None,
+            pacer: Pacer::new(rater.settings()),
             writer,
             next: layers.start - layers.start % BLOCK,
             layers,
-            layer_count,
             timings,
-            beads: 0,
-            tally: Tally::default(),
+            printing: 0,
+            slowed: 0,
+            roles: BTreeMap::new(),
             warnings: Vec::new(),
-            hanging: hang::Tracker::default(),
-            foot: None,
             figures: report::RunFigures::default(),
         }
     }
 
     /// Takes the next layer.
-    pub(super) fn layer(&mut self, ready: Ready) -> Result<(), SliceError> {
-        let (layer, above) = (&ready.layer, ready.above.as_ref());
-        let below = ready.below.as_ref();
-        let Filled {
-            mut beads,
-            sparse,
-            gap,
-            look,
-            figures,
-            support: supported,
-            areas: _,
-        } = ready.filled;
-        let index = layer.span.index;
+    pub(super) fn layer(&mut self, ready: OnPlate) -> Result<(), SliceError> {
+        let Some(span) = ready.first().map(|(_, ready)| ready.layer.span)
+        else {
+            return Ok(());
+        };
+        let index = span.index;
         if index > 0 && index.is_multiple_of(BLOCK) {
-            self.restart(&layer.span);
-        }
-        let off_bed = keep_on_bed(&mut beads.skirt, self.offset, self.settings);
-        if index == 0 {
-            self.warnings.extend(off_bed);
+            self.restart(&span);
         }
         let written = self.layers.contains(&index);
-        if let Some(standing) = &mut self.standing {
-            let infill = std::mem::take(&mut beads.infill);
-            beads.infill = self.timings.time(Stage::Infill, || {
-                standing.kept(infill, beads.shell(), written)
-            });
+        let mut passed: Vec<Option<Passed>> = Vec::new();
+        passed.resize_with(self.parts.len(), || None);
+        for (k, ready) in ready {
+            let layer = self.parts[k].layer(ready)?;
+            if let Some(figures) = &layer.figures {
+                self.figures.add(figures, self.options.report);
+            }
+            passed[k] = Some(layer);
         }
-        self.follow_hanging(layer, look.as_ref(), written);
-        let from = self.head.at;
-        let solid = layer.outline.grid();
-        let turn = beads.turn.take();
-        let turns = turn.is_some();
-        let ended = self.timings.time(Stage::Order, || {
-            let beads =
-                order(beads, layer.area(), &mut self.head, self.settings);
-            let beads = linked(beads, solid, self.settings);
-            let mut ended = endings(beads, solid, self.settings);
-            ended.extend(turn.map(Ended::from));
-            ended
-        });
-        self.head.at = ended.last().and_then(Ended::end).or(from);
-        let beads = self.timings.time(Stage::Travel, || {
-            let below = below.filter(|below| !layer.same_outline(below));
-            let below = below.map(|below| below.top(self.settings));
-            let support = below
-                .as_deref()
-                .and_then(|b| Support::new(b, &layer.outline, self.settings));
-            match &support {
-                Some(support) if !turns => cut(ended, support),
-                _ => ended,
-            }
-        });
-        let beads = self
-            .timings
-            .time(Stage::Skin, || self.on_surface(beads, layer, above))?;
-        let path = self.timings.time(Stage::Travel, || {
-            // By the layer's own height. Walls are shared by layers whose
-            // heights are the same but for rounding, and that decides between
-            // ways that are equally long: a range of layers would differ.
-            let (_, border) = wall_depths(layer.span.height(), self.settings);
-            if written {
-                let of_part = beads.iter().filter(|b| b.bead.role.is_part());
-                let count = of_part.count();
-                let support = beads.iter().map(|b| &b.bead);
-                let support = support.filter(|b| b.role.is_support());
-                self.tally.support +=
-                    support.map(|b| b.area() * b.length()).sum::<f64>();
-                self.beads += count;
-                self.tally.add(layer, gap, count == 0);
-            }
-            let mut path = connect(
-                layer.span,
-                beads,
-                Ground {
-                    outline: &layer.outline,
-                    sparse: &sparse,
-                    support: supported.as_ref(),
-                    border,
-                    above: above.map(Layer::area),
-                },
-                from,
-                self.offset,
-                self.settings,
-            );
-            // From an unknown place the way may lead over anything.
-            if from.is_none()
-                && index >= BLOCK
-                && let Some(Move::Travel(travel)) = path.moves.first_mut()
-            {
-                travel.retract = true;
-                travel.hop = true;
-            }
-            path
-        });
+        let stretches = self.stretches(&span, &passed);
         if written && let Some(pictures) = &self.pictures {
-            pictures.draw(&path).map_err(|e| {
+            let moves = stretches.iter().flat_map(|s| s.moves.clone());
+            let moves = moves.collect();
+            pictures.draw(&LayerPath { span, moves }).map_err(|e| {
                 SliceError::Picture(pictures.folder().to_owned(), e)
             })?;
         }
-        let paced = self
-            .timings
-            .time(Stage::Pace, || self.pacer.layer(path, Some(solid)))?;
+        let paced = self.timings.time(Stage::Pace, || {
+            self.pacer.layer(span, stretches, self.rater)
+        })?;
         if written {
-            self.tally.printing += paced.printing;
-            self.tally.slowed += paced.slowed;
+            self.printing += paced.printing;
+            self.slowed += paced.slowed;
+            self.count(&paced);
+            for (role, amount) in &paced.amounts {
+                let sum = self.roles.entry(role.name()).or_default();
+                sum.length_mm += amount.length;
+                sum.filament_mm += amount.filament;
+                sum.time_s += amount.time;
+            }
         }
         self.timings.time(Stage::Gcode, || match written {
             true => self.writer.layer(&paced),
             false => self.writer.rehearse(&paced),
         })?;
-        if let Some(figures) = figures {
-            self.figures.add(&figures, self.options.report);
-        }
         self.next += 1;
         if written {
             let done = self.next - self.layers.start;
@@ -246,77 +182,153 @@ impl<'a, 'w> Exit<'a, 'w> {
         Ok(())
     }
 
-    /// A layer's beads on the surface above them, if they are to follow it.
-    fn on_surface(
-        &self,
-        beads: Vec<Ended>,
-        layer: &Layer,
-        above: Option<&Layer>,
-    ) -> Result<Vec<Ended>, SliceError> {
-        let covered = above.is_some_and(|above| layer.same_outline(above));
-        let Some(relief) = self.relief.as_ref().filter(|_| !covered) else {
-            return Ok(beads);
-        };
-        let site = Site {
-            span: layer.span,
-            above: above.map(|a| (a.span.height(), a.outline.grid())),
-        };
-        Ok(relief.apply(beads, site)?)
+    /// The layer's moves in print order: the skirt's, and those of each place.
+    fn stretches<'p>(
+        &mut self,
+        span: &LayerSpan,
+        passed: &'p [Option<Passed>],
+    ) -> Vec<Stretch<'a, 'p>>
+    where
+        'a: 'p,
+    {
+        let (raters, rater) = (self.raters, self.rater);
+        let mut stretches = Vec::new();
+        if let Some(moves) = self.skirt_moves(span) {
+            stretches.push(Stretch {
+                place: None,
+                moves,
+                rater,
+                site: Site::default(),
+            });
+        }
+        // Places where nothing is printed are not gone to. A single part's
+        // moves are taken as they are.
+        let alone = self.places.len() == 1;
+        let mut there = Vec::new();
+        let mut ways = Vec::new();
+        for (place, &(part, shift)) in self.places.iter().enumerate() {
+            let Some(passed) = &passed[part] else {
+                continue;
+            };
+            match passed.path.ends() {
+                Some((from, to)) => ways.push((from + shift, to + shift)),
+                None if alone => ways.push((DVec2::ZERO, DVec2::ZERO)),
+                None => continue,
+            }
+            there.push((place, part, shift, passed));
+        }
+        for k in in_turn(&ways, self.at) {
+            let (place, part, shift, passed) = there[k];
+            let mut moves = passed.path.moved(shift);
+            // A part goes on where it was left, but not from another one.
+            let goes_on = match &self.last {
+                Some(last) => *last == place,
+                None => self.at.is_none(),
+            };
+            if !alone && !goes_on {
+                let prints = |step: &Move| matches!(step, Move::Print(_));
+                let first = moves.iter().position(prints).unwrap_or(0);
+                let travel = between_parts(ways[k].0, self.settings);
+                moves.splice(..first, [Move::Travel(travel)]);
+            }
+            if !alone {
+                self.at = Some(ways[k].1);
+                self.last = Some(place);
+            }
+            stretches.push(Stretch {
+                place: Some(place),
+                moves,
+                rater: &raters[part],
+                site: passed.site(shift),
+            });
+        }
+        stretches
     }
 
-    /// Follows what hangs.
-    fn follow_hanging(
-        &mut self,
-        layer: &Layer,
-        look: Option<&Look>,
-        written: bool,
-    ) {
-        let (offset, span) = (self.offset, layer.span);
-        let place = |p: DVec2| (p + offset).extend(span.bottom);
-        let tracker = &mut self.hanging;
-        self.timings.time(Stage::Hang, || match look {
-            Some(look) => {
-                tracker.layer(look, layer.outline.grid(), written, place)
-            }
-            None => tracker.same(span.height(), written, self.settings),
-        });
-        // With the block, or with the part.
-        let next = span.index + 1;
-        if next.is_multiple_of(BLOCK) || next == self.layer_count {
-            tracker.restart(written, self.settings);
+    /// The skirt round all parts in a layer, if it has one.
+    fn skirt_moves(&mut self, span: &LayerSpan) -> Option<Vec<Move>> {
+        let skirt = self.skirt.as_ref()?;
+        let mut loops = skirt.beads(span.index, span.height());
+        let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, self.settings);
+        if span.index == 0 {
+            self.warnings.extend(off_bed);
         }
-        if span.index == 0 && written {
-            self.foot = Foot::new(layer.area(), span.height(), self.settings);
+        let mut moves = Vec::new();
+        for mut bead in loops {
+            if let Some(at) = self.at {
+                begin_near(&mut bead, at);
+            }
+            let Some(&to) = bead.points.first() else {
+                continue;
+            };
+            let travel = match (self.at, moves.is_empty()) {
+                (None, _) => Travel::straight(to, span.index >= BLOCK),
+                (Some(_), true) => between_parts(to, self.settings),
+                // From loop to loop it is a line's width.
+                (Some(_), false) => Travel::straight(to, false),
+            };
+            moves.push(Move::Travel(travel));
+            moves.push(Move::Print(bead));
+            self.at = Some(to);
+            self.last = None;
+        }
+        (!moves.is_empty()).then_some(moves)
+    }
+
+    /// Adds up what is extruded at each place.
+    fn count(&mut self, paced: &PacedLayer) {
+        for part in &paced.parts {
+            let Some(place) = part.place else { continue };
+            let volume = paced.moves[part.moves.clone()].iter().map(volume);
+            self.extruded[place] += volume.sum::<Mm3>();
         }
     }
 
     /// Forgets what the layers below have left, so that what follows depends
-    /// on nothing but the part. It costs a travel from wherever the head is.
+    /// on nothing but the plate. It costs a travel from wherever the head is.
     fn restart(&mut self, span: &LayerSpan) {
-        // A climbing wall goes on where the turn below ends.
-        let at = self.spiral.and_then(|spiral| spiral.start(span.index));
-        self.head = Head {
-            at,
-            ..Head::default()
-        };
-        self.standing.iter_mut().for_each(Standing::forget);
-        let place = at.map(|at| at + self.offset);
+        let heads = self.parts.iter_mut().map(|part| part.restart(span));
+        let heads: Vec<Option<DVec2>> = heads.collect();
+        let alone = self.places.len() == 1;
+        let place = heads.first().copied().flatten().filter(|_| alone);
+        self.last = None;
+        self.at = None;
         self.pacer.restart(place, span.bottom);
         self.writer.restart();
     }
 
     /// Ends the file.
-    pub(super) fn finish(mut self) -> Result<Done, SliceError> {
-        let standing = self.standing.as_ref();
-        self.warnings.extend(standing.and_then(Standing::warning));
+    pub(super) fn finish(self) -> Result<Done, SliceError> {
         Ok(Done {
-            beads: self.beads,
-            tally: self.tally,
+            parts: self.parts.into_iter().map(PartExit::finish).collect(),
+            printing: self.printing,
+            slowed: self.slowed,
+            extruded: self.extruded,
             warnings: self.warnings,
-            hanging: self.hanging.finish(),
-            foot: self.foot,
+            roles: self.roles,
             totals: self.writer.finish()?,
             figures: self.figures,
         })
+    }
+}
+
+/// Volume that a step extrudes for the part or its supports.
+fn volume(step: &PacedMove) -> Mm3 {
+    match step {
+        PacedMove::Print {
+            bead, turns, flow, ..
+        } if bead.role != Role::Skirt => {
+            let along = |(i, (a, b)): (usize, (DVec2, DVec2))| {
+                let turn = turns.get(i).copied().flatten();
+                let length = turn.map_or(a.distance(b), |t| t.length(a));
+                length
+                    * match bead.levels.is_empty() {
+                        true => bead.area(),
+                        false => bead.area_along(i),
+                    }
+            };
+            flow * bead.segments().enumerate().map(along).sum::<Mm3>()
+        }
+        _ => 0.0,
     }
 }

@@ -16,8 +16,8 @@ use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Heights closer than this differ by rounding only, mm.
-const SAME_HEIGHT: Mm = 1e-9;
+/// Heights that differ by less are the same, mm: they are rounded to twice that.
+const SAME_HEIGHT: Mm = 0.5e-9;
 
 /// A layer whose outline is known. Layers that are the same as the one below,
 /// as those of a prism are, share all of it.
@@ -117,6 +117,8 @@ pub(super) struct Filled {
     pub areas: Option<FillAreas>,
     /// Where there are supports, if there are any.
     pub support: Option<Solid<'static>>,
+    /// Where supports hold it, if that matters for its walls.
+    pub held: Option<Solid<'static>>,
     /// Area of gaps that nothing fills.
     pub gap: Mm2,
     /// How it lies over the layer below, if that is not the same.

@@ -8,7 +8,8 @@
 //!
 //! While some layers are ordered and written, the next ones are made. What is
 //! kept is the window and nothing of what has been written, so memory does not
-//! grow with the part's height. The result does not depend on the number of
+//! grow with the part's height, unless it has supports: these are planned from
+//! the top down, for which all layers' outlines are kept. The result does not depend on the number of
 //! threads: every layer is computed the same way whoever does it, and
 //! everything that passes from layer to layer (the head's place, seams,
 //! filament) does so in the ordered stages.
@@ -22,26 +23,34 @@
 //! | file | what it does |
 //! |---|---|
 //! | `layer` | what is known of a layer on its way |
+//! | `raft` | layers between the bed and the part |
 //! | `sound` | notices early that next to nothing can be printed |
 //! | `stages` | what can be done for many layers at a time |
 //! | `supply` | does that, a window of layers ahead of who writes them |
-//! | `exit` | what is done in order |
+//! | `part` | what is done in order for each part |
+//! | `hanging` | follows what hangs, also without laying a bead |
+//! | `exit` | what is done in order for all parts |
 //! | `tally` | counts over all layers, and warnings that follow from them |
 
 #[cfg(test)]
 mod estimates;
 mod exit;
+mod hanging;
 mod layer;
+mod part;
+mod raft;
 mod sound;
 mod stages;
 mod supply;
 mod supported;
 mod tally;
 
+use crate::adhesion::{Skirt, brim_reach, hull};
 use crate::check::{Alongside, Kind, Rules, Severity, Verdict};
 use crate::contour::{FieldError, remedy};
 use crate::gcode::{
-    Format, Header, Thumbnail, WriteError, Writer, needs_outline,
+    Format, Header, Standing, Thumbnail, WriteError, Writer, needs_outline,
+    thick_beads,
 };
 use crate::hang::Hanging;
 use crate::heights::{Heights, HeightsError, Steps, heights};
@@ -49,30 +58,33 @@ use crate::infill::InfillError;
 use crate::layers::{LayerRange, LayerSpan, PlanError};
 use crate::limits;
 use crate::model::Model;
-use crate::pace::Pacer;
 use crate::pace::rates::Rater;
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect};
+use crate::plane::{Area, Rect, Ring};
+use crate::plate::{Part, Plate};
 use crate::preview::{PictureError, Pictures, outline_from_above, thumbnails};
 use crate::reader::ReadError;
 use crate::relief::{Relief, ReliefError};
-use crate::report::{Figures, Gauge, Report, ReportError};
-use crate::settings::{Settings, Supports};
+use crate::report::{Figures, Gauge, Report, ReportError, RoleSum};
+use crate::settings::{DraftShield, LayerHeights, Settings, Supports, Varying};
 use crate::spiral::{Spiral, SpiralError};
 use crate::timings::Stage;
 use crate::units::{Mm, Mm2, Seconds, filament_area};
 use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
 use glam::{DVec2, DVec3};
+pub use hanging::{Survey, survey};
 use isocontour::SLAB;
+use part::{PartDone, PartExit};
 use rayon::ThreadPool;
 use stages::Stages;
+use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
-use supply::Supply;
-use supported::{Fills, Supported};
+use supply::Supplies;
+use supported::Fills;
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
@@ -122,6 +134,8 @@ pub struct Summary {
     pub layers: Range<usize>,
     /// How many layers the part has.
     pub layer_count: usize,
+    /// How many of these, the lowest, are a raft's.
+    pub raft_layers: usize,
     /// What layers of different heights amount to; nothing for uniform ones.
     pub steps: Option<Steps>,
     /// Estimated print time, without heating and homing.
@@ -132,6 +146,9 @@ pub struct Summary {
     pub filament_mass_g: f64,
     /// How much of it is for supports.
     pub support_length: Mm,
+    /// What the beads of each role amount to, by its name; nothing of roles
+    /// without any.
+    pub roles: BTreeMap<&'static str, RoleSum>,
     /// Area of gaps between walls that nothing fills, all layers together.
     pub unfilled_area: Mm2,
     /// Area of all layers' outlines together.
@@ -153,12 +170,30 @@ pub struct Summary {
     pub wall_error: Option<Figures>,
     /// The report, if it was asked for.
     pub report: Option<Report>,
+    /// What came of each part: equal ones count as copies of one.
+    pub parts: Vec<PartSummary>,
     /// What the check of the G-code found, if there was one: no faults.
     pub verdict: Option<Verdict>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// Where the processor time went, added up over all threads.
     pub timings: Vec<(Stage, Seconds)>,
+}
+
+/// What came of a part of a plate.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct PartSummary {
+    /// Name of its model.
+    pub name: String,
+    /// In how many places it stands.
+    pub copies: usize,
+    /// Its extent.
+    pub size: DVec3,
+    /// How many layers it has.
+    pub layer_count: usize,
+    /// Filament that one of the copies takes, with its supports and its brim.
+    pub filament_length: Mm,
 }
 
 /// Why a run failed.
@@ -183,6 +218,21 @@ pub enum SliceError {
     /// The G-code cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The part does not fit under the printer's top on its raft.
+    #[error(
+        "on its raft of {lift:.3} mm the part is {:.3} mm too high: its top is \
+         at {top:.3} mm, and the printer has {most} mm; lower raft.layers, or \
+         make the part smaller with --size or --scale",
+        top - most
+    )]
+    RaftTooHigh {
+        /// Height of the raft and of the air above it, mm.
+        lift: Mm,
+        /// Height of the part's top, mm.
+        top: Mm,
+        /// Greatest height of a print, mm.
+        most: Mm,
+    },
     /// No layer has anything in it that a nozzle could print.
     #[error(
         "nothing to print: in each of the {layers} layers the part is \
@@ -210,6 +260,30 @@ pub enum SliceError {
         /// Width of the thinnest line, mm.
         line: Mm,
     },
+    /// One part of several cannot be sliced.
+    #[error("{name}: {error}")]
+    OfPart {
+        /// Name of its model.
+        name: String,
+        /// Why not.
+        error: Box<SliceError>,
+    },
+    /// There is nothing on the plate.
+    #[error("there are no parts on the plate; give it one")]
+    NoParts,
+    /// Several parts cannot be measured.
+    #[error(
+        "--report measures one part, and there are several on the plate; \
+         leave it out, or slice the parts one by one for their reports"
+    )]
+    ReportOfSeveral,
+    /// Heights of layers cannot follow the surfaces of so much.
+    #[error(
+        "layer_heights: the parts' expressions are too large together for \
+         layers that follow all of their surfaces; set it to \"uniform\", or \
+         slice the parts one by one"
+    )]
+    TooLargeTogether,
     /// The layers' pictures cannot be written.
     #[error("cannot write the pictures in {}", .0.display())]
     Picture(PathBuf, #[source] io::Error),
@@ -259,8 +333,11 @@ pub enum SliceError {
 /// run of a range has to rehearse up to a block.
 const BLOCK: usize = 4 * SLAB;
 
-/// What hangs without a support is told of from this area on, mm².
-const UNHELD: Mm2 = 1.0;
+/// Heights may be known so well, mm.
+const FIT: Mm = 1e-3;
+
+/// Heights closer than this differ by rounding only, mm.
+const ROUNDED: Mm = 1e-6;
 
 /// Slices a placed model and writes its G-code.
 ///
@@ -273,27 +350,35 @@ pub fn slice(
     options: &Options<'_>,
     out: &mut dyn io::Write,
 ) -> Result<Summary, SliceError> {
-    let watch = limits::Watch::current();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads.unwrap_or(0))
-        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
-        .build()?;
-    let Heights { spans, steps } = pool.install(|| heights(model, settings))?;
-    let layers = options.layers.indices(spans.len())?;
-    let run = Run {
-        model,
-        settings,
-        options,
-        pool: &pool,
-        spans: &spans,
-        layers,
-    };
+    slice_plate(&Plate::of(model, settings), options, out)
+}
+
+/// Slices all parts of a plate and writes their G-code.
+///
+/// # Errors
+/// As [`slice()`], or if something is asked for that a plate of several parts
+/// does not have.
+pub fn slice_plate(
+    plate: &Plate,
+    options: &Options<'_>,
+    out: &mut dyn io::Write,
+) -> Result<Summary, SliceError> {
+    if options.report && plate.place_count() > 1 {
+        return Err(SliceError::ReportOfSeveral);
+    }
+    let pool = pool(options.threads)?;
+    let on_bed = plate;
+    let plate = &plate.raised()?;
+    let (spans, steps) = pool.install(|| layers_of(plate))?;
+    let tallest = spans.iter().max_by_key(|spans| spans.len());
+    let all = tallest.map_or(&[][..], |spans| spans.as_slice());
+    let layers = options.layers.indices(all.len())?;
     let mut checker = None;
     if options.check {
         let rules = Rules {
             // A range of layers goes on with what other files have printed.
-            base: spans.get(run.layers.start).map_or(0.0, |span| span.bottom),
-            ..Rules::new(settings)
+            base: all.get(layers.start).map_or(0.0, |span| span.bottom),
+            ..Rules::new(&plate.settings)
         };
         checker = Some(Alongside::new(rules).map_err(SliceError::CheckThread)?);
     }
@@ -302,10 +387,19 @@ pub fn slice(
             checker.read(text);
         }
     };
+    let run = Run {
+        plate,
+        on_bed,
+        options,
+        pool: &pool,
+        spans: &spans,
+        layers,
+    };
     let mut summary = write(&run, out, &mut copy)?;
     summary.steps = steps;
     if let Some(report) = &mut summary.report {
         report.steps = steps;
+        report.roles = summary.roles.clone();
     }
     let Some(checker) = checker else {
         return Ok(summary);
@@ -337,16 +431,107 @@ pub fn slice(
     Ok(summary)
 }
 
+/// So many threads, or all of the machine's, under the watch of this one.
+fn pool(
+    threads: Option<usize>,
+) -> Result<ThreadPool, rayon::ThreadPoolBuildError> {
+    let watch = limits::Watch::current();
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .start_handler(move |_| limits::Watch::adopt(watch.as_ref()))
+        .build()
+}
+
+/// The layers of each part, from the bed. Those of one height are the same
+/// layers; if heights follow the surface, they follow that of all parts.
+fn layers_of(
+    plate: &Plate,
+) -> Result<(Vec<Vec<LayerSpan>>, Option<Steps>), SliceError> {
+    let uniform = plate.settings.layer_heights
+        == Varying::Constant(LayerHeights::Uniform);
+    if let (false, [_, _, ..]) = (uniform, plate.parts.as_slice()) {
+        let Some(whole) = plate.of_each() else {
+            return Err(SliceError::TooLargeTogether);
+        };
+        let Heights { spans, steps } = heights(&whole, &plate.settings)?;
+        let of_part = |part: &Part| {
+            let top = part.model.printed_bounds().max.z;
+            let has = |s: &&LayerSpan| s.sample_z() < top;
+            spans.iter().take_while(has).copied().collect()
+        };
+        return Ok((plate.parts.iter().map(of_part).collect(), steps));
+    }
+    let mut all = Vec::new();
+    let mut steps = None;
+    for part in &plate.parts {
+        let found = heights(&part.model, &part.settings)
+            .map_err(|e| plate.named(part, e.into()))?;
+        all.push(found.spans);
+        steps = found.steps;
+    }
+    Ok((all, steps))
+}
+
+impl Plate {
+    /// The plate with its parts on their rafts, if they are to have any.
+    fn raised(&self) -> Result<Plate, SliceError> {
+        let lift = self.settings.raft_height();
+        let mut raised = self.clone();
+        if lift == 0.0 {
+            return Ok(raised);
+        }
+        let most = self.settings.printer.height;
+        for part in &mut raised.parts {
+            part.model = part.model.raised(lift);
+            let top = part.model.printed_bounds().max.z;
+            if top > most + FIT {
+                let error = SliceError::RaftTooHigh { lift, top, most };
+                return Err(self.named(part, error));
+            }
+        }
+        Ok(raised)
+    }
+
+    /// An error of a part, with the part's name if there are several.
+    fn named(&self, part: &Part, error: SliceError) -> SliceError {
+        match self.parts.len() {
+            1 => error,
+            _ => SliceError::OfPart {
+                name: part.model.name.clone(),
+                error: Box::new(error),
+            },
+        }
+    }
+
+    /// What is told of a part, with its name if there are several.
+    fn told(&self, part: &Part, warning: String) -> String {
+        match self.parts.len() {
+            1 => warning,
+            _ => format!("{}: {warning}", part.model.name),
+        }
+    }
+}
+
 /// What is to be done.
 struct Run<'a> {
-    model: &'a Model,
-    settings: &'a Settings,
+    plate: &'a Plate,
+    /// The plate without rafts, for pictures.
+    on_bed: &'a Plate,
     options: &'a Options<'a>,
     pool: &'a ThreadPool,
-    /// All layers of the part.
-    spans: &'a [LayerSpan],
+    /// All layers of each part.
+    spans: &'a [Vec<LayerSpan>],
     /// Which of them are asked for.
     layers: Range<usize>,
+}
+
+/// What the stages of a part are made of.
+struct Base<'a> {
+    part: &'a Part,
+    spans: &'a [LayerSpan],
+    around: Surroundings<'a>,
+    fills: Fills,
+    raft_fills: raft::Fills,
 }
 
 /// Slices and writes; `copy` gets the text as it is composed.
@@ -356,44 +541,54 @@ fn write(
     copy: &mut dyn FnMut(&[u8]),
 ) -> Result<Summary, SliceError> {
     let Run {
-        model,
-        settings,
+        plate,
+        on_bed,
         options,
         pool,
         spans,
         ref layers,
     } = *run;
-    let bounds = model.bounds;
-    let reach = DVec3::new(settings.reach(), settings.reach(), 0.0);
-    let low = bounds.min + model.offset - reach;
-    let high = bounds.max + model.offset + reach;
-    let gauge = Gauge::new(model, settings, layers.len(), options.report)?;
-    let around = Surroundings::new(model);
-    let fills = Fills::new(settings);
-    let mut stages = Stages::new(model, settings, &around, gauge, spans)?;
-    let printed = stages.printed(pool, spans)?;
-    if printed == 0 {
-        return Err(SliceError::NothingToPrint {
-            layers: spans.len(),
-            line: settings.outer_wall_width(),
-        });
+    let settings = &plate.settings;
+    let (low, high) = plate.reach();
+    let bases = plate.parts.iter().zip(spans).map(|(part, spans)| Base {
+        part,
+        spans,
+        around: Surroundings::new(&part.model),
+        fills: Fills::new(&part.settings),
+        raft_fills: raft::Fills::new(&part.settings),
+    });
+    let bases: Vec<Base<'_>> = bases.collect();
+    let mut all = Vec::new();
+    for base in &bases {
+        let make = || stages_of(base, layers, options, pool);
+        all.push(make().map_err(|e| plate.named(base.part, e))?);
     }
-    let spans = &spans[..printed];
-    let top = spans.last().map_or(0.0, |span| span.top);
-    let layers = options.layers.indices(printed)?;
-    stages.plan_spiral(pool, spans)?;
-    if settings.supports != Supports::Off && !settings.spiral {
-        stages.plan_supports(pool, spans, &around, &fills)?;
+    // As many layers as there is something to print in.
+    let count = all.iter().map(|(_, spans)| spans.len()).max().unwrap_or(0);
+    let layers = options.layers.indices(count)?;
+    for ((stages, spans), base) in all.iter_mut().zip(&bases) {
+        plan(stages, spans, base, pool)
+            .map_err(|e| plate.named(base.part, e))?;
     }
-    let relief = Relief::new(model, settings, &around)?;
-    let rater = Rater::new(settings, model, &around)?;
+    let skirt = pool.install(|| skirt_round(plate, &all))?;
+    let raters = bases.iter().map(|base| {
+        rater_of(&base.part.settings, base)
+            .map_err(|e| plate.named(base.part, e.into()))
+    });
+    let raters: Vec<Rater<'_>> = raters.collect::<Result<_, SliceError>>()?;
+    let Some(first) = bases.first() else {
+        return Err(SliceError::NoParts);
+    };
+    let rater = rater_of(settings, first)?;
     // Before hours of work, not after them.
+    let tallest = all.iter().map(|(_, spans)| *spans);
+    let spans = tallest.max_by_key(|spans| spans.len()).unwrap_or(&[]);
     for span in &spans[layers.clone()] {
         rater.temperature(span)?;
     }
+    let timings = &all[0].0.timings;
     let pictures = pool.install(|| {
-        let timings = &stages.timings;
-        timings.time(Stage::Picture, || pictures_of(model, settings))
+        timings.time(Stage::Picture, || pictures_of(on_bed, settings))
     })?;
     let no_picture = pictures.is_none().then(|| {
         "the file has no picture of the part, as drawing this expression would \
@@ -401,7 +596,7 @@ fn write(
             .to_owned()
     });
     let header = Header {
-        model_name: model.name.clone(),
+        model_name: plate.name.clone(),
         layer_count: spans.len(),
         layers: layers.clone(),
         timestamp: options.timestamp,
@@ -411,14 +606,9 @@ fn write(
         },
         part_min: low,
         part_max: high,
-        outline: match needs_outline(settings) {
-            true => pool.install(|| {
-                stages.timings.time(Stage::Picture, || {
-                    outline_of(model, settings.reach())
-                })
-            })?,
-            false => Vec::new(),
-        },
+        parts: pool.install(|| {
+            timings.time(Stage::Picture, || standing(plate, settings))
+        })?,
         thumbnails: pictures.unwrap_or_default(),
         format: options.format,
     };
@@ -434,60 +624,57 @@ fn write(
         })
         .transpose()?;
     let writer = Writer::new(out, settings, &header, copy)?;
-    let of_templates = writer.warnings().to_vec();
+    let mut of_templates = writer.warnings().to_vec();
+    // Their lines may be wider than those of the plate's settings.
+    let of_parts = plate.parts.iter().filter_map(|p| thick_beads(&p.settings));
+    for warning in of_parts {
+        if !of_templates.contains(&warning) {
+            of_templates.push(warning);
+        }
+    }
+    let mut parts = Vec::new();
+    for ((stages, spans), base) in all.iter().zip(&bases) {
+        let Base { part, around, .. } = base;
+        let relief = Relief::new(&part.model, &part.settings, around)
+            .map_err(|e| plate.named(part, e.into()))?;
+        let spiral = stages.spiral.as_ref();
+        parts.push(PartExit::new(
+            part,
+            &stages.timings,
+            layers.clone(),
+            spans.len(),
+            spiral,
+            relief,
+        ));
+    }
     let mut exit = Exit::new(
-        &stages.timings,
-        model.offset.truncate(),
+        timings,
+        parts,
+        &raters,
+        &rater,
+        plate.shifts(),
+        skirt,
         layers.clone(),
-        spans.len(),
         options,
         drawings,
         writer,
-        Pacer::new(settings, rater),
-        stages.spiral.as_ref(),
-        relief,
     );
-
-    Supply::new(&stages, pool, spans, layers.clone())
-        .each(|ready| exit.layer(ready))?;
+    let supplied = all.iter().map(|(stages, spans)| (stages, *spans));
+    Supplies::new(supplied, pool, &layers)
+        .each(pool, |ready| exit.layer(ready))?;
     let done = exit.finish()?;
-    let (tally, mut warnings) = (done.tally, of_templates);
+    let mut warnings = of_templates;
     warnings.extend(no_picture);
-    warnings.extend(stages.spiral.iter().flat_map(Spiral::warnings));
     warnings.extend(done.warnings);
-    let mut hanging = done.hanging;
-    if let Some(unheld) = stages.support().map(Supported::unheld) {
-        // The plan has seen to what hangs, and tells what it could not hold.
-        hanging = Hanging::default();
-        if unheld.area > UNHELD {
-            let at = unheld.worst + model.offset.truncate().extend(0.0);
-            warnings.push(format!(
-                "{:.1} mm² that need supports get none, the largest of it at \
-                 x = {:.1}, y = {:.1}, z = {:.1} on the bed: no support \
-                 reaches it from below{}",
-                unheld.area,
-                at.x,
-                at.y,
-                at.z,
-                match settings.supports {
-                    Supports::Plate =>
-                        "; supports = auto may stand on the part",
-                    _ => "; turn the part, or open what is around it",
-                }
-            ));
-        }
-    }
-    hanging.foot = done.foot.filter(|foot| top > foot.holds);
-    warnings.extend(hanging.warnings(top, settings));
-    if done.beads == 0 {
-        warnings.push("there is nothing to print in these layers".into());
-    }
-    tally.warn(&mut warnings);
     let totals = done.totals;
     let (outline_error, wall_error) = done.figures.accuracy();
     let report = match (spans.get(layers.start), spans.get(layers.end - 1)) {
         (Some(first), Some(last)) if options.report => {
-            let z = [first.bottom, last.top].map(|z| z - model.offset.z);
+            let stages = &all[0].0;
+            let lift = settings.raft_height();
+            let bed = plate.parts[0].model.offset.z;
+            let z = [first.bottom.max(lift), last.top.max(lift)];
+            let z = z.map(|z| z - bed);
             let volume =
                 pool.install(|| stages.gauge.volume(z, &stages.timings))?;
             let extruded = totals.filament_volume;
@@ -500,29 +687,238 @@ fn write(
         }
         _ => None,
     };
-    Ok(Summary {
-        size: bounds.size(),
+    let per_mm = filament_area(settings.filament.diameter);
+    let mut summary = Summary {
+        size: plate.size(),
         layers,
         layer_count: spans.len(),
+        raft_layers: settings.raft_layers(),
         steps: None,
         time: totals.time,
         filament_length: totals.filament_length,
         filament_mass_g: totals.filament_mass_g,
-        support_length: tally.support
-            / filament_area(settings.filament.diameter),
-        unfilled_area: tally.gap,
-        solid_area: tally.solid,
-        printing_moves: tally.printing,
-        slowed_moves: tally.slowed,
-        dropped_rings: tally.dropped_rings,
-        hanging,
+        support_length: 0.0,
+        roles: done.roles,
+        unfilled_area: 0.0,
+        solid_area: 0.0,
+        printing_moves: done.printing,
+        slowed_moves: done.slowed,
+        dropped_rings: 0,
+        hanging: Hanging::default(),
         outline_error,
         wall_error,
         report,
+        parts: Vec::new(),
         verdict: None,
-        warnings,
-        timings: stages.timings.report(),
-    })
+        warnings: Vec::new(),
+        timings: all[0].0.timings.report(),
+    };
+    let mut place = 0;
+    let mut beads = 0;
+    for ((stages, spans), (part, done_part)) in
+        all.iter().zip(plate.parts.iter().zip(done.parts))
+    {
+        let copies = part.places.len();
+        beads += done_part.beads;
+        let of_part =
+            summed(stages, spans, part, done_part, &mut summary, per_mm);
+        warnings.extend(of_part.into_iter().map(|w| plate.told(part, w)));
+        summary.parts.push(PartSummary {
+            name: part.model.name.clone(),
+            copies,
+            size: part.model.bounds.size(),
+            layer_count: spans.len(),
+            filament_length: done.extruded[place] / per_mm,
+        });
+        place += copies;
+        if !std::ptr::eq(stages, &all[0].0) {
+            let more = stages.timings.report();
+            for ((_, sum), (_, more)) in summary.timings.iter_mut().zip(more) {
+                *sum += more;
+            }
+        }
+    }
+    if beads == 0 {
+        warnings.push("there is nothing to print in these layers".into());
+    }
+    summary.warnings = warnings;
+    Ok(summary)
+}
+
+/// The rates of a part, or of the plate, by their settings.
+fn rater_of<'a>(
+    settings: &'a Settings,
+    base: &'a Base<'a>,
+) -> Result<Rater<'a>, VaryError> {
+    Rater::new(settings, &base.part.model, &base.around)
+}
+
+/// The stages of a part, and its layers up to the highest that prints.
+fn stages_of<'a>(
+    base: &'a Base<'a>,
+    layers: &Range<usize>,
+    options: &Options<'_>,
+    pool: &ThreadPool,
+) -> Result<(Stages<'a>, &'a [LayerSpan]), SliceError> {
+    let Base {
+        part,
+        spans,
+        around,
+        ..
+    } = base;
+    let (model, settings) = (&part.model, &part.settings);
+    let count = layers.end.min(spans.len()).saturating_sub(layers.start);
+    let gauge = Gauge::new(model, settings, count.max(1), options.report)?;
+    let stages = Stages::new(model, settings, around, gauge, spans)?;
+    let printed = stages.printed(pool, spans)?;
+    if printed == 0 {
+        return Err(SliceError::NothingToPrint {
+            layers: spans.len(),
+            line: settings.outer_wall_width(),
+        });
+    }
+    Ok((stages, &spans[..printed]))
+}
+
+/// Plans what needs all of a part: its climbing wall and its supports.
+fn plan<'a>(
+    stages: &mut Stages<'a>,
+    spans: &'a [LayerSpan],
+    base: &'a Base<'a>,
+    pool: &ThreadPool,
+) -> Result<(), SliceError> {
+    let Base {
+        part,
+        around,
+        fills,
+        raft_fills,
+        ..
+    } = base;
+    let settings = &part.settings;
+    stages.plan_spiral(pool, spans)?;
+    if settings.supports != Supports::Off && !settings.spiral {
+        stages.plan_supports(pool, spans, around, fills, part.room())?;
+    }
+    stages.plan_raft(spans, around, raft_fills, part.room())?;
+    if settings.draft_shield != DraftShield::Off {
+        let reach = settings.reach();
+        let outline = pool.install(|| outline_of(&part.model, reach))?;
+        stages.plan_shield(spans, &outline);
+    }
+    Ok(())
+}
+
+/// How many layers have the draft shield.
+fn shielded(spans: &[LayerSpan], settings: &Settings) -> usize {
+    let height = settings.draft_shield.height();
+    spans.partition_point(|span| span.top <= height + ROUNDED)
+}
+
+/// The skirt or the draft shield round several parts, if there is to be one.
+fn skirt_round(
+    plate: &Plate,
+    all: &[(Stages<'_>, &[LayerSpan])],
+) -> Result<Option<Skirt>, SliceError> {
+    let settings = &plate.settings;
+    let skirt = &settings.skirt;
+    let shield = settings.draft_shield != DraftShield::Off;
+    let any = shield || (skirt.loops > 0 && skirt.layers > 0);
+    if plate.place_count() == 1 || !any {
+        return Ok(None);
+    }
+    let mut areas = Vec::new();
+    for ((stages, spans), part) in all.iter().zip(&plate.parts) {
+        let beside = match shield {
+            true => {
+                let reach = part.settings.reach();
+                let outline = outline_of(&part.model, reach)?;
+                stages.seen_from_above(spans, &outline)
+            }
+            false => stages.beside(spans, skirt.layers as usize)?,
+        };
+        // The hull of the hulls is that of all.
+        let hulls: Vec<Ring> = beside.iter().map(hull).collect();
+        for place in &part.places {
+            let by = part.model.offset.truncate() + place.shift;
+            let moved = |ring: &Ring| ring.iter().map(|p| *p + by).collect();
+            let rings = hulls.iter().map(moved).collect();
+            areas.push(Area { rings });
+        }
+    }
+    // Round the widest brim.
+    let mut widest = settings.clone();
+    let brims = plate.parts.iter().map(|part| &part.settings);
+    let brims = brims.max_by(|a, b| brim_reach(a).total_cmp(&brim_reach(b)));
+    if let Some(brim) = brims {
+        widest.brim = brim.brim.clone();
+    }
+    if !shield {
+        return Ok(Some(Skirt::new(&areas, &widest)));
+    }
+    let layers = all.iter().map(|(_, spans)| shielded(spans, settings));
+    let layers = layers.max().unwrap_or(0);
+    Ok(Some(Skirt::shield(&areas, layers, &widest)))
+}
+
+/// The parts, for their labels.
+fn standing(
+    plate: &Plate,
+    settings: &Settings,
+) -> Result<Vec<Standing>, PictureError> {
+    let mut all = Vec::new();
+    for part in &plate.parts {
+        let outline = match needs_outline(settings) {
+            true => outline_of(&part.model, part.settings.reach())?,
+            false => Vec::new(),
+        };
+        let (low, high) = part.reach();
+        for place in &part.places {
+            all.push(Standing {
+                name: place.name.clone(),
+                min: low.truncate() + place.shift,
+                max: high.truncate() + place.shift,
+                outline: outline.iter().map(|p| *p + place.shift).collect(),
+            });
+        }
+    }
+    Ok(all)
+}
+
+/// Adds what came of a part to the summary, and tells what the user should know
+/// of it.
+fn summed(
+    stages: &Stages<'_>,
+    spans: &[LayerSpan],
+    part: &Part,
+    done: PartDone,
+    summary: &mut Summary,
+    per_mm: Mm2,
+) -> Vec<String> {
+    let settings = &part.settings;
+    let copies = part.places.len();
+    let top = spans.last().map_or(0.0, |span| span.top);
+    let mut warnings = Vec::new();
+    warnings.extend(stages.spiral.iter().flat_map(Spiral::warnings));
+    warnings.extend(done.warnings);
+    let mut hanging = done.hanging;
+    if let Some(supported) = stages.support() {
+        // The plan has seen to what hangs, and tells what it could not hold.
+        hanging = Hanging::default();
+        let first = part.places.first().map_or(DVec2::ZERO, |p| p.shift);
+        let offset = part.model.offset.truncate() + first;
+        warnings.extend(supported.warnings(offset, settings));
+    }
+    hanging.foot = done.foot.filter(|foot| top > foot.holds);
+    warnings.extend(hanging.warnings(top, settings));
+    let tally = done.tally;
+    tally.warn(&mut warnings);
+    let times = copies as f64;
+    summary.hanging.add(&hanging, copies);
+    summary.support_length += times * tally.support / per_mm;
+    summary.unfilled_area += times * tally.gap;
+    summary.solid_area += times * tally.solid;
+    summary.dropped_rings += copies * tally.dropped_rings;
+    warnings
 }
 
 /// A convex ring around what is printed, which reaches that far beyond the
@@ -540,11 +936,17 @@ fn outline_of(model: &Model, reach: Mm) -> Result<Vec<DVec2>, PictureError> {
 
 /// The pictures for the file's head, if they can be afforded.
 fn pictures_of(
-    model: &Model,
+    plate: &Plate,
     settings: &Settings,
 ) -> Result<Option<Vec<Thumbnail>>, PictureError> {
     let sizes = settings.gcode.thumbnails.all();
-    Ok(thumbnails(model, sizes)?.map(|files| {
+    if sizes.is_empty() {
+        return Ok(Some(Vec::new()));
+    }
+    let Some(whole) = plate.whole() else {
+        return Ok(None);
+    };
+    Ok(thumbnails(&whole, sizes)?.map(|files| {
         let pictures = sizes.iter().zip(files);
         pictures
             .map(|(&size, file)| Thumbnail { size, file })

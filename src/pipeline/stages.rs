@@ -5,12 +5,15 @@
 //! which layers are worked on.
 
 use super::layer::{Inside, Layer, faces, window};
+use super::raft::{self, Raft};
 use super::sound::{self, Found};
 use super::supported::{Fills, Supported};
-use super::{BLOCK, SliceError};
+use super::{BLOCK, SliceError, shielded};
 use crate::adhesion::{Skirt, loops};
-use crate::bead::Bead;
-use crate::contour::{Detail, Field, FieldError, field, field_in, outlines};
+use crate::bead::{Bead, Role};
+use crate::contour::{
+    Detail, Field, FieldError, Outline, field, field_in, outlines,
+};
 use crate::fuzzy::Fuzzy;
 use crate::hang::Look;
 use crate::infill::{self, Infill, InfillError};
@@ -19,6 +22,7 @@ use crate::limits;
 use crate::model::Model;
 use crate::order::LayerBeads;
 use crate::plane::clip::union;
+use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Solid};
 use crate::region::compensate::Compensation;
 use crate::region::cover::rough;
@@ -27,11 +31,11 @@ use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::resolution::thin;
 use crate::seam::Seams;
-use crate::settings::{Settings, WallOffset};
+use crate::settings::{DraftShield, Settings, WallOffset};
 use crate::skin::Patch;
 use crate::skin::over_infill::{Over, Under, bridged};
 use crate::spiral::Spiral;
-use crate::support::{Parts, Plan};
+use crate::support::{Parts, Plan, Wishes};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::Surroundings;
@@ -67,6 +71,11 @@ pub(super) struct Stages<'a> {
     skirt: Option<Skirt>,
     /// The supports, once they are planned.
     support: Option<Supported<'a>>,
+    /// All layers of the part, if its plan has asked for them.
+    known: Vec<Layer>,
+    /// The raft, once it is planned, and the number of its layers.
+    raft: Option<Raft<'a>>,
+    raft_layers: usize,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
     /// The climbing wall, if there is to be one.
@@ -122,6 +131,9 @@ impl<'a> Stages<'a> {
             fuzzy: Fuzzy::new(settings, around)?,
             skirt: None,
             support: None,
+            known: Vec::new(),
+            raft: None,
+            raft_layers: settings.raft_layers(),
             bed: -model.offset.z,
             spiral: None,
             exposure: Exposure::new(settings, spans),
@@ -129,7 +141,9 @@ impl<'a> Stages<'a> {
             timings: Timings::default(),
             gauge,
         };
-        if settings.skirt.loops > 0 && settings.skirt.layers > 1 {
+        let shield = settings.draft_shield != DraftShield::Off;
+        let high = settings.skirt.loops > 0 && settings.skirt.layers > 1;
+        if high && !shield {
             stages.skirt = Some(stages.skirt_round(spans)?);
         }
         Ok(stages)
@@ -138,72 +152,182 @@ impl<'a> Stages<'a> {
     /// The skirt round all layers that stand beside it, or, if it is high,
     /// some of them.
     fn skirt_round(&self, spans: &[LayerSpan]) -> Result<Skirt, FieldError> {
-        let beside =
-            &spans[..spans.len().min(self.settings.skirt.layers as usize)];
+        let layers = self.settings.skirt.layers as usize;
+        let areas = self.beside(spans, layers)?;
+        Ok(Skirt::new(&areas, self.settings))
+    }
+
+    /// What of the part and its supports stands in the lowest `layers`, or, if
+    /// they are many, in some of them.
+    pub(super) fn beside(
+        &self,
+        spans: &[LayerSpan],
+        layers: usize,
+    ) -> Result<Vec<Area>, FieldError> {
+        let beside = &spans[..spans.len().min(layers)];
         let step = beside.len().div_ceil(SKIRT_SAMPLES).max(1);
         let mut areas = Vec::new();
         for span in beside.iter().step_by(step).chain(beside.last()) {
             let of_span =
                 self.layers(std::slice::from_ref(span), &(0..usize::MAX))?;
-            areas.extend(of_span.into_iter().map(|l| l.outline));
+            areas.extend(of_span.iter().map(|l| l.area().clone()));
         }
-        let areas = areas.iter().map(|outline| outline.area());
         let slice = |s: &LayerSpan| self.support.as_ref()?.slice(s.index);
         let support = beside.iter().filter_map(slice);
         let support = support.flat_map(|s| [&s.body, &s.interface]);
-        Ok(Skirt::new(areas.chain(support), self.settings))
+        areas.extend(support.cloned());
+        areas.extend(self.raft.iter().map(|raft| raft.area.clone()));
+        Ok(areas)
     }
 
     /// Plans the supports of the whole part, `spans`. `fills` are the settings
-    /// by which supports and their dense tops are filled.
+    /// by which supports and their dense tops are filled. `room` is where on the
+    /// bed there may be supports.
     ///
     /// # Errors
-    /// If the part's outlines cannot be found.
+    /// If the part's outlines cannot be found, or `support.where` has no value
+    /// somewhere.
     pub(super) fn plan_supports(
         &mut self,
         pool: &ThreadPool,
         spans: &'a [LayerSpan],
         around: &'a Surroundings<'a>,
         fills: &'a Fills,
+        room: Rect,
     ) -> Result<(), SliceError> {
+        let wishes = Wishes::new(self.settings, around)?;
         let slabs = spans.par_chunks(self.slab_layers());
         let stages: &Stages<'a> = self;
-        let outlines = pool.install(|| {
-            let made = slabs.map(|slab| {
-                let layers = stages.layers(slab, &(0..usize::MAX))?;
-                let areas = layers.iter().map(|l| l.area().clone());
-                Ok(areas.collect::<Vec<Area>>())
-            });
-            made.collect::<Vec<Result<Vec<Area>, FieldError>>>()
+        let made: Vec<Result<Vec<Layer>, FieldError>> = pool.install(|| {
+            slabs.map(|s| stages.layers(s, &(0..usize::MAX))).collect()
         });
-        let outlines: Vec<Vec<Area>> =
-            outlines.into_iter().collect::<Result<_, _>>()?;
-        let outlines = outlines.concat();
-        let offset = self.model.offset.truncate();
-        let printer = &self.settings.printer;
+        let layers: Vec<Vec<Layer>> =
+            made.into_iter().collect::<Result<_, _>>()?;
+        self.known = layers.concat();
+        let outlines = self.known.iter().skip(self.raft_layers);
+        let outlines: Vec<Area> =
+            outlines.map(|layer| layer.area().clone()).collect();
+        // The plan knows nothing of a raft: it is its bed.
+        let lift = self.settings.raft_height();
+        let above = spans.iter().skip(self.raft_layers);
+        let above: Vec<LayerSpan> = above
+            .enumerate()
+            .map(|(index, span)| LayerSpan {
+                index,
+                bottom: span.bottom - lift,
+                top: span.top - lift,
+            })
+            .collect();
         let parts = Parts {
-            spans,
+            spans: &above,
             outlines: &outlines,
-            bed: Rect {
-                min: -offset,
-                max: DVec2::new(printer.bed_x, printer.bed_y) - offset,
-            },
+            bed: self.in_model(room),
         };
         let plan = pool.install(|| {
-            let plan = || Plan::new(parts, self.settings);
+            let plan = || Plan::new(parts, wishes.as_ref(), self.settings);
             self.timings.time(Stage::Support, plan)
-        });
-        let site = infill::Site {
-            part: self.rect,
-            height: self.model.bounds.size().z,
-            bed: 0.5 * (parts.bed.min + parts.bed.max),
-            origin: self.model.origin.truncate(),
-        };
-        self.support = Some(Supported::new(plan, fills, around, site)?);
+        })?;
+        let site = self.site();
+        self.support = Some(Supported::new(plan, spans, fills, around, site)?);
         if self.skirt.is_some() {
             self.skirt = Some(self.skirt_round(spans)?);
         }
         Ok(())
+    }
+
+    /// Plans the raft of the whole part, `spans`, after its supports, if there
+    /// is to be one. It carries the layers up to the lowest in which a line of
+    /// the part has room: those below are empty, or nearly so.
+    ///
+    /// # Errors
+    /// If the outlines above it cannot be found.
+    pub(super) fn plan_raft(
+        &mut self,
+        spans: &[LayerSpan],
+        around: &'a Surroundings<'a>,
+        fills: &'a raft::Fills,
+        room: Rect,
+    ) -> Result<(), SliceError> {
+        let first = self.raft_layers;
+        if first == 0 {
+            return Ok(());
+        }
+        let s = self.settings;
+        let half = 0.5 * 0.01 * s.thin_min * s.outer_wall_width();
+        let mut under = Area::EMPTY;
+        for span in spans.iter().skip(first) {
+            limits::check();
+            let of_span =
+                self.layers(std::slice::from_ref(span), &(0..usize::MAX))?;
+            if let Some(support) = self.support_area(span.index) {
+                under = union(&under, &support);
+            }
+            let Some(layer) = of_span.first() else {
+                continue;
+            };
+            under = union(&under, layer.area());
+            if !offset(layer.area(), -half, s.accuracy).is_empty() {
+                break;
+            }
+        }
+        let raft =
+            Raft::new(&under, self.in_model(room), fills, around, self.site())?;
+        self.raft = Some(raft);
+        if self.skirt.is_some() {
+            self.skirt = Some(self.skirt_round(spans)?);
+        }
+        Ok(())
+    }
+
+    /// What of the part and its supports is seen from above. `part` lies around
+    /// the part, on the bed.
+    pub(super) fn seen_from_above(
+        &self,
+        spans: &[LayerSpan],
+        part: &[DVec2],
+    ) -> Vec<Area> {
+        let offset = self.model.offset.truncate();
+        let part = Area {
+            rings: vec![part.iter().map(|p| p - offset).collect()],
+        };
+        let supports = spans.iter();
+        let supports = supports.filter_map(|s| self.support_area(s.index));
+        std::iter::once(part).chain(supports).collect()
+    }
+
+    /// Plans the draft shield of the whole part, `spans`, after its supports
+    /// and its raft. `part` lies around the part as seen from above, on the
+    /// bed.
+    pub(super) fn plan_shield(&mut self, spans: &[LayerSpan], part: &[DVec2]) {
+        let all = self.seen_from_above(spans, part);
+        let layers = shielded(spans, self.settings);
+        self.skirt = Some(Skirt::shield(&all, layers, self.settings));
+    }
+
+    /// A rectangle of the bed in the model's coordinates.
+    fn in_model(&self, on_bed: Rect) -> Rect {
+        let offset = self.model.offset.truncate();
+        Rect {
+            min: on_bed.min - offset,
+            max: on_bed.max - offset,
+        }
+    }
+
+    /// What fillings of supports are laid out from.
+    fn site(&self) -> infill::Site {
+        let printer = &self.settings.printer;
+        let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
+        infill::Site {
+            part: self.rect,
+            height: self.model.bounds.size().z,
+            bed: bed - self.model.offset.truncate(),
+            origin: self.model.origin.truncate(),
+        }
+    }
+
+    /// True if a layer is the part's first one, on a raft.
+    pub(super) fn is_on_raft(&self, layer: usize) -> bool {
+        self.raft_layers > 0 && layer == self.raft_layers
     }
 
     /// The supports, once they are planned.
@@ -213,7 +337,16 @@ impl<'a> Stages<'a> {
 
     /// Where a layer has supports.
     pub(super) fn support_area(&self, layer: usize) -> Option<Area> {
-        self.support()?.area(layer)
+        match &self.raft {
+            Some(raft) if layer < self.raft_layers => Some(raft.area.clone()),
+            _ => self.support()?.area(layer),
+        }
+    }
+
+    /// Where supports hold a layer, if that matters for its walls.
+    pub(super) fn held_by_support(&self, layer: usize) -> Option<Area> {
+        let s = self.settings;
+        self.support().filter(|_| s.by_reach())?.under(layer, s)
     }
 
     /// Plans the climbing wall of the layers to be printed, if there is to be
@@ -227,12 +360,14 @@ impl<'a> Stages<'a> {
         if !self.settings.spiral {
             return Ok(());
         }
-        let mut spiral = Spiral::new(self.model, self.settings)?;
-        let last_flat = Spiral::first(self.settings) - 1;
+        let mut spiral = Spiral::new(self.model, self.settings, spans)?;
+        let last_flat = spiral.first() - 1;
         let all = last_flat..spans.len();
         for slab in spans.chunks(self.slab_layers()) {
             limits::check();
-            for layer in pool.install(|| self.layers(slab, &all))? {
+            // Offset fields are not asked for.
+            let made = || self.layers_of(&self.field, &[], slab, &all);
+            for layer in pool.install(made)? {
                 spiral.add(&layer.span, layer.area())?;
             }
         }
@@ -274,8 +409,9 @@ impl<'a> Stages<'a> {
         count: usize,
     ) -> Range<usize> {
         let first = layers.start - layers.start % BLOCK;
-        let below = first.saturating_sub(self.reach_below());
-        below..(layers.end + self.reach_above()).min(count)
+        // A part may end below all of them.
+        let below = first.saturating_sub(self.reach_below()).min(count);
+        below..(layers.end + self.reach_above()).clamp(below, count)
     }
 
     /// How many layers above a layer it has to know.
@@ -298,6 +434,10 @@ impl<'a> Stages<'a> {
         spans: &[LayerSpan],
         needed: &Range<usize>,
     ) -> Result<Vec<Layer>, FieldError> {
+        if !self.known.is_empty() {
+            let needed = spans.iter().filter(|s| needed.contains(&s.index));
+            return Ok(needed.map(|s| self.known[s.index].clone()).collect());
+        }
         self.layers_of(&self.field, &self.wall_fields, spans, needed)
     }
 
@@ -310,13 +450,22 @@ impl<'a> Stages<'a> {
         spans: &[LayerSpan],
         needed: &Range<usize>,
     ) -> Result<Vec<Layer>, FieldError> {
-        let z: Vec<Mm> =
-            spans.iter().map(|s| s.sample_z() + self.bed).collect();
+        // The part has nothing in the layers of a raft.
+        let below = spans.iter().take_while(|s| s.index < self.raft_layers);
+        let below = below.count();
+        let of_part = spans[below..].iter();
+        let z: Vec<Mm> = of_part.map(|s| s.sample_z() + self.bed).collect();
         let detail = Detail {
             accuracy: self.settings.accuracy * OUTLINE_SHARE,
             smallest: PRINTABLE * self.settings.outer_wall_width(),
         };
-        let make = |f: &Field| outlines(f, &z, detail, &self.timings);
+        let make = |f: &Field| {
+            let mut all = vec![Outline::default(); below];
+            if !z.is_empty() {
+                all.extend(outlines(f, &z, detail, &self.timings)?);
+            }
+            Ok::<_, FieldError>(all)
+        };
         let outlines_of_slab = make(field)?;
         // For walls that are offsets of the expression: by depth, by layer.
         let mut offset_outlines = wall_fields
@@ -409,7 +558,8 @@ impl<'a> Stages<'a> {
         k: usize,
     ) -> Result<Option<LayerFigures>, ReportError> {
         // A turn is nowhere at the height of its layer's outline.
-        if self.spiral_at(layer.span.index).is_some() {
+        let number = layer.span.index;
+        if self.spiral_at(number).is_some() || number < self.raft_layers {
             return Ok(None);
         }
         let rounded;
@@ -439,10 +589,11 @@ impl<'a> Stages<'a> {
         i: usize,
     ) -> Option<Look> {
         let (here, below) = (&layers[i], layers.get(i.checked_sub(1)?)?);
-        if here.same_outline(below) {
+        let span = here.span;
+        // A raft holds all of what is on it.
+        if here.same_outline(below) || self.is_on_raft(span.index) {
             return None;
         }
-        let span = here.span;
         Some(self.timings.time(Stage::Hang, || {
             Look::new(
                 &here.outline,
@@ -486,7 +637,7 @@ impl<'a> Stages<'a> {
             };
             return Ok((beads, FillAreas::default()));
         }
-        let (areas, skin) = self.timings.time(Stage::Skin, || {
+        let (areas, mut skin) = self.timings.time(Stage::Skin, || {
             let window = window(layers, i);
             let areas = self.exposure.split(&walls.fill, roomy, &window);
             let skin = skin::patches(
@@ -498,8 +649,18 @@ impl<'a> Stages<'a> {
             );
             (areas, skin)
         });
-        let mut walls =
-            walls::beads(walls, height, self.settings.speed.small_wall_length);
+        if self.is_on_raft(number) {
+            // Its underside lies over the air above the raft.
+            let down = of_skin(&mut skin);
+            for bead in down.filter(|b| b.role == Role::BottomSkin) {
+                bead.role = Role::Bridge;
+            }
+        }
+        let small = self.settings.speed.small_wall_length;
+        let mut walls = match self.settings.interlocks() {
+            true => walls::interlocked(walls, height, small),
+            false => walls::beads(walls, height, small),
+        };
         let sites = self.timings.time(Stage::Walls, || {
             self.seams.sites(&walls, number, span.sample_z(), solid)
         })?;
@@ -510,9 +671,12 @@ impl<'a> Stages<'a> {
         }
         let mut beads = LayerBeads {
             support: self.timings.time(Stage::Support, || {
-                match self.support() {
-                    Some(support) => support.beads(span),
-                    None => Ok(Vec::new()),
+                match (&self.raft, self.support()) {
+                    (Some(raft), _) if number < self.raft_layers => {
+                        raft.beads(span)
+                    }
+                    (_, Some(support)) => support.beads(span),
+                    _ => Ok(Vec::new()),
                 }
             })?,
             support_last: !number.is_multiple_of(2),

@@ -2,7 +2,8 @@
 //!
 //! In: the slabs of a part. Out: its layers in order, a few at a time, each
 //! with the neighbours it looks at. What is kept is the window of layers that
-//! later ones look at, so memory does not grow with the part's height.
+//! later ones look at, so memory does not grow with the part's height; with
+//! supports the outlines of all layers are kept elsewhere, for their plan.
 
 use super::layer::{Filled, Inside, Layer, Ready};
 use super::stages::Stages;
@@ -101,50 +102,6 @@ impl<'a> Supply<'a> {
             under: None,
             layers,
         }
-    }
-
-    /// Lets `write` have the layers: while it is at some of them, the next
-    /// ones are made, unless all is to be done by one thread.
-    ///
-    /// # Errors
-    /// The first one of either.
-    pub(super) fn each(
-        self,
-        mut write: impl FnMut(Ready) -> Result<(), SliceError>,
-    ) -> Result<(), SliceError> {
-        let mut write_all = |batches: &mut dyn Iterator<Item = Batch>| {
-            for batch in batches {
-                batch?.into_iter().try_for_each(&mut write)?;
-            }
-            Ok(())
-        };
-        if self.pool.current_num_threads() == 1 {
-            let mut batches = self;
-            return write_all(&mut batches);
-        }
-        let watch = limits::Watch::current();
-        thread::scope(|scope| {
-            // As many as are written wait meanwhile, and no more.
-            let (hand, batches) = sync_channel(0);
-            let supply = thread::Builder::new().name("layers".into());
-            let supply = supply
-                .spawn_scoped(scope, move || {
-                    limits::Watch::adopt(watch.as_ref());
-                    for batch in self {
-                        let failed = batch.is_err();
-                        // Nobody takes it where writing has failed.
-                        if hand.send(batch).is_err() || failed {
-                            break;
-                        }
-                    }
-                })
-                .map_err(SliceError::LayersThread)?;
-            let written = write_all(&mut batches.into_iter());
-            match supply.join() {
-                Ok(()) => written,
-                Err(panic) => resume_unwind(panic),
-            }
-        })
     }
 
     /// The window's layers that can be filled: as few at a time as keep all
@@ -260,6 +217,7 @@ impl<'a> Supply<'a> {
                 areas: bridges.then(|| areas.clone()),
                 sparse: Solid::new(areas.sparse),
                 support: stages.support_area(index).map(Solid::new),
+                held: stages.held_by_support(index).map(Solid::new),
                 look: stages.look(layers, i),
                 gap: inside.walls.gap,
                 figures,
@@ -340,6 +298,142 @@ fn all_or_first<T>(
 
 /// Layers that are written together.
 type Batch = Result<Vec<Ready>, SliceError>;
+
+/// The layers of all parts of a plate, in order.
+pub(super) struct Supplies<'a> {
+    parts: Vec<OfPart<'a>>,
+    /// Index of the layer that is handed over next.
+    next: usize,
+}
+
+/// The layers of one part.
+struct OfPart<'a> {
+    supply: Supply<'a>,
+    /// Those that wait for other parts.
+    waiting: VecDeque<Ready>,
+    /// The part has layers up to this one.
+    end: usize,
+}
+
+/// A layer of some of the plate's parts: each with the part's number.
+pub(super) type OnPlate = Vec<(usize, Ready)>;
+
+impl<'a> Supplies<'a> {
+    /// The layers of parts that each have `spans`; of all of them `layers`, and
+    /// those of the same block before them.
+    pub(super) fn new(
+        parts: impl IntoIterator<Item = (&'a Stages<'a>, &'a [LayerSpan])>,
+        pool: &'a ThreadPool,
+        layers: &Range<usize>,
+    ) -> Self {
+        let of_part = |(stages, spans): (&'a Stages<'a>, &'a [LayerSpan])| {
+            let end = layers.end.min(spans.len());
+            let supply = Supply::new(stages, pool, spans, layers.start..end);
+            let waiting = VecDeque::new();
+            OfPart {
+                supply,
+                waiting,
+                end,
+            }
+        };
+        Supplies {
+            parts: parts.into_iter().map(of_part).collect(),
+            next: layers.start - layers.start % BLOCK,
+        }
+    }
+
+    /// Lets `write` have the layers: while it is at some of them, the next
+    /// ones are made, unless all is to be done by one thread.
+    ///
+    /// # Errors
+    /// The first one of either.
+    pub(super) fn each(
+        self,
+        pool: &ThreadPool,
+        mut write: impl FnMut(OnPlate) -> Result<(), SliceError>,
+    ) -> Result<(), SliceError> {
+        let mut write_all = |batches: &mut dyn Iterator<Item = PlateBatch>| {
+            for batch in batches {
+                batch?.into_iter().try_for_each(&mut write)?;
+            }
+            Ok(())
+        };
+        if pool.current_num_threads() == 1 {
+            let mut batches = self;
+            return write_all(&mut batches);
+        }
+        let watch = limits::Watch::current();
+        thread::scope(|scope| {
+            // As many as are written wait meanwhile, and no more.
+            let (hand, batches) = sync_channel(0);
+            let supply = thread::Builder::new().name("layers".into());
+            let supply = supply
+                .spawn_scoped(scope, move || {
+                    limits::Watch::adopt(watch.as_ref());
+                    for batch in self {
+                        let failed = batch.is_err();
+                        // Nobody takes it where writing has failed.
+                        if hand.send(batch).is_err() || failed {
+                            break;
+                        }
+                    }
+                })
+                .map_err(SliceError::LayersThread)?;
+            let written = write_all(&mut batches.into_iter());
+            match supply.join() {
+                Ok(()) => written,
+                Err(panic) => resume_unwind(panic),
+            }
+        })
+    }
+
+    /// Lets every part that goes on have a layer waiting.
+    fn fetch(&mut self) -> Result<(), SliceError> {
+        for part in &mut self.parts {
+            while part.end > self.next && part.waiting.is_empty() {
+                match part.supply.next() {
+                    Some(batch) => part.waiting.extend(batch?),
+                    None => part.end = self.next,
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The next layer, if every part that goes on has it.
+    fn take(&mut self) -> Option<OnPlate> {
+        let next = self.next;
+        let on = self.parts.iter().filter(|part| part.end > next);
+        let (mut any, mut all) = (false, true);
+        for part in on {
+            any = true;
+            all &= !part.waiting.is_empty();
+        }
+        if !any || !all {
+            return None;
+        }
+        self.next += 1;
+        let parts = self.parts.iter_mut().enumerate();
+        let on = parts.filter(|(_, part)| part.end > next);
+        let taken = on.filter_map(|(k, p)| Some((k, p.waiting.pop_front()?)));
+        Some(taken.collect())
+    }
+}
+
+/// Layers of a plate that are written together.
+type PlateBatch = Result<Vec<OnPlate>, SliceError>;
+
+impl Iterator for Supplies<'_> {
+    type Item = PlateBatch;
+
+    fn next(&mut self) -> Option<PlateBatch> {
+        if let Err(error) = self.fetch() {
+            return Some(Err(error));
+        }
+        let batch: Vec<OnPlate> = std::iter::from_fn(|| self.take()).collect();
+        (!batch.is_empty()).then_some(Ok(batch))
+    }
+}
 
 impl Iterator for Supply<'_> {
     type Item = Batch;

@@ -1,58 +1,149 @@
 //! The supports of a part, layer by layer.
 
-use crate::bead::{Bead, Role};
+use crate::bead::{Bead, Role, spacing};
 use crate::infill::{self, Infill, InfillError};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
 use crate::plane::clip::union;
 use crate::region::walls;
-use crate::settings::{self, InfillPattern, Settings, Varying, WallOffset};
-use crate::support::{Plan, Slice, Unheld};
+use crate::settings::{
+    self, InfillPattern, InterfacePattern, Settings, Supports, Varying,
+    WallOffset,
+};
+use crate::support::{Plan, Slice, Unheld, top_below};
+use crate::units::{Mm, Mm2, Percent};
 use crate::vary::Surroundings;
 use crate::walls;
+use glam::DVec2;
+
+/// What hangs without a support is told of from this area on, mm².
+const UNHELD: Mm2 = 1.0;
 
 /// The supports of a part.
 pub(super) struct Supported<'a> {
     plan: Plan,
+    spans: &'a [LayerSpan],
     body: SupportFill<'a>,
     interface: SupportFill<'a>,
+    /// Number of the raft's layers, which the plan does not know.
+    raft: usize,
+    /// Height of the raft and of the air above it.
+    lift: Mm,
+    /// That air, which the first layer of supports fills.
+    gap: Mm,
 }
 
 impl<'a> Supported<'a> {
-    /// Those of a plan, filled by `fills`.
+    /// Those of a plan for layers, filled by `fills`.
     pub(super) fn new(
         plan: Plan,
+        spans: &'a [LayerSpan],
         fills: &'a Fills,
         around: &'a Surroundings<'a>,
         site: infill::Site,
     ) -> Result<Supported<'a>, InfillError> {
         let fill = |settings: &'a Settings, role| {
-            Ok::<_, InfillError>(SupportFill {
-                settings,
-                infill: Infill::new(settings, around, site)?,
-                role,
-            })
+            SupportFill::new(settings, role, around, site)
         };
+        let settings = &fills.body;
         Ok(Supported {
             plan,
+            raft: settings.raft_layers(),
+            lift: settings.raft_height(),
+            gap: match settings.raft_layers() {
+                0 => 0.0,
+                _ => settings.raft_gap(),
+            },
+            spans,
             body: fill(&fills.body, Role::Support)?,
             interface: fill(&fills.interface, Role::SupportInterface)?,
         })
     }
 
-    /// What needs a support and has none.
-    pub(super) fn unheld(&self) -> Unheld {
-        self.plan.unheld
+    /// What the user should know of the plan; `offset` leads from the model's
+    /// coordinates to the bed's.
+    pub(super) fn warnings(
+        &self,
+        offset: DVec2,
+        settings: &Settings,
+    ) -> Vec<String> {
+        let place = |unheld: Unheld| {
+            let at = unheld.worst + offset.extend(self.lift);
+            format!(
+                "x = {:.1}, y = {:.1}, z = {:.1} on the bed",
+                at.x, at.y, at.z
+            )
+        };
+        let mut all = Vec::new();
+        let Plan {
+            unheld,
+            unmet,
+            idle,
+            ..
+        } = self.plan;
+        if unheld.area > UNHELD {
+            all.push(format!(
+                "{:.1} mm² that need supports get none, the largest of it at \
+                 {}: no support reaches it from below{}",
+                unheld.area,
+                place(unheld),
+                match settings.supports {
+                    Supports::Plate =>
+                        "; supports = auto may stand on the part",
+                    _ => "; turn the part, or open what is around it",
+                }
+            ));
+        }
+        if unmet.area > UNHELD {
+            all.push(format!(
+                "{:.1} mm² for which support.where asks for supports get none, \
+                 the largest of it at {}: either no support reaches it from \
+                 below, or the face is so steep that support.xy_gap leaves no \
+                 room beside it",
+                unmet.area,
+                place(unmet),
+            ));
+        }
+        if idle {
+            all.push(
+                "support.where has no effect: it is neither positive nor \
+                 negative on any underside of the part; x and y are the \
+                 model's own, z is the height above the bed"
+                    .to_owned(),
+            );
+        }
+        let beside = side_by_side(settings);
+        if let Some(apart) = settings.support.interface_spacing
+            && settings.support.interface_layers > 0
+            && apart < beside
+        {
+            all.push(format!(
+                "support.interface_spacing = {apart} mm is less than the \
+                 {beside:.3} mm that lines of infill_width = {:.3} mm need, so \
+                 these lie side by side; raise it, or lower infill_width",
+                settings.infill_width(),
+            ));
+        }
+        all
     }
 
     /// The sparse and the dense area in a layer, if there is one.
     pub(super) fn slice(&self, layer: usize) -> Option<&Slice> {
-        self.plan.slice(layer)
+        self.plan.slice(layer.checked_sub(self.raft)?)
     }
 
     /// Where a layer has supports.
     pub(super) fn area(&self, layer: usize) -> Option<Area> {
         self.slice(layer).map(|s| union(&s.body, &s.interface))
+    }
+
+    /// Where the supports are that hold a layer: their tops are a gap below.
+    pub(super) fn under(
+        &self,
+        layer: usize,
+        settings: &Settings,
+    ) -> Option<Area> {
+        self.area(top_below(self.spans, layer, settings)?)
     }
 
     /// The beads of a layer's supports.
@@ -65,8 +156,23 @@ impl<'a> Supported<'a> {
         };
         let mut beads = self.interface.beads(&slice.interface, span)?;
         beads.extend(self.body.beads(&slice.body, span)?);
+        if span.index == self.raft && self.gap > 0.0 {
+            // Supports stand on the raft, so they reach down to it.
+            for bead in &mut beads {
+                // Lines of the usual width are wide enough for that
+                // (`raft.gap`); those that fit into a thin place may not be.
+                let most = Settings::FLAT * bead.width;
+                bead.height = (bead.height + self.gap).min(most);
+            }
+        }
         Ok(beads)
     }
+}
+
+/// Distance of the lines of supports that lie side by side.
+fn side_by_side(settings: &Settings) -> Mm {
+    let width = settings.infill_width();
+    spacing(width, width, settings.layer_height())
 }
 
 /// The settings by which supports are filled.
@@ -78,31 +184,72 @@ pub(super) struct Fills {
 impl Fills {
     /// Of a run with these settings.
     pub(super) fn new(settings: &Settings) -> Fills {
-        let of = |density| Settings {
-            walls: 1,
-            outer_wall_width: settings.infill_width().into(),
-            infill: settings::Infill::Pattern(InfillPattern::Rectilinear),
-            infill_density: Varying::Constant(density),
-            wall_offset: WallOffset::Distance,
-            ..settings.clone()
+        let width = settings.infill_width();
+        let of = |density| filled_by(width, density, settings);
+        let support = &settings.support;
+        let density = match support.interface_spacing {
+            Some(apart) => {
+                (100.0 * side_by_side(settings) / apart).clamp(1.0, 100.0)
+            }
+            None => support.interface_density,
         };
+        let pattern = match support.interface_pattern {
+            InterfacePattern::Lines => InfillPattern::Rectilinear,
+            InterfacePattern::Concentric => InfillPattern::Concentric,
+        };
+        let angle = support.interface_angle;
         Fills {
-            body: of(settings.support.density),
-            interface: of(settings.support.interface_density),
+            body: of(support.density),
+            interface: Settings {
+                infill: settings::Infill::Pattern(pattern),
+                infill_angle: angle.unwrap_or(settings.infill_angle),
+                ..of(density)
+            },
         }
     }
 }
 
+/// The settings for lines of a width and a density, in one wall.
+pub(super) fn filled_by(
+    width: Mm,
+    density: Percent,
+    settings: &Settings,
+) -> Settings {
+    Settings {
+        walls: 1,
+        outer_wall_width: width.into(),
+        infill_width: width.into(),
+        infill: settings::Infill::Pattern(InfillPattern::Rectilinear),
+        infill_density: Varying::Constant(density),
+        wall_offset: WallOffset::Distance,
+        ..settings.clone()
+    }
+}
+
 /// How an area of support is filled.
-struct SupportFill<'a> {
+pub(super) struct SupportFill<'a> {
     settings: &'a Settings,
     infill: Infill<'a>,
     role: Role,
 }
 
-impl SupportFill<'_> {
+impl<'a> SupportFill<'a> {
+    /// By some settings, for beads of a role.
+    pub(super) fn new(
+        settings: &'a Settings,
+        role: Role,
+        around: &'a Surroundings<'a>,
+        site: infill::Site,
+    ) -> Result<SupportFill<'a>, InfillError> {
+        Ok(SupportFill {
+            settings,
+            infill: Infill::new(settings, around, site)?,
+            role,
+        })
+    }
+
     /// A wall around the area, and lines inside it.
-    fn beads(
+    pub(super) fn beads(
         &self,
         area: &Area,
         span: &LayerSpan,

@@ -15,9 +15,6 @@ pub(super) struct Tally {
     forced_rings: usize,
     /// Islands and holes left out as too small.
     pub dropped_rings: usize,
-    /// Moves that print, and how many of them had to be slowed.
-    pub printing: usize,
-    pub slowed: usize,
     /// Layers seen, those without anything in them since the last one that
     /// had, and those that something comes after.
     layers: usize,

@@ -4,12 +4,14 @@
 //! holes clockwise, in millimetres. [`clip`] combines areas, [`offset`]
 //! grows and shrinks them, [`simplify`] thins their rings within a tolerance,
 //! [`arc`] puts arcs in the place of segments, [`hatch`] draws parallel lines across them, [`border`] cuts any lines,
+//! [`zero`] finds where a function is zero near an area, [`clusters`] are boxes of islands,
 //! [`grid`] answers what is where and [`nest`] which ring is around a point;
 //! a [`Solid`] is an area with its grid.
 
 pub(crate) mod arc;
 pub(crate) mod border;
 pub(crate) mod clip;
+pub(crate) mod clusters;
 pub(crate) mod grid;
 pub(crate) mod hatch;
 pub(crate) mod offset;
@@ -20,6 +22,7 @@ pub(crate) mod places;
 pub(crate) mod shapes;
 mod solid;
 mod trim;
+pub(crate) mod zero;
 
 pub(crate) use isocontour::plane::{
     Area, Rect, Ring, edges, nest, path_length, point_beside, ring_length,

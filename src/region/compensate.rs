@@ -30,7 +30,11 @@ impl Compensation {
     /// What the settings want for a layer.
     pub(crate) fn new(span: &LayerSpan, settings: &Settings) -> Self {
         let layers = settings.elephant_foot_layers as usize;
-        let left = layers.saturating_sub(span.index) as f64;
+        // Nothing squeezes a part on a raft.
+        let left = match settings.raft_layers() {
+            0 => layers.saturating_sub(span.index) as f64,
+            _ => 0.0,
+        };
         Compensation {
             slit: 2.0 * settings.slit_closing(),
             grow: settings.xy_compensation,

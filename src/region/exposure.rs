@@ -148,8 +148,10 @@ impl<'a> Exposure<'a> {
     /// True if a layer is skin all over, whatever covers it.
     fn is_end(&self, number: usize) -> bool {
         let s = self.settings;
+        // A raft's layers are no part of the part.
+        let in_part = number.saturating_sub(s.raft_layers());
         s.skin_where == SkinWhere::Ends
-            && (number < self.below.at(number)
+            && (in_part < self.below.at(number)
                 || number + self.above.at(number) >= self.spans.len())
     }
 

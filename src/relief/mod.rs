@@ -40,7 +40,7 @@ mod chain;
 mod profile;
 mod surface;
 
-use crate::bead::{Bead, Role, cross_section};
+use crate::bead::{Bead, Role, cross_section, height_of};
 use crate::layers::LayerSpan;
 use crate::model::{Model, Probe, ProbeError};
 use crate::plane::grid::EdgeGrid;
@@ -322,14 +322,10 @@ fn goes_on(before: &Ended, next: &Ended) -> bool {
 /// higher by `fill`. Beads beside each other share their round ends, which are
 /// the larger the higher the beads are.
 fn extra(bead: &Bead, fill: Mm) -> Mm {
-    /// The round ends lack so much of a height's square.
-    const ENDS: f64 = 1.0 - std::f64::consts::FRAC_PI_4;
     if bead.role == Role::Ironing {
         return 0.0;
     }
     let own = cross_section(bead.width, bead.height);
     let area: Mm2 = own * (1.0 + fill / bead.height);
-    // Of w·h − (1 − π/4)·h², solved for h.
-    let root = bead.width * bead.width - 4.0 * ENDS * area;
-    (bead.width - root.max(0.0).sqrt()) / (2.0 * ENDS) - bead.height
+    height_of(area, bead.width) - bead.height
 }

@@ -26,9 +26,10 @@ use crate::model::{Model, Probe, ProbeError};
 use crate::plane::Rect;
 use crate::settings::{Settings, WallOffset};
 use crate::timings::Timings;
-use crate::units::{Mm2, Mm3};
+use crate::units::{Mm, Mm2, Mm3, Seconds};
 use glam::DVec3;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
@@ -229,9 +230,10 @@ impl RunFigures {
             size_mm: gauge.model.bounds.size().to_array().map(|v| tidy(v, 3)),
             part_layers: layer_count,
             steps: None,
+            roles: BTreeMap::new(),
             settings: Used {
                 layer_height: settings.layer_height(),
-                first_layer_height: settings.first_layer_height(),
+                first_layer_height: settings.bed_layer_height(),
                 accuracy: settings.accuracy,
                 sample_spacing: settings.sample_spacing,
                 walls: settings.walls,
@@ -278,6 +280,18 @@ impl RunFigures {
     }
 }
 
+/// What the beads of one role amount to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct RoleSum {
+    /// Length of the beads, mm.
+    pub length_mm: Mm,
+    /// Length of filament, mm.
+    pub filament_mm: Mm,
+    /// How long it takes to print them, s; travels and retractions between
+    /// them do not count.
+    pub time_s: Seconds,
+}
+
 /// What `--report` writes. Names ending in `_um` are micrometres; a missing
 /// measurement is `null`; layers count from 1.
 #[derive(Clone, Debug, Serialize)]
@@ -295,6 +309,8 @@ pub struct Report {
     /// What layers of different heights amount to; nothing for uniform ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps: Option<Steps>,
+    /// What the beads of each role amount to; nothing of roles without any.
+    pub roles: BTreeMap<&'static str, RoleSum>,
     /// The settings that matter to accuracy, by their names.
     pub settings: Used,
     /// Distance of the outlines from f = 0 in the layers' planes, positive

@@ -33,6 +33,10 @@ const SHOWN: f64 = 0.3;
 /// Share of `path_accuracy` by which what lies beside the part is thinned.
 const BESIDE: f64 = 0.25;
 
+/// Share of `path_accuracy` by which supports are thinned: with less they take
+/// a quarter more moves, with more they hold a little less of what is above.
+const SUPPORT: f64 = 0.5;
+
 /// How far a width may be from the line between those that stay, as a share
 /// of itself.
 const WIDTH: f64 = 0.015;
@@ -47,8 +51,9 @@ pub(crate) fn tolerance(role: Role, settings: &Settings) -> Mm {
     match role {
         Role::Overhang | Role::OuterWall => SHOWN * settings.accuracy,
         // They keep a distance from the part.
-        Role::Skirt | Role::Brim | Role::Support | Role::SupportInterface => {
-            BESIDE * settings.path_accuracy
+        Role::Skirt | Role::Brim => BESIDE * settings.path_accuracy,
+        Role::Support | Role::SupportInterface => {
+            SUPPORT * settings.path_accuracy
         }
         _ => settings.path_accuracy,
     }

@@ -8,8 +8,10 @@
 //!
 //! In: beads in print order; closed ones begin at their seam. Out: the beads
 //! with their ends, and where the nozzle goes after each without printing. A
-//! bead is as high as its layer, so a scarf changes only the width.
+//! bead is as high as its layer, so a scarf changes only the width, unless it is
+//! to rise ([`scarf`](super::scarf)).
 
+use super::scarf::{Scarf, risen};
 use crate::bead::{Bead, Role, Stroke, cross_section};
 use crate::plane::grid::EdgeGrid;
 use crate::settings::Settings;
@@ -47,34 +49,47 @@ impl Ended {
 /// Number of points of a ramp, between which its width changes evenly.
 const STEPS: usize = 8;
 
-/// The beads with their ends. `solid` is the layer's outline.
+/// The beads with their ends. `solid` is the layer's outline; `first` tells
+/// that it is the part's first layer, on the bed or over the air above a raft,
+/// where nothing can rise from below.
 pub(crate) fn endings(
     beads: Vec<Bead>,
     solid: &EdgeGrid,
+    first: bool,
     settings: &Settings,
 ) -> Vec<Ended> {
-    let finish = |bead: Bead| {
+    let rises = settings.scarf_rises() && !first;
+    let finish = |bead: Bead| -> Vec<Ended> {
         let meant = bead.closed && bead.role == Role::OuterWall;
         if !meant || bead.points.len() < 3 {
-            return bead.into();
+            return vec![bead.into()];
         }
         let length = bead.length();
         // At least half of a loop stays as it is.
         let scarf = settings.seam_scarf.min(0.5 * length);
         let gap = settings.seam_gap.min(0.5 * length);
-        let bead = if scarf > 0.0 || gap > 0.0 {
-            opened(&bead, length, scarf, gap)
+        let beads = if scarf > 0.0 && rises {
+            let whole = opened(&bead, length + scarf - gap, &[], None);
+            let scarf = Scarf {
+                length: scarf,
+                round: length,
+                start: 0.01 * settings.seam_scarf_start,
+            };
+            risen(&whole, scarf, settings)
+        } else if scarf > 0.0 || gap > 0.0 {
+            vec![with_ramps(&bead, length, scarf, gap)]
         } else {
-            bead
+            vec![bead]
         };
-        let wipe = if settings.seam_wipe > 0.0 {
-            inwards(&bead, settings.seam_wipe, solid)
-        } else {
-            None
-        };
-        Ended { bead, wipe }
+        let mut all: Vec<Ended> = beads.into_iter().map(Ended::from).collect();
+        if settings.seam_wipe > 0.0
+            && let Some(last) = all.last_mut()
+        {
+            last.wipe = inwards(&last.bead, settings, solid);
+        }
+        all
     };
-    beads.into_iter().map(finish).collect()
+    beads.into_iter().flat_map(finish).collect()
 }
 
 /// The beads, walls cut where they begin or cease to hang over what holds
@@ -92,11 +107,46 @@ pub(crate) fn cut(all: Vec<Ended>, support: &Support<'_>) -> Vec<Ended> {
 
 /// A closed bead as an open one that overlaps its beginning by a scarf, and
 /// ends a gap earlier.
-fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
+fn with_ramps(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
+    if scarf <= 0.0 {
+        return opened(bead, length - gap, &[], None);
+    }
+    // The points of the ramps.
+    let step = |k: usize| scarf * k as f64 / STEPS as f64;
+    let ramps = (0..=STEPS).flat_map(|k| [step(k), length + step(k)]);
+    let ramps: Vec<Mm> = ramps.collect();
+    // Share of the bead's flow at a distance from its beginning.
+    let share = |s: Mm| {
+        (s / scarf)
+            .min((length + scarf - s) / scarf)
+            .clamp(0.0, 1.0)
+    };
+    let thinned = |s: Mm, w: Mm| {
+        let share = share(s);
+        if share < 1.0 {
+            width_of(share * cross_section(w, bead.height), bead.height)
+        } else {
+            w
+        }
+    };
+    opened(bead, length + scarf - gap, &ramps, Some(&thinned))
+}
+
+/// The width at a place along a bead, by its distance from the bead's beginning
+/// and by the width that the bead has there.
+type WidthAt<'a> = &'a dyn Fn(Mm, Mm) -> Mm;
+
+/// A closed bead as an open one that ends at a distance from its beginning,
+/// which may be up to twice its length. It gets points at the distances `more`,
+/// and other widths, if there are any.
+fn opened(
+    bead: &Bead,
+    end: Mm,
+    more: &[Mm],
+    widths: Option<WidthAt<'_>>,
+) -> Bead {
     let n = bead.points.len();
     let width = |i: usize| bead.width_at(i);
-    // The bead's own points, and those of the ramps.
-    let end = length + scarf - gap;
     let mut stops: Vec<(Mm, DVec2, Mm)> = Vec::new();
     let mut from = 0.0;
     for i in 0..2 * n {
@@ -108,14 +158,8 @@ fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
         };
         stops.push((from, a, width(i)));
         let first = stops.len();
-        if scarf > 0.0 {
-            for k in 0..=STEPS {
-                let s = scarf * k as f64 / STEPS as f64;
-                let inside = |s: &Mm| *s > from && *s < from + edge;
-                let both = [s, length + s].into_iter().filter(inside);
-                stops.extend(both.map(at));
-            }
-        }
+        let inside = |s: &Mm| *s > from && *s < from + edge;
+        stops.extend(more.iter().copied().filter(inside).map(at));
         stops[first..].sort_by(|a, b| a.0.total_cmp(&b.0));
         if from + edge >= end {
             stops.retain(|s| s.0 < end);
@@ -124,29 +168,10 @@ fn opened(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
         }
         from += edge;
     }
-    // Share of the bead's flow at a distance from its beginning.
-    let share = |s: Mm| {
-        if scarf > 0.0 {
-            (s / scarf)
-                .min((length + scarf - s) / scarf)
-                .clamp(0.0, 1.0)
-        } else {
-            1.0
-        }
-    };
-    let vary = scarf > 0.0 || !bead.widths.is_empty();
-    let thinned = |&(s, _, w): &(Mm, DVec2, Mm)| {
-        let share = share(s);
-        if share < 1.0 {
-            width_of(share * cross_section(w, bead.height), bead.height)
-        } else {
-            w
-        }
-    };
-    let widths = if vary {
-        stops.iter().map(thinned).collect()
-    } else {
-        Vec::new()
+    let widths = match widths {
+        Some(of) => stops.iter().map(|&(s, _, w)| of(s, w)).collect(),
+        None if bead.widths.is_empty() => Vec::new(),
+        None => stops.iter().map(|s| s.2).collect(),
     };
     Bead {
         stroke: Stroke {
@@ -173,7 +198,12 @@ fn width_of(area: Mm2, height: Mm) -> Mm {
 
 /// A point that lies farther inside the part than the bead's end; nothing if
 /// there is none.
-fn inwards(bead: &Bead, length: Mm, solid: &EdgeGrid) -> Option<DVec2> {
+fn inwards(
+    bead: &Bead,
+    settings: &Settings,
+    solid: &EdgeGrid,
+) -> Option<DVec2> {
+    let length = settings.seam_wipe;
     /// How far around the end edges are looked at, mm.
     const REACH: Mm = 2.0;
     let n = bead.points.len();
@@ -196,9 +226,18 @@ fn inwards(bead: &Bead, length: Mm, solid: &EdgeGrid) -> Option<DVec2> {
         if solid.contains(p) { d } else { -d }
     };
     let here = depth(end);
+    // Unless it has been turned round. That shows right at the end: farther
+    // away the other side of a slot is inside, too.
+    let near = 0.25 * bead.width * inward;
+    let side = match settings.overhang_reverse {
+        true => [1.0, -1.0]
+            .into_iter()
+            .find(|side| depth(end + side * near) > here)?,
+        false => 1.0,
+    };
     [1.0, 0.5, 0.25]
-        .map(|share| end + share * length * inward)
         .into_iter()
+        .map(|share| end + side * share * length * inward)
         .find(|&p| depth(p) > here)
 }
 
@@ -228,7 +267,7 @@ mod tests {
             rings: vec![square_ring(10.0)],
         };
         let grid = EdgeGrid::new(&area, 1.0);
-        endings(vec![bead], &grid, settings).remove(0)
+        endings(vec![bead], &grid, false, settings).remove(0)
     }
 
     fn settings(scarf: f64, gap: f64, wipe: f64) -> Settings {
@@ -284,6 +323,56 @@ mod tests {
     }
 
     #[test]
+    fn a_wipe_does_not_cross_a_slot() {
+        // A wall 0.45 mm thick, a slot of 0.1 mm, and a block.
+        let mut area = crate::plane::rect(-10.0, -10.0, -9.55, 10.0);
+        area.rings
+            .extend(crate::plane::rect(-9.45, -10.0, 10.0, 10.0).rings);
+        let grid = EdgeGrid::new(&area, 1.0);
+        let at = |x: f64, y: f64| DVec2::new(x, y);
+        // The block's wall begins in the middle of its side, downwards.
+        let (left, right) = (-9.45 + 0.225, 10.0 - 0.225);
+        let mut points = vec![
+            at(left, 0.0),
+            at(left, -9.7),
+            at(right, -9.7),
+            at(right, 9.7),
+            at(left, 9.7),
+        ];
+        for turned in [false, true] {
+            if turned {
+                points[1..].reverse();
+            }
+            let stroke = Stroke::new(points.clone(), true, 0.45);
+            let bead = Bead::new(Role::OuterWall, stroke, 0.2);
+            // 0.24 mm inside the thin wall is no way to go.
+            for wipe in [0.3, 0.55, 1.0] {
+                let mut settings = settings(0.0, 0.0, wipe);
+                settings.overhang_reverse = true;
+                let all = endings(vec![bead.clone()], &grid, false, &settings);
+                let at = all[0].wipe.unwrap();
+                assert!(at.x > left, "{turned} {wipe}: {at}");
+            }
+        }
+        // The thin wall has no inside, so there is no way from it.
+        let thin = vec![
+            at(-9.775, 0.0),
+            at(-9.775, -9.7),
+            at(-9.774, -9.7),
+            at(-9.774, 9.7),
+            at(-9.775, 9.7),
+        ];
+        let stroke = Stroke::new(thin, true, 0.45);
+        let bead = Bead::new(Role::OuterWall, stroke, 0.2);
+        for wipe in [0.3, 0.6, 1.2] {
+            let mut settings = settings(0.0, 0.0, wipe);
+            settings.overhang_reverse = true;
+            let all = endings(vec![bead.clone()], &grid, false, &settings);
+            assert_eq!(all[0].wipe, None, "{wipe}");
+        }
+    }
+
+    #[test]
     fn a_wipe_leads_inwards() {
         let mut begun = wall(9.775);
         begun.points.insert(0, DVec2::new(-9.775, 0.0));
@@ -301,7 +390,7 @@ mod tests {
             }],
         };
         let grid = EdgeGrid::new(&area, 1.0);
-        let own = endings(vec![hole], &grid, &settings(0.0, 0.0, 0.3));
+        let own = endings(vec![hole], &grid, false, &settings(0.0, 0.0, 0.3));
         let wipe = own[0].wipe.unwrap();
         assert!(wipe.abs().min_element() > 2.2, "{wipe}");
         // In a place too thin for a wipe there is none.
@@ -316,6 +405,6 @@ mod tests {
         let settings = settings(0.0, 0.0, 0.8);
         let mut begun = wall(9.775);
         begun.points.insert(0, DVec2::new(-9.775, 0.0));
-        assert_eq!(endings(vec![begun], &grid, &settings)[0].wipe, None);
+        assert_eq!(endings(vec![begun], &grid, false, &settings)[0].wipe, None);
     }
 }

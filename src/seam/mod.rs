@@ -23,6 +23,7 @@
 mod corners;
 pub(crate) mod ending;
 mod lowest;
+mod scarf;
 
 use crate::bead::{Bead, Role};
 use crate::model::Place;

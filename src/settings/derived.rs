@@ -73,6 +73,33 @@ by_nozzle! {
 }
 
 impl Settings {
+    /// True if every other inner wall lies half a layer lower.
+    pub(crate) fn interlocks(&self) -> bool {
+        self.walls_interlocked
+            && !self.spiral
+            && self.contour_z.is(0.0)
+            && self.highest_interlocked() <= self.printer.nozzle_diameter
+    }
+
+    /// Height of the highest bead where walls interlock, mm: it ends a wall that
+    /// lies half a layer lower.
+    pub(crate) fn highest_interlocked(&self) -> Mm {
+        self.thickest_layer()
+            + 0.5 * self.thickest_layer().max(self.part_first_height())
+    }
+
+    /// True if scarfs rise with their flow. What follows the surface above it
+    /// has its height from there.
+    pub(crate) fn scarf_rises(&self) -> bool {
+        self.seam_scarf_rise && self.contour_z.is(0.0)
+    }
+
+    /// True if walls depend on how far they reach beyond the layer below.
+    pub(crate) fn by_reach(&self) -> bool {
+        let speed = &self.speed.overhang_steps;
+        !(speed.is_off() && self.cooling.overhang_fan_steps.is_off())
+    }
+
     /// Diameter of the nozzle's flat end: `printer.nozzle_flat` if set, else
     /// what is usual.
     pub fn nozzle_flat(&self) -> Mm {
@@ -199,11 +226,73 @@ impl Settings {
         }
     }
 
-    /// How far outer walls reach beyond the part, in the plane. Fuzzy skin
-    /// that is an expression is not counted.
+    /// How far outer walls, or the raft, reach beyond the part, in the plane.
+    /// Fuzzy skin that is an expression is not counted.
     pub fn reach(&self) -> Mm {
         let fuzzy = self.fuzzy.thickness.constant().unwrap_or(0.0);
-        (self.xy_compensation + fuzzy).max(0.0)
+        let walls = (self.xy_compensation + fuzzy).max(0.0);
+        match self.raft.layers {
+            0 => walls,
+            _ => walls + self.raft.expansion,
+        }
+    }
+
+    /// Layers between the bed and the part.
+    pub fn raft_layers(&self) -> usize {
+        self.raft.layers as usize
+    }
+
+    /// Height of the layer on the bed: the part's first one, or the raft's.
+    pub fn bed_layer_height(&self) -> Mm {
+        match self.raft.layers {
+            0 => self.first_layer_height(),
+            _ => share_of(self.printer.nozzle_diameter, 75.0),
+        }
+    }
+
+    /// Height of the part's first layer.
+    pub fn part_first_height(&self) -> Mm {
+        match self.raft.layers {
+            0 => self.first_layer_height(),
+            _ => self.layer_height(),
+        }
+    }
+
+    /// Width of the lines of a raft's first layer.
+    pub fn raft_line_width(&self) -> Mm {
+        share_of(self.printer.nozzle_diameter, 150.0)
+    }
+
+    /// Most that `raft.gap` can be: the part's first layer is laid at most a
+    /// nozzle's diameter above the raft, and its supports reach down to the
+    /// raft, with lines no higher than is usual for their width.
+    pub(super) fn raft_gap_most(&self) -> Mm {
+        let nozzle = self.printer.nozzle_diameter;
+        let most = nozzle.min(Settings::FLAT * self.infill_width());
+        (most - self.part_first_height()).max(0.0)
+    }
+
+    /// A bead is at most so high, as a share of its width.
+    pub(crate) const FLAT: f64 = 0.9;
+
+    /// Air between the raft and the part: `raft.gap` if set, else what is
+    /// usual, or less if that does not fit.
+    pub fn raft_gap(&self) -> Mm {
+        const USUAL: Mm = 0.2;
+        let usual = || USUAL.min(self.raft_gap_most());
+        self.raft.gap.unwrap_or_else(usual)
+    }
+
+    /// Height of the part's lowest point above the bed: that of the raft and
+    /// of the air above it.
+    pub fn raft_height(&self) -> Mm {
+        match self.raft.layers {
+            0 => 0.0,
+            n => {
+                let solid = f64::from(n - 1) * self.layer_height();
+                self.bed_layer_height() + solid + self.raft_gap()
+            }
+        }
     }
 
     /// Notes on what the settings lead to unasked: speeds that

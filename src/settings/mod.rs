@@ -40,8 +40,10 @@ mod infill;
 mod profile;
 mod read;
 mod rows;
+mod shield;
 mod shipped;
 mod sizes;
+mod steps;
 mod table;
 mod text;
 mod value;
@@ -54,16 +56,18 @@ pub use infill::Infill;
 pub use profile::{Origin, Profile, Profiles};
 pub use read::Builder;
 pub use rows::{
-    Acceleration, Brim, Cooling, Filament, FuzzySkin, Gcode, Printer, Retract,
-    Settings, Skirt, Speed, Support, Travel,
+    Acceleration, Brim, Cooling, Filament, FuzzySkin, Gcode, PlateSettings,
+    Printer, Raft, Retract, Settings, Skirt, Speed, Support, Travel,
 };
+pub use shield::DraftShield;
 pub use shipped::ProfileKind;
 pub use sizes::{ImageFormat, PictureSize, Sizes};
+pub use steps::Steps;
 pub use table::{Key, keys};
 pub use value::{Range, Varying};
 pub use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
-    InfillMode, InfillPattern, LayerHeights, SeamRule, SkinOrder, SkinPattern,
-    SkinWhere, Supports, WallOffset, WallOrder,
+    InfillMode, InfillPattern, InterfacePattern, LayerHeights, SeamRule,
+    SkinOrder, SkinPattern, SkinWhere, Supports, WallOffset, WallOrder,
 };
 pub use write::suggestions;

@@ -13,7 +13,7 @@ use super::value::{Raw, Refused};
 use super::{Settings, keys};
 use std::ops::Range;
 use std::path::Path;
-use toml::de::DeValue;
+use toml::de::{DeTable, DeValue};
 
 /// Gathers settings from several places; what comes later wins.
 #[derive(Clone, Debug, Default)]
@@ -92,8 +92,33 @@ impl Builder {
         let text = &text.replace("\r\n", "\n");
         let place = |span: Range<usize>| place(line_of(text, span.start));
         let table = text::parse(text, &place)?;
+        self.assign_all(table.get_ref(), skip, &place)
+    }
+
+    /// Takes over a table of a file, `text`; `name` is the file's in messages.
+    ///
+    /// # Errors
+    /// As [`Builder::toml`].
+    pub(crate) fn table(
+        &mut self,
+        table: &DeTable<'_>,
+        text: &str,
+        name: &str,
+    ) -> Result<(), SettingsError> {
+        self.assign_all(table, &[], &|span: Range<usize>| GivenIn::File {
+            name: name.to_owned(),
+            line: line_of(text, span.start),
+        })
+    }
+
+    fn assign_all(
+        &mut self,
+        table: &DeTable<'_>,
+        skip: &[&str],
+        place: &dyn Fn(Range<usize>) -> GivenIn,
+    ) -> Result<(), SettingsError> {
         let mut entries = Vec::new();
-        text::flatten("", table.get_ref(), &mut entries);
+        text::flatten("", table, &mut entries);
         entries.retain(|entry| !skip.contains(&entry.key.as_str()));
         // The parser sorts keys by name; messages follow the file.
         entries.sort_by_key(|entry| entry.key_span.start);

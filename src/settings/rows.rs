@@ -13,7 +13,7 @@
 
 use super::table;
 use super::words::*;
-use super::{ByNozzle, Infill, Sizes, Varying};
+use super::{ByNozzle, DraftShield, Infill, Sizes, Steps, Varying};
 use crate::units::*;
 
 table::settings! {
@@ -77,6 +77,10 @@ table::settings! {
         /// Widest single bead for thin places, as a share of the wall's width;
         /// wider places get two walls.
         thin_max: Percent = 180.0, in 100.0..=300.0;
+        /// Whether every other inner wall lies half a layer lower than its layer,
+        /// so that the walls interlock and the part does not split so easily
+        /// between layers.
+        walls_interlocked: bool = false;
         /// Which walls of an island are printed first.
         wall_order: WallOrder = WallOrder::InnerFirst;
         /// How walls are offset: by distance in the layer's plane, right for
@@ -102,6 +106,12 @@ table::settings! {
         /// and over which its end overlaps the beginning with shrinking flow; 0
         /// for a plain seam.
         seam_scarf: Mm = 0.0, in 0.0..=200.0;
+        /// Whether the nozzle rises with the flow at the beginning of a scarf,
+        /// from the layer below to its own height; the end of the wall fills
+        /// what is left above. The first layer's scarfs stay level.
+        seam_scarf_rise: bool = false;
+        /// Height at which a scarf that rises begins, as a share of its layer's.
+        seam_scarf_start: Percent = 10.0, in 0.0..=90.0;
         /// How far the nozzle moves inwards, without printing, from the end
         /// of an outer wall before it goes elsewhere.
         seam_wipe: Mm = 0.3, in 0.0..=5.0;
@@ -181,7 +191,7 @@ table::settings! {
 
         ["Bridges and overhangs"]
         /// Whether skin over nothing gets lines across the gap, from support
-        /// to support.
+        /// to support. A part's underside over a raft is a bridge in any case.
         bridges: bool = true;
         /// How far a bridge's lines reach onto what holds them.
         bridge_anchor: Mm = 1.5, in 0.0..=20.0;
@@ -199,12 +209,28 @@ table::settings! {
         /// Share of its width by which a wall may hang over the layer below
         /// before it is printed as an overhang; with 100 no wall is.
         overhang_share: Percent = 50.0, in 0.0..=100.0;
+        /// Whether the walls round what hangs over by more than overhang_share
+        /// are printed from the inside out, whatever wall_order says: each is
+        /// laid beside one that holds it.
+        overhang_inner_first: bool = false;
+        /// Whether the walls round what hangs over by more than overhang_share
+        /// are printed the other way round on every other layer, so that what
+        /// the cooling plastic pulls at does not add up.
+        overhang_reverse: bool = false;
 
         ["Supports"]
         /// Whether to print supports under what nothing else holds: nowhere,
         /// wherever they are needed (auto), or only where they stand on the
         /// bed (plate).
         supports: Supports = Supports::Off;
+
+        ["Draughts"]
+        /// Whether a wall, one line thick, stands around the part and its
+        /// supports and keeps draughts off: off, full, or up to a height above
+        /// the bed. It takes the skirt's place.
+        draft_shield: DraftShield = DraftShield::Off, in 0.1..=10_000.0;
+        /// Gap between the draft shield and what is within it, brims included.
+        draft_shield_gap: Mm = 10.0, in 0.5..=1000.0;
 
         ["Sparse infill"]
         /// Share of the inside that is printed; 0 leaves it hollow. Infill
@@ -259,6 +285,11 @@ table::settings! {
         /// How far a face may lean from the vertical and still hold itself; a
         /// face that leans farther gets a warning.
         angle: Degrees = 55.0, in 0.0..=89.0;
+        /// Where supports are wanted, if that is an expression: where it is
+        /// positive, under every face, whatever its angle; where it is
+        /// negative, under none; where it is 0, by the angle. z is the height
+        /// of the underside above the bed. A number holds everywhere.
+        where_: Varying = Varying::Constant(0.0), in -10.0..=10.0;
         /// Distance between supports and the part beside them.
         xy_gap: Mm = 0.35, in 0.0..=10.0;
         /// Gap between a support and the underside above it, as whole layers
@@ -276,6 +307,27 @@ table::settings! {
         interface_layers: u32 = 2, in 0..=1000;
         /// Share of these layers that is printed.
         interface_density: Percent = 95.0, in 10.0..=100.0;
+        /// Distance between the lines of these layers, from middle to middle;
+        /// auto is by interface_density.
+        interface_spacing: Option<Mm> = None, in 0.1..=20.0;
+        /// Pattern of these layers.
+        interface_pattern: InterfacePattern = InterfacePattern::Lines;
+        /// Direction of their lines on even layers, counter-clockwise from the
+        /// x axis; odd layers are turned by a right angle. auto is
+        /// infill_angle.
+        interface_angle: Option<Degrees> = None, in -360.0..=360.0;
+    }
+    /// Layers between the bed and the part, which come off after the print.
+    raft: Raft {
+        /// Number of the raft's layers; 0 for no raft. The first is thick and
+        /// sparse, those above it are solid.
+        layers: u32 = 0, in 0..=100;
+        /// Air between the raft and the part; auto is 0.2 mm, or what of it
+        /// the nozzle's diameter leaves above layer_height.
+        gap: Option<Mm> = None, in 0.0..=2.0;
+        /// How far the raft reaches beyond the first layer of the part and of
+        /// its supports.
+        expansion: Mm = 3.0, in 0.0..=100.0;
     }
     /// Speeds of the nozzle.
     speed: Speed {
@@ -315,6 +367,11 @@ table::settings! {
         /// Speed of walls that hang over the layer below.
         overhang: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0;
+        /// Speeds of walls by the share of their width that reaches beyond the
+        /// layer below, instead of speed.overhang: evenly from the wall's own
+        /// speed at 0% from step to step, never more than its own. What lies
+        /// over a support counts half.
+        overhang_steps: Steps = Steps::of_speed();
         /// Speed of ironing.
         ironing: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0;
@@ -423,15 +480,25 @@ table::settings! {
         /// Number of layers, from the bed, that have a skirt.
         layers: u32 = 1, in 0..=50_000;
     }
+    /// Several parts on one plate.
+    plate: PlateSettings {
+        /// Distance between parts, with their brims, where they are arranged.
+        spacing: Mm = 5.0, in 0.0..=1000.0;
+    }
     /// Loops beside the first layer that hold the part down.
     brim: Brim {
-        /// Where the brim is: around the part, in its holes, or both.
+        /// Where the brim is: around the part, in its holes, both, or as ears,
+        /// discs at its sharp corners.
         place: BrimPlace = BrimPlace::None;
         /// Width of all loops together.
         width: Mm = 5.0, in 0.1..=200.0;
         /// Gap between the part and the first loop; the wider the gap, the
         /// easier the brim comes off.
         gap: Mm = 0.1, in 0.0..=20.0;
+        /// Corners of the first layer that are sharper than this get ears.
+        ear_angle: Degrees = 125.0, in 0.0..=180.0;
+        /// Radius of ears.
+        ear_radius: Mm = 5.0, in 0.5..=50.0;
     }
     /// Fan, and slowing down for small layers.
     cooling: Cooling {
@@ -444,6 +511,11 @@ table::settings! {
         internal_bridge_fan_speed: Percent = 100.0, in 0.0..=100.0;
         /// Speed of the part's fan while overhanging walls are printed.
         overhang_fan_speed: Percent = 100.0, in 0.0..=100.0;
+        /// Speeds of the part's fan by the share of a wall's width that reaches
+        /// beyond the layer below, instead of overhang_fan_speed: evenly from
+        /// fan_speed at 0% from step to step. What lies over a support counts
+        /// half.
+        overhang_fan_steps: Steps = Steps::of_fan();
         /// Number of layers, from the bed, printed without the fan.
         fan_off_layers: u32 = 1, in 0..=50_000;
         /// Number of the first layer, from the bed, whose fan runs at full

@@ -56,12 +56,16 @@ impl Key {
             Kind::Sizes => {
                 "32x32, 300x300 or other sizes, or nothing".to_owned()
             }
+            Kind::Steps(allowed) => allowed.to_owned(),
             Kind::Word(words) => alternatives(words),
             Kind::WordOrShape(words) => {
                 format!("{}, \"expr: ...\" or a .rhai file", words.join(", "))
             }
             Kind::WordOrFormula(words) => {
                 format!("{} or \"expr: ...\"", words.join(", "))
+            }
+            Kind::WordOrNumber(words) => {
+                format!("{} or {range}", words.join(", "))
             }
         }
     }
@@ -103,9 +107,11 @@ impl Key {
             (Kind::Sizes, _) => super::sizes::EXPECTED.to_owned(),
             (
                 Kind::Switch
+                | Kind::Steps(_)
                 | Kind::Word(_)
                 | Kind::WordOrShape(_)
-                | Kind::WordOrFormula(_),
+                | Kind::WordOrFormula(_)
+                | Kind::WordOrNumber(_),
                 _,
             ) => self.allowed(),
         }
@@ -260,6 +266,16 @@ pub(super) fn tidy(doc: &str) -> String {
     doc.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// Name of a field in files: its own, unless Rust keeps that for itself.
+macro_rules! name {
+    (where_) => {
+        "where"
+    };
+    ($field:ident) => {
+        stringify!($field)
+    };
+}
+
 /// Unit of a type in the table.
 macro_rules! unit {
     (Varying<$inner:ident>) => {
@@ -272,6 +288,9 @@ macro_rules! unit {
         $crate::settings::table::unit!($inner)
     };
     (ByNozzle) => {
+        "mm"
+    };
+    (DraftShield) => {
         "mm"
     };
     (Mm2) => {
@@ -399,7 +418,7 @@ macro_rules! settings {
         /// All rows, in their order.
         pub(super) static KEYS: &[$crate::settings::Key] = &[
             $($($crate::settings::Key {
-                name: stringify!($field),
+                name: $crate::settings::table::name!($field),
                 section: $section,
                 unit: $crate::settings::table::unit!($ty $(<$inner>)?),
                 range: $crate::settings::table::range!($($min $max)?),
@@ -408,7 +427,11 @@ macro_rules! settings {
                 field_mut: |settings| &mut settings.$field,
             },)+)+
             $($($crate::settings::Key {
-                name: concat!(stringify!($group), ".", stringify!($gfield)),
+                name: concat!(
+                    stringify!($group),
+                    ".",
+                    $crate::settings::table::name!($gfield)
+                ),
                 section: stringify!($group),
                 unit: $crate::settings::table::unit!($gty $(<$ginner>)?),
                 range: $crate::settings::table::range!($($gmin $gmax)?),
@@ -419,4 +442,4 @@ macro_rules! settings {
         ];
     };
 }
-pub(super) use {range, settings, unit};
+pub(super) use {name, range, settings, unit};

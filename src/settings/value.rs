@@ -87,11 +87,15 @@ pub(super) enum Kind {
     Text,
     /// Sizes of pictures.
     Sizes,
+    /// Values by steps, and what may be assigned.
+    Steps(&'static str),
     Word(&'static [&'static str]),
     /// A word, an expression, or the name of a script.
     WordOrShape(&'static [&'static str]),
     /// A word, or an expression.
     WordOrFormula(&'static [&'static str]),
+    /// A word, or a number.
+    WordOrNumber(&'static [&'static str]),
 }
 
 /// A field of the settings.

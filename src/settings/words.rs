@@ -73,6 +73,8 @@ value::words! {
         Inner = "inner",
         /// Around the part and in its holes.
         Both = "both",
+        /// At the part's sharp corners only.
+        Ears = "ears",
     }
 }
 
@@ -166,6 +168,16 @@ value::words! {
         Auto = "auto",
         /// Only those that stand on the bed.
         Plate = "plate",
+    }
+}
+
+value::words! {
+    /// Pattern of the dense layers of supports.
+    InterfacePattern {
+        /// Parallel lines, turned by a right angle every layer.
+        Lines = "lines",
+        /// Rings inside one another, from the border inwards.
+        Concentric = "concentric",
     }
 }
 

@@ -15,7 +15,7 @@
 //! what is printed always rests on something.
 
 use super::parts::{Parts, gap_below};
-use super::room::{Foot, Room, Size, widened};
+use super::room::{Foot, Room, Size};
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
@@ -32,7 +32,7 @@ const BEARING: f64 = 1.0 / 30.0;
 /// Height and width of a foot on the bed, mm.
 const FOOT: Mm = 1.0;
 /// A post's core has this radius, mm.
-const POINT: Mm = 0.1;
+pub(super) const POINT: Mm = 0.1;
 /// Tolerance of a core's outline, mm.
 const FINE: Mm = 0.01;
 /// Corners of a post's outline.
@@ -50,6 +50,13 @@ pub(super) struct Step<'a> {
     pub parts: Parts<'a>,
     pub room: &'a Room<'a>,
     pub settings: &'a Settings,
+}
+
+impl Step<'_> {
+    /// How thick branches are.
+    fn size(self) -> Size {
+        Size::new(self.settings)
+    }
 }
 
 /// A branch in one layer.
@@ -87,10 +94,13 @@ impl Branch {
         self.core = unite(&Area { rings });
         if self.core.islands().len() > 1 {
             // What is printed of them overlaps.
-            let size = self.size(step).core;
+            let size = step.size().core;
             let wide = offset(&self.core, size, TOLERANCE);
-            let both = union(&self.core, &offset(&wide, -size, TOLERANCE));
-            self.core = finely(both);
+            let between = offset(&wide, -size, TOLERANCE);
+            let near = between.bounds();
+            let blocked = step.room.blocked(step.layer, self.foot, near);
+            let free = difference(&between, &blocked);
+            self.core = finely(union(&self.core, &free));
         }
         self.top = self.top.max(other.top);
         self.held += other.held;
@@ -115,7 +125,7 @@ impl Branch {
             };
         }
         let whole = self.core.content().max(1e-9);
-        let wide = offset(&self.core, self.size(step).core, TOLERANCE);
+        let wide = offset(&self.core, step.size().core, TOLERANCE);
         let wide = wide.islands();
         let mut pieces = vec![Area::EMPTY; wide.len()];
         for island in islands {
@@ -133,11 +143,6 @@ impl Branch {
         pieces.into_iter().map(piece).collect()
     }
 
-    /// How thick it is.
-    fn size(&self, step: Step<'_>) -> Size {
-        Size::new(step.settings)
-    }
-
     /// Goes down to a layer from the one above it. A post leans towards
     /// `other`, if there is something to go to.
     pub(super) fn lower(&mut self, other: Option<DVec2>, step: Step<'_>) {
@@ -145,7 +150,9 @@ impl Branch {
         let middle = self.middle();
         let pulled = match self.is_post() {
             true => {
-                let way = other.map_or(DVec2::ZERO, |other| other - middle);
+                // Halfway: the other one comes as well.
+                let half = |other| 0.5 * (other - middle);
+                let way = other.map_or(DVec2::ZERO, half);
                 let at = middle + way.clamp_length_max(step.lean);
                 Area {
                     rings: vec![disc(at, POINT)],
@@ -160,7 +167,7 @@ impl Branch {
             }
         };
         let bounds = pulled.bounds().union(self.core.bounds());
-        let near = widened(bounds, step.lean + 5.0 * TOLERANCE);
+        let near = bounds.grown(step.lean + 5.0 * TOLERANCE);
         let blocked = step.room.blocked(step.layer, self.foot, near);
         if blocked.is_empty() {
             self.core = finely(pulled);
@@ -175,7 +182,10 @@ impl Branch {
         // What the part is in the way of goes aside, or stands on the part.
         let reach = step.lean + 3.0 * TOLERANCE;
         let lost = difference(&self.core, &offset(&core, reach, TOLERANCE));
-        let lost = difference(&lost, &self.landing(step, near));
+        let lost = match lost.is_empty() {
+            true => lost,
+            false => difference(&lost, &self.landing(step, near)),
+        };
         if core.is_empty() || lost.content() > 0.01 * SPECK {
             let aside = offset(&lost, reach, TOLERANCE);
             let aside = difference(&aside, &blocked);
@@ -192,8 +202,8 @@ impl Branch {
         if self.foot == Foot::Bed {
             return Area::EMPTY;
         }
-        let size = self.size(step);
-        let within = widened(within, size.core);
+        let size = step.size();
+        let within = within.grown(size.core);
         let Parts {
             spans, outlines, ..
         } = step.parts;
@@ -205,7 +215,7 @@ impl Branch {
 
     /// What of it is printed in a layer.
     pub(super) fn area(&self, step: Step<'_>) -> Area {
-        let size = self.size(step);
+        let size = step.size();
         let bottom = step.parts.spans[step.layer].bottom;
         let slender = 0.5 * (self.top - bottom) / SLENDER;
         let bearing = (BEARING * self.held / std::f64::consts::PI).sqrt();
@@ -223,7 +233,7 @@ impl Branch {
         let disc = Area {
             rings: vec![disc(middle, post)],
         };
-        let near = widened(disc.bounds(), TOLERANCE);
+        let near = disc.bounds().grown(TOLERANCE);
         let taken = step.room.taken(step.layer, near);
         union(&all, &difference(&disc, &taken))
     }

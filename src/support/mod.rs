@@ -5,8 +5,8 @@
 //!        └───────┐  ┌───────────┘
 //!      ▒▒▒▒▒▒▒▒▒ │  │               top: a roof of dense lines, a gap below
 //!       ╲░░░░░╱  │  │               the underside
-//!        ╲░░░╱   │  │               its sides lean inwards on the way down
-//!         │░│    │  │               until what is left is a thin wall or a post
+//!        ╲░░░╱   │  │               it is drawn together on the way down
+//!         │░│    │  │               until what is left is a post
 //! ────────┴─┴────┴──┴──────
 //! ```
 //!
@@ -14,7 +14,8 @@
 //! support for every layer.
 //!
 //! 1. [`need`] finds, layer by layer, what sticks out too far over the layer
-//!    below, begins on nothing, or is too long for a bridge.
+//!    below, begins on nothing, or is too long for a bridge. [`wish`] adds what
+//!    `support.where` asks for, and takes away what it forbids.
 //! 2. [`room`] finds where supports may be, and from where they can get down
 //!    to the bed past the part.
 //! 3. [`tree`] lets branches grow from the top down: each is drawn together by
@@ -37,9 +38,11 @@ mod parts;
 mod plan;
 mod room;
 mod tree;
+mod wish;
 
-pub(crate) use parts::Parts;
+pub(crate) use parts::{Parts, top_below};
 pub(crate) use plan::{Plan, Slice, Unheld};
+pub(crate) use wish::Wishes;
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.02;

@@ -6,6 +6,7 @@
 //! Straight lines across a gap, held at both ends and at most `bridge_max`
 //! long, need nothing, and the skin lays them where [`direction`] says so.
 
+use super::wish::Wish;
 use crate::plane::clip::{difference, intersection, union, unite};
 use crate::plane::hatch::Lines;
 use crate::plane::offset::offset;
@@ -26,6 +27,30 @@ const SPECK: Mm2 = 0.03;
 /// Lines that are looked at across a gap, about.
 const LINES: f64 = 400.0;
 
+/// What of a layer gets a support.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Need {
+    /// All of it.
+    pub all: Area,
+    /// What of it the layer below does not hold.
+    pub must: Area,
+}
+
+impl Need {
+    /// By what is not held and what is wanted.
+    pub(super) fn new(unheld: Area, wish: &Wish) -> Need {
+        let must = match wish.left.is_empty() {
+            true => unheld,
+            false => difference(&unheld, &wish.left),
+        };
+        let all = match wish.held.is_empty() {
+            true => must.clone(),
+            false => union(&must, &large(wish.held.clone())),
+        };
+        Need { all, must }
+    }
+}
+
 /// What of `here` the layer `below` does not hold. `here` has this height.
 pub(super) fn need(
     here: &Area,
@@ -34,17 +59,13 @@ pub(super) fn need(
     settings: &Settings,
 ) -> Area {
     crate::limits::check();
-    if here.is_empty() {
+    if here.is_empty() || here == below {
         return Area::EMPTY;
-    }
-    let open = difference(here, below);
-    if open.is_empty() {
-        return open;
     }
     let below = Solid::new(below.clone());
     let begins = floating(here, &below).into_iter();
     let begins: Vec<_> = begins.flat_map(|f| f.island.rings).collect();
-    let sticks_out = sticks_out(here, &open, &below, height, settings);
+    let sticks_out = sticks_out(here, &below, height, settings);
     match begins.is_empty() {
         true => sticks_out,
         // However small they are.
@@ -55,7 +76,6 @@ pub(super) fn need(
 /// What sticks out over `below`, as much as is no speck.
 fn sticks_out(
     here: &Area,
-    open: &Area,
     below: &Solid<'_>,
     height: Mm,
     settings: &Settings,
@@ -68,7 +88,8 @@ fn sticks_out(
     }
     let around = offset(&beyond, held + TOLERANCE, TOLERANCE);
     let mut rings = Vec::new();
-    for gap in intersection(open, &around).islands() {
+    let open = difference(here, below.area());
+    for gap in intersection(&open, &around).islands() {
         rings.extend(unspanned(gap, below, settings).rings);
     }
     large(intersection(&beyond, &unite(&Area { rings })))

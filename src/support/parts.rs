@@ -20,7 +20,7 @@ pub(crate) struct Parts<'a> {
 }
 
 /// The highest layer whose top is at least `support.z_gap` below layer `i`.
-pub(super) fn top_below(
+pub(crate) fn top_below(
     spans: &[LayerSpan],
     i: usize,
     settings: &Settings,

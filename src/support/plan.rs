@@ -1,16 +1,18 @@
 //! The areas of support of all layers.
 
-use super::need::need;
+use super::need::{Need, need};
 use super::parts::{Parts, gap_below, top_below};
 use super::room::{Room, Size, thinned};
 use super::tree::grow;
+use super::wish::{Wish, Wishes};
 use super::{SPECK, TOLERANCE};
-use crate::plane::clip::{crop, difference, intersection, union};
+use crate::plane::Area;
+use crate::plane::clip::{crop, difference, intersection, union, unite};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect};
 use crate::settings::{Settings, Supports};
 use crate::units::{Mm, Mm2};
-use glam::{DVec2, DVec3};
+use crate::vary::VaryError;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Support has to rest on so much, as a share of itself, or mm².
@@ -42,11 +44,22 @@ pub(crate) struct Plan {
     slices: Vec<Slice>,
     /// What needs one and has none.
     pub unheld: Unheld,
+    /// What is wanted to have one, does not need it, and has none.
+    pub unmet: Unheld,
+    /// True if there are wishes, and none is for an underside of the part.
+    pub idle: bool,
 }
 
 impl Plan {
     /// The plan for a part.
-    pub(crate) fn new(parts: Parts<'_>, settings: &Settings) -> Plan {
+    ///
+    /// # Errors
+    /// If an expression of `wishes` has no value somewhere.
+    pub(crate) fn new(
+        parts: Parts<'_>,
+        wishes: Option<&Wishes<'_>>,
+        settings: &Settings,
+    ) -> Result<Plan, VaryError> {
         let count = parts.spans.len();
         let printed: Vec<Area> = parts
             .outlines
@@ -58,18 +71,31 @@ impl Plan {
             outlines: &printed,
             ..parts
         };
-        let needs: Vec<Area> = (0..count)
-            .into_par_iter()
-            .map(|i| {
-                let below = i.checked_sub(1).map(|k| &printed[k]);
-                below.map_or(Area::EMPTY, |below| {
-                    let height = parts.spans[i].height();
-                    need(&printed[i], below, height, settings)
-                })
-            })
-            .collect();
+        let of = |i: usize| {
+            let Some(below) = i.checked_sub(1).map(|k| &printed[k]) else {
+                return Ok((Need::default(), true));
+            };
+            let (here, span) = (&printed[i], &parts.spans[i]);
+            let wish = match wishes {
+                Some(wishes) => wishes.of(here, below, span)?,
+                None => Wish::default(),
+            };
+            let unheld = need(here, below, span.height(), settings);
+            Ok((Need::new(unheld, &wish), wish.is_none()))
+        };
+        let found = (0..count).into_par_iter().map(of);
+        // The lowest layer's error, not that of the fastest thread.
+        let found: Vec<Result<(Need, bool), VaryError>> = found.collect();
+        let found: Vec<(Need, bool)> =
+            found.into_iter().collect::<Result<_, _>>()?;
+        let idle = wishes.is_some() && found.iter().all(|(_, none)| *none);
+        let (needs, musts): (Vec<Area>, Vec<Area>) =
+            found.into_iter().map(|(n, _)| (n.all, n.must)).unzip();
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
-            return Plan::default();
+            return Ok(Plan {
+                idle,
+                ..Plan::default()
+            });
         };
         // Room is not looked at as closely as what is needed.
         let coarse: Vec<Area> =
@@ -82,11 +108,18 @@ impl Plan {
         let areas = grow(coarse, &needs, &room, highest, settings);
         let mut plan = Plan {
             slices: slices(parts, &needs, areas, settings),
-            unheld: Unheld::default(),
+            idle,
+            ..Plan::default()
         };
         plan.settle(coarse, settings);
-        plan.judge(parts, &needs, settings);
-        plan
+        plan.unheld = plan.without(parts, &musts, settings);
+        if wishes.is_some() {
+            let wanted = needs.par_iter().zip(&musts);
+            let wanted = wanted.map(|(all, must)| difference(all, must));
+            let wanted: Vec<Area> = wanted.collect();
+            plan.unmet = plan.without(parts, &wanted, settings);
+        }
+        Ok(plan)
     }
 
     /// The support in a layer, if there is any.
@@ -138,8 +171,13 @@ impl Plan {
         }
     }
 
-    /// Finds what needs support and has none.
-    fn judge(&mut self, parts: Parts<'_>, needs: &[Area], settings: &Settings) {
+    /// What of `needs` has no support.
+    fn without(
+        &self,
+        parts: Parts<'_>,
+        needs: &[Area],
+        settings: &Settings,
+    ) -> Unheld {
         // What lies beside a support by less than this is held by it.
         let near = settings.support.xy_gap + settings.outer_wall_width();
         let lost = needs.par_iter().enumerate().map(|(i, need)| {
@@ -153,22 +191,26 @@ impl Plan {
             let Some(slice) = self.slice(top) else {
                 return need.clone();
             };
-            let held = union(&slice.body, &slice.interface);
+            let around = need.bounds().grown(near + TOLERANCE);
+            let here = slice.body.rings.iter().chain(&slice.interface.rings);
+            let held = unite(&crop(here, around));
             difference(need, &offset(&held, near, TOLERANCE))
         });
+        let mut unheld = Unheld::default();
         for (i, area) in lost.collect::<Vec<_>>().into_iter().enumerate() {
             for island in area.islands() {
                 let content = island.content();
-                self.unheld.area += content;
+                unheld.area += content;
                 let at = island.rings.first().and_then(|r| r.first());
                 if let Some(at) = at
-                    && content > self.unheld.largest
+                    && content > unheld.largest
                 {
-                    self.unheld.largest = content;
-                    self.unheld.worst = at.extend(parts.spans[i].bottom);
+                    unheld.largest = content;
+                    unheld.worst = at.extend(parts.spans[i].bottom);
                 }
             }
         }
+        unheld
     }
 }
 
@@ -207,18 +249,10 @@ fn slices(
             tops[j] = union(&tops[j], &top);
         }
     }
-    let Rect { min, max } = parts.bed;
-    let bed = Area {
-        rings: vec![vec![
-            min,
-            DVec2::new(max.x, min.y),
-            max,
-            DVec2::new(min.x, max.y),
-        ]],
-    };
     let slice = |(j, all): (usize, Area)| {
         crate::limits::check();
-        let all = printable(intersection(&all, &bed), 0.0);
+        let on_bed = unite(&crop(&all.rings, parts.bed));
+        let all = printable(on_bed, 0.0);
         let mut dense = Area::EMPTY;
         for top in tops.iter().skip(j).take(roof) {
             dense = union(&dense, top);
@@ -253,7 +287,8 @@ fn printable(area: Area, half: Mm) -> Area {
 mod tests {
     use super::*;
     use crate::layers::LayerSpan;
-    use crate::plane::rect;
+    use crate::plane::{Rect, rect};
+    use glam::DVec2;
 
     fn spans(count: usize) -> Vec<LayerSpan> {
         let z = |i: usize| 0.2 * i as f64;
@@ -290,7 +325,7 @@ mod tests {
                 max: DVec2::splat(100.0),
             },
         };
-        Plan::new(parts, &settings(supports))
+        Plan::new(parts, None, &settings(supports)).unwrap()
     }
 
     fn all(plan: &Plan, layer: usize) -> Area {
@@ -397,8 +432,8 @@ mod tests {
     }
 
     #[test]
-    fn posts_are_as_thick_as_they_are_high() {
-        // A lid of 4 mm on a side, 60 mm above the bed; the part has a foot.
+    fn posts_are_at_most_twelve_times_as_high_as_thick() {
+        // A lid of 4 mm on a side, 60 mm above the bed, beside a column.
         let lid = rect(20.0, 0.0, 24.0, 4.0);
         let of = |i| match i {
             0..300 => rect(0.0, 0.0, 4.0, 4.0),

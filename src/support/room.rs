@@ -18,9 +18,10 @@ use super::parts::{Parts, gap_below, top_below};
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
-use crate::plane::{Area, Rect};
+use crate::plane::{Area, Rect, Solid};
 use crate::settings::Settings;
 use crate::units::Mm;
+use glam::DVec2;
 use rayon::prelude::*;
 
 /// How thick branches are.
@@ -48,10 +49,10 @@ pub(super) struct Room<'a> {
     parts: Parts<'a>,
     settings: &'a Settings,
     /// By layer, what is too near to the part for the middle of a branch.
-    tight: Vec<Area>,
+    tight: Vec<Solid<'static>>,
     /// By layer, from where the middle of a branch cannot get down to the bed;
     /// it has what is too near, too.
-    closed: Vec<Area>,
+    closed: Vec<Solid<'static>>,
 }
 
 /// What a support stands on.
@@ -87,28 +88,36 @@ impl<'a> Room<'a> {
                 Some(left) => thinned(union(tight, &left)),
             });
         }
+        let solids = |areas: Vec<Area>| {
+            areas.into_iter().map(Solid::new).collect::<Vec<_>>()
+        };
         Room {
             parts,
             settings,
-            tight,
-            closed,
+            tight: solids(tight),
+            closed: solids(closed),
         }
     }
 
     /// Of a box, the part of layer `j` and what is too near to it.
     pub(super) fn taken(&self, j: usize, within: Rect) -> Area {
+        // What is too near for the middle of a branch has all of it.
+        let tight = &self.tight[j];
+        if !tight.grid().meets(within) && !tight.grid().contains(within.min) {
+            return Area::EMPTY;
+        }
         let reach = self.settings.support.xy_gap + 1.0;
-        let near = widened(within, reach);
-        let crop = |area: &Area| Some(crop(&area.rings, near));
-        let all = taken(self.parts, j, 0.0, crop, self.settings);
-        crate::plane::clip::crop(&all.rings, within)
+        let near = within.grown(reach);
+        let nearby = |area: &Area| Some(crop(&area.rings, near));
+        let all = taken(self.parts, j, 0.0, nearby, self.settings);
+        crop(&all.rings, within)
     }
 
     /// Splits an area of layer `j` into that from which the middle of a branch
     /// gets down to the bed, and the rest where it may be.
     pub(super) fn split(&self, area: &Area, j: usize) -> [Area; 2] {
         let bounds = area.bounds();
-        let near = |all: &Area| crop(&all.rings, bounds);
+        let near = |all: &Solid<'_>| crop(&all.area().rings, bounds);
         let free = difference(area, &near(&self.tight[j]));
         let to_bed = difference(&free, &near(&self.closed[j]));
         // Without what is only there by rounding.
@@ -120,11 +129,34 @@ impl<'a> Room<'a> {
     /// What of a box in layer `j` is no place for the middle of a branch that
     /// stands on `foot`.
     pub(super) fn blocked(&self, j: usize, foot: Foot, within: Rect) -> Area {
-        let all = match foot {
+        let all = &self.of(foot)[j];
+        let grid = all.grid();
+        match !grid.meets(within) && !grid.contains(within.min) {
+            true => Area::EMPTY,
+            false => crop(&all.area().rings, within),
+        }
+    }
+
+    /// True if nothing is between two points of layer `j` that a branch which
+    /// stands on `foot` has to go around.
+    pub(super) fn is_clear(
+        &self,
+        j: usize,
+        foot: Foot,
+        from: DVec2,
+        to: DVec2,
+    ) -> bool {
+        let grid = self.of(foot)[j].grid();
+        !grid.contains(from.midpoint(to)) && grid.crossings(from, to).is_empty()
+    }
+
+    /// By layer, what is no place for the middle of a branch that stands on
+    /// `foot`.
+    fn of(&self, foot: Foot) -> &[Solid<'static>] {
+        match foot {
             Foot::Bed => &self.closed,
             Foot::Part => &self.tight,
-        };
-        crop(&all[j].rings, within)
+        }
     }
 }
 
@@ -176,13 +208,5 @@ pub(super) fn thinned(area: Area) -> Area {
     let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
     Area {
         rings: rings.filter(|ring| ring.len() > 2).collect(),
-    }
-}
-
-/// A box with a margin on all sides.
-pub(super) fn widened(bounds: Rect, by: Mm) -> Rect {
-    Rect {
-        min: bounds.min - by,
-        max: bounds.max + by,
     }
 }

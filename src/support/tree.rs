@@ -10,13 +10,13 @@
 //!    above the bed and nothing is in their way. Those that meet become one.
 
 use super::TOLERANCE;
-use super::branch::{Branch, Step, middle};
+use super::branch::{Branch, POINT, Step, middle};
 use super::cells::Cells;
 use super::parts::{Parts, top_below};
 use super::room::{Foot, Room, Size};
-use crate::plane::clip::{crop, intersection, unite};
+use crate::plane::clip::{intersection, unite};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect, Solid, edges};
+use crate::plane::{Area, Rect, Solid};
 use crate::settings::{Settings, Supports};
 use crate::units::Mm;
 use glam::DVec2;
@@ -32,7 +32,7 @@ const BELOW: f64 = 0.5;
 /// down to the bed.
 const NEAR: f64 = 0.5;
 /// So many of the branches next to a post are looked at.
-const LOOKED_AT: usize = 8;
+const LOOKED_AT: usize = 16;
 /// Size of the cells of outlines' grids, mm.
 const CELL: Mm = 2.0;
 
@@ -184,13 +184,13 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
             let meet = step.layer - meet.unwrap_or(step.layer);
             [step.layer, meet]
                 .iter()
-                .all(|&layer| is_clear(step, layer, branch.foot, from, to))
+                .all(|&j| step.room.is_clear(j, branch.foot, from, to))
         };
         let others = places.nearest_neighbor_iter(&here);
         let others = others.map(|place| place.data).filter(|&o| o != k);
         others
-            .filter(|&other| branches[other].foot == branch.foot)
             .take(LOOKED_AT)
+            .filter(|&other| branches[other].foot == branch.foot)
             .map(|other| middles[other])
             .take_while(|to| to.distance(from) <= farthest)
             .find(clear)
@@ -212,11 +212,9 @@ fn join(branches: &mut Vec<Branch>, step: Step<'_>) {
         let others = others.map(|place| place.data).take(LOOKED_AT);
         let met = others.filter(|&o| o != k && !gone[o]).find(|&other| {
             let branch = &branches[other];
-            // Two posts may have leant past each other.
-            let near = middles[other].distance(at) <= 2.0 * step.lean;
             branch.foot == branches[k].foot
                 && match branch.is_post() {
-                    true => near,
+                    true => middles[other].distance(at) <= POINT,
                     false => branch.core.contains(at),
                 }
         });
@@ -237,31 +235,4 @@ fn places(points: &[DVec2]) -> RTree<GeomWithData<[f64; 2], usize>> {
     let numbered = points.iter().enumerate();
     let place = |(k, p): (usize, &DVec2)| GeomWithData::new(p.to_array(), k);
     RTree::bulk_load(numbered.map(place).collect())
-}
-
-/// True if nothing is between two points of a layer that a branch which stands
-/// on `foot` has to go around.
-fn is_clear(
-    step: Step<'_>,
-    layer: usize,
-    foot: Foot,
-    from: DVec2,
-    to: DVec2,
-) -> bool {
-    let within = super::room::widened(Rect::around(&[from, to]), 1.0);
-    let blocked: Area = step.room.blocked(layer, foot, within);
-    let inner = super::room::widened(within, -0.1);
-    // Along the box's sides, cropped rings run to and fro.
-    let blocked = crop(&blocked.rings, inner);
-    let mid = 0.5 * (from + to);
-    !blocked.contains(mid)
-        && !blocked.rings.iter().any(|ring| {
-            edges(ring).any(|(a, b)| {
-                let side = |p: DVec2, q: DVec2, r: DVec2| {
-                    (q - p).perp_dot(r - p) > 0.0
-                };
-                side(from, to, a) != side(from, to, b)
-                    && side(a, b, from) != side(a, b, to)
-            })
-        })
 }

@@ -66,6 +66,46 @@ pub(crate) struct LayerPath {
     pub moves: Vec<Move>,
 }
 
+impl LayerPath {
+    /// The moves in coordinates moved by `by`.
+    pub(crate) fn moved(&self, by: DVec2) -> Vec<Move> {
+        let moved = |step: &Move| match step {
+            Move::Travel(travel) => Move::Travel(travel.clone().moved(by)),
+            Move::Print(bead) => {
+                let mut bead = bead.clone();
+                for p in &mut bead.points {
+                    *p += by;
+                }
+                Move::Print(bead)
+            }
+        };
+        self.moves.iter().map(moved).collect()
+    }
+
+    /// Where the first bead begins, and where the head is in the end; nothing
+    /// if no bead is printed.
+    pub(crate) fn ends(&self) -> Option<(DVec2, DVec2)> {
+        let begins = |step: &Move| match step {
+            Move::Print(bead) => bead.points.first().copied(),
+            Move::Travel(_) => None,
+        };
+        let ended = match self.moves.last()? {
+            Move::Print(bead) => ends(bead)?.1,
+            Move::Travel(travel) => *travel.points.last()?,
+        };
+        Some((self.moves.iter().find_map(begins)?, ended))
+    }
+}
+
+/// The travel from one part to another. There is no wipe: what is left out by
+/// the host is not gone over.
+pub(crate) fn between_parts(to: DVec2, settings: &Settings) -> Travel {
+    Travel {
+        hop: settings.retract.z_hop > 0.0,
+        ..Travel::straight(to, true)
+    }
+}
+
 /// What a layer is made of, in the model's coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ground<'a> {

@@ -47,13 +47,14 @@ struct Foot {
 }
 
 impl DepthMap {
-    /// Measures a model. Everything below the bed is outside.
+    /// Measures a model. Everything below the bed is outside, or below the air
+    /// above its raft.
     ///
     /// # Errors
     /// If the field cannot be evaluated.
     pub(crate) fn new(model: &Model) -> Result<DepthMap, ExpressionError> {
-        let bed = -model.offset.z;
-        let solid = model.tree.max(Tree::from(bed as f32) - Tree::z());
+        let foot = model.foot();
+        let solid = model.tree.max(Tree::from(foot as f32) - Tree::z());
         let field = Expression::of_shape(&solid)?;
         let (min, max) = (model.bounds.min, model.bounds.max);
         let extent = (max - min).max(DVec3::splat(1e-6));
@@ -395,6 +396,20 @@ mod tests {
             let u = DVec3::new(t * 0.754_877, t * 0.569_84, t * 0.618_034);
             (u.fract() * 2.0 - 1.0) * half
         })
+    }
+
+    #[test]
+    fn a_raft_does_not_change_what_the_bed_cuts_off() {
+        let (mut model, _) = map("sqrt(x^2 + y^2 + z^2) - 10");
+        // Half of the ball is below the bed.
+        model.offset.z = 0.0;
+        let cut = DepthMap::new(&model).unwrap();
+        let raised = DepthMap::new(&model.raised(0.9)).unwrap();
+        for z in [0.5, 2.0, 6.0] {
+            let p = DVec3::new(1.0, 2.0, z);
+            assert_eq!(raised.at(p), cut.at(p));
+        }
+        assert!((cut.at(DVec3::Z * 2.0) - 2.0).abs() < 0.05);
     }
 
     #[test]

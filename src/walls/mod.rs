@@ -1,10 +1,14 @@
 //! Beads of the walls.
 
+mod interlock;
 mod overhang;
+mod reach;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use interlock::{Beside, Interlock};
 pub(crate) use overhang::Support;
+pub(crate) use reach::Reach;
 
 use crate::bead::{Bead, Role, Stroke};
 use crate::plane::arc;
@@ -26,6 +30,22 @@ pub(crate) fn beads(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
             lines.iter().map(move |l| bead(l, role, height, small))
         })
         .collect()
+}
+
+/// As [`beads`], of walls that interlock: every other inner wall is to lie half
+/// a layer lower.
+pub(crate) fn interlocked(walls: &Walls, height: Mm, small: Mm) -> Vec<Bead> {
+    let mut all = beads(walls, height, small);
+    // They come in the order of the walls.
+    let mut counted = 0;
+    for (k, lines) in walls.lines.iter().enumerate() {
+        let of_wall = &mut all[counted..counted + lines.len()];
+        for bead in of_wall.iter_mut().filter(|_| k % 2 == 1) {
+            bead.sunk = true;
+        }
+        counted += lines.len();
+    }
+    all
 }
 
 /// Thins the walls' lines to what their roles permit.

@@ -74,9 +74,23 @@ impl<'a> Support<'a> {
     pub(crate) fn cut(&self, bead: Bead) -> Vec<Bead> {
         crate::limits::check();
         match bead.role {
-            Role::OuterWall | Role::InnerWall => self.pieces(bead),
-            _ => vec![bead],
+            Role::OuterWall | Role::InnerWall => {}
+            _ => return vec![bead],
         }
+        match self.pieces(&bead).as_slice() {
+            [] => vec![bead],
+            [one] => {
+                let role = if one.hangs { Role::Overhang } else { bead.role };
+                vec![Bead { role, ..bead }]
+            }
+            pieces => pieces.iter().map(|piece| part(&bead, piece)).collect(),
+        }
+    }
+
+    /// Whether a wall hangs somewhere.
+    pub(crate) fn hangs(&self, bead: &Bead) -> bool {
+        crate::limits::check();
+        self.pieces(bead).iter().any(|piece| piece.hangs)
     }
 
     /// Whether there is more of the part beside this place of a bead.
@@ -89,7 +103,9 @@ impl<'a> Support<'a> {
         self.own.contains(p + side) || self.own.contains(p - side)
     }
 
-    fn pieces(&self, bead: Bead) -> Vec<Bead> {
+    /// The parts of a bead, each of which hangs or does not; none of a bead
+    /// without a length.
+    fn pieces(&self, bead: &Bead) -> Vec<Piece> {
         let wall = usize::from(bead.role != Role::OuterWall);
         let grid = self.moved.as_ref().map_or(self.below, |m| &m[wall]);
         let n = bead.points.len();
@@ -111,7 +127,7 @@ impl<'a> Support<'a> {
         cuts.dedup_by(|a, b| *a - *b < 1e-9);
         let segments = if bead.closed { n } else { n.saturating_sub(1) };
         if segments == 0 {
-            return vec![bead];
+            return Vec::new();
         }
         cuts.retain(|c| *c < segments as f64);
         let mut ends = vec![0.0];
@@ -123,9 +139,9 @@ impl<'a> Support<'a> {
                 continue;
             }
             let place = 0.5 * (pair[0] + pair[1]);
-            let (middle, width) = at(&bead, place);
+            let (middle, width) = at(bead, place);
             let width = width.unwrap_or(bead.width);
-            let wide = width > usual && self.leans(&bead, place, width);
+            let wide = width > usual && self.leans(bead, place, width);
             let piece = Piece {
                 from: pair[0],
                 to: pair[1],
@@ -134,12 +150,7 @@ impl<'a> Support<'a> {
             };
             add(&mut pieces, piece);
         }
-        let pieces = join(pieces, &bead);
-        if let [one] = pieces.as_slice() {
-            let role = if one.hangs { Role::Overhang } else { bead.role };
-            return vec![Bead { role, ..bead }];
-        }
-        pieces.iter().map(|piece| part(&bead, piece)).collect()
+        join(pieces, bead)
     }
 }
 
@@ -164,11 +175,18 @@ fn add(pieces: &mut Vec<Piece>, piece: Piece) {
     }
 }
 
-/// A bead's point and width at a place along it.
-fn at(bead: &Bead, place: f64) -> (DVec2, Option<Mm>) {
+/// The point of a bead with which a place's segment begins, and the share of
+/// the segment up to the place.
+fn split(bead: &Bead, place: f64) -> (usize, f64) {
     let n = bead.points.len();
     let i = (place as usize).min(if bead.closed { n - 1 } else { n - 2 });
-    let (t, next) = (place - i as f64, (i + 1) % n);
+    (i, place - i as f64)
+}
+
+/// A bead's point and width at a place along it.
+fn at(bead: &Bead, place: f64) -> (DVec2, Option<Mm>) {
+    let (i, t) = split(bead, place);
+    let next = (i + 1) % bead.points.len();
     let widths = bead.widths.get(i).zip(bead.widths.get(next));
     (
         bead.points[i].lerp(bead.points[next], t),
@@ -180,10 +198,15 @@ fn at(bead: &Bead, place: f64) -> (DVec2, Option<Mm>) {
 fn part(bead: &Bead, piece: &Piece) -> Bead {
     let n = bead.points.len();
     let (mut points, mut widths) = (Vec::new(), Vec::new());
+    let mut levels = Vec::new();
     let mut push = |place: f64| {
         let (p, w) = at(bead, place);
         points.push(p);
         widths.extend(w);
+        if !bead.levels.is_empty() {
+            let (i, t) = split(bead, place);
+            levels.push(bead.level(i).lerp(bead.level(i + 1), t));
+        }
     };
     push(piece.from);
     for i in piece.from as usize + 1..piece.to.ceil() as usize {
@@ -209,7 +232,7 @@ fn part(bead: &Bead, piece: &Piece) -> Bead {
             widths,
             closed: false,
             width: bead.width,
-            levels: Vec::new(),
+            levels,
         },
         ..*bead
     }

@@ -203,7 +203,9 @@ impl Example {
 pub const SKIRT: &str = "Skirt/Brim";
 pub const OUTER_WALL: &str = "External perimeter";
 pub const INNER_WALL: &str = "Perimeter";
-pub const ROLES: [&str; 11] = [
+pub const SUPPORT: &str = "Support material";
+pub const SUPPORT_INTERFACE: &str = "Support material interface";
+pub const ROLES: [&str; 13] = [
     SKIRT,
     OUTER_WALL,
     INNER_WALL,
@@ -214,6 +216,8 @@ pub const ROLES: [&str; 11] = [
     "Bridge infill",
     "Ironing",
     "Internal infill",
+    SUPPORT,
+    SUPPORT_INTERFACE,
     "Custom",
 ];
 

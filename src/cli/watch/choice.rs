@@ -51,7 +51,15 @@ impl Choice {
                 "define" => &mut changed.define,
                 "set" => &mut changed.set,
                 name if changed.profiles.contains_key(name) => {
-                    changed.profiles.insert(key, text(value)?);
+                    let value = text(value)?;
+                    let is_path = |v: &String| {
+                        v.contains(['/', '\\']) || v.ends_with(".toml")
+                    };
+                    if value.as_ref().is_some_and(is_path) {
+                        let why = "a page chooses profiles by their names";
+                        return Err(why.to_owned());
+                    }
+                    changed.profiles.insert(key, value);
                     continue;
                 }
                 _ => return Err(format!("there is no change {key:?}")),

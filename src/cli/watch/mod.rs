@@ -31,6 +31,8 @@ use server::Site;
 use session::Session;
 use stamp::Stamps;
 use std::net::{Ipv4Addr, TcpListener};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::exit;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -137,12 +139,12 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
         let session = session.clone();
         thread::Builder::new()
             .name("work".into())
-            .spawn(move || work(&session, &job))
+            .spawn(move || or_end(|| work(&session, &job)))
             .context("cannot start a thread")?;
     }
     thread::Builder::new()
         .name("files".into())
-        .spawn(move || watch_files(&session))
+        .spawn(move || or_end(|| watch_files(&session)))
         .context("cannot start a thread")?;
 
     if !terminal::is_quiet() {
@@ -155,6 +157,14 @@ pub(super) fn run(args: WatchArgs) -> anyhow::Result<()> {
         )?;
     }
     server.join().context("the server has ended")
+}
+
+/// Does some work, and ends the program if that panics: a page for which
+/// nobody works would wait for ever.
+fn or_end(work: impl FnOnce()) {
+    if catch_unwind(AssertUnwindSafe(work)).is_err() {
+        exit(101);
+    }
 }
 
 /// Waits for files to change.

@@ -1,8 +1,9 @@
 //! Answers the page's requests.
 //!
 //! Guaranteed: whatever is asked, by whomever, the answer takes bounded time and
-//! memory, and no file of the user's is read or written for it. What comes from
-//! the model leaves as JSON, which the page shows as text.
+//! memory. No file of the user's is written for it, and the only ones read are the
+//! model, profiles and the infill's script, if a setting names one. What comes
+//! from the model leaves as JSON, which the page shows as text.
 
 use super::guard::Guard;
 use super::session::{Look, Print, Sending, Session, State};

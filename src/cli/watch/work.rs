@@ -11,6 +11,7 @@ use crate::cli::info::parameter;
 use crate::cli::limits::{GRACE, LimitArgs, workers};
 use crate::cli::{output, terminal};
 use anyhow::Context;
+use isoslice::files::read_text;
 use isoslice::limits::{Limits, Reason, Stopped, Watch, doing};
 use isoslice::model::{LoadError, Model, ParamError, ScriptError};
 use isoslice::pipeline::{self, Options, Summary};
@@ -19,7 +20,7 @@ use isoslice::reader::Reader;
 use isoslice::settings::keys;
 use serde::Serialize;
 use serde_json::json;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{BufReader, BufWriter, IntoInnerError};
 use std::path::Path;
 use std::process::exit;
@@ -52,12 +53,14 @@ pub(super) fn work(session: &Session, job: &Job) {
             make(session, job, &choice, wanted)
         });
         let made = made.unwrap_or_else(|stopped| Err(stopped.into()));
+        // It reads the script, so nobody waits for the state meanwhile.
+        let fault = made.err().map(|error| fault(job, &error));
         session.tell(|state| {
             state.watch = None;
             // Otherwise the next turn says what is wrong with it.
             if state.wanted == wanted {
                 state.busy = None;
-                state.fault = made.err().map(|error| fault(job, &error));
+                state.fault = fault;
             }
         });
     }
@@ -73,10 +76,14 @@ fn give_up(stopped: &Stopped) {
     }
 }
 
+/// A script of more bytes is not read to show a line of it.
+const LARGEST_SCRIPT: u64 = 2 << 20;
+
 /// The error, with the place in the script.
 fn fault(job: &Job, error: &anyhow::Error) -> Fault {
     let causes: Vec<_> = error.chain().map(terminal::shown).collect();
-    let script = job.model.model.as_deref().map(fs::read_to_string);
+    let script = job.model.model.as_deref().filter(|file| file.is_file());
+    let script = script.map(|file| read_text(file, LARGEST_SCRIPT));
     let script = script.and_then(Result::ok).unwrap_or_default();
     Fault {
         text: causes.join("\nbecause: "),
@@ -108,7 +115,10 @@ fn make(
     let settings = &gathered.settings;
     let model = match choice.model(&job.model).load(settings) {
         Ok(model) => model,
-        Err(error) => match no_longer_there(&error, choice) {
+        // What the command line sets and no script ever had is a mistake.
+        Err(error) => match no_longer_there(&error, choice)
+            .filter(|_| session.lock().model.is_some())
+        {
             // The script has lost a parameter that the page had changed.
             Some(name) => {
                 session.want(|state| drop(state.choice.define.remove(&name)));

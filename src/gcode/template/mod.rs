@@ -20,7 +20,7 @@ mod pieces;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use error::TemplateError;
+pub use error::TemplateError;
 
 use super::Header;
 use super::placeholders::{self, Known, Moment, Scope};
@@ -139,7 +139,7 @@ impl<'a> Templates<'a> {
             settings,
             header: Header {
                 thumbnails: Vec::new(),
-                outline: Vec::new(),
+                parts: Vec::new(),
                 ..header.clone()
             },
             known,
@@ -279,4 +279,45 @@ fn add(
         }
         None => Ok(()),
     }
+}
+
+/// Tries the templates of settings on a part in the middle of the bed: what is
+/// wrong with each of them.
+pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
+    let (x, y) = (settings.printer.bed_x / 2.0, settings.printer.bed_y / 2.0);
+    let header = Header {
+        model_name: String::from("part"),
+        layer_count: 100,
+        layers: 0..100,
+        timestamp: None,
+        nozzle_temperature: settings.filament.first_layer_nozzle_temperature,
+        part_min: glam::DVec3::new(x - 10.0, y - 10.0, 0.0),
+        part_max: glam::DVec3::new(x + 10.0, y + 10.0, 20.0),
+        parts: Vec::new(),
+        thumbnails: Vec::new(),
+        format: super::Format::Text,
+    };
+    let mut wrong = Vec::new();
+    let templates: [fn(&mut Settings) -> &mut String; 3] = [
+        |s| &mut s.gcode.start,
+        |s| &mut s.gcode.end,
+        |s| &mut s.gcode.layer,
+    ];
+    for (i, _) in templates.iter().enumerate() {
+        let mut one = settings.clone();
+        for (j, other) in templates.iter().enumerate() {
+            if i != j {
+                other(&mut one).clear();
+            }
+        }
+        let filled = Templates::new(&one, &header).and_then(|t| t.start());
+        wrong.extend(filled.err());
+    }
+    wrong
+}
+
+/// True if a name of a foreign placeholder has a meaning here.
+pub fn understands_placeholder(name: &str) -> bool {
+    foreign::understands(name)
+        || placeholders::names(Scope::Layer).any(|known| known == name)
 }

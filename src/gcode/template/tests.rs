@@ -10,7 +10,7 @@ pub(super) fn header() -> Header {
         nozzle_temperature: 210.0,
         part_min: DVec3::new(95.0, 95.0, 0.0),
         part_max: DVec3::new(125.0, 125.0, 30.0),
-        outline: Vec::new(),
+        parts: Vec::new(),
         thumbnails: Vec::new(),
         format: crate::gcode::Format::Text,
     }

@@ -2,7 +2,13 @@
 //! effect.
 
 use super::round;
-use crate::settings::{InfillMode, Settings, Varying};
+use crate::settings::{
+    BrimPlace, DraftShield, InfillMode, InterfacePattern, Settings, Supports,
+    Varying, WallOrder,
+};
+
+/// Heights are equal that differ by less, mm.
+const ROUNDED: f64 = 1e-6;
 
 /// Warns of settings without effect.
 pub(super) fn without_effect(
@@ -98,7 +104,7 @@ pub(super) fn without_effect(
          top_thickness to more than 0"
             .to_owned(),
     );
-    let height = s.layer_height();
+    let height = s.thickest_layer();
     let full = s.contour_z_full_angle(height);
     warn(
         "contour_z_angle",
@@ -114,6 +120,9 @@ pub(super) fn without_effect(
             round(s.nozzle_flat()),
         ),
     );
+    overhangs_without_effect(s, &mut warn);
+    scarfs_without_effect(s, &mut warn);
+    interlocking_without_effect(s, &mut warn);
     for key in [
         "internal_bridge_flow",
         "speed.internal_bridge",
@@ -145,10 +154,7 @@ pub(super) fn without_effect(
         "top_layers",
         "top_thickness",
         "ironing",
-        "contour_z",
-        "internal_bridges",
         "fuzzy_skin",
-        "supports",
     ] {
         warn(
             key,
@@ -159,7 +165,266 @@ pub(super) fn without_effect(
             ),
         );
     }
+    for key in [
+        "contour_z",
+        "internal_bridges",
+        "supports",
+        "overhang_inner_first",
+        "overhang_reverse",
+        "seam_scarf_rise",
+        "walls_interlocked",
+        "speed.overhang_steps",
+        "cooling.overhang_fan_steps",
+    ] {
+        warn(
+            key,
+            s.spiral,
+            format!(
+                "{key} has no effect, since spiral = true prints flat layers \
+                 and one plain wall only; leave one of them out"
+            ),
+        );
+    }
+    supports_without_effect(s, &mut warn);
+    for key in ["brim.ear_angle", "brim.ear_radius"] {
+        warn(
+            key,
+            s.brim.place != BrimPlace::Ears,
+            format!(
+                "{key} has no effect, since brim.place = {} makes no ears; set \
+                 it to \"ears\"",
+                s.brim.place.word(),
+            ),
+        );
+    }
+    warn(
+        "brim.width",
+        s.brim.place == BrimPlace::Ears,
+        "brim.width has no effect, since brim.place = ears prints discs; set \
+         brim.ear_radius"
+            .to_owned(),
+    );
+    if let DraftShield::UpTo(height) = s.draft_shield {
+        let first = s.bed_layer_height();
+        warn(
+            "draft_shield",
+            height < first - ROUNDED,
+            format!(
+                "draft_shield = {height} mm has no effect, since it is less \
+                 than the first layer's height of {} mm: no layer has it; set \
+                 it to that or more, or to \"full\"",
+                round(first),
+            ),
+        );
+    }
+    let shield = s.draft_shield != DraftShield::Off;
+    warn(
+        "draft_shield_gap",
+        !shield,
+        "draft_shield_gap has no effect, since draft_shield = off prints none; \
+         set it to \"full\", or to a height"
+            .to_owned(),
+    );
+    for key in ["skirt.loops", "skirt.distance", "skirt.layers"] {
+        warn(
+            key,
+            shield,
+            format!(
+                "{key} has no effect, since the draft shield takes the skirt's \
+                 place; set draft_shield_gap, or draft_shield to \"off\""
+            ),
+        );
+    }
+    for key in ["raft.gap", "raft.expansion"] {
+        warn(
+            key,
+            s.raft.layers == 0,
+            format!(
+                "{key} has no effect, since raft.layers = 0 prints no raft; \
+                 set it to 3, say"
+            ),
+        );
+    }
+    for key in [
+        "elephant_foot",
+        "elephant_foot_layers",
+        "first_layer_height",
+    ] {
+        warn(
+            key,
+            s.raft.layers > 0,
+            format!(
+                "{key} has no effect, since the part stands on a raft \
+                 (raft.layers = {}) and not on the bed; leave one of them out",
+                s.raft.layers,
+            ),
+        );
+    }
     infill_without_effect(s, &mut warn);
+}
+
+/// Warns of settings of supports that are not printed.
+fn supports_without_effect(
+    s: &Settings,
+    warn: &mut dyn FnMut(&str, bool, String),
+) {
+    for key in [
+        "support.interface_spacing",
+        "support.interface_pattern",
+        "support.interface_angle",
+    ] {
+        warn(
+            key,
+            s.supports == Supports::Off || s.support.interface_layers == 0,
+            format!(
+                "{key} has no effect without dense layers of supports; set \
+                 supports to \"auto\" or \"plate\", and \
+                 support.interface_layers to 1 or more"
+            ),
+        );
+    }
+    warn(
+        "support.interface_angle",
+        s.support.interface_pattern == InterfacePattern::Concentric,
+        "support.interface_angle has no effect on \
+         support.interface_pattern = concentric; set that to \"lines\""
+            .to_owned(),
+    );
+    warn(
+        "support.interface_density",
+        s.support.interface_spacing.is_some(),
+        "support.interface_density has no effect, since \
+         support.interface_spacing says how far apart lines are; leave one of \
+         them out"
+            .to_owned(),
+    );
+    warn(
+        "support.where",
+        s.supports == Supports::Off,
+        "support.where has no effect, since supports = off prints none; set \
+         supports to \"auto\" or \"plate\""
+            .to_owned(),
+    );
+}
+
+/// Warns if walls are to interlock and cannot.
+fn interlocking_without_effect(
+    s: &Settings,
+    warn: &mut dyn FnMut(&str, bool, String),
+) {
+    let (highest, nozzle) =
+        (s.highest_interlocked(), s.printer.nozzle_diameter);
+    let why = if s.walls < 2 {
+        "walls is less than 2, and the outer wall stays in its layer; set it \
+         to 3 or more"
+            .to_owned()
+    } else if !s.contour_z.is(0.0) {
+        "contour_z leads walls along the surface; leave one of them out"
+            .to_owned()
+    } else if highest > nozzle {
+        format!(
+            "its highest beads, one and a half layers, would be {} mm high, \
+             and the nozzle is {nozzle} mm wide; lower layer_height, \
+             first_layer_height or layer_height_max",
+            round(highest),
+        )
+    } else {
+        return;
+    };
+    warn(
+        "walls_interlocked",
+        s.walls_interlocked && !s.spiral,
+        format!("walls_interlocked = true has no effect, since {why}"),
+    );
+}
+
+/// Warns of settings for scarfs that rise.
+fn scarfs_without_effect(
+    s: &Settings,
+    warn: &mut dyn FnMut(&str, bool, String),
+) {
+    let why = match (s.seam_scarf == 0.0, s.contour_z.is(0.0)) {
+        (true, _) => {
+            "seam_scarf = 0 makes plain seams; give it a length, 20 mm say"
+        }
+        (false, false) => {
+            "contour_z leads walls along the surface, where a scarf stays \
+             level; leave one of them out"
+        }
+        (false, true) => "",
+    };
+    warn(
+        "seam_scarf_rise",
+        s.seam_scarf_rise && !why.is_empty(),
+        format!("seam_scarf_rise = true has no effect, since {why}"),
+    );
+    warn(
+        "seam_gap",
+        s.seam_scarf > 0.0 && s.scarf_rises() && s.seam_gap >= s.seam_scarf,
+        format!(
+            "seam_gap = {} mm takes away all of the scarf's end (seam_scarf = \
+             {} mm), so nothing covers its beginning, which rises from below; \
+             lower seam_gap, or set seam_scarf_rise = false",
+            s.seam_gap, s.seam_scarf,
+        ),
+    );
+    warn(
+        "seam_scarf_start",
+        !s.seam_scarf_rise,
+        "seam_scarf_start has no effect, since seam_scarf_rise = false keeps \
+         scarfs level; set it to true"
+            .to_owned(),
+    );
+}
+
+/// Warns of settings for walls that hang over the layer below.
+fn overhangs_without_effect(
+    s: &Settings,
+    warn: &mut dyn FnMut(&str, bool, String),
+) {
+    for (key, steps, is_off) in [
+        (
+            "speed.overhang",
+            "speed.overhang_steps",
+            s.speed.overhang_steps.is_off(),
+        ),
+        (
+            "cooling.overhang_fan_speed",
+            "cooling.overhang_fan_steps",
+            s.cooling.overhang_fan_steps.is_off(),
+        ),
+    ] {
+        warn(
+            key,
+            !is_off,
+            format!(
+                "{key} has no effect, since {steps} says it for each share of \
+                 a wall's width; leave one of them out"
+            ),
+        );
+    }
+    for (key, on) in [
+        ("overhang_inner_first", s.overhang_inner_first),
+        ("overhang_reverse", s.overhang_reverse),
+    ] {
+        warn(
+            key,
+            on && s.overhang_share >= 100.0,
+            format!(
+                "{key} = true has no effect, since overhang_share = 100% \
+                 leaves no wall that counts as an overhang; lower it"
+            ),
+        );
+    }
+    warn(
+        "overhang_inner_first",
+        s.overhang_inner_first && s.wall_order == WallOrder::InnerFirst,
+        format!(
+            "overhang_inner_first = true has no effect, since wall_order = {} \
+             prints all walls from the inside out; leave it out",
+            s.wall_order.word(),
+        ),
+    );
 }
 
 /// Warns of settings for patterns if infill is an expression, and the reverse.

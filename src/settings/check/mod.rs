@@ -12,7 +12,7 @@ mod speeds;
 pub(super) use speeds::{flow_note, speed_note};
 
 use super::error::GivenPlaces;
-use super::{Flavour, Settings};
+use super::{BrimPlace, DraftShield, Flavour, Settings};
 use beads::{heights, sampling, shares, widths};
 use heat::temperatures;
 use idle::without_effect;
@@ -48,6 +48,8 @@ pub(super) fn conflicts(
     widths(s, &mut warnings)?;
     sampling(s, &mut warnings)?;
     something_is_printed(s)?;
+    raft(s, &mut warnings)?;
+    beside_a_vase(s)?;
     retraction(s, &mut warnings)?;
     temperatures(s)?;
     total_flow(s, &mut warnings);
@@ -175,6 +177,114 @@ fn klipper_retraction(s: &Settings) -> Result<(), Conflict> {
                 ),
             ));
         }
+    }
+    Ok(())
+}
+
+/// What does not go with a raft.
+fn raft(s: &Settings, warnings: &mut Vec<String>) -> Result<(), Conflict> {
+    /// Rounding of lengths, mm.
+    const SLACK: f64 = 1e-9;
+    /// Air that hardly parts anything, mm.
+    const THIN_AIR: f64 = 0.05;
+    if s.raft.layers == 0 {
+        return Ok(());
+    }
+    if s.spiral {
+        return Err(conflict(
+            ["raft.layers", "spiral"],
+            "a climbing wall (spiral = true) stands on the bed and not on a \
+             raft; set raft.layers = 0, or spiral = false"
+                .to_owned(),
+        ));
+    }
+    if s.brim.place != BrimPlace::None {
+        return Err(conflict(
+            ["raft.layers", "brim.place"],
+            "a part on a raft does not touch the bed, so it can have no brim; \
+             set brim.place = \"none\" and raft.expansion as wide as the brim, \
+             or raft.layers = 0"
+                .to_owned(),
+        ));
+    }
+    if let Some(gap) = s.raft.gap
+        && gap > s.raft_gap_most() + SLACK
+    {
+        return Err(conflict(
+            [
+                "raft.gap",
+                "layer_height",
+                "infill_width",
+                "printer.nozzle_diameter",
+            ],
+            format!(
+                "raft.gap = {gap} mm is too much: with layer_height = {} mm \
+                 the part's first lines would hang in the air above the raft, \
+                 instead of being pressed onto it, through a nozzle of \
+                 printer.nozzle_diameter = {} mm, in supports of infill_width \
+                 = {} mm; at most {} mm fit, so lower it or layer_height, or \
+                 leave raft.gap to \"auto\"",
+                round(s.layer_height()),
+                s.printer.nozzle_diameter,
+                round(s.infill_width()),
+                // Down, so that it is accepted.
+                (s.raft_gap_most() * 1000.0 + 1e-6).floor() / 1000.0,
+            ),
+        ));
+    }
+    if s.raft_gap() < THIN_AIR {
+        warnings.push(format!(
+            "the raft is only {} mm below the part, which will hardly come \
+             off: raft.gap and layer_height = {} mm share what a nozzle of \
+             printer.nozzle_diameter = {} mm bridges; lower layer_height, or \
+             raise raft.gap",
+            round(s.raft_gap()),
+            round(s.layer_height()),
+            s.printer.nozzle_diameter,
+        ));
+    }
+    if s.raft.layers == 1 {
+        warnings.push(
+            "raft.layers = 1 has sparse lines only, between which the part's \
+             underside sags; set it to 2 or more"
+                .to_owned(),
+        );
+    }
+    Ok(())
+}
+
+/// What cannot stand beside a climbing wall: the nozzle would have to leave it
+/// in every layer.
+fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
+    if !s.spiral {
+        return Ok(());
+    }
+    if s.draft_shield != DraftShield::Off {
+        return Err(conflict(
+            ["draft_shield", "spiral"],
+            "a climbing wall (spiral = true) goes on from turn to turn without \
+             a stop, so no draft shield can be printed beside it; set \
+             draft_shield = \"off\", or spiral = false"
+                .to_owned(),
+        ));
+    }
+    let flat = s.bottom_layers().max(1);
+    let skirt = s.skirt.layers;
+    if s.is_uniform() && s.skirt.loops > 0 && skirt > flat {
+        return Err(conflict(
+            [
+                "skirt.layers",
+                "spiral",
+                "bottom_layers",
+                "bottom_thickness",
+            ],
+            format!(
+                "skirt.layers = {skirt} would stand beside the climbing wall \
+                 (spiral = true), which begins after {flat} flat layers and \
+                 goes on without a stop; set skirt.layers to {flat} or less, \
+                 or spiral = false"
+            ),
+        ));
     }
     Ok(())
 }

@@ -53,6 +53,15 @@ impl Rect {
         }
     }
 
+    /// The box with a margin on all sides; a negative one takes it away.
+    #[inline]
+    pub fn grown(self, by: Length) -> Rect {
+        Rect {
+            min: self.min - by,
+            max: self.max + by,
+        }
+    }
+
     /// True if the two have a point in common.
     #[inline]
     pub fn meets(&self, other: Rect) -> bool {

@@ -6,6 +6,7 @@
 //! either  = both { ("or" | "||") both }
 //! both    = same { ("and" | "&&") same }
 //! same    = sum [ ("==" | "!=" | "<>" | "<" | ">" | "<=" | ">=") sum ]
+//!         | sum ("=~" | "!~") "/" pattern "/"
 //! sum     = product { ("+" | "-") product }
 //! product = sign { ("*" | "/" | "%") sign }
 //! sign    = ("-" | "+" | "not" | "!") sign | atom
@@ -57,6 +58,8 @@ enum Token<'a> {
     Text(&'a str),
     Name(&'a str),
     Sign(&'a str),
+    /// A pattern, without its slashes, and whether it is to be there.
+    Pattern(&'a str, bool),
 }
 
 impl Token<'_> {
@@ -66,6 +69,7 @@ impl Token<'_> {
                 format!("`{text}`")
             }
             Token::Text(text) => format!("{text:?}"),
+            Token::Pattern(text, _) => format!("`/{text}/`"),
         }
     }
 
@@ -97,8 +101,17 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, Refused> {
             (Token::Text(&rest[1..=n]), n + 2)
         } else {
             match SIGNS.into_iter().find(|s| rest.starts_with(s)) {
-                Some("=~" | "!~") => {
-                    return Err("patterns (=~) are not known here".to_owned());
+                Some(sign @ ("=~" | "!~")) => {
+                    let after = rest[sign.len()..].trim_start();
+                    let pattern = after
+                        .strip_prefix('/')
+                        .and_then(|inner| inner.split_once('/'));
+                    let Some((pattern, _)) = pattern else {
+                        return Err(format!("{sign} needs a /pattern/"));
+                    };
+                    let before = rest.len() - after.len();
+                    let length = before + pattern.len() + 2;
+                    (Token::Pattern(pattern, sign == "=~"), length)
                 }
                 Some(sign) => (Token::Sign(sign), sign.len()),
                 None => return Err(format!("{first:?} is not understood")),
@@ -188,7 +201,25 @@ impl<'a> Parser<'a> {
             ("<", "<"),
             (">", ">"),
         ];
-        self.chain(Self::sum, words, |_, _, _| Kind::Other)
+        self.chain(Self::matched, words, |_, _, _| Kind::Other)
+    }
+
+    /// A sum, with a pattern behind it.
+    fn matched(&mut self) -> Parsed {
+        let (left, kind) = self.sum()?;
+        let Some(Token::Pattern(pattern, wanted)) =
+            self.tokens.get(self.at).cloned()
+        else {
+            return Ok((left, kind));
+        };
+        self.at += 1;
+        let found = looks_like(&left, pattern)?;
+        let found = if wanted {
+            found
+        } else {
+            format!("(not {found})")
+        };
+        Ok((found, Kind::Other))
     }
 
     fn sum(&mut self) -> Parsed {
@@ -318,6 +349,10 @@ impl<'a> Parser<'a> {
                     "write {name}[0] for x or {name}[1] for y"
                 ));
             }
+            // Nothing is printed with another one.
+            (_, Some(_)) if !first && name == "is_extruder_used" => {
+                ("false".to_owned(), Kind::Other)
+            }
             (_, Some(i)) if !first => {
                 return Err(format!(
                     "isoslice prints with one extruder, so there is no \
@@ -325,6 +360,14 @@ impl<'a> Parser<'a> {
                 ));
             }
             (Some(Ours::Is(kind, ours)), _) => (ours.to_owned(), kind),
+            (Some(Ours::OfLayer(kind, _, at_end)), _)
+                if self.scope == Scope::End =>
+            {
+                (at_end.to_owned(), kind)
+            }
+            (Some(Ours::OfLayer(kind, of_layer, _)), _) => {
+                (of_layer.to_owned(), kind)
+            }
             (Some(Ours::ByScope(kind, of_layer, _)), _)
                 if self.scope == Scope::Layer =>
             {
@@ -343,6 +386,36 @@ impl<'a> Parser<'a> {
         };
         Ok(found)
     }
+}
+
+/// An expression that tells whether a text is as a pattern says: one or several
+/// words, `A|B`, alone or anywhere in it, `.*A.*`.
+fn looks_like(text: &str, pattern: &str) -> Result<String, Refused> {
+    let refused = || {
+        Err(format!(
+            "of patterns only words are known, as in /.*PET.*/ and /A|B/, not \
+             /{pattern}/"
+        ))
+    };
+    let begins = pattern.strip_prefix(".*");
+    let ends = begins.unwrap_or(pattern).strip_suffix(".*");
+    let words = ends.or(begins).unwrap_or(pattern);
+    if begins.is_some() != ends.is_some() {
+        return refused();
+    }
+    let bare = words.strip_prefix('(').and_then(|w| w.strip_suffix(')'));
+    let plain = |c: char| c.is_ascii_alphanumeric() || " _-".contains(c);
+    let mut alternatives = Vec::new();
+    for word in bare.unwrap_or(words).split('|') {
+        if word.is_empty() || !word.chars().all(plain) {
+            return refused();
+        }
+        alternatives.push(match begins {
+            Some(_) => format!("{word:?} in {text}"),
+            None => format!("{text} == {word:?}"),
+        });
+    }
+    Ok(format!("({})", alternatives.join(" or ")))
 }
 
 fn wider(a: Kind, b: Kind) -> Kind {

@@ -321,6 +321,11 @@ pub(super) fn origin(source: &str, translated: &str, at: usize) -> usize {
         }
 }
 
+/// True if a foreign name stands for something here.
+pub(super) fn understands(name: &str) -> bool {
+    !matches!(names::ours(name), None | Some(names::Ours::None(_)))
+}
+
 /// The message for an unknown name.
 fn unknown(name: &str, scope: Scope) -> String {
     if let Some(place) = known_elsewhere(name, scope) {

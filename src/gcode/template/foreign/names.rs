@@ -25,12 +25,15 @@ pub(super) enum Ours {
     Pair(&'static str, &'static str),
     /// One expression in `gcode.layer`, the other elsewhere.
     ByScope(Kind, &'static str, &'static str),
+    /// One expression in `gcode.layer` and one in `gcode.end`, where the last
+    /// layer is meant; unknown elsewhere.
+    OfLayer(Kind, &'static str, &'static str),
     /// No expression; why, or what to write instead.
     None(&'static str),
 }
 
 use Kind::{Number, Other, Whole};
-use Ours::{ByScope, Is, None, Pair};
+use Ours::{ByScope, Is, None, OfLayer, Pair};
 
 const NO_CHAMBER: &str =
     "isoslice heats no chamber: write its temperature as a number";
@@ -88,8 +91,11 @@ pub(super) const NAMES: &[(&str, Ours)] = &[
         None("isoslice has one temperature while it waits: write a number"),
     ),
     // Layers and heights.
-    ("layer_num", Is(Whole, "(layer - 1)")),
-    ("layer_z", Is(Number, "layer_z")),
+    (
+        "layer_num",
+        OfLayer(Whole, "(layer - 1)", "(layer_count - 1)"),
+    ),
+    ("layer_z", OfLayer(Number, "layer_z", "part_max_z")),
     ("max_layer_z", ByScope(Number, "layer_z", "part_max_z")),
     ("total_layer_count", Is(Whole, "layer_count")),
     ("total_layer_number", Is(Whole, "layer_count")),

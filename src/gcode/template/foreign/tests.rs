@@ -82,6 +82,9 @@ fn the_usual_placeholders_of_other_slicers_are_ours() {
     let end =
         templates("", "", "G1 Z{min(max_layer_z + 50, max_print_height)}");
     assert_eq!(end.as_deref(), Ok("G1 Z80\n"));
+    // At the end the last layer is meant.
+    let end = templates("", "", "G1 Z{layer_z + 1} ; [layer_num]");
+    assert_eq!(end.as_deref(), Ok("G1 Z31 ; 11\n"));
 }
 
 #[test]
@@ -96,6 +99,17 @@ fn conditions_of_other_slicers_are_ours() {
         {endif}\n\
         G29";
     assert_start(source, "G28\nM190 S60\nG29\n");
+    for (condition, holds) in [
+        ("filament_type[0]=~/.*LA.*/", true),
+        ("filament_type[0] !~ /.*LA.*/", false),
+        ("filament_type[0]=~/(PETG|PLA)/", true),
+        ("filament_type[0]=~/LA/", false),
+        ("filament_type[0]=~/.*PET.*/ or false", false),
+        ("is_extruder_used[0] and !is_extruder_used[3]", true),
+    ] {
+        let source = format!("{{if {condition}}}G28{{else}}G29{{endif}}");
+        assert_start(&source, if holds { "G28\n" } else { "G29\n" });
+    }
     // Within a line nothing else goes with them.
     assert_start(
         "M104 S{if layer_height > 0.25}220{else}200{endif} T0\nG1{if true \
@@ -130,7 +144,10 @@ fn what_is_not_known_is_named_and_does_not_reach_the_printer() {
     assert_refused("M104 S{temperature[1]}", &["one extruder", "[1]"]);
     assert_refused("M104 S{temperature[0}", &["`]` is missing"]);
     assert_refused("G1 X{print_bed_max}", &["print_bed_max[0]"]);
-    assert_refused("{if printer_notes=~/.*X.*/}\nG28", &["patterns"]);
+    assert_refused("{if filament_type[0]=~/P.A/}\nG28", &["only words"]);
+    assert_refused("{if filament_type[0]=~/.*P/}\nG28", &["only words"]);
+    assert_refused("{if filament_type[0]=~PLA}\nG28", &["needs a /pattern/"]);
+    assert_refused("{if printer_notes=~/.*X.*/}\nG28", &["no notes"]);
     assert_refused("M104 S{random(1, 5)}", &["the function random"]);
     assert_refused("{local a = 5}G1 X{a}", &["{% set name"]);
     assert_refused("M117 [{layer_zz}]", &["{layer_zz}", "nearest"]);

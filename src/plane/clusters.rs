@@ -9,7 +9,7 @@
 //!   └─────────────┘
 //! ```
 
-use crate::plane::{Area, Rect};
+use super::{Area, Rect};
 use crate::units::Mm;
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -17,7 +17,7 @@ use rstar::{AABB, Envelope};
 
 /// Islands whose boxes meet, directly or by way of others'.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Cluster {
+pub(crate) struct Cluster {
     /// The islands.
     pub area: Area,
     /// The box around them.
@@ -29,19 +29,14 @@ const GAP: Mm = 0.01;
 
 impl Cluster {
     /// True if a point of the area belongs to this cluster.
-    pub(super) fn has(&self, p: glam::DVec2) -> bool {
+    pub(crate) fn has(&self, p: glam::DVec2) -> bool {
         // Points meant to be on the border are off it by rounding.
-        let reach = 0.25 * GAP;
-        let grown = Rect {
-            min: self.bounds.min - reach,
-            max: self.bounds.max + reach,
-        };
-        grown.contains(p)
+        self.bounds.grown(0.25 * GAP).contains(p)
     }
 }
 
 /// The clusters of an area, in the order of their first rings.
-pub(super) fn clusters(area: &Area) -> Vec<Cluster> {
+pub(crate) fn clusters(area: &Area) -> Vec<Cluster> {
     type Boxed = GeomWithData<Rectangle<[f64; 2]>, Vec<usize>>;
     // Boxes that keep apart, each with the numbers of its rings.
     let mut apart: RTree<Boxed> = RTree::new();

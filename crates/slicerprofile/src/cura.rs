@@ -1,0 +1,180 @@
+//! Cura: `.curaprofile` and `.inst.cfg`, whose values are in `[values]`, and
+//! the definitions of printers, `.def.json`.
+
+use crate::values::{Values, plain_text};
+use crate::{Error, MOST_BYTES, bytes_of};
+use serde_json::Value;
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+/// Greatest number of files in a `.curaprofile`; each has one or two per
+/// extruder.
+const MOST_PARTS: usize = 64;
+/// Greatest length of one of them, unpacked, bytes.
+const MOST_PART: u64 = 1 << 20;
+/// Greatest number of definitions that inherit from one another in a row.
+const DEEPEST: usize = 32;
+/// Greatest depth of a definition's nested settings.
+const DEEPEST_NESTING: usize = 64;
+
+/// The values in a `.curaprofile`.
+///
+/// # Errors
+/// A sentence, if it is no such file, or too large.
+pub(crate) fn zipped(bytes: Vec<u8>) -> Result<Values, String> {
+    let damaged = |e: zip::result::ZipError| format!("its archive: {e}");
+    let mut archive =
+        zip::ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
+    if archive.len() > MOST_PARTS {
+        return Err(format!(
+            "it holds {} files, and a profile of Cura at most {MOST_PARTS}",
+            archive.len()
+        ));
+    }
+    let mut all = Values::default();
+    // The file without an extruder comes first; the first extruder follows.
+    let mut parts = Vec::new();
+    for i in 0..archive.len() {
+        let part = archive.by_index(i).map_err(damaged)?;
+        let mut text = Vec::new();
+        part.take(MOST_PART + 1)
+            .read_to_end(&mut text)
+            .map_err(|e| format!("its archive: {e}"))?;
+        if text.len() as u64 > MOST_PART {
+            return Err(format!(
+                "a file in it is larger than {} MB unpacked",
+                MOST_PART >> 20
+            ));
+        }
+        parts.push(instance(&String::from_utf8_lossy(&text)));
+    }
+    parts.sort_by_key(|(position, _)| *position);
+    for (position, values) in parts {
+        if position.is_none_or(|p| p == 0) {
+            let mut merged = values;
+            merged.inherit(&all);
+            all = merged;
+        }
+    }
+    if all.is_empty() {
+        return Err("there are no values in it".to_owned());
+    }
+    Ok(all)
+}
+
+/// The extruder and the values of an instance's text.
+pub(crate) fn instance(text: &str) -> (Option<u32>, Values) {
+    let mut values = Values::default();
+    let mut position = None;
+    let mut section = "";
+    let mut last: Option<(String, String)> = None;
+    let mut keep = |last: &mut Option<(String, String)>| {
+        if let Some((key, value)) = last.take() {
+            values.set(&key, vec![value]);
+        }
+    };
+    for line in text.lines() {
+        // A value goes on in the lines that are indented.
+        if line.starts_with([' ', '\t'])
+            && let Some((_, value)) = &mut last
+        {
+            value.push('\n');
+            value.push_str(line.trim());
+            continue;
+        }
+        keep(&mut last);
+        let line = line.trim();
+        if let Some(head) = line.strip_prefix('[') {
+            section = head.trim_end_matches(']');
+        } else if let Some((key, value)) = line.split_once('=')
+            && !line.starts_with(['#', ';'])
+        {
+            let (key, value) = (key.trim(), value.trim());
+            match section {
+                "values" => last = Some((key.to_owned(), value.to_owned())),
+                "metadata" if key == "position" => {
+                    position = value.parse().ok();
+                }
+                _ => {}
+            }
+        }
+    }
+    keep(&mut last);
+    (position, values)
+}
+
+/// The values of a printer's definition and of those that it inherits from, in
+/// its folder, and its name.
+///
+/// # Errors
+/// If one is missing, damaged, or they inherit in a circle.
+pub(crate) fn definition(
+    path: &Path,
+    json: &Value,
+) -> Result<(Values, Option<String>), Error> {
+    let name = json["name"].as_str().map(ToOwned::to_owned);
+    let mut all = Values::default();
+    let mut names = Vec::new();
+    let mut current = json.clone();
+    loop {
+        let mut own = Values::default();
+        gather(&current["overrides"], &mut own, 0);
+        gather(&current["settings"], &mut own, 0);
+        all.inherit(&own);
+        let Some(parent) = current["inherits"].as_str() else {
+            return Ok((all, name));
+        };
+        // The settings of all printers are the program's own defaults.
+        if matches!(parent, "fdmprinter" | "fdmextruder") {
+            return Ok((all, name));
+        }
+        let wrong = |message: String| Error::NotUnderstood {
+            path: path.to_owned(),
+            message,
+        };
+        if names.iter().any(|n| n == parent) {
+            return Err(wrong(format!(
+                "definitions inherit in a circle: {parent:?} inherits from \
+                 itself"
+            )));
+        }
+        names.push(parent.to_owned());
+        if names.len() > DEEPEST || parent.contains(['/', '\\']) {
+            return Err(wrong(format!(
+                "it inherits {parent:?}, which is too far away"
+            )));
+        }
+        let file = path.with_file_name(format!("{parent}.def.json"));
+        if !file.is_file() {
+            return Err(wrong(format!(
+                "it inherits {parent:?}, and there is no {} beside it",
+                file.display()
+            )));
+        }
+        let text = bytes_of(&file, MOST_BYTES)?;
+        current = serde_json::from_slice(&text).map_err(|e| {
+            Error::NotUnderstood {
+                path: file,
+                message: format!("it is not JSON: {e}"),
+            }
+        })?;
+    }
+}
+
+/// Takes the values out of nested settings: a formula, `value`, comes before
+/// `default_value`.
+fn gather(settings: &Value, into: &mut Values, depth: usize) {
+    let Value::Object(settings) = settings else {
+        return;
+    };
+    if depth > DEEPEST_NESTING {
+        return;
+    }
+    for (key, setting) in settings {
+        let of = |name: &str| setting.get(name).and_then(plain_text);
+        if let Some(value) = of("value").or_else(|| of("default_value")) {
+            into.set(key, vec![value]);
+        }
+        gather(&setting["children"], into, depth + 1);
+    }
+}

@@ -1,0 +1,62 @@
+//! Reads the profiles of other slicers, and says what each key means to
+//! isoslice.
+//!
+//! In: a file of PrusaSlicer (`.ini`, a bundle of them, or its G-code),
+//! OrcaSlicer and Bambu Studio (`.json`, or their G-code), or Cura
+//! (`.curaprofile`, `.def.json`, `.inst.cfg`). Out: a [`Translation`]: the
+//! settings of isoslice that follow from it, and for every other key why it has
+//! none.
+//!
+//! Guaranteed: every key of the profile is in exactly one of the four lists of
+//! the [`Translation`]; reading takes bounded time and memory whatever is in a
+//! file; there are no panics. Not guaranteed: that the values are in the ranges
+//! that isoslice allows, which only it knows.
+//!
+//! ```
+//! # fn main() -> Result<(), slicerprofile::Error> {
+//! # let folder = tempfile::tempdir().unwrap();
+//! # let path = folder.path().join("my.ini");
+//! # std::fs::write(&path, "perimeters = 3\nfill_density = 15%\nthreads = 4\n").unwrap();
+//! let source = slicerprofile::Source::open(&path, &[])?;
+//! let translation = slicerprofile::translate(&source.pick(&[])?);
+//! assert_eq!(translation.settings[0].name, "walls");
+//! assert_eq!(translation.ignored[0].key, "threads");
+//! # Ok(())
+//! # }
+//! ```
+
+// Failures are errors, not panics; only tests may panic.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::panic,
+        clippy::expect_used,
+        clippy::unwrap_used,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::get_unwrap,
+    )
+)]
+
+mod cura;
+mod error;
+mod fill;
+mod formula;
+mod gcode;
+mod ini;
+mod orca;
+mod parents;
+mod source;
+mod table;
+mod translate;
+mod values;
+
+pub use error::Error;
+pub use fill::{Filled, fill};
+pub use source::{Named, Picked, Slicer, Source};
+pub use table::{Kind, Row, Rule, rows};
+pub use translate::{Left, Setting, Translation, Value, translate};
+pub use values::Values;
+
+pub(crate) use source::{MOST_BYTES, bytes_of};

@@ -1,0 +1,392 @@
+//! A file of profiles, whichever slicer's it is.
+
+use crate::values::Values;
+use crate::{Error, Kind, cura, formula, gcode, ini, orca};
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// Greatest length of a file that is read whole, bytes. The longest of the
+/// makers' own has 2 MB.
+pub(crate) const MOST_BYTES: u64 = 16 << 20;
+
+/// Names that a message lists at most.
+const MOST_NAMES: usize = 5;
+
+/// Whose words a file's keys are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Slicer {
+    /// PrusaSlicer and SuperSlicer.
+    Prusa,
+    /// OrcaSlicer, Bambu Studio and what descends from them.
+    Orca,
+    /// Cura.
+    Cura,
+}
+
+impl Slicer {
+    /// The slicer's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Slicer::Prusa => "PrusaSlicer",
+            Slicer::Orca => "OrcaSlicer",
+            Slicer::Cura => "Cura",
+        }
+    }
+}
+
+/// A profile in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Named {
+    /// What it is of.
+    pub kind: Kind,
+    /// Its name.
+    pub name: String,
+}
+
+/// What a file holds.
+#[derive(Debug)]
+enum Held {
+    /// A bundle of PrusaSlicer's.
+    Bundle(ini::Ini),
+    /// One configuration; its name and kind, if it says so.
+    One {
+        values: Values,
+        name: Option<String>,
+        kind: Option<Kind>,
+    },
+}
+
+/// A file of profiles.
+#[derive(Debug)]
+pub struct Source {
+    path: PathBuf,
+    /// Whose words its keys are.
+    pub slicer: Slicer,
+    held: Held,
+}
+
+/// The profiles that were chosen from a file.
+#[derive(Clone, Debug)]
+pub struct Picked {
+    /// Whose words the keys are.
+    pub slicer: Slicer,
+    /// Their names; none if the file has none.
+    pub names: Vec<Named>,
+    /// Their kinds; empty if the file holds a whole configuration.
+    pub kinds: Vec<Kind>,
+    /// All values.
+    pub values: Values,
+}
+
+impl Source {
+    /// Reads a file. Parents of OrcaSlicer's profiles are looked for beside it
+    /// and in the folders `beside`.
+    ///
+    /// # Errors
+    /// If it cannot be read, is too large, or is no profile.
+    pub fn open(path: &Path, beside: &[PathBuf]) -> Result<Source, Error> {
+        let wrong = |message: String| Error::NotUnderstood {
+            path: path.to_owned(),
+            message,
+        };
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.to_ascii_lowercase();
+        let ends = |of: &[&str]| of.iter().any(|end| name.ends_with(end));
+        if ends(&[".gcode", ".gco", ".g"]) {
+            let text = both_ends(path)?;
+            let values = gcode::read(&text).ok_or_else(|| {
+                wrong(
+                    "there is no configuration in its first or last 4 MB; \
+                     PrusaSlicer, OrcaSlicer and Bambu Studio write one, as \
+                     lines `; key = value`"
+                        .to_owned(),
+                )
+            })?;
+            return Ok(Source::one(
+                path,
+                of_words(&values),
+                values,
+                None,
+                None,
+            ));
+        }
+        if ends(&[".3mf", ".bgcode", ".stl", ".orca_printer", ".bbscfg"]) {
+            return Err(wrong(
+                "isoslice reads no profiles from such files; let the slicer \
+                 export them as .ini or .json, or give its G-code as text"
+                    .to_owned(),
+            ));
+        }
+        let bytes = bytes_of(path, MOST_BYTES)?;
+        if ends(&[".curaprofile"]) {
+            let values = cura::zipped(bytes).map_err(wrong)?;
+            return Ok(Source::one(path, Slicer::Cura, values, None, None));
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        let text = text.trim_start_matches('\u{feff}');
+        if ends(&[".def.json"]) {
+            let json = serde_json::from_str(text)
+                .map_err(|e| wrong(format!("it is not JSON: {e}")))?;
+            let (values, name) = cura::definition(path, &json)?;
+            let kind = Some(Kind::Printer);
+            return Ok(Source::one(path, Slicer::Cura, values, name, kind));
+        }
+        if text.trim_start().starts_with('{') {
+            let own = orca::read(text).map_err(wrong)?;
+            if own.values.keys().any(|key| key.ends_with("_list")) {
+                return Err(wrong(
+                    "it only lists a maker's profiles; give one of the files \
+                     in its folder, such as machine/NAME.json"
+                        .to_owned(),
+                ));
+            }
+            let all = orca::resolve(path, own, beside)?;
+            let (values, name, kind) = (all.values, all.name, all.kind);
+            return Ok(Source::one(path, Slicer::Orca, values, name, kind));
+        }
+        if text.lines().any(|line| line.trim() == "[values]") {
+            let (_, values) = cura::instance(text);
+            return Ok(Source::one(path, Slicer::Cura, values, None, None));
+        }
+        let ini = ini::read(text);
+        let entries = ini.plain.len();
+        if ini.is_bundle() {
+            let (path, slicer) = (path.to_owned(), Slicer::Prusa);
+            let held = Held::Bundle(ini);
+            return Ok(Source { path, slicer, held });
+        }
+        if entries == 0 || ini.odd > entries {
+            return Err(wrong(
+                "it is no profile that isoslice knows: those of PrusaSlicer \
+                 (.ini), OrcaSlicer and Bambu Studio (.json), Cura \
+                 (.curaprofile, .def.json), and their G-code (.gcode)"
+                    .to_owned(),
+            ));
+        }
+        let slicer = of_words(&ini.plain);
+        Ok(Source::one(path, slicer, ini.plain, None, None))
+    }
+
+    fn one(
+        path: &Path,
+        slicer: Slicer,
+        values: Values,
+        name: Option<String>,
+        kind: Option<Kind>,
+    ) -> Source {
+        let mut values = values;
+        if slicer == Slicer::Cura {
+            formula::solve(&mut values);
+        }
+        Source {
+            path: path.to_owned(),
+            slicer,
+            held: Held::One { values, name, kind },
+        }
+    }
+
+    /// The profiles in a bundle, sorted; nothing if the file is none.
+    pub fn list(&self) -> Vec<Named> {
+        match &self.held {
+            Held::Bundle(ini) => ini.list(),
+            Held::One { .. } => Vec::new(),
+        }
+    }
+
+    /// The profiles of these names, at most one of each kind. A file that is no
+    /// bundle needs no names.
+    ///
+    /// # Errors
+    /// If there is no such profile, or names are missing.
+    pub fn pick(&self, names: &[String]) -> Result<Picked, Error> {
+        let ini = match &self.held {
+            Held::Bundle(ini) => ini,
+            Held::One { values, name, kind } => {
+                if let Some(given) = names.first() {
+                    return Err(self.choose(format!(
+                        "it holds one profile, so there is nothing to choose \
+                         with --name {given:?}"
+                    )));
+                }
+                let named = kind.zip(name.clone());
+                let named = named.map(|(kind, name)| Named { kind, name });
+                return Ok(Picked {
+                    slicer: self.slicer,
+                    names: named.into_iter().collect(),
+                    kinds: kind.iter().copied().collect(),
+                    values: values.clone(),
+                });
+            }
+        };
+        let all = ini.list();
+        let names = if let ([], [only]) = (names, all.as_slice()) {
+            std::slice::from_ref(&only.name)
+        } else {
+            names
+        };
+        if names.is_empty() {
+            let count = |kind| all.iter().filter(|n| n.kind == kind).count();
+            return Err(self.choose(format!(
+                "it holds {} printers, {} filaments and {} kinds of print; \
+                 --list names them, and --name NAME chooses, once for each \
+                 kind",
+                count(Kind::Printer),
+                count(Kind::Filament),
+                count(Kind::Print)
+            )));
+        }
+        let mut picked = Picked {
+            slicer: self.slicer,
+            names: Vec::new(),
+            kinds: Vec::new(),
+            values: Values::default(),
+        };
+        for name in names {
+            let found = self.find(&all, name)?;
+            if picked.kinds.contains(&found.kind) {
+                return Err(self.choose(format!(
+                    "two names of the kind {} are given; one is allowed",
+                    found.kind.word()
+                )));
+            }
+            let values =
+                ini.resolve(found.kind, &found.name).map_err(|message| {
+                    Error::NotUnderstood {
+                        path: self.path.clone(),
+                        message,
+                    }
+                })?;
+            picked.values.inherit(&values);
+            picked.kinds.push(found.kind);
+            picked.names.push(found.clone());
+        }
+        Ok(picked)
+    }
+
+    /// The profile of a name, which may have its kind before it:
+    /// `printer:NAME`.
+    fn find<'a>(
+        &self,
+        all: &'a [Named],
+        given: &str,
+    ) -> Result<&'a Named, Error> {
+        let (kind, name) = match given.split_once(':') {
+            Some((word, rest)) if Kind::of_word(word).is_some() => {
+                (Kind::of_word(word), rest.trim())
+            }
+            _ => (None, given.trim()),
+        };
+        let of_kind = |n: &&Named| kind.is_none_or(|kind| n.kind == kind);
+        let mut exact = all.iter().filter(of_kind).filter(|n| n.name == name);
+        match (exact.next(), exact.next()) {
+            (Some(found), None) => return Ok(found),
+            (Some(_), Some(_)) => {
+                return Err(self.choose(format!(
+                    "it holds profiles of several kinds with the name \
+                     {name:?}; say printer:NAME, filament:NAME or print:NAME"
+                )));
+            }
+            (None, _) => {}
+        }
+        let lower = name.to_lowercase();
+        let like = |n: &&Named| n.name.to_lowercase().contains(&lower);
+        let near: Vec<_> = all
+            .iter()
+            .filter(of_kind)
+            .filter(like)
+            .map(|n| format!("{:?}", n.name))
+            .collect();
+        let more = if near.len() > MOST_NAMES { ", …" } else { "" };
+        let near = &near[..near.len().min(MOST_NAMES)];
+        Err(self.choose(match near {
+            [] => format!("there is no {name:?} in it; --list names all"),
+            some => format!(
+                "there is no {name:?} in it; there are {}{more}",
+                some.join(", ")
+            ),
+        }))
+    }
+
+    fn choose(&self, message: String) -> Error {
+        Error::Choose {
+            path: self.path.clone(),
+            message,
+        }
+    }
+}
+
+/// Whose words the keys of a configuration are.
+fn of_words(values: &Values) -> Slicer {
+    const OF_ORCA: [&str; 4] = [
+        "wall_loops",
+        "outer_wall_speed",
+        "nozzle_temperature",
+        "printable_area",
+    ];
+    if OF_ORCA.iter().any(|key| values.has(key)) {
+        Slicer::Orca
+    } else {
+        Slicer::Prusa
+    }
+}
+
+/// The bytes of a file that has at most `most`.
+pub(crate) fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
+    let unreadable = |cause| Error::Unreadable {
+        path: path.to_owned(),
+        cause,
+    };
+    let file = regular(path)?;
+    let mut bytes = Vec::new();
+    file.take(most + 1)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
+    if bytes.len() as u64 > most {
+        return Err(Error::NotUnderstood {
+            path: path.to_owned(),
+            message: format!(
+                "it is larger than {} MB, which no profile is",
+                most >> 20
+            ),
+        });
+    }
+    Ok(bytes)
+}
+
+/// Opens a file, but no folder, pipe or device, which may have no end.
+fn regular(path: &Path) -> Result<File, Error> {
+    let unreadable = |cause| Error::Unreadable {
+        path: path.to_owned(),
+        cause,
+    };
+    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+        let cause = std::io::Error::other("it is no regular file");
+        return Err(unreadable(cause));
+    }
+    File::open(path).map_err(unreadable)
+}
+
+/// The text at the beginning and at the end of a file.
+fn both_ends(path: &Path) -> Result<String, Error> {
+    let unreadable = |cause| Error::Unreadable {
+        path: path.to_owned(),
+        cause,
+    };
+    let mut file = regular(path)?;
+    let length = file.metadata().map_err(unreadable)?.len();
+    let mut bytes = Vec::new();
+    (&mut file)
+        .take(gcode::EACH_END)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
+    if length > gcode::EACH_END {
+        let from = length.saturating_sub(gcode::EACH_END).max(gcode::EACH_END);
+        file.seek(SeekFrom::Start(from)).map_err(unreadable)?;
+        bytes.push(b'\n');
+        file.take(gcode::EACH_END)
+            .read_to_end(&mut bytes)
+            .map_err(unreadable)?;
+    }
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}

@@ -1,0 +1,1316 @@
+//! Keys of Cura.
+
+use super::Kind::{Filament, Print, Printer};
+use super::{As, CURA, Make, Outcome, Row, Rule, make, row};
+use crate::translate::Given;
+use Rule::{Ignored, Lost, Made, To};
+
+const SEVERAL: &str = "isoslice prints with one extruder and one material";
+const SUPPORTS: &str = "isoslice's supports are trees with settings of their \
+                        own: the group support";
+
+pub(super) static ROWS: &[Row] = &[
+    row(
+        CURA,
+        Printer,
+        &["machine_width"],
+        To("printer.bed_x", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_depth"],
+        To("printer.bed_y", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_height"],
+        To("printer.height", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_nozzle_size"],
+        To("printer.nozzle_diameter", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_gcode_flavor"],
+        To(
+            "gcode.flavour",
+            As::Words(&[
+                ("reprap (marlin/sprinter)", "marlin"),
+                ("marlin", "marlin"),
+                ("reprap (reprap)", "rrf"),
+                ("repetier", "marlin"),
+            ]),
+        ),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_start_gcode"],
+        To("gcode.start", As::Template),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_end_gcode"],
+        To("gcode.end", As::Template),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_acceleration"],
+        To("printer.acceleration", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_max_acceleration_z"],
+        To("printer.max_acceleration_z", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_max_acceleration_e"],
+        To("printer.retract_acceleration", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_max_feedrate_x", "machine_max_feedrate_y"],
+        Made {
+            settings: &["printer.max_speed"],
+            how: "the least of both",
+            make: Make(make::max_speed),
+        },
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_max_feedrate_z"],
+        To("printer.max_speed_z", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_max_jerk_xy"],
+        To("printer.square_corner_velocity", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["relative_extrusion"],
+        To("gcode.relative_e", As::Switch),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_firmware_retract"],
+        To("retract.firmware", As::Switch),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["machine_center_is_zero"],
+        Lost(
+            &["false", "False", "0"],
+            "isoslice's zero is the bed's front left corner: G-code of this \
+             profile would print in the wrong place. Set the firmware's zero, \
+             or shift it in gcode.start (G92)",
+        ),
+    ),
+    row(
+        CURA,
+        Filament,
+        &["material_diameter"],
+        To("filament.diameter", As::Positive),
+    ),
+    row(
+        CURA,
+        Filament,
+        &["material_flow"],
+        To("filament.flow", As::Percent),
+    ),
+    row(
+        CURA,
+        Filament,
+        &[
+            "material_print_temperature",
+            "default_material_print_temperature",
+            "material_print_temperature_layer_0",
+        ],
+        Made {
+            settings: &[
+                "filament.nozzle_temperature",
+                "filament.first_layer_nozzle_temperature",
+            ],
+            how: "the first layer's is the other if it is not given",
+            make: Make(|given| {
+                temperatures(
+                    given,
+                    &[
+                        "material_print_temperature",
+                        "default_material_print_temperature",
+                    ],
+                    "material_print_temperature_layer_0",
+                    [
+                        "filament.nozzle_temperature",
+                        "filament.first_layer_nozzle_temperature",
+                    ],
+                )
+            }),
+        },
+    ),
+    row(
+        CURA,
+        Filament,
+        &[
+            "material_bed_temperature",
+            "default_material_bed_temperature",
+            "material_bed_temperature_layer_0",
+        ],
+        Made {
+            settings: &[
+                "filament.bed_temperature",
+                "filament.first_layer_bed_temperature",
+            ],
+            how: "the first layer's is the other if it is not given",
+            make: Make(|given| {
+                temperatures(
+                    given,
+                    &[
+                        "material_bed_temperature",
+                        "default_material_bed_temperature",
+                    ],
+                    "material_bed_temperature_layer_0",
+                    [
+                        "filament.bed_temperature",
+                        "filament.first_layer_bed_temperature",
+                    ],
+                )
+            }),
+        },
+    ),
+    row(
+        CURA,
+        Filament,
+        &[
+            "cool_fan_enabled",
+            "cool_fan_speed",
+            "cool_fan_speed_min",
+            "cool_fan_speed_max",
+            "bridge_fan_speed",
+        ],
+        Made {
+            settings: &[
+                "cooling.fan_speed",
+                "cooling.short_layer_fan_speed",
+                "cooling.bridge_fan_speed",
+                "cooling.internal_bridge_fan_speed",
+                "cooling.overhang_fan_speed",
+            ],
+            how: "0 if the fan is off; bridges without a fan of their own, and \
+                  overhangs, have that of layers",
+            make: Make(fan),
+        },
+    ),
+    row(
+        CURA,
+        Filament,
+        &["cool_fan_full_layer"],
+        To("cooling.full_fan_layer", As::Number),
+    ),
+    row(
+        CURA,
+        Filament,
+        &["cool_min_layer_time"],
+        To("cooling.min_layer_time", As::Number),
+    ),
+    row(
+        CURA,
+        Filament,
+        &["cool_min_layer_time_fan_speed_max"],
+        To("cooling.long_layer_time", As::Number),
+    ),
+    row(
+        CURA,
+        Filament,
+        &["cool_min_speed"],
+        To("cooling.min_speed", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["retraction_enable", "retraction_amount"],
+        Made {
+            settings: &["retract.length"],
+            how: "0 if retraction is off",
+            make: Make(|given| {
+                when(
+                    given,
+                    "retraction_enable",
+                    "retraction_amount",
+                    "retract.length",
+                )
+            }),
+        },
+    ),
+    row(
+        CURA,
+        Printer,
+        &["retraction_hop_enabled", "retraction_hop"],
+        Made {
+            settings: &["retract.z_hop"],
+            how: "0 if lifting is off",
+            make: Make(|given| {
+                when(
+                    given,
+                    "retraction_hop_enabled",
+                    "retraction_hop",
+                    "retract.z_hop",
+                )
+            }),
+        },
+    ),
+    row(
+        CURA,
+        Printer,
+        &["retraction_retract_speed", "retraction_speed"],
+        To("retract.speed", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["retraction_prime_speed"],
+        To("retract.prime_speed", As::Positive),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["retraction_min_travel"],
+        To("retract.min_travel", As::Number),
+    ),
+    row(
+        CURA,
+        Printer,
+        &["retraction_extra_prime_amount"],
+        Made {
+            settings: &["retract.extra_prime"],
+            how: "the length of filament of material_diameter, or 1.75 mm, \
+                  with that volume",
+            make: Make(extra_prime),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &["layer_height"],
+        To("layer_height", As::Positive),
+    ),
+    row(
+        CURA,
+        Print,
+        &["layer_height_0"],
+        To("first_layer_height", As::Positive),
+    ),
+    row(
+        CURA,
+        Print,
+        &["wall_line_count", "wall_thickness"],
+        Made {
+            settings: &["walls"],
+            how: "as many lines as the thickness takes, unless it says how many",
+            make: Make(walls),
+        },
+    ),
+    row(CURA, Print, &["magic_spiralize"], To("spiral", As::Switch)),
+    row(
+        CURA,
+        Print,
+        &[
+            "line_width",
+            "wall_line_width",
+            "wall_line_width_0",
+            "wall_line_width_x",
+            "infill_line_width",
+            "skin_line_width",
+            "roofing_line_width",
+        ],
+        Made {
+            settings: &[
+                "outer_wall_width",
+                "inner_wall_width",
+                "infill_width",
+                "skin_width",
+                "top_skin_width",
+            ],
+            how: "those that are not given follow from others, as in Cura",
+            make: Make(widths),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "top_bottom_thickness",
+            "top_thickness",
+            "top_layers",
+            "bottom_thickness",
+            "bottom_layers",
+        ],
+        Made {
+            settings: &[
+                "top_layers",
+                "top_thickness",
+                "bottom_layers",
+                "bottom_thickness",
+            ],
+            how: "layers come before a thickness",
+            make: Make(skins),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &["infill_sparse_density"],
+        To("infill_density", As::Percent),
+    ),
+    row(
+        CURA,
+        Print,
+        &["infill_pattern"],
+        To(
+            "infill",
+            As::Words(&[
+                ("lines", "rectilinear"),
+                ("zigzag", "rectilinear"),
+                ("grid", "grid"),
+                ("triangles", "triangles"),
+                ("trihexagon", "triangles"),
+                ("cubic", "cubic"),
+                ("cubicsubdiv", "cubic"),
+                ("quarter_cubic", "cubic"),
+                ("tetrahedral", "cubic"),
+                ("concentric", "concentric"),
+                ("gyroid", "gyroid"),
+            ]),
+        ),
+    ),
+    row(
+        CURA,
+        Print,
+        &["infill_overlap"],
+        To("infill_overlap", As::Percent),
+    ),
+    row(
+        CURA,
+        Print,
+        &["top_bottom_pattern"],
+        To(
+            "bottom_skin_pattern",
+            As::Words(&[
+                ("lines", "lines"),
+                ("zigzag", "lines"),
+                ("concentric", "concentric"),
+            ]),
+        ),
+    ),
+    row(
+        CURA,
+        Print,
+        &["z_seam_type"],
+        To(
+            "seam",
+            As::Words(&[
+                ("sharpest_corner", "aligned"),
+                ("back", "rear"),
+                ("shortest", "nearest"),
+                ("random", "random"),
+            ]),
+        ),
+    ),
+    row(
+        CURA,
+        Print,
+        &["outer_inset_first", "inset_direction"],
+        To(
+            "wall_order",
+            As::Words(&[
+                ("true", "outer-first"),
+                ("1", "outer-first"),
+                ("false", "inner-first"),
+                ("0", "inner-first"),
+                ("inside_out", "inner-first"),
+                ("outside_in", "outer-first"),
+            ]),
+        ),
+    ),
+    row(
+        CURA,
+        Print,
+        &["xy_offset"],
+        To("xy_compensation", As::Number),
+    ),
+    row(CURA, Print, &["ironing_enabled"], To("ironing", As::Switch)),
+    row(
+        CURA,
+        Print,
+        &["ironing_flow"],
+        To("ironing_flow", As::Percent),
+    ),
+    row(
+        CURA,
+        Print,
+        &["ironing_line_spacing"],
+        To("ironing_spacing", As::Positive),
+    ),
+    row(
+        CURA,
+        Print,
+        &["speed_ironing"],
+        To("speed.ironing", As::Positive),
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "speed_print",
+            "speed_wall",
+            "speed_wall_0",
+            "speed_wall_x",
+            "speed_infill",
+            "speed_topbottom",
+            "speed_roofing",
+            "speed_layer_0",
+            "speed_print_layer_0",
+            "skirt_brim_speed",
+            "speed_support",
+            "speed_support_interface",
+        ],
+        Made {
+            settings: &[
+                "speed.outer_wall",
+                "speed.inner_wall",
+                "speed.sparse_infill",
+                "speed.internal_skin",
+                "speed.bottom_skin",
+                "speed.top_skin",
+                "speed.first_layer",
+                "speed.skirt",
+                "speed.support",
+                "speed.support_interface",
+            ],
+            how: "those that are not given follow from others, as in Cura: \
+                  speed_wall is half of speed_print, speed_wall_x twice \
+                  speed_wall",
+            make: Make(speeds),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &["bridge_skin_speed"],
+        To("speed.bridge", As::Positive),
+    ),
+    row(
+        CURA,
+        Print,
+        &["speed_travel"],
+        To("speed.travel", As::Positive),
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "acceleration_enabled",
+            "acceleration_print",
+            "acceleration_wall",
+            "acceleration_wall_0",
+            "acceleration_wall_x",
+            "acceleration_infill",
+            "acceleration_topbottom",
+            "acceleration_roofing",
+            "acceleration_layer_0",
+            "acceleration_travel",
+        ],
+        Made {
+            settings: &[
+                "printer.acceleration",
+                "acceleration.outer_wall",
+                "acceleration.inner_wall",
+                "acceleration.sparse_infill",
+                "acceleration.internal_skin",
+                "acceleration.bottom_skin",
+                "acceleration.top_skin",
+                "acceleration.first_layer",
+                "acceleration.travel",
+            ],
+            how: "if accelerations are on",
+            make: Make(accelerations),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &["jerk_enabled", "jerk_print"],
+        Made {
+            settings: &["printer.square_corner_velocity"],
+            how: "if jerk is on",
+            make: Make(jerk),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "adhesion_type",
+            "brim_width",
+            "skirt_line_count",
+            "raft_surface_layers",
+            "raft_interface_layers",
+            "raft_base_layers",
+            "raft_airgap",
+            "raft_margin",
+        ],
+        Made {
+            settings: &[
+                "skirt.loops",
+                "brim.place",
+                "brim.width",
+                "raft.layers",
+                "raft.gap",
+                "raft.expansion",
+            ],
+            how: "a skirt, a brim, a raft, or none",
+            make: Make(adhesion),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &["skirt_gap"],
+        To("skirt.distance", As::Number),
+    ),
+    row(CURA, Print, &["brim_gap"], To("brim.gap", As::Number)),
+    row(
+        CURA,
+        Print,
+        &["support_enable", "support_type"],
+        Made {
+            settings: &["supports"],
+            how: "auto, or plate for those on the bed only",
+            make: Make(supports),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &["support_angle"],
+        To("support.angle", As::Number),
+    ),
+    row(
+        CURA,
+        Print,
+        &["support_xy_distance"],
+        To("support.xy_gap", As::Positive),
+    ),
+    row(
+        CURA,
+        Print,
+        &["support_top_distance", "support_z_distance"],
+        To("support.z_gap", As::Number),
+    ),
+    row(
+        CURA,
+        Print,
+        &["support_bottom_distance"],
+        To("support.z_gap_bottom", As::Number),
+    ),
+    row(
+        CURA,
+        Print,
+        &["support_infill_rate"],
+        To("support.density", As::Percent),
+    ),
+    row(
+        CURA,
+        Print,
+        &["support_interface_density"],
+        To("support.interface_density", As::Percent),
+    ),
+    row(
+        CURA,
+        Print,
+        &["retraction_combing"],
+        To(
+            "travel.combing",
+            As::Words(&[
+                ("off", "off"),
+                ("all", "everywhere"),
+                ("noskin", "not-over-top-skin"),
+                ("no_outer_surfaces", "not-over-top-skin"),
+                ("infill", "within-infill"),
+            ]),
+        ),
+    ),
+    row(
+        CURA,
+        Print,
+        &["magic_fuzzy_skin_enabled", "magic_fuzzy_skin_thickness"],
+        Made {
+            settings: &["fuzzy.thickness"],
+            how: "0 if it is off",
+            make: Make(|given| {
+                when(
+                    given,
+                    "magic_fuzzy_skin_enabled",
+                    "magic_fuzzy_skin_thickness",
+                    "fuzzy.thickness",
+                )
+            }),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &["adaptive_layer_height_enabled"],
+        To(
+            "layer_heights",
+            As::Words(&[
+                ("true", "adaptive"),
+                ("1", "adaptive"),
+                ("false", "uniform"),
+                ("0", "uniform"),
+            ]),
+        ),
+    ),
+    row(
+        CURA,
+        Print,
+        &["xy_offset_layer_0"],
+        Made {
+            settings: &["elephant_foot"],
+            how: "what it draws in",
+            make: Make(|given| match given.number("xy_offset_layer_0") {
+                Some(x) if x <= 0.0 => {
+                    Outcome::of(vec![("elephant_foot", (-x).into())])
+                }
+                _ => Outcome::Lost(
+                    "the first layer can only be drawn in".to_owned(),
+                ),
+            }),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "draft_shield_enabled",
+            "draft_shield_height_limitation",
+            "draft_shield_height",
+            "draft_shield_dist",
+        ],
+        Made {
+            settings: &["draft_shield", "draft_shield_gap"],
+            how: "if there is one",
+            make: Make(draft_shield),
+        },
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "mold_enabled",
+            "magic_mesh_surface_mode",
+            "wire_frame_enabled",
+            "conical_overhang_enabled",
+            "ooze_shield_enabled",
+        ],
+        Lost(
+            &["false", "False", "0", "normal"],
+            "isoslice has nothing like it; change the model instead",
+        ),
+    ),
+    row(
+        CURA,
+        Printer,
+        &[
+            "machine_name",
+            "machine_heated_bed",
+            "machine_extruder_count",
+            "machine_head_with_fans_polygon",
+            "machine_head_polygon",
+            "gantry_height",
+            "machine_shape",
+            "machine_disallowed_areas",
+            "machine_steps_per_mm_x",
+            "machine_steps_per_mm_y",
+            "machine_steps_per_mm_z",
+            "machine_steps_per_mm_e",
+            "machine_nozzle_head_distance",
+            "machine_nozzle_heat_up_speed",
+            "machine_nozzle_cool_down_speed",
+            "machine_min_cool_heat_time_window",
+            "machine_use_extruder_offset_to_offset_coords",
+            "machine_nozzle_tip_outer_diameter",
+            "machine_nozzle_expansion_angle",
+            "machine_heat_zone_length",
+            "machine_filament_park_distance",
+            "machine_heated_build_volume",
+            "machine_show_variants",
+            "machine_endstop_positive_direction_x",
+            "machine_endstop_positive_direction_y",
+            "machine_endstop_positive_direction_z",
+            "machine_feeder_wheel_diameter",
+            "machine_minimum_feedrate",
+            "machine_max_acceleration_x",
+            "machine_max_acceleration_y",
+            "machine_max_jerk_e",
+            "machine_max_jerk_z",
+            "machine_max_feedrate_e",
+            "material_bed_temp_wait",
+            "material_print_temp_wait",
+            "material_bed_temp_prepend",
+            "material_print_temp_prepend",
+            "machine_extruders_share_heater",
+            "machine_extruders_share_nozzle",
+            "machine_buildplate_type",
+            "machine_scale_fan_speed_zero_to_one",
+            "material_guid",
+            "material_name",
+        ],
+        Ignored(
+            "it describes parts of the machine that isoslice does not \
+                 drive, or that the firmware knows",
+        ),
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "prime_tower_enable",
+            "prime_tower_size",
+            "prime_tower_position_x",
+            "prime_tower_position_y",
+            "prime_tower_min_volume",
+            "prime_tower_wipe_enabled",
+            "prime_tower_flow",
+            "prime_tower_line_width",
+            "prime_tower_brim_enable",
+            "speed_prime_tower",
+            "acceleration_prime_tower",
+            "jerk_prime_tower",
+            "switch_extruder_retraction_amount",
+            "switch_extruder_retraction_speeds",
+            "switch_extruder_prime_speed",
+            "material_standby_temperature",
+            "material_initial_print_temperature",
+            "material_final_print_temperature",
+            "prime_blob_enable",
+            "extruder_prime_pos_x",
+            "extruder_prime_pos_y",
+            "multiple_mesh_overlap",
+            "ooze_shield_angle",
+            "extruder_prime_pos_abs",
+            "extruder_prime_pos_z",
+            "switch_extruder_retraction_speed",
+            "adhesion_extruder_nr",
+            "wall_0_extruder_nr",
+            "wall_extruder_nr",
+            "infill_extruder_nr",
+            "top_bottom_extruder_nr",
+            "support_extruder_nr",
+        ],
+        Ignored(SEVERAL),
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "support_pattern",
+            "support_interface_enable",
+            "support_interface_height",
+            "support_interface_pattern",
+            "support_use_towers",
+            "support_roof_enable",
+            "support_bottom_enable",
+            "support_xy_overrides_z",
+            "support_xy_distance_overhang",
+            "support_offset",
+            "support_wall_count",
+            "support_structure",
+            "support_connect_zigzags",
+            "support_interface_skip_height",
+            "support_interface_line_width",
+            "support_line_width",
+            "support_join_distance",
+            "support_conical_enabled",
+            "support_fan_enable",
+            "minimum_support_area",
+            "acceleration_support",
+            "acceleration_support_interface",
+            "acceleration_support_infill",
+            "jerk_support",
+            "jerk_support_interface",
+            "speed_support_infill",
+            "zig_zaggify_support",
+            "support_brim_line_count",
+            "support_brim_enable",
+            "support_brim_width",
+            "minimum_interface_area",
+            "gradual_support_infill_steps",
+            "gradual_support_infill_step_height",
+            "support_bottom_height",
+            "support_roof_height",
+            "support_bottom_pattern",
+            "support_roof_pattern",
+            "support_tree_enable",
+            "acceleration_support_roof",
+            "acceleration_support_bottom",
+            "jerk_support_infill",
+            "speed_support_roof",
+            "speed_support_bottom",
+        ],
+        Ignored(SUPPORTS),
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "jerk_travel",
+            "jerk_wall",
+            "jerk_wall_0",
+            "jerk_wall_x",
+            "jerk_topbottom",
+            "jerk_layer_0",
+            "jerk_travel_layer_0",
+            "jerk_infill",
+            "jerk_roofing",
+            "jerk_print_layer_0",
+            "jerk_skirt_brim",
+            "jerk_travel_enabled",
+        ],
+        Ignored(
+            "the speed through corners is one for all: \
+                 printer.square_corner_velocity",
+        ),
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "optimize_wall_printing_order",
+            "fill_outline_gaps",
+            "fill_perimeter_gaps",
+            "travel_compensate_overlapping_walls_enabled",
+            "travel_compensate_overlapping_walls_0_enabled",
+            "filter_out_tiny_gaps",
+            "wall_min_flow",
+            "infill_before_walls",
+            "infill_wipe_dist",
+            "wall_0_wipe_dist",
+            "skin_overlap",
+            "z_seam_corner",
+            "z_seam_x",
+            "z_seam_y",
+            "z_seam_relative",
+            "travel_retract_before_outer_wall",
+            "retract_at_layer_change",
+            "retraction_hop_only_when_collides",
+            "retraction_count_max",
+            "retraction_extrusion_window",
+            "retraction_combing_max_distance",
+            "travel_avoid_other_parts",
+            "travel_avoid_supports",
+            "travel_avoid_distance",
+            "limit_support_retractions",
+            "skirt_brim_minimal_length",
+            "skin_outline_count",
+            "skin_alternate_rotation",
+            "skin_no_small_gaps_heuristic",
+            "zig_zaggify_infill",
+            "connect_infill_polygons",
+            "infill_multiplier",
+            "infill_line_distance",
+            "min_infill_area",
+            "expand_skins_expand_distance",
+            "top_skin_expand_distance",
+            "bottom_skin_expand_distance",
+            "minimum_polygon_circumference",
+            "roofing_layer_count",
+            "wall_0_inset",
+            "speed_travel_layer_0",
+            "acceleration_travel_layer_0",
+            "acceleration_print_layer_0",
+            "speed_slowdown_layers",
+            "skirt_height",
+            "initial_layer_line_width_factor",
+            "cool_fan_full_at_height",
+            "cool_fan_speed_0",
+            "cool_lift_head",
+            "bridge_settings_enabled",
+            "skin_preshrink",
+            "top_skin_preshrink",
+            "bottom_skin_preshrink",
+            "gradual_infill_steps",
+            "gradual_infill_step_height",
+            "infill_sparse_thickness",
+            "infill_support_enabled",
+            "alternate_extra_perimeter",
+            "coasting_enable",
+            "coasting_volume",
+            "brim_line_count",
+            "brim_outside_only",
+            "brim_replaces_support",
+            "wall_transition_angle",
+            "beading_strategy_type",
+            "speed_z_hop",
+            "adaptive_layer_height_variation",
+            "adaptive_layer_height_variation_step",
+            "adaptive_layer_height_threshold",
+            "infill_enable_travel_optimization",
+            "wall_overhang_angle",
+            "wall_overhang_speed_factor",
+            "bridge_wall_coast",
+            "bridge_wall_speed",
+            "bridge_skin_speed_2",
+            "bridge_skin_speed_3",
+            "bridge_skin_density",
+            "bridge_skin_density_2",
+            "bridge_skin_density_3",
+            "bridge_skin_material_flow",
+            "bridge_skin_material_flow_2",
+            "bridge_skin_material_flow_3",
+            "bridge_wall_material_flow",
+            "bridge_enable_more_layers",
+            "bridge_wall_min_length",
+            "bridge_sparse_infill_max_density",
+            "bridge_skin_support_threshold",
+            "material_flow_layer_0",
+            "skirt_brim_line_width",
+            "layer_start_x",
+            "layer_start_y",
+            "max_skin_angle_for_expansion",
+            "min_skin_width_for_expansion",
+            "speed_equalize_flow_enabled",
+            "speed_equalize_flow_max",
+            "speed_equalize_flow_width_factor",
+            "skin_angles",
+            "small_hole_max_size",
+            "top_bottom_pattern_0",
+            "ironing_inset",
+            "ironing_pattern",
+            "travel_compensate_overlapping_walls_x_enabled",
+            "acceleration_ironing",
+            "acceleration_skirt_brim",
+            "flow_rate_max_extrusion_offset",
+        ],
+        Ignored("isoslice has rules of its own for it"),
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "meshfix_maximum_resolution",
+            "meshfix_maximum_deviation",
+            "meshfix_maximum_travel_resolution",
+            "meshfix_union_all",
+            "meshfix_keep_open_polygons",
+            "meshfix_extensive_stitching",
+            "slicing_tolerance",
+            "carve_multiple_volumes",
+            "print_sequence",
+        ],
+        Ignored(
+            "outlines are those of the function: accuracy and \
+                 path_accuracy",
+        ),
+    ),
+    row(
+        CURA,
+        Print,
+        &[
+            "raft_surface_thickness",
+            "raft_surface_line_width",
+            "raft_surface_line_spacing",
+            "raft_base_thickness",
+            "raft_base_line_width",
+            "raft_base_line_spacing",
+            "raft_interface_thickness",
+            "raft_interface_line_width",
+            "raft_interface_line_spacing",
+            "raft_speed",
+            "raft_smoothing",
+            "raft_fan_speed",
+            "layer_0_z_overlap",
+            "raft_base_speed",
+            "raft_interface_speed",
+            "raft_surface_speed",
+            "raft_acceleration",
+            "raft_jerk",
+        ],
+        Ignored("isoslice's rafts have settings of their own: the group raft"),
+    ),
+];
+
+fn temperatures(
+    given: &Given<'_>,
+    above: &[&str],
+    first: &str,
+    names: [&'static str; 2],
+) -> Outcome {
+    let above = above.iter().find_map(|key| given.number(key));
+    let first = given.number(first);
+    let pairs = [(names[0], above.or(first)), (names[1], first.or(above))];
+    let known = pairs
+        .into_iter()
+        .filter_map(|(name, t)| Some((name, t?.into())));
+    match known.collect::<Vec<_>>() {
+        none if none.is_empty() => {
+            Outcome::Lost("it is a formula: write its value".to_owned())
+        }
+        some => Outcome::Set(some),
+    }
+}
+
+/// A number, or 0 if its switch is off.
+fn when(
+    given: &Given<'_>,
+    switch: &str,
+    key: &str,
+    name: &'static str,
+) -> Outcome {
+    if given.off(switch) {
+        return Outcome::of(vec![(name, 0.0.into())]);
+    }
+    let number = given.number(key);
+    Outcome::of(number.map(|x| (name, x.into())).into_iter().collect())
+}
+
+/// The settings whose values are known.
+fn known(all: &[(&'static str, Option<f64>)]) -> Outcome {
+    let known = all
+        .iter()
+        .filter_map(|(name, x)| Some((*name, (*x)?.into())));
+    Outcome::of(known.collect())
+}
+
+fn fan(given: &Given<'_>) -> Outcome {
+    let one = |key| given.number(key);
+    let off = given.off("cool_fan_enabled");
+    let or_off = |speed: Option<f64>| if off { Some(0.0) } else { speed };
+    let speed = one("cool_fan_speed_min").or(one("cool_fan_speed"));
+    let own = !given.off("bridge_settings_enabled");
+    let bridge = one("bridge_fan_speed").filter(|_| own).or(speed);
+    known(&[
+        ("cooling.fan_speed", or_off(speed)),
+        (
+            "cooling.short_layer_fan_speed",
+            or_off(one("cool_fan_speed_max")),
+        ),
+        ("cooling.bridge_fan_speed", or_off(bridge)),
+        ("cooling.internal_bridge_fan_speed", or_off(bridge)),
+        ("cooling.overhang_fan_speed", or_off(speed)),
+    ])
+}
+
+fn extra_prime(given: &Given<'_>) -> Outcome {
+    let diameter = given.positive("material_diameter").unwrap_or(1.75);
+    let area = std::f64::consts::PI * diameter * diameter / 4.0;
+    let volume = given.number("retraction_extra_prime_amount");
+    known(&[("retract.extra_prime", volume.map(|v| v / area))])
+}
+
+/// The width of outer and of inner walls, if the profile says them.
+fn wall_widths(given: &Given<'_>) -> [Option<f64>; 2] {
+    let one = |key| given.positive(key);
+    let wall = one("wall_line_width").or(one("line_width"));
+    ["wall_line_width_0", "wall_line_width_x"].map(|key| one(key).or(wall))
+}
+
+fn widths(given: &Given<'_>) -> Outcome {
+    let one = |key| given.positive(key);
+    let [outer, inner] = wall_widths(given);
+    let line = one("line_width");
+    let skin = one("skin_line_width").or(line);
+    known(&[
+        ("outer_wall_width", outer),
+        ("inner_wall_width", inner),
+        ("infill_width", one("infill_line_width").or(line)),
+        ("skin_width", skin),
+        ("top_skin_width", one("roofing_line_width").or(skin)),
+    ])
+}
+
+fn walls(given: &Given<'_>) -> Outcome {
+    let by_thickness = |thickness: f64| {
+        let nozzle = given.positive("machine_nozzle_size").unwrap_or(0.4);
+        let [outer, inner] = wall_widths(given).map(|w| w.unwrap_or(nozzle));
+        if thickness > 0.0 {
+            (((thickness - outer) / inner).round() + 1.0).max(1.0)
+        } else {
+            0.0
+        }
+    };
+    let count = given.number("wall_line_count");
+    let thickness = given.number("wall_thickness");
+    known(&[("walls", count.or(thickness.map(by_thickness)))])
+}
+
+fn skins(given: &Given<'_>) -> Outcome {
+    let one = |key| given.number(key);
+    let both = one("top_bottom_thickness");
+    let (top, bottom) = (one("top_layers"), one("bottom_layers"));
+    let of = |key, layers: Option<f64>| match layers {
+        Some(_) => None,
+        None => one(key).or(both),
+    };
+    known(&[
+        ("top_layers", top),
+        ("top_thickness", of("top_thickness", top)),
+        ("bottom_layers", bottom),
+        ("bottom_thickness", of("bottom_thickness", bottom)),
+    ])
+}
+
+fn speeds(given: &Given<'_>) -> Outcome {
+    let one = |key| given.positive(key);
+    let print = one("speed_print");
+    let half = print.map(|v| v / 2.0);
+    let wall = one("speed_wall").or(half);
+    let skin = one("speed_topbottom").or(half);
+    let first = one("speed_print_layer_0").or(one("speed_layer_0")).or(half);
+    let support = one("speed_support").or(print);
+    known(&[
+        ("speed.outer_wall", one("speed_wall_0").or(wall)),
+        (
+            "speed.inner_wall",
+            one("speed_wall_x").or(wall.map(|v| 2.0 * v)),
+        ),
+        ("speed.sparse_infill", one("speed_infill").or(print)),
+        ("speed.internal_skin", skin),
+        ("speed.bottom_skin", skin),
+        ("speed.top_skin", one("speed_roofing").or(skin)),
+        ("speed.first_layer", first),
+        (
+            "speed.skirt",
+            one("skirt_brim_speed").or(one("speed_layer_0")).or(half),
+        ),
+        ("speed.support", support),
+        (
+            "speed.support_interface",
+            one("speed_support_interface").or(support.map(|v| v / 1.5)),
+        ),
+    ])
+}
+
+fn accelerations(given: &Given<'_>) -> Outcome {
+    if !given.on("acceleration_enabled") {
+        return Outcome::Nothing("accelerations are off".to_owned());
+    }
+    let one = |key| given.positive(key);
+    let wall = one("acceleration_wall");
+    let skin = one("acceleration_topbottom");
+    let all = [
+        ("printer.acceleration", one("acceleration_print")),
+        (
+            "acceleration.outer_wall",
+            one("acceleration_wall_0").or(wall),
+        ),
+        (
+            "acceleration.inner_wall",
+            one("acceleration_wall_x").or(wall),
+        ),
+        ("acceleration.sparse_infill", one("acceleration_infill")),
+        ("acceleration.internal_skin", skin),
+        ("acceleration.bottom_skin", skin),
+        (
+            "acceleration.top_skin",
+            one("acceleration_roofing").or(skin),
+        ),
+        ("acceleration.first_layer", one("acceleration_layer_0")),
+        ("acceleration.travel", one("acceleration_travel")),
+    ];
+    let known = all
+        .into_iter()
+        .filter_map(|(name, a)| Some((name, a?.into())));
+    Outcome::of(known.collect())
+}
+
+fn jerk(given: &Given<'_>) -> Outcome {
+    let jerk = given.positive("jerk_print");
+    match jerk.filter(|_| given.on("jerk_enabled")) {
+        Some(v) => {
+            Outcome::of(vec![("printer.square_corner_velocity", v.into())])
+        }
+        None => Outcome::Nothing("jerk is off".to_owned()),
+    }
+}
+
+fn adhesion(given: &Given<'_>) -> Outcome {
+    let word = given.values.first("adhesion_type").unwrap_or("skirt");
+    let word = word.trim_matches('\'');
+    let loops = given.number("skirt_line_count").unwrap_or(1.0);
+    let loops = if word == "skirt" { loops } else { 0.0 };
+    let place = if word == "brim" { "outer" } else { "none" };
+    let mut out =
+        vec![("skirt.loops", loops.into()), ("brim.place", place.into())];
+    if word == "brim"
+        && let Some(width) = given.positive("brim_width")
+    {
+        out.push(("brim.width", width.into()));
+    }
+    if word == "raft" {
+        let count = |key, usual| given.number(key).unwrap_or(usual);
+        let layers = count("raft_surface_layers", 2.0)
+            + count("raft_interface_layers", 1.0)
+            + count("raft_base_layers", 1.0);
+        out.push(("raft.layers", layers.into()));
+        let more = [
+            ("raft.gap", "raft_airgap"),
+            ("raft.expansion", "raft_margin"),
+        ];
+        for (name, key) in more {
+            if let Some(x) = given.number(key) {
+                out.push((name, x.into()));
+            }
+        }
+    }
+    Outcome::of(out)
+}
+
+fn draft_shield(given: &Given<'_>) -> Outcome {
+    if !given.on("draft_shield_enabled") {
+        return Outcome::Nothing("there is no draft shield".to_owned());
+    }
+    let limit = given.values.first("draft_shield_height_limitation");
+    let height = given.positive("draft_shield_height");
+    let height = match height.filter(|_| limit == Some("limited")) {
+        Some(height) => height.into(),
+        None => "full".into(),
+    };
+    let mut out = vec![("draft_shield", height)];
+    if let Some(gap) = given.positive("draft_shield_dist") {
+        out.push(("draft_shield_gap", gap.into()));
+    }
+    Outcome::of(out)
+}
+
+fn supports(given: &Given<'_>) -> Outcome {
+    let Some(on) = given.switch("support_enable") else {
+        return Outcome::Nothing(
+            "whether to print supports is not said".into(),
+        );
+    };
+    let plate = given.values.first("support_type") == Some("buildplate");
+    let word = match (on, plate) {
+        (false, _) => "off",
+        (true, true) => "plate",
+        (true, false) => "auto",
+    };
+    Outcome::of(vec![("supports", word.into())])
+}

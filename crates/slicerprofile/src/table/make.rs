@@ -1,0 +1,1009 @@
+//! Settings that several keys decide together.
+
+use super::Outcome;
+use crate::Slicer;
+use crate::translate::{Given, Value};
+use crate::values::{parse, share};
+
+/// A bed whose corner lies this far below 0 is one that begins at 0, mm.
+const ABOUT_ZERO: f64 = 15.0;
+/// Flow without a limit, mm³/s.
+const NO_LIMIT: f64 = 500.0;
+/// Wiping if its length is not given, mm.
+const USUAL_WIPE: f64 = 2.0;
+
+fn lost(why: impl Into<String>) -> Outcome {
+    Outcome::Lost(why.into())
+}
+
+fn nothing(why: &str) -> Outcome {
+    Outcome::Nothing(why.to_owned())
+}
+
+/// The first number of the keys.
+fn number(given: &Given<'_>, keys: &[&str]) -> Option<f64> {
+    keys.iter().find_map(|key| given.number(key))
+}
+
+/// The least positive number of the keys.
+fn least(given: &Given<'_>, keys: &[&str]) -> Option<f64> {
+    let all = keys.iter().filter_map(|key| given.positive(key));
+    all.reduce(f64::min)
+}
+
+pub(super) fn bed(given: &Given<'_>) -> Outcome {
+    let key = if given.values.has("bed_shape") {
+        "bed_shape"
+    } else {
+        "printable_area"
+    };
+    let mut corners = Vec::new();
+    for corner in given.values.list(key) {
+        let pair = corner
+            .split_once('x')
+            .and_then(|(x, y)| Some((parse(x)?, parse(y)?)));
+        match pair {
+            Some(pair) => corners.push(pair),
+            None => {
+                return lost(format!("{corner:?} is no corner, as 250x210"));
+            }
+        }
+    }
+    let over = |of: fn(&(f64, f64)) -> f64, least: bool| {
+        let all = corners.iter().map(of);
+        if least {
+            all.fold(f64::INFINITY, f64::min)
+        } else {
+            all.fold(f64::NEG_INFINITY, f64::max)
+        }
+    };
+    let (x0, y0) = (over(|c| c.0, true), over(|c| c.1, true));
+    let (x1, y1) = (over(|c| c.0, false), over(|c| c.1, false));
+    if x0 < -ABOUT_ZERO || y0 < -ABOUT_ZERO {
+        return lost(
+            "the bed's zero is not at its front left corner, but isoslice's \
+             is: G-code of this profile would print in the wrong place. Set \
+             the firmware's zero, or shift it in gcode.start (G92)",
+        );
+    }
+    if x1 <= 0.0 || y1 <= 0.0 {
+        return lost("the bed has no size");
+    }
+    Outcome::of(vec![
+        ("printer.bed_x", x1.into()),
+        ("printer.bed_y", y1.into()),
+    ])
+}
+
+/// The name that the firmware of a Prusa printer knows, as the start G-code
+/// checks it.
+fn model_checked(given: &Given<'_>) -> Option<String> {
+    let start = given
+        .values
+        .text("start_gcode")
+        .or_else(|| given.values.text("machine_start_gcode"))?;
+    let line = start.lines().find(|line| {
+        let line = line.trim_start();
+        line.starts_with("M862.3") && line.contains('"')
+    })?;
+    let name = line.split('"').nth(1)?.trim_end_matches('\\');
+    if name.contains(['[', '{']) {
+        return given.values.first("printer_model").map(ToOwned::to_owned);
+    }
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '.';
+    name.chars().all(plain).then(|| name.to_owned())
+}
+
+/// True for Prusa's own printers.
+fn is_prusas(given: &Given<'_>) -> bool {
+    let model = given.values.first("printer_model").unwrap_or("");
+    let start = ["MK2", "MK3", "MK4", "MINI", "XL", "COREONE"];
+    start.iter().any(|known| model.starts_with(known))
+        || model_checked(given).is_some()
+}
+
+pub(super) fn flavour(given: &Given<'_>) -> Outcome {
+    let word = given.values.first("gcode_flavor").unwrap_or("");
+    let word = word.to_ascii_lowercase();
+    let ours = match word.as_str() {
+        "marlin" | "marlin2" | "marlinfirmware" if is_prusas(given) => "prusa",
+        "marlin" | "marlin2" | "marlinfirmware" => "marlin",
+        "klipper" => "klipper",
+        "reprapfirmware" | "rrf" => "rrf",
+        // Sprinter, the common ancestor.
+        "reprap" => "marlin",
+        _ => {
+            return lost(format!(
+                "isoslice does not write for {word}: choose the nearest of \
+                 marlin, klipper, rrf and prusa"
+            ));
+        }
+    };
+    Outcome::of(vec![("gcode.flavour", ours.into())])
+}
+
+pub(super) fn model(given: &Given<'_>) -> Outcome {
+    if let Some(name) = model_checked(given).filter(|_| is_prusas(given)) {
+        return Outcome::of(vec![("printer.model", name.into())]);
+    }
+    nothing("the printer checks no model")
+}
+
+/// Lines of a template besides marks that isoslice writes itself.
+fn without_marks(text: &str) -> String {
+    let keep = |line: &&str| {
+        let code = line.split(';').next().unwrap_or("").trim();
+        let reset = matches!(code, "G92 E0" | "G92 E0.0");
+        !code.is_empty() && !reset
+    };
+    text.lines().filter(keep).collect::<Vec<_>>().join("\n")
+}
+
+pub(super) fn layer(given: &Given<'_>) -> Outcome {
+    let keys = [
+        "before_layer_gcode",
+        "before_layer_change_gcode",
+        "layer_gcode",
+        "layer_change_gcode",
+    ];
+    let texts = keys.iter().filter_map(|key| given.values.text(key));
+    let texts: Vec<String> =
+        texts.map(without_marks).filter(|t| !t.is_empty()).collect();
+    if texts.is_empty() {
+        return nothing("isoslice writes such marks itself");
+    }
+    Outcome::of(vec![("gcode.layer", texts.join("\n").into())])
+}
+
+pub(super) fn accelerations(given: &Given<'_>) -> Outcome {
+    let axes = ["machine_max_acceleration_x", "machine_max_acceleration_y"];
+    let axes = least(given, &axes).unwrap_or(f64::INFINITY);
+    let mut out = Vec::new();
+    let printing = given.positive("machine_max_acceleration_extruding");
+    let travel = given.positive("machine_max_acceleration_travel");
+    let both = [
+        ("printer.acceleration", printing),
+        ("printer.travel_acceleration", travel.or(printing)),
+    ];
+    for (name, limit) in both {
+        let limit = limit.unwrap_or(f64::INFINITY).min(axes);
+        if limit.is_finite() {
+            out.push((name, limit.into()));
+        }
+    }
+    Outcome::of(out)
+}
+
+pub(super) fn max_speed(given: &Given<'_>) -> Outcome {
+    let keys = [
+        "machine_max_feedrate_x",
+        "machine_max_feedrate_y",
+        "machine_max_speed_x",
+        "machine_max_speed_y",
+    ];
+    let speed = least(given, &keys).map(|v| ("printer.max_speed", v.into()));
+    Outcome::of(speed.into_iter().collect())
+}
+
+pub(super) fn corner(given: &Given<'_>) -> Outcome {
+    let jerk = least(given, &["machine_max_jerk_x", "machine_max_jerk_y"]);
+    let deviation = given.positive("machine_max_junction_deviation");
+    let acceleration = given.positive("machine_max_acceleration_extruding");
+    let speed = match (deviation, acceleration) {
+        // Marlin: v² = a J sin(θ/2) / (1 − sin(θ/2)), θ a right angle.
+        (Some(deviation), Some(a)) => {
+            let half = std::f64::consts::FRAC_1_SQRT_2;
+            let v = (a * deviation * half / (1.0 - half)).sqrt();
+            Some((v * 10.0).round() / 10.0)
+        }
+        _ => jerk,
+    };
+    let speed =
+        speed.map(|v| ("printer.square_corner_velocity", Value::from(v)));
+    Outcome::of(speed.into_iter().collect())
+}
+
+pub(super) fn thumbnails(given: &Given<'_>) -> Outcome {
+    let key = if given.values.has("thumbnails") {
+        "thumbnails"
+    } else {
+        "thumbnail_size"
+    };
+    let usual = given.values.first("thumbnails_format").unwrap_or("PNG");
+    let usual = usual.to_ascii_uppercase();
+    let mut sizes = Vec::new();
+    let mut left = Vec::new();
+    for item in given.values.list(key) {
+        let (size, format) = match item.split_once('/') {
+            Some((size, format)) => (size, format.to_ascii_uppercase()),
+            None => (item, usual.clone()),
+        };
+        let pixels = size.split_once('x').and_then(|(x, y)| {
+            Some((x.trim().parse::<u32>().ok()?, y.trim().parse::<u32>().ok()?))
+        });
+        let Some((x, y)) = pixels.filter(|(x, y)| *x > 0 && *y > 0) else {
+            continue;
+        };
+        match format.as_str() {
+            "PNG" => sizes.push(format!("{x}x{y}")),
+            "QOI" | "JPG" => sizes.push(format!("{x}x{y}/{format}")),
+            _ => left.push(format),
+        }
+    }
+    if sizes.is_empty() {
+        return match left.first() {
+            Some(format) => lost(format!(
+                "isoslice makes pictures as PNG, QOI and JPG, not as {format}"
+            )),
+            None => nothing("there are no pictures"),
+        };
+    }
+    Outcome::of(vec![("gcode.thumbnails", sizes.join(", ").into())])
+}
+
+fn two_speeds(given: &Given<'_>, back: &[&str], forward: &[&str]) -> Outcome {
+    let back = number(given, back).filter(|v| *v > 0.0);
+    let forward = number(given, forward).filter(|v| *v > 0.0).or(back);
+    let mut out = Vec::new();
+    if let Some(v) = back {
+        out.push(("retract.speed", v.into()));
+    }
+    if let Some(v) = forward {
+        out.push(("retract.prime_speed", v.into()));
+    }
+    Outcome::of(out)
+}
+
+pub(super) fn retract_speeds(given: &Given<'_>) -> Outcome {
+    two_speeds(
+        given,
+        &["retract_speed", "retraction_speed"],
+        &["deretract_speed", "deretraction_speed", "detraction_speed"],
+    )
+}
+
+pub(super) fn filament_retract_speeds(given: &Given<'_>) -> Outcome {
+    two_speeds(
+        given,
+        &["filament_retract_speed", "filament_retraction_speed"],
+        &["filament_deretract_speed", "filament_deretraction_speed"],
+    )
+}
+
+fn hop(given: &Given<'_>, lift: &[&str], ramps: &str, most: &str) -> Outcome {
+    let ramped = given.positive(most).filter(|_| given.on(ramps));
+    let lift = ramped.or(number(given, lift));
+    let lift = lift.map(|z| ("retract.z_hop", z.into()));
+    Outcome::of(lift.into_iter().collect())
+}
+
+pub(super) fn z_hop(given: &Given<'_>) -> Outcome {
+    hop(
+        given,
+        &["retract_lift", "z_hop"],
+        "travel_ramping_lift",
+        "travel_max_lift",
+    )
+}
+
+pub(super) fn filament_z_hop(given: &Given<'_>) -> Outcome {
+    hop(
+        given,
+        &["filament_retract_lift", "filament_z_hop"],
+        "filament_travel_ramping_lift",
+        "filament_travel_max_lift",
+    )
+}
+
+fn wiping(given: &Given<'_>, wipe: &str, distance: &str) -> Outcome {
+    let length = given.number(distance).unwrap_or(USUAL_WIPE);
+    let length = match given.switch(wipe) {
+        Some(true) => length,
+        Some(false) => 0.0,
+        None => return nothing("whether to wipe is not said"),
+    };
+    Outcome::of(vec![("retract.wipe", length.into())])
+}
+
+pub(super) fn wipe(given: &Given<'_>) -> Outcome {
+    wiping(given, "wipe", "wipe_distance")
+}
+
+pub(super) fn filament_wipe(given: &Given<'_>) -> Outcome {
+    wiping(given, "filament_wipe", "filament_wipe_distance")
+}
+
+pub(super) fn max_flow(given: &Given<'_>) -> Outcome {
+    let Some(flow) = given.number("filament_max_volumetric_speed") else {
+        return nothing("it has no value");
+    };
+    let flow = if flow > 0.0 { flow } else { NO_LIMIT };
+    Outcome::of(vec![("filament.max_flow", flow.into())])
+}
+
+pub(super) fn nozzle_temperatures(given: &Given<'_>) -> Outcome {
+    let positive = |keys| number(given, keys).filter(|t: &f64| *t > 0.0);
+    let above = positive(&["temperature", "nozzle_temperature"]);
+    let first = positive(&[
+        "first_layer_temperature",
+        "nozzle_temperature_initial_layer",
+        "nozzle_temperature_intial_layer",
+    ]);
+    let mut out = Vec::new();
+    if let Some(t) = above.or(first) {
+        out.push(("filament.nozzle_temperature", t.into()));
+    }
+    if let Some(t) = first.or(above) {
+        out.push(("filament.first_layer_nozzle_temperature", t.into()));
+    }
+    Outcome::of(out)
+}
+
+/// The plates of OrcaSlicer: names in its lists, and the keys of their
+/// temperatures. The hot one comes first: most printers have a smooth or
+/// textured sheet that takes its figures.
+const PLATES: [(&str, &str); 7] = [
+    ("high temp plate", "hot_plate_temp"),
+    ("textured pei plate", "textured_plate_temp"),
+    ("cool plate", "cool_plate_temp"),
+    ("engineering plate", "eng_plate_temp"),
+    ("supertack plate", "supertack_plate_temp"),
+    ("textured cool plate", "textured_cool_plate_temp"),
+    ("epoxy resin plate", "epoxy_resin_plate_temp"),
+];
+
+pub(super) fn bed_temperatures(given: &Given<'_>) -> Outcome {
+    let mut out = Vec::new();
+    let mut both = |above: Option<f64>, first: Option<f64>| {
+        if let Some(t) = above.or(first) {
+            out.push(("filament.bed_temperature", t.into()));
+        }
+        if let Some(t) = first.or(above) {
+            out.push(("filament.first_layer_bed_temperature", t.into()));
+        }
+    };
+    if given.slicer == Slicer::Prusa {
+        both(
+            given.number("bed_temperature"),
+            given.number("first_layer_bed_temperature"),
+        );
+        return Outcome::of(out);
+    }
+    let named = ["curr_bed_type", "default_bed_type", "bed_type"]
+        .iter()
+        .find_map(|key| given.values.first(key))
+        .map(str::to_lowercase);
+    let named = named.and_then(|name| {
+        // Some profiles give a number instead, which says nothing here.
+        let by_name = PLATES.iter().find(|(plate, _)| *plate == name);
+        by_name.map(|(_, key)| *key)
+    });
+    let first_of = |key: &str| given.positive(&format!("{key}_initial_layer"));
+    let usable =
+        |key: &&str| given.positive(key).is_some() || first_of(key).is_some();
+    let keys = named.into_iter().chain(PLATES.iter().map(|(_, key)| *key));
+    let keys: Vec<&str> = keys.filter(usable).collect();
+    let Some(key) = keys.first() else {
+        // No plate is to be heated.
+        both(Some(0.0), Some(0.0));
+        return Outcome::of(out);
+    };
+    both(given.number(key), first_of(key));
+    Outcome::of(out)
+}
+
+pub(super) fn advance(given: &Given<'_>) -> Outcome {
+    match (
+        given.switch("enable_pressure_advance"),
+        given.number("pressure_advance"),
+    ) {
+        (Some(true), Some(k)) => {
+            Outcome::of(vec![("filament.pressure_advance", k.into())])
+        }
+        _ => nothing("it is off: the printer keeps its own"),
+    }
+}
+
+/// The pressure advance that a line of G-code sets.
+fn advance_of(line: &str) -> Option<f64> {
+    let mut words = line.split_whitespace();
+    let letter = match words.next()? {
+        "M900" => "K",
+        "M572" => "S",
+        "SET_PRESSURE_ADVANCE" => "ADVANCE=",
+        _ => return None,
+    };
+    words.find_map(|word| parse(word.strip_prefix(letter)?))
+}
+
+/// The commands of a template, without comments.
+fn commands(text: &str) -> Vec<&str> {
+    let code = text
+        .lines()
+        .map(|line| line.split(';').next().unwrap_or(""));
+    code.map(str::trim)
+        .filter(|line| !line.is_empty())
+        .collect()
+}
+
+pub(super) fn filament_start(given: &Given<'_>) -> Outcome {
+    let keys = ["start_filament_gcode", "filament_start_gcode"];
+    let text = keys.iter().find_map(|key| given.values.text(key));
+    match commands(text.unwrap_or("")).as_slice() {
+        [] => nothing("it has no commands"),
+        [only] if let Some(k) = advance_of(only) => {
+            Outcome::of(vec![("filament.pressure_advance", k.into())])
+        }
+        _ => lost(
+            "isoslice has one start template, the printer's: add to gcode.start \
+             what it does beyond filament.pressure_advance",
+        ),
+    }
+}
+
+pub(super) fn filament_end(given: &Given<'_>) -> Outcome {
+    let keys = ["filament_end_gcode", "end_filament_gcode"];
+    let text = keys.iter().find_map(|key| given.values.text(key));
+    match commands(text.unwrap_or("")).as_slice() {
+        [] => nothing("it has no commands"),
+        _ => lost(
+            "isoslice has one end template, the printer's: add to gcode.end \
+             what it does",
+        ),
+    }
+}
+
+/// The fan's speed in long layers.
+fn layers_fan(given: &Given<'_>) -> Option<f64> {
+    let least = number(given, &["min_fan_speed", "fan_min_speed"])?;
+    // In PrusaSlicer the fan of long layers may be off; in OrcaSlicer the
+    // switch is called after the fan's stops and starts.
+    let always =
+        !given.off("fan_always_on") && !given.off("reduce_fan_stop_start_freq");
+    Some(if always { least } else { 0.0 })
+}
+
+pub(super) fn fan(given: &Given<'_>) -> Outcome {
+    let most = number(given, &["max_fan_speed", "fan_max_speed"]);
+    let time =
+        number(given, &["fan_below_layer_time", "fan_cooling_layer_time"]);
+    let mut out = Vec::new();
+    if let Some(speed) = layers_fan(given) {
+        out.push(("cooling.fan_speed", speed.into()));
+    }
+    // Without automatic cooling short layers are as others.
+    if let Some(most) = most.filter(|_| !given.off("cooling")) {
+        out.push(("cooling.short_layer_fan_speed", most.into()));
+    }
+    if let Some(time) = time {
+        out.push(("cooling.long_layer_time", time.into()));
+    }
+    Outcome::of(out)
+}
+
+/// The fan of bridges and overhangs. Internal bridges have that of bridges,
+/// unless the profile gives them one of their own, in a later row.
+pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
+    let mut out = Vec::new();
+    let percent = |key| given.number(key).filter(|v: &f64| *v >= 0.0);
+    if given.slicer == Slicer::Prusa {
+        let bridge = percent("bridge_fan_speed");
+        let steps = given.on("enable_dynamic_fan_speeds");
+        let overhang = percent("overhang_fan_speed_1").filter(|_| steps);
+        if let Some(v) = bridge {
+            out.push(("cooling.bridge_fan_speed", v.into()));
+            out.push(("cooling.internal_bridge_fan_speed", v.into()));
+        }
+        // Without steps overhanging walls are printed like bridges.
+        if let Some(v) = overhang.or(bridge) {
+            out.push(("cooling.overhang_fan_speed", v.into()));
+        }
+        return Outcome::of(out);
+    }
+    let speed = if given.off("enable_overhang_bridge_fan") {
+        layers_fan(given)
+    } else {
+        percent("overhang_fan_speed")
+    };
+    if let Some(speed) = speed {
+        out.push(("cooling.bridge_fan_speed", speed.into()));
+        out.push(("cooling.overhang_fan_speed", speed.into()));
+        out.push(("cooling.internal_bridge_fan_speed", speed.into()));
+    }
+    Outcome::of(out)
+}
+
+pub(super) fn internal_bridge_fan(given: &Given<'_>) -> Outcome {
+    let keys = ["internal_bridge_fan_speed", "bridge_internal_fan_speed"];
+    let speed = number(given, &keys).filter(|v| *v >= 0.0);
+    let speed = speed.map(|v| ("cooling.internal_bridge_fan_speed", v.into()));
+    Outcome::of(speed.into_iter().collect())
+}
+
+pub(super) fn min_layer_time(given: &Given<'_>) -> Outcome {
+    let keys = ["slowdown_below_layer_time", "slow_down_layer_time"];
+    if given.off("slow_down_for_layer_cooling") || given.off("cooling") {
+        return Outcome::of(vec![("cooling.min_layer_time", 0.0.into())]);
+    }
+    let time = number(given, &keys);
+    let time = time.map(|t| ("cooling.min_layer_time", t.into()));
+    Outcome::of(time.into_iter().collect())
+}
+
+/// The width of lines of one kind, or of all; nothing if the slicer chooses.
+fn width(given: &Given<'_>, own: &[&str]) -> Result<Option<Value>, String> {
+    for key in own.iter().chain(&["extrusion_width", "line_width"]) {
+        let Some(text) = given.values.first(key) else {
+            continue;
+        };
+        if let Some(percent) = share(text)
+            && given.slicer != Slicer::Prusa
+        {
+            if percent > 0.0 {
+                return Ok(Some(text.into()));
+            }
+            continue;
+        }
+        if let Some(width) = given.amount(key)?.filter(|w| *w > 0.0) {
+            return Ok(Some(width.into()));
+        }
+    }
+    Ok(None)
+}
+
+pub(super) fn widths(given: &Given<'_>) -> Outcome {
+    let all: [(&'static str, &[&str]); 5] = [
+        (
+            "outer_wall_width",
+            &[
+                "external_perimeter_extrusion_width",
+                "outer_wall_line_width",
+            ],
+        ),
+        (
+            "inner_wall_width",
+            &["perimeter_extrusion_width", "inner_wall_line_width"],
+        ),
+        (
+            "infill_width",
+            &["infill_extrusion_width", "sparse_infill_line_width"],
+        ),
+        (
+            "skin_width",
+            &[
+                "solid_infill_extrusion_width",
+                "internal_solid_infill_line_width",
+            ],
+        ),
+        (
+            "top_skin_width",
+            &["top_infill_extrusion_width", "top_surface_line_width"],
+        ),
+    ];
+    let mut out = Vec::new();
+    for (name, keys) in all {
+        match width(given, keys) {
+            Ok(Some(value)) => out.push((name, value)),
+            Ok(None) => {}
+            Err(why) => return Outcome::Lost(why),
+        }
+    }
+    Outcome::of(out)
+}
+
+fn shell(
+    given: &Given<'_>,
+    layers: &[&str],
+    thickness: &[&str],
+    names: [&'static str; 2],
+) -> Outcome {
+    let layers = number(given, layers);
+    let thickness = number(given, thickness).filter(|t| *t > 0.0);
+    let height = given.positive("layer_height");
+    match (layers, thickness) {
+        (Some(0.0), _) => Outcome::of(vec![(names[0], 0.0.into())]),
+        (Some(n), Some(t)) if height.is_none_or(|h| n * h < t - 1e-9) => {
+            // Without layers of its own the profile is for layers of many
+            // heights, for which the thickness is what holds.
+            Outcome::of(vec![(names[1], t.into())])
+        }
+        (Some(n), _) => Outcome::of(vec![(names[0], n.into())]),
+        (None, Some(t)) => Outcome::of(vec![(names[1], t.into())]),
+        (None, None) => nothing("it leaves the choice to the slicer"),
+    }
+}
+
+pub(super) fn top(given: &Given<'_>) -> Outcome {
+    shell(
+        given,
+        &["top_solid_layers", "top_shell_layers"],
+        &["top_solid_min_thickness", "top_shell_thickness"],
+        ["top_layers", "top_thickness"],
+    )
+}
+
+pub(super) fn bottom(given: &Given<'_>) -> Outcome {
+    shell(
+        given,
+        &["bottom_solid_layers", "bottom_shell_layers"],
+        &["bottom_solid_min_thickness", "bottom_shell_thickness"],
+        ["bottom_layers", "bottom_thickness"],
+    )
+}
+
+pub(super) fn angle(given: &Given<'_>) -> Outcome {
+    let Some(angle) = number(given, &["fill_angle", "infill_direction"]) else {
+        return nothing("it has no value");
+    };
+    Outcome::of(vec![
+        ("infill_angle", angle.into()),
+        ("skin_angle", angle.into()),
+    ])
+}
+
+pub(super) fn overlap(given: &Given<'_>) -> Outcome {
+    let keys = ["infill_overlap", "infill_wall_overlap"];
+    let Some(key) = given.first_of(&keys) else {
+        return nothing("it has no value");
+    };
+    let text = given.values.first(key).unwrap_or("");
+    let percent = match (share(text), parse(text)) {
+        (Some(percent), _) => percent,
+        // OrcaSlicer's is always a share.
+        (None, Some(x)) if given.slicer == Slicer::Orca => x,
+        (None, Some(length)) => {
+            let keys = ["infill_extrusion_width", "extrusion_width"];
+            let width = given.first_of(&keys);
+            let width = width.and_then(|key| given.amount(key).ok().flatten());
+            match width.filter(|w| *w > 0.0) {
+                Some(width) => 100.0 * length / width,
+                None => {
+                    return lost(
+                        "it is a length, and the profile does not say how \
+                         wide the infill's lines are",
+                    );
+                }
+            }
+        }
+        (None, None) => return lost(format!("{text} is not a number")),
+    };
+    Outcome::of(vec![("infill_overlap", percent.clamp(0.0, 100.0).into())])
+}
+
+pub(super) fn top_pattern(given: &Given<'_>) -> Outcome {
+    let keys = [
+        "top_fill_pattern",
+        "top_surface_pattern",
+        "external_fill_pattern",
+    ];
+    let word = keys.iter().find_map(|key| given.values.first(key));
+    let word = word.unwrap_or("").to_ascii_lowercase();
+    let pattern = |pattern: &str| ("top_skin_pattern", Value::from(pattern));
+    let order = |order: &str| ("top_skin_order", Value::from(order));
+    match word.as_str() {
+        "concentric" => Outcome::of(vec![pattern("concentric")]),
+        "monotonic" | "monotonicline" | "monotoniclines" => {
+            Outcome::of(vec![pattern("lines"), order("monotonic")])
+        }
+        "rectilinear" | "alignedrectilinear" | "zig-zag" | "line" => {
+            Outcome::of(vec![pattern("lines"), order("nearest")])
+        }
+        _ => lost(format!("isoslice has nothing like {word} for tops")),
+    }
+}
+
+pub(super) fn scarf(given: &Given<'_>) -> Outcome {
+    let on = ["seam_slope_type", "scarf_seam_placement"]
+        .iter()
+        .find_map(|key| given.values.first(key))
+        .is_some_and(|word| !matches!(word, "none" | "nowhere"));
+    let length = number(given, &["seam_slope_min_length", "scarf_seam_length"]);
+    let Some(length) = length.filter(|l| on && *l > 0.0) else {
+        return nothing("seams have no slope");
+    };
+    let mut out = vec![
+        ("seam_scarf", length.into()),
+        // Slopes of other slicers rise.
+        ("seam_scarf_rise", true.into()),
+    ];
+    let start = ["seam_slope_start_height", "scarf_seam_start_height"]
+        .iter()
+        .find_map(|key| given.values.first(key));
+    let percent = start.and_then(|text| {
+        let height = given.positive("layer_height");
+        let of_height = || Some(100.0 * parse(text)? / height?);
+        share(text).or_else(of_height)
+    });
+    if let Some(percent) = percent {
+        out.push(("seam_scarf_start", percent.clamp(0.0, 90.0).into()));
+    }
+    Outcome::of(out)
+}
+
+pub(super) fn wall_order(given: &Given<'_>) -> Outcome {
+    let outer = if let Some(first) = given.switch("external_perimeters_first") {
+        first
+    } else {
+        let keys = ["wall_sequence", "wall_infill_order"];
+        let Some(word) = keys.iter().find_map(|k| given.values.first(k)) else {
+            return nothing("it has no value");
+        };
+        let word = word.to_ascii_lowercase();
+        let place = |name: &str| word.find(name);
+        match (place("outer"), place("inner")) {
+            (Some(outer), Some(inner)) => outer < inner,
+            _ => return lost(format!("{word:?} is not understood")),
+        }
+    };
+    let order = if outer { "outer-first" } else { "inner-first" };
+    Outcome::of(vec![("wall_order", order.into())])
+}
+
+pub(super) fn ironing(given: &Given<'_>) -> Outcome {
+    let word = given.values.first("ironing_type");
+    let on = match given.switch("ironing") {
+        Some(on) => on,
+        // In PrusaSlicer the type says only which tops would be ironed.
+        None if given.slicer == Slicer::Prusa => {
+            return nothing("whether to iron is not said");
+        }
+        None => word.is_some_and(|word| word != "no ironing"),
+    };
+    Outcome::of(vec![("ironing", on.into())])
+}
+
+fn same_for(
+    given: &Given<'_>,
+    keys: &[&str],
+    names: [&'static str; 2],
+) -> Outcome {
+    let Some(key) = given.first_of(keys) else {
+        return nothing("it has no value");
+    };
+    match given.amount(key) {
+        Ok(Some(x)) if x > 0.0 => {
+            Outcome::of(names.map(|name| (name, x.into())).to_vec())
+        }
+        Ok(_) => nothing("it leaves the choice to the slicer"),
+        Err(why) => Outcome::Lost(why),
+    }
+}
+
+pub(super) fn solid_speed(given: &Given<'_>) -> Outcome {
+    same_for(
+        given,
+        &["solid_infill_speed", "internal_solid_infill_speed"],
+        ["speed.internal_skin", "speed.bottom_skin"],
+    )
+}
+
+pub(super) fn solid_acceleration(given: &Given<'_>) -> Outcome {
+    same_for(
+        given,
+        &[
+            "solid_infill_acceleration",
+            "internal_solid_infill_acceleration",
+        ],
+        ["acceleration.internal_skin", "acceleration.bottom_skin"],
+    )
+}
+
+pub(super) fn small_length(given: &Given<'_>) -> Outcome {
+    let radius = given.number("small_perimeter_threshold");
+    let length = radius.map(|r| {
+        let length = r * std::f64::consts::TAU;
+        (length * 100.0).round() / 100.0
+    });
+    let length = length.or(given.number("small_perimeter_max_length"));
+    match length.filter(|l| *l >= 0.0) {
+        Some(l) => Outcome::of(vec![("speed.small_wall_length", l.into())]),
+        None => nothing("it leaves the choice to the slicer"),
+    }
+}
+
+pub(super) fn overhang_speed(given: &Given<'_>) -> Outcome {
+    let (on, keys) = if given.slicer == Slicer::Prusa {
+        // Its keys are named by what lies on the layer below, and are off
+        // unless they are switched on.
+        let on = given.on("enable_dynamic_overhang_speeds");
+        let keys = [
+            "overhang_speed_3",
+            "overhang_speed_2",
+            "overhang_speed_1",
+            "overhang_speed_0",
+        ];
+        (on, keys)
+    } else {
+        let keys = [
+            "overhang_1_4_speed",
+            "overhang_2_4_speed",
+            "overhang_3_4_speed",
+            "overhang_4_4_speed",
+        ];
+        (!given.off("enable_overhang_speed"), keys)
+    };
+    if !on {
+        return nothing("overhangs have no speed of their own");
+    }
+    let mut steps = Vec::new();
+    for (reach, key) in ["25", "50", "75", "100"].into_iter().zip(keys) {
+        let Some(text) = given.values.first(key) else {
+            continue;
+        };
+        let speed = match (parse(text), share(text)) {
+            // The speed of the wall itself.
+            (Some(0.0), _) | (_, Some(0.0)) => "100%".to_owned(),
+            (Some(v), _) => v.to_string(),
+            (None, Some(percent)) => format!("{}%", percent.clamp(1.0, 100.0)),
+            (None, None) => return lost(format!("{text} is not a speed")),
+        };
+        steps.push(format!("{reach}: {speed}"));
+    }
+    if steps.is_empty() {
+        return nothing("it leaves the choice to the slicer");
+    }
+    Outcome::of(vec![("speed.overhang_steps", steps.join(", ").into())])
+}
+
+pub(super) fn raft(given: &Given<'_>) -> Outcome {
+    let Some(layers) = given.positive("raft_layers") else {
+        return nothing("there is no raft");
+    };
+    let mut out = vec![("raft.layers", layers.into())];
+    if let Some(gap) = given.number("raft_contact_distance") {
+        out.push(("raft.gap", gap.into()));
+    }
+    if let Some(expansion) = given.number("raft_expansion") {
+        out.push(("raft.expansion", expansion.into()));
+    }
+    Outcome::of(out)
+}
+
+pub(super) fn draft_shield(given: &Given<'_>) -> Outcome {
+    match given.values.first("draft_shield") {
+        Some("1" | "enabled") => {}
+        Some("limited") => return nothing("skirt.layers says how high it is"),
+        _ => return nothing("there is no draft shield"),
+    }
+    let mut out = vec![("draft_shield", "full".into())];
+    if let Some(gap) = given.positive("skirt_distance") {
+        out.push(("draft_shield_gap", gap.into()));
+    }
+    Outcome::of(out)
+}
+
+pub(super) fn brim(given: &Given<'_>) -> Outcome {
+    let width = given.number("brim_width").unwrap_or(0.0);
+    let word = given.values.first("brim_type").unwrap_or("outer_only");
+    let none = || Outcome::of(vec![("brim.place", "none".into())]);
+    if given.positive("raft_layers").is_some() {
+        return none();
+    }
+    let place = match word {
+        "auto_brim" | "painted" => {
+            return lost(format!(
+                "isoslice has no brim that is {}: set brim.place where a part \
+                 may tip",
+                if word == "painted" { word } else { "automatic" }
+            ));
+        }
+        "no_brim" => return none(),
+        _ if width <= 0.0 => return none(),
+        "brim_ears" => "ears",
+        _ if given.on("brim_ears") => "ears",
+        "inner_only" => "inner",
+        "outer_and_inner" => "both",
+        _ => "outer",
+    };
+    let mut out = vec![("brim.place", place.into())];
+    if place == "ears" {
+        out.push(("brim.ear_radius", width.into()));
+        if let Some(angle) = given.number("brim_ears_max_angle") {
+            out.push(("brim.ear_angle", angle.into()));
+        }
+    } else {
+        out.push(("brim.width", width.into()));
+    }
+    Outcome::of(out)
+}
+
+pub(super) fn supports(given: &Given<'_>) -> Outcome {
+    let by_hand = given.off("support_material_auto")
+        || given
+            .values
+            .first("support_type")
+            .is_some_and(|word| word.contains("manual"));
+    let on = given.on("support_material") || given.on("enable_support");
+    let plate = given.on("support_material_buildplate_only")
+        || given.on("support_on_build_plate_only");
+    let said = given.values.has("support_material")
+        || given.values.has("enable_support");
+    if !said {
+        return nothing("whether to print supports is not said");
+    }
+    let word = match (on && !by_hand, plate) {
+        (false, _) => "off",
+        (true, true) => "plate",
+        (true, false) => "auto",
+    };
+    Outcome::of(vec![("supports", word.into())])
+}
+
+pub(super) fn support_angle(given: &Given<'_>) -> Outcome {
+    let keys = ["support_material_threshold", "support_threshold_angle"];
+    match number(given, &keys) {
+        Some(angle) if angle > 0.0 && angle <= 90.0 => {
+            Outcome::of(vec![("support.angle", (90.0 - angle).into())])
+        }
+        _ => nothing("it leaves the choice to the slicer"),
+    }
+}
+
+pub(super) fn support_density(given: &Given<'_>) -> Outcome {
+    let keys = [
+        "support_material_extrusion_width",
+        "support_line_width",
+        "extrusion_width",
+        "line_width",
+        "nozzle_diameter",
+    ];
+    let mut width = None;
+    for key in keys {
+        match given.amount(key) {
+            Ok(Some(w)) if w > 0.0 => {
+                width = Some(w);
+                break;
+            }
+            Ok(_) => {}
+            Err(why) => return Outcome::Lost(why),
+        }
+    }
+    let mut out = Vec::new();
+    let both: [(_, [&str; 2]); 2] = [
+        (
+            "support.density",
+            ["support_material_spacing", "support_base_pattern_spacing"],
+        ),
+        (
+            "support.interface_density",
+            [
+                "support_material_interface_spacing",
+                "support_interface_spacing",
+            ],
+        ),
+    ];
+    for (name, keys) in both {
+        let Some(gap) = number(given, &keys).filter(|g| *g >= 0.0) else {
+            continue;
+        };
+        let Some(width) = width else {
+            return lost(
+                "it is a distance of lines, and the profile does not say how \
+                 wide they are",
+            );
+        };
+        let percent = 100.0 * width / (width + gap);
+        out.push((name, ((percent * 10.0).round() / 10.0).into()));
+    }
+    Outcome::of(out)
+}
+
+pub(super) fn fuzzy(given: &Given<'_>) -> Outcome {
+    let word = given.values.first("fuzzy_skin").unwrap_or("none");
+    if matches!(word, "none" | "disabled_fuzzy" | "0") {
+        return nothing("walls are smooth");
+    }
+    let mut out = Vec::new();
+    if let Some(t) = given.positive("fuzzy_skin_thickness") {
+        out.push(("fuzzy.thickness", t.into()));
+    }
+    let grain = ["fuzzy_skin_point_dist", "fuzzy_skin_point_distance"];
+    if let Some(grain) = number(given, &grain).filter(|g| *g > 0.0) {
+        out.push(("fuzzy.grain", grain.into()));
+    }
+    out.push((
+        "fuzzy.holes",
+        matches!(word, "all" | "allwalls" | "hole").into(),
+    ));
+    Outcome::of(out)
+}

@@ -1,0 +1,429 @@
+//! What every key of the other slicers means: the table, from which both the
+//! translation and the documentation follow.
+
+mod cura;
+mod filament;
+mod make;
+mod print;
+mod printer;
+
+use crate::Slicer;
+pub use crate::translate::As;
+use crate::translate::{Given, Value};
+
+/// What a profile, or a key, is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// A machine.
+    Printer,
+    /// A material.
+    Filament,
+    /// A kind of print.
+    Print,
+}
+
+impl Kind {
+    /// The kind's word in bundles and on the command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Printer => "printer",
+            Kind::Filament => "filament",
+            Kind::Print => "print",
+        }
+    }
+
+    /// The kind of a word of any slicer.
+    pub(crate) fn of_word(word: &str) -> Option<Kind> {
+        match word {
+            "printer" | "machine" => Some(Kind::Printer),
+            "filament" => Some(Kind::Filament),
+            "print" | "process" | "preset" => Some(Kind::Print),
+            _ => None,
+        }
+    }
+}
+
+/// What some keys become.
+#[derive(Debug)]
+pub struct Row {
+    /// Slicers that have these keys.
+    pub of: &'static [Slicer],
+    /// What they are of.
+    pub kind: Kind,
+    /// The keys. If they become one setting, the first one there is counts.
+    pub keys: &'static [&'static str],
+    /// What they become.
+    pub rule: Rule,
+}
+
+/// What a key becomes.
+#[derive(Debug)]
+pub enum Rule {
+    /// A setting, by a conversion.
+    To(&'static str, As),
+    /// Settings that depend on all keys of the row.
+    Made {
+        /// The settings.
+        settings: &'static [&'static str],
+        /// How, in a sentence.
+        how: &'static str,
+        /// Makes them.
+        make: Make,
+    },
+    /// Nothing, since isoslice needs it not; why.
+    Ignored(&'static str),
+    /// Nothing, although it would change the print, unless it has one of these
+    /// values; why, and what to do.
+    Lost(&'static [&'static str], &'static str),
+}
+
+/// Makes settings of several keys.
+pub struct Make(pub(crate) fn(&Given<'_>) -> Outcome);
+
+impl std::fmt::Debug for Make {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Make")
+    }
+}
+
+/// What became of the keys of a row.
+pub(crate) enum Outcome {
+    /// Settings.
+    Set(Vec<(&'static str, Value)>),
+    /// Nothing is needed; why.
+    Nothing(String),
+    /// They have no counterpart; why, and what to do.
+    Lost(String),
+}
+
+impl Outcome {
+    /// Settings, or the reason for none.
+    pub(crate) fn of(settings: Vec<(&'static str, Value)>) -> Outcome {
+        if settings.is_empty() {
+            let why = "it leaves the choice to the slicer";
+            Outcome::Nothing(why.to_owned())
+        } else {
+            Outcome::Set(settings)
+        }
+    }
+}
+
+const BOTH: &[Slicer] = &[Slicer::Prusa, Slicer::Orca];
+const PRUSA: &[Slicer] = &[Slicer::Prusa];
+const ORCA: &[Slicer] = &[Slicer::Orca];
+const CURA: &[Slicer] = &[Slicer::Cura];
+
+const fn row(
+    of: &'static [Slicer],
+    kind: Kind,
+    keys: &'static [&'static str],
+    rule: Rule,
+) -> Row {
+    Row {
+        of,
+        kind,
+        keys,
+        rule,
+    }
+}
+
+/// Every row, in the order in which they are carried out.
+pub fn rows() -> impl Iterator<Item = &'static Row> {
+    [printer::ROWS, filament::ROWS, print::ROWS, cura::ROWS]
+        .into_iter()
+        .flatten()
+}
+
+/// The row of a slicer's key.
+pub(crate) fn row_of(slicer: Slicer, key: &str) -> Option<&'static Row> {
+    let mut all = rows().filter(|row| row.of.contains(&slicer));
+    all.find(|row| row.keys.contains(&key))
+}
+
+/// True if the profile has keys of SuperSlicer alone, which shares most of its
+/// words with PrusaSlicer.
+fn is_superslicers(given: &Given<'_>) -> bool {
+    let keys = ["extrusion_spacing", "perimeter_extrusion_spacing"];
+    keys.iter().any(|key| given.values.has(key))
+}
+
+/// What a share in the value of a key is a share of; of several the first that
+/// the profile has.
+pub(crate) fn share_of(
+    given: &Given<'_>,
+    key: &str,
+) -> &'static [&'static str] {
+    match (given.slicer, key) {
+        (Slicer::Prusa, key)
+            if key.ends_with("extrusion_width") && is_superslicers(given) =>
+        {
+            &["nozzle_diameter"]
+        }
+        (Slicer::Prusa, key) if key.ends_with("extrusion_width") => {
+            &["layer_height"]
+        }
+        (Slicer::Prusa, "first_layer_height") => &["layer_height"],
+        (
+            Slicer::Prusa,
+            "external_perimeter_speed" | "small_perimeter_speed",
+        ) => &["perimeter_speed"],
+        (Slicer::Prusa, "solid_infill_speed") => &["infill_speed"],
+        (Slicer::Prusa, "top_solid_infill_speed") => {
+            &["solid_infill_speed", "infill_speed"]
+        }
+        (Slicer::Prusa, "support_material_interface_speed") => {
+            &["support_material_speed"]
+        }
+        (Slicer::Prusa, "first_layer_speed") => {
+            &["external_perimeter_speed", "perimeter_speed"]
+        }
+        (Slicer::Prusa, "bridge_speed_internal" | "over_bridge_speed") => {
+            &["bridge_speed"]
+        }
+        (Slicer::Prusa, "support_material_xy_spacing") => &[
+            "external_perimeter_extrusion_width",
+            "extrusion_width",
+            "nozzle_diameter",
+        ],
+        (
+            Slicer::Prusa,
+            "infill_anchor" | "infill_anchor_max" | "infill_overlap",
+        ) => &["infill_extrusion_width", "extrusion_width"],
+        (Slicer::Orca, "small_perimeter_speed") => &["outer_wall_speed"],
+        (Slicer::Orca, "internal_bridge_speed" | "ineternal_bridge_speed") => {
+            &["bridge_speed"]
+        }
+        (Slicer::Orca, "support_interface_speed") => &["support_speed"],
+        (Slicer::Orca, "bridge_acceleration") => {
+            &["outer_wall_acceleration", "default_acceleration"]
+        }
+        (Slicer::Orca, key) if key.ends_with("acceleration") => {
+            &["default_acceleration"]
+        }
+        (Slicer::Orca, "seam_gap") => &["nozzle_diameter"],
+        (Slicer::Orca, "support_object_xy_distance") => {
+            &["outer_wall_line_width", "line_width", "nozzle_diameter"]
+        }
+        (Slicer::Orca, key) if key.ends_with("line_width") => {
+            &["nozzle_diameter"]
+        }
+        (Slicer::Orca, "initial_layer_travel_speed" | "skirt_speed") => {
+            &["travel_speed"]
+        }
+        _ => &[],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::values::Values;
+    use crate::{Picked, Translation, translate};
+    use std::collections::BTreeSet;
+
+    fn translated(slicer: Slicer, profile: &str) -> Translation {
+        let mut values = Values::default();
+        for entry in profile.split("; ").filter(|e| !e.is_empty()) {
+            let (key, value) = entry.split_once('=').unwrap();
+            values.set(key, vec![value.to_owned()]);
+        }
+        translate(&Picked {
+            slicer,
+            names: Vec::new(),
+            kinds: Vec::new(),
+            values,
+        })
+    }
+
+    /// The settings that a profile becomes, sorted.
+    fn settings(slicer: Slicer, profile: &str) -> String {
+        let all = translated(slicer, profile).settings;
+        let mut all: Vec<_> = all
+            .iter()
+            .map(|s| match &s.value {
+                Value::Number(x) => format!("{}={x}", s.name),
+                Value::Switch(yes) => format!("{}={yes}", s.name),
+                Value::Text(text) => format!("{}={text}", s.name),
+            })
+            .collect();
+        all.sort();
+        all.join("; ")
+    }
+
+    #[test]
+    fn keys_together_become_what_they_mean() {
+        use Slicer::{Cura, Orca, Prusa};
+        let fans = |v: u32| {
+            format!(
+                "cooling.bridge_fan_speed={v}; cooling.fan_speed={v}; \
+                 cooling.internal_bridge_fan_speed={v}; \
+                 cooling.overhang_fan_speed={v}"
+            )
+        };
+        for (slicer, profile, expected) in [
+            // Fans that are off are off at bridges, too.
+            (
+                Orca,
+                "enable_overhang_bridge_fan=0; overhang_fan_speed=90; \
+                 fan_min_speed=20",
+                fans(20),
+            ),
+            (
+                Orca,
+                "overhang_fan_speed=90; internal_bridge_fan_speed=-1",
+                "cooling.bridge_fan_speed=90; \
+                 cooling.internal_bridge_fan_speed=90; \
+                 cooling.overhang_fan_speed=90"
+                    .into(),
+            ),
+            (
+                Cura,
+                "cool_fan_enabled=False; bridge_fan_speed=100; \
+                 cool_fan_speed=50",
+                format!("{}; cooling.short_layer_fan_speed=0", fans(0)),
+            ),
+            (Cura, "cool_fan_speed=40", fans(40)),
+            // Rafts, ears, shields, slopes, steps.
+            (
+                Prusa,
+                "raft_layers=3; raft_contact_distance=0.1; brim_width=5",
+                "brim.place=none; raft.gap=0.1; raft.layers=3".into(),
+            ),
+            (Prusa, "raft_layers=0; raft_expansion=2", String::new()),
+            (
+                Orca,
+                "brim_type=brim_ears; brim_width=6; brim_ears_max_angle=120",
+                "brim.ear_angle=120; brim.ear_radius=6; brim.place=ears".into(),
+            ),
+            (
+                Prusa,
+                "draft_shield=enabled; skirt_distance=4",
+                "draft_shield=full; draft_shield_gap=4; skirt.distance=4"
+                    .into(),
+            ),
+            (
+                Orca,
+                "seam_slope_type=all; seam_slope_min_length=10; \
+                 seam_slope_start_height=0.05; layer_height=0.2",
+                "layer_height=0.2; seam_scarf=10; seam_scarf_rise=true; \
+                 seam_scarf_start=25"
+                    .into(),
+            ),
+            (
+                Prusa,
+                "enable_dynamic_overhang_speeds=1; overhang_speed_0=15; \
+                 overhang_speed_1=20; overhang_speed_2=50%; overhang_speed_3=0",
+                "speed.overhang_steps=25: 100%, 50: 50%, 75: 20, 100: 15"
+                    .into(),
+            ),
+            (
+                Orca,
+                "overhang_1_4_speed=0; overhang_2_4_speed=50; \
+                 overhang_3_4_speed=30; overhang_4_4_speed=10",
+                "speed.overhang_steps=25: 100%, 50: 50, 75: 30, 100: 10".into(),
+            ),
+            (
+                Cura,
+                "adhesion_type=raft; raft_airgap=0.3; brim_width=8",
+                "brim.place=none; raft.gap=0.3; raft.layers=4; skirt.loops=0"
+                    .into(),
+            ),
+            (
+                Cura,
+                "draft_shield_enabled=True; draft_shield_height=12; \
+                 draft_shield_height_limitation=limited",
+                "draft_shield=12".into(),
+            ),
+            // What follows from other values in Cura.
+            (
+                Cura,
+                "line_width=0.5; skin_line_width=0.6",
+                "infill_width=0.5; inner_wall_width=0.5; \
+                 outer_wall_width=0.5; skin_width=0.6; top_skin_width=0.6"
+                    .into(),
+            ),
+            (
+                Cura,
+                "top_bottom_thickness=1; bottom_layers=3",
+                "bottom_layers=3; top_thickness=1".into(),
+            ),
+            (Cura, "wall_thickness=1.2", "walls=3".into()),
+            (Cura, "wall_thickness=0.2", "walls=1".into()),
+            (
+                Cura,
+                "speed_wall=30",
+                "speed.inner_wall=60; speed.outer_wall=30".into(),
+            ),
+            (
+                Cura,
+                "machine_max_feedrate_x=300; machine_max_feedrate_y=200",
+                "printer.max_speed=200".into(),
+            ),
+            (
+                Cura,
+                "retraction_extra_prime_amount=1; material_diameter=2.85",
+                "filament.diameter=2.85; retract.extra_prime=0.156755".into(),
+            ),
+            // Switches and words of one slicer.
+            (Prusa, "ironing_type=top", String::new()),
+            (Orca, "ironing_type=top", "ironing=true".into()),
+            (
+                Orca,
+                "small_perimeter_threshold=0",
+                "speed.small_wall_length=0".into(),
+            ),
+            (Prusa, "filament_retract_length=nil,nil", String::new()),
+            (
+                Prusa,
+                "infill_extrusion_width=150%; nozzle_diameter=0.4; \
+                 layer_height=0.2; perimeter_extrusion_spacing=0.4",
+                "infill_width=0.6; layer_height=0.2; \
+                 printer.nozzle_diameter=0.4"
+                    .into(),
+            ),
+            (
+                Prusa,
+                "infill_extrusion_width=150%; nozzle_diameter=0.4; \
+                 layer_height=0.2",
+                "infill_width=0.3; layer_height=0.2; \
+                 printer.nozzle_diameter=0.4"
+                    .into(),
+            ),
+        ] {
+            assert_eq!(settings(slicer, profile), expected, "{profile}");
+        }
+    }
+
+    #[test]
+    fn what_would_change_the_print_is_lost_unless_it_is_off() {
+        for key in [
+            "infill_combination",
+            "automatic_infill_combination",
+            "solid_infill_every_layers",
+            "make_overhang_printable",
+            "hole_to_polyhole",
+            "alternate_extra_wall",
+        ] {
+            let of =
+                |value| translated(Slicer::Orca, &format!("{key}={value}"));
+            assert_eq!(of(1).lost.len(), 1, "{key}");
+            assert_eq!(of(0).ignored.len(), 1, "{key}");
+        }
+        for word in ["auto_brim", "painted"] {
+            let profile = format!("brim_type={word}; brim_width=5");
+            assert_eq!(translated(Slicer::Orca, &profile).lost.len(), 2);
+        }
+    }
+
+    #[test]
+    fn a_key_is_in_one_row() {
+        for slicer in [Slicer::Prusa, Slicer::Orca, Slicer::Cura] {
+            let mut seen = BTreeSet::new();
+            for row in rows().filter(|row| row.of.contains(&slicer)) {
+                for key in row.keys {
+                    assert!(seen.insert(key), "{slicer:?} {key} twice");
+                }
+            }
+        }
+    }
+}

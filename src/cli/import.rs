@@ -1,0 +1,624 @@
+//! `isoslice profiles import`: makes profiles of those of other slicers.
+
+use super::args::ProfilesSource;
+use super::output::{Output, is_stream};
+use super::{plain, terminal};
+use anyhow::{Context, bail};
+use clap::Args;
+use isoslice::settings::{Builder, ProfileKind, Settings, keys};
+use isoslice::{try_templates, understands_placeholder};
+use slicerprofile::{
+    Kind, Left, Picked, Setting, Source, Translation, Value, fill, translate,
+};
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  isoslice profiles import my-config.ini                what PrusaSlicer exports
+  isoslice profiles import printed.gcode -o same.toml   as a file was sliced
+  isoslice profiles import \"My K1.json\" --beside ~/.config/OrcaSlicer/system
+  isoslice profiles import PrusaResearch.ini --list
+  isoslice profiles import PrusaResearch.ini --name \"Original Prusa MK4S 0.4 nozzle\"
+  isoslice profiles import fine.curaprofile --as fine --all";
+
+/// Keys that the summary names at most, of each kind.
+const MOST_SHOWN: usize = 8;
+/// Greatest length of a profile's name.
+const LONGEST_NAME: usize = 80;
+
+/// Arguments of `isoslice profiles import`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct ImportArgs {
+    /// Profile of PrusaSlicer (.ini), OrcaSlicer or Bambu Studio (.json), Cura
+    /// (.curaprofile, .def.json), or G-code of any of them
+    file: PathBuf,
+
+    /// Name the profiles in a bundle, and stop
+    #[arg(long, conflicts_with_all = ["name", "output"])]
+    list: bool,
+
+    /// Profile of a bundle to import; once for each of printer, filament and
+    /// print
+    #[arg(long, value_name = "NAME")]
+    name: Vec<String>,
+
+    /// Folder in which to look for profiles that FILE inherits from, besides
+    /// its own
+    #[arg(long, value_name = "DIR")]
+    beside: Vec<PathBuf>,
+
+    /// Name of the new profiles [default: that of the old ones, or of FILE]
+    #[arg(long = "as", value_name = "NAME", conflicts_with = "output")]
+    new_name: Option<String>,
+
+    /// Write one file with everything instead, - for standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Replace profiles of yours with the same name
+    #[arg(long)]
+    force: bool,
+
+    /// Name every key, with what became of it
+    #[arg(long)]
+    all: bool,
+
+    #[command(flatten)]
+    source: ProfilesSource,
+}
+
+pub(super) fn run(args: &ImportArgs) -> anyhow::Result<()> {
+    let source = Source::open(&args.file, &args.beside)?;
+    if args.list {
+        return list(&source);
+    }
+    let picked = source.pick(&args.name)?;
+    let mut import = Import::new(&args.file, &picked)?;
+    import.settle()?;
+    let written = match &args.output {
+        Some(path) => import.write_one(path, args)?,
+        None => import.write_each(args)?,
+    };
+    let to_stream = args.output.as_deref().is_some_and(is_stream);
+    if to_stream {
+        let t = &import.translation;
+        let all = t.lost.iter().chain(&t.unknown);
+        let say = |left: &Left| format!("{}: {}", left.key, left.why);
+        let remarks = import.remarks.iter().cloned();
+        terminal::warn(&all.map(say).chain(remarks).collect::<Vec<_>>());
+        return Ok(());
+    }
+    plain::print(&import.summary(&written, args.all))
+}
+
+/// Names what there is in a bundle.
+fn list(source: &Source) -> anyhow::Result<()> {
+    let all = source.list();
+    if all.is_empty() {
+        return plain::print("It holds one profile, without a choice.\n");
+    }
+    let mut text = String::new();
+    for kind in [Kind::Printer, Kind::Filament, Kind::Print] {
+        for named in all.iter().filter(|n| n.kind == kind) {
+            let name = plain::line(&named.name);
+            writeln!(text, "{}:{name}", kind.word())?;
+        }
+    }
+    plain::print(&text)
+}
+
+/// An import on its way.
+struct Import {
+    /// The name, as it was.
+    shown: String,
+    /// Where from, for the head of the file.
+    origin: String,
+    /// Name of the new profiles, unless those of a kind have one of their own.
+    name: String,
+    kinds: Vec<Kind>,
+    picked: Picked,
+    translation: Translation,
+    /// All settings together.
+    settings: Settings,
+    /// Templates that could not be translated: the setting, and the text.
+    kept: Vec<(Kind, &'static str, String)>,
+    /// What is at odds in the settings, and warnings about them.
+    remarks: Vec<String>,
+}
+
+impl Import {
+    fn new(file: &Path, picked: &Picked) -> anyhow::Result<Self> {
+        let mut translation = translate(picked);
+        // A profile of one kind stays one, whatever it sets.
+        if let [kind] = picked.kinds.as_slice() {
+            for setting in &mut translation.settings {
+                setting.kind = *kind;
+            }
+        }
+        if translation.settings.is_empty() {
+            bail!(
+                "{}: isoslice knows none of its {} keys",
+                file.display(),
+                picked.values.len()
+            );
+        }
+        let has =
+            |kind: &Kind| translation.settings.iter().any(|s| s.kind == *kind);
+        let kinds = [Kind::Printer, Kind::Filament, Kind::Print];
+        let kinds = kinds.into_iter().filter(has).collect();
+        let stem = file.file_name().unwrap_or_default().to_string_lossy();
+        let stem = stem.split('.').next().unwrap_or("").to_owned();
+        let names: Vec<&str> =
+            picked.names.iter().map(|n| n.name.as_str()).collect();
+        let name = names.first().map_or(stem.as_str(), |name| name);
+        let slicer = picked.slicer.name();
+        let file = file.file_name().unwrap_or_default().to_string_lossy();
+        let of = match names.as_slice() {
+            [] => String::new(),
+            all => format!(", {}", all.join(", ")),
+        };
+        Ok(Self {
+            origin: one_line(&format!("{slicer}'s {file}{of}")),
+            name: slug(name),
+            shown: one_line(name),
+            kinds,
+            picked: picked.clone(),
+            translation,
+            settings: Settings::default(),
+            kept: Vec::new(),
+            remarks: Vec::new(),
+        })
+    }
+
+    /// Leaves out what isoslice refuses, and notes what is at odds.
+    fn settle(&mut self) -> anyhow::Result<()> {
+        let mut builder = Builder::new();
+        let mut fine = Vec::new();
+        let mut refused = Vec::new();
+        for mut setting in std::mem::take(&mut self.translation.settings) {
+            if setting.name.starts_with("gcode.")
+                && let Value::Text(text) = &setting.value
+            {
+                let known = &understands_placeholder;
+                let filled = fill(text, &self.picked.values, known);
+                if let Some(why) = &filled.refused {
+                    refused.push(self.keep(setting, why));
+                    continue;
+                }
+                for (name, value) in filled.assumed {
+                    let shown =
+                        if value.is_empty() { "nothing" } else { value };
+                    let remark = format!(
+                        "{} asks for {name}, which the profile does not say: \
+                         {shown} is put in",
+                        setting.name
+                    );
+                    if !self.remarks.contains(&remark) {
+                        self.remarks.push(remark);
+                    }
+                }
+                setting.value = Value::Text(filled.text);
+            }
+            let mut tried = builder.clone();
+            match tried.toml("import", &assignment(&setting)) {
+                Ok(()) => {
+                    builder = tried;
+                    fine.push(setting);
+                }
+                Err(error) => {
+                    let message = error.to_string();
+                    let message = message
+                        .strip_prefix("import:1: ")
+                        .or(message.strip_prefix("import, line 1: "))
+                        .unwrap_or(&message)
+                        .to_owned();
+                    refused.push((setting, message));
+                }
+            }
+        }
+        self.translation.settings = fine;
+        // A template that is not understood is kept as a comment, since half a
+        // start is worse than the firmware's own.
+        let wrong = try_templates(builder.settings());
+        for error in wrong {
+            let (taken, rest): (Vec<_>, Vec<_>) =
+                std::mem::take(&mut self.translation.settings)
+                    .into_iter()
+                    .partition(|s| s.name == error.template);
+            self.translation.settings = rest;
+            builder.toml("import", &format!("{} = ''", error.template))?;
+            let why = error.to_string();
+            refused.extend(taken.into_iter().map(|s| self.keep(s, &why)));
+        }
+        for (setting, why) in &refused {
+            self.lose(setting, why);
+        }
+        self.settings = builder.settings().clone();
+        match builder.finish() {
+            Ok((_, warnings)) => self.remarks.extend(warnings),
+            Err(error) => self.remarks.push(format!(
+                "slicing with it as it is will be refused, {error}; set it in \
+                 the profile"
+            )),
+        }
+        Ok(())
+    }
+
+    /// Keeps a template, which is left out, as a comment; why it is left out.
+    fn keep(&mut self, setting: Setting, why: &str) -> (Setting, String) {
+        if let Value::Text(text) = &setting.value {
+            self.kept.push((setting.kind, setting.name, text.clone()));
+        }
+        let what = format!(
+            "it was left out, and stands in the profile as a comment: {why}"
+        );
+        (setting, what)
+    }
+
+    /// Counts the keys of a setting that is left out as lost, except those of
+    /// which another setting was made.
+    fn lose(&mut self, setting: &Setting, why: &str) {
+        let t = &mut self.translation;
+        let mut is_said = false;
+        for key in &setting.from {
+            let kept = t.settings.iter().any(|s| s.from.contains(key));
+            let lost = t.lost.iter().any(|left| left.key == *key);
+            if kept || lost {
+                continue;
+            }
+            is_said = true;
+            t.mapped = t.mapped.saturating_sub(1);
+            t.lost.push(Left {
+                key: key.clone(),
+                value: self.picked.values.shown(key),
+                why: why.to_owned(),
+            });
+        }
+        if !is_said {
+            let remark = format!("{} was left out: {why}", setting.name);
+            self.remarks.push(remark);
+        }
+    }
+
+    /// The text of a profile with the settings of some kinds, of which the last
+    /// wins.
+    fn text(&self, of: &[Kind]) -> anyhow::Result<String> {
+        let mut text = String::new();
+        let t = &self.translation;
+        writeln!(
+            text,
+            "# Imported by isoslice {} from {}:\n# {} keys became settings, {} \
+             have no counterpart, {} are not known, {} are not needed.",
+            env!("CARGO_PKG_VERSION"),
+            self.origin,
+            t.mapped,
+            t.lost.len(),
+            t.unknown.len(),
+            t.ignored.len()
+        )?;
+        let named = self.picked.names.iter();
+        let named = named.filter(|n| of.contains(&n.kind));
+        let name = match named.map(|n| n.name.as_str()).collect::<Vec<_>>() {
+            none if none.is_empty() => self.shown.clone(),
+            names => one_line(&names.join(", ")),
+        };
+        let slicer = self.picked.slicer.name();
+        let description = format!("{name}, from {slicer}");
+        let description = toml::Value::String(description);
+        writeln!(text, "description = {description}")?;
+        let mut all: Vec<&Setting> = Vec::new();
+        for setting in t.settings.iter().filter(|s| of.contains(&s.kind)) {
+            all.retain(|s| s.name != setting.name);
+            all.push(setting);
+        }
+        // Every setting is written as the whole profile has it, unless another
+        // kind sets it, too.
+        let mut group = "";
+        for key in keys() {
+            let Some(setting) = all.iter().find(|s| s.name == key.name) else {
+                continue;
+            };
+            let (of_key, leaf) =
+                key.name.split_once('.').unwrap_or(("", key.name));
+            if of_key != group {
+                group = of_key;
+                writeln!(text, "\n[{group}]")?;
+            }
+            let mut own = Builder::new();
+            own.toml("import", &assignment(setting))?;
+            let value = key.get(own.settings());
+            let from = one_line(&setting.from.join(", "));
+            if value.contains('\n') || value.len() + from.len() > 100 {
+                writeln!(text, "# {from}\n{leaf} = {value}")?;
+            } else {
+                writeln!(text, "{leaf} = {value} # {from}")?;
+            }
+        }
+        for (kind, name, template) in &self.kept {
+            if of.contains(kind) {
+                writeln!(
+                    text,
+                    "\n# {name}, which isoslice could not translate. Until it \
+                     is mended here,\n# the print {}:",
+                    match *name {
+                        "gcode.start" => "begins with homing only",
+                        "gcode.end" => "ends with isoslice's own lines",
+                        _ => "goes on without it",
+                    }
+                )?;
+                for line in template.lines() {
+                    writeln!(text, "#   {}", one_line(line))?;
+                }
+            }
+        }
+        Ok(text)
+    }
+
+    /// Writes everything into one file.
+    fn write_one(
+        &self,
+        path: &Path,
+        args: &ImportArgs,
+    ) -> anyhow::Result<Vec<Written>> {
+        let text = self.text(&self.kinds)?;
+        let exists = !is_stream(path) && fs::symlink_metadata(path).is_ok();
+        if exists && !args.force {
+            bail!("{} is already there; --force replaces it", path.display());
+        }
+        put(path, &args.file, &text)?;
+        let kind = self.kinds.first().copied().unwrap_or(Kind::Print);
+        let name = path.display().to_string();
+        Ok(vec![(kind, name, path.to_owned())])
+    }
+
+    /// Writes a file for each kind into the user's folder.
+    fn write_each(&self, args: &ImportArgs) -> anyhow::Result<Vec<Written>> {
+        let Some(folder) = args.source.folder() else {
+            bail!(
+                "there is no folder for your profiles: name one with \
+                 --profiles DIR, or a file with -o FILE"
+            );
+        };
+        let given = match &args.new_name {
+            Some(name) => {
+                let fine = slug(name);
+                if fine.is_empty() || fine != *name {
+                    bail!(
+                        "--as {name:?} is no name of a profile: use small \
+                         letters, digits, dots and dashes, as in {:?}",
+                        if fine.is_empty() { "my-printer" } else { &fine }
+                    );
+                }
+                Some(fine)
+            }
+            None => None,
+        };
+        let mut files = Vec::new();
+        for kind in &self.kinds {
+            let own = self.picked.names.iter().find(|n| n.kind == *kind);
+            let own = own.map_or(self.name.clone(), |n| slug(&n.name));
+            let name = match given.clone().unwrap_or(own) {
+                none if none.is_empty() => "imported".to_owned(),
+                name => name,
+            };
+            let folder = folder.join(ours(*kind).folder());
+            let path = folder.join(format!("{name}.toml"));
+            if fs::symlink_metadata(&path).is_ok() && !args.force {
+                bail!(
+                    "there is a profile {} already; choose another name with \
+                     --as NAME, or replace it with --force",
+                    path.display()
+                );
+            }
+            files.push((*kind, name, folder, path));
+        }
+        // All are written before the first is put in its place.
+        let mut outputs = Vec::new();
+        for (kind, name, folder, path) in files {
+            fs::create_dir_all(&folder).with_context(|| {
+                format!("cannot make the folder {}", folder.display())
+            })?;
+            let text = self.text(&[kind])?;
+            let output = begun(&path, &args.file, &text)?;
+            outputs.push((output, (kind, name, path)));
+        }
+        let mut written: Vec<Written> = Vec::new();
+        let mut fresh: Vec<PathBuf> = Vec::new();
+        for (output, (kind, name, path)) in outputs {
+            let is_fresh = fs::symlink_metadata(&path).is_err();
+            if let Err(error) = finished(output, &path) {
+                for path in fresh {
+                    // The first error is the one to tell of.
+                    let _ = fs::remove_file(path);
+                }
+                return Err(error);
+            }
+            if is_fresh {
+                fresh.push(path.clone());
+            }
+            written.push((kind, name, path));
+        }
+        Ok(written)
+    }
+
+    /// What was done, for people.
+    fn summary(&self, written: &[Written], all: bool) -> String {
+        let t = &self.translation;
+        let mut out = String::new();
+        for (_, _, path) in written {
+            let _ = writeln!(out, "wrote {}", plain::value(path.display()));
+        }
+        let _ = writeln!(
+            out,
+            "{} keys became {} settings, {} are not needed, {} have no \
+             counterpart, {} are not known",
+            t.mapped,
+            t.settings.len(),
+            t.ignored.len(),
+            t.lost.len(),
+            t.unknown.len()
+        );
+        if all {
+            for setting in &t.settings {
+                let _ = writeln!(
+                    out,
+                    "  {} = {}, from {}",
+                    setting.name,
+                    plain::value(shown(&setting.value)),
+                    plain::value(setting.from.join(", "))
+                );
+            }
+        }
+        let lists = [
+            ("no counterpart", &t.lost, true),
+            ("not known", &t.unknown, true),
+            ("not needed", &t.ignored, false),
+        ];
+        for (title, list, always) in lists {
+            if list.is_empty() || !(always || all) {
+                continue;
+            }
+            let _ = writeln!(out, "{title}:");
+            let most = if all { list.len() } else { MOST_SHOWN };
+            for left in list.iter().take(most) {
+                let _ = writeln!(
+                    out,
+                    "  {} = {}: {}",
+                    plain::value(&left.key),
+                    plain::value(shortened(&left.value)),
+                    plain::value(&left.why)
+                );
+            }
+            if list.len() > most {
+                let more = list.len() - most;
+                let _ = writeln!(out, "  and {more} more: --all names them");
+            }
+        }
+        for remark in &self.remarks {
+            let _ = writeln!(out, "note: {}", plain::line(remark));
+        }
+        if !written.is_empty() {
+            let options: Vec<String> = written
+                .iter()
+                .map(|(kind, name, _)| {
+                    let word = ours(*kind).word();
+                    format!("--{word} {}", plain::value(name))
+                })
+                .collect();
+            let _ = writeln!(
+                out,
+                "slice with it: isoslice slice part.rhai {}",
+                options.join(" ")
+            );
+        }
+        out
+    }
+}
+
+/// A file that was written: its kind, its name on the command line, its path.
+type Written = (Kind, String, PathBuf);
+
+/// The kind of isoslice's profile that a kind of key goes to.
+fn ours(kind: Kind) -> ProfileKind {
+    match kind {
+        Kind::Printer => ProfileKind::Printer,
+        Kind::Filament => ProfileKind::Filament,
+        Kind::Print => ProfileKind::Preset,
+    }
+}
+
+/// A setting as a line of TOML.
+fn assignment(setting: &Setting) -> String {
+    let value = match &setting.value {
+        Value::Number(x) => shown(&Value::Number(*x)),
+        Value::Switch(yes) => yes.to_string(),
+        Value::Text(text) => toml::Value::String(text.clone()).to_string(),
+    };
+    format!("{} = {value}", setting.name)
+}
+
+fn shown(value: &Value) -> String {
+    match value {
+        // Whole settings take no decimals.
+        Value::Number(x) => format!("{x}"),
+        Value::Switch(yes) => yes.to_string(),
+        Value::Text(text) => shortened(text),
+    }
+}
+
+/// A value, as part of a line of the summary.
+fn shortened(text: &str) -> String {
+    const MOST: usize = 60;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// Text that cannot end a comment's line.
+fn one_line(text: &str) -> String {
+    let plain = |c: char| if c.is_control() { ' ' } else { c };
+    text.chars().map(plain).collect()
+}
+
+/// The name of a profile's file: small letters, digits, dots and dashes.
+fn slug(name: &str) -> String {
+    let mut out = String::new();
+    for c in name.chars().flat_map(char::to_lowercase) {
+        let plain = c.is_alphanumeric() || (c == '.' && !out.is_empty());
+        if plain && out.len() < LONGEST_NAME {
+            out.push(c);
+        } else if !out.ends_with('-') && !out.is_empty() {
+            out.push('-');
+        }
+    }
+    let out = out.trim_end_matches(['-', '.']);
+    // Such an ending would make it a path on the command line.
+    out.strip_suffix(".toml").unwrap_or(out).to_owned()
+}
+
+/// Writes a file, whole or not at all.
+fn put(path: &Path, input: &Path, text: &str) -> anyhow::Result<()> {
+    finished(begun(path, input, text)?, path)
+}
+
+/// A file with its text, which is not in its place yet.
+fn begun(path: &Path, input: &Path, text: &str) -> anyhow::Result<Output> {
+    let mut output = Output::create(path, &[input])?;
+    output
+        .write_all(text.as_bytes())
+        .with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(output)
+}
+
+/// Puts a file in its place.
+fn finished(output: Output, path: &Path) -> anyhow::Result<()> {
+    output
+        .finish()
+        .with_context(|| format!("cannot write {}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_files_are_plain() {
+        for (name, file) in [
+            (
+                "Original Prusa MK4S 0.4 nozzle",
+                "original-prusa-mk4s-0.4-nozzle",
+            ),
+            ("../../etc/passwd", "etc-passwd"),
+            ("K1 (0.4)", "k1-0.4"),
+            ("a.toml", "a"),
+            ("…", ""),
+        ] {
+            assert_eq!(slug(name), file);
+        }
+    }
+}

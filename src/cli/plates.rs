@@ -1,0 +1,152 @@
+//! Several models, copies, and plate files: what `isoslice slice` prints in one
+//! go.
+
+use super::args::{Gathered, ModelArgs, is_plate};
+use anyhow::bail;
+use clap::Args;
+use isoslice::plate::{MOST_PARTS, Plate, PlateFile, Wanted};
+use isoslice::settings::Settings;
+use std::path::{Path, PathBuf};
+
+/// More models than one.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub(super) struct PlateArgs {
+    /// More models for the same plate; MODEL may also be a plate file (.toml),
+    /// which tells of each part where it stands and how it is printed:
+    /// docs/plates.md
+    #[arg(value_name = "MORE", value_parser = model_file)]
+    more: Vec<PathBuf>,
+
+    /// Print N copies of each model, arranged on the bed
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u64).range(1..=MOST_PARTS),
+        help_heading = "Placement"
+    )]
+    copies: Option<u64>,
+}
+
+/// What is to be printed.
+pub(super) struct Job {
+    pub(super) plate: Plate,
+    /// What the user should know of a plate file's settings.
+    pub(super) warnings: Vec<String>,
+}
+
+/// A plate file that has been read, if the model is one.
+pub(super) fn file(
+    model: &ModelArgs,
+    args: &PlateArgs,
+    gathered: &Gathered,
+    sets: &[String],
+) -> anyhow::Result<Option<PlateFile>> {
+    let Some(path) = model.model.as_deref().filter(|path| is_plate(path))
+    else {
+        return Ok(None);
+    };
+    if !args.more.is_empty() || args.copies.is_some() || model.places() {
+        bail!(
+            "{} is a plate file, which tells itself of copies, parameters and \
+             places; write them there, and leave out other models, --copies, \
+             -D and the options of placement",
+            path.display()
+        );
+    }
+    Ok(Some(PlateFile::read(path, gathered.builder.clone(), sets)?))
+}
+
+impl PlateArgs {
+    /// The models besides the first.
+    pub(super) fn models(&self) -> impl Iterator<Item = &Path> {
+        self.more.iter().map(PathBuf::as_path)
+    }
+
+    /// True if there is more than one part to print.
+    fn several(&self) -> bool {
+        !self.more.is_empty() || self.copies.is_some_and(|n| n > 1)
+    }
+
+    /// Where the G-code goes if nobody says so.
+    pub(super) fn output(&self, model: &Path) -> PathBuf {
+        match self.more.is_empty() {
+            true => model.with_extension("gcode"),
+            false => model.with_file_name("plate.gcode"),
+        }
+    }
+
+    /// What is to be printed, by a plate file or the command line.
+    pub(super) fn job(
+        &self,
+        model: &ModelArgs,
+        file: Option<PlateFile>,
+        settings: &Settings,
+    ) -> anyhow::Result<Job> {
+        if let Some(file) = file {
+            let path = model.model.as_deref().and_then(Path::file_stem);
+            let name = path.unwrap_or_default().to_string_lossy();
+            let plate = Plate::new(&name, &file.parts, &file.settings)?;
+            let warnings = file.warnings;
+            return Ok(Job { plate, warnings });
+        }
+        if !self.several() {
+            let model = model.load(settings)?;
+            let plate = Plate::of(&model, settings);
+            let warnings = Vec::new();
+            return Ok(Job { plate, warnings });
+        }
+        let first = model.wanted(settings)?;
+        let mut all = vec![Wanted {
+            copies: self.copies.unwrap_or(1),
+            ..first
+        }];
+        for path in self.models() {
+            if is_plate(path) {
+                bail!("{} is a plate file; slice it alone", path.display());
+            }
+            all.push(Wanted {
+                source: isoslice::model::Source::File(path.to_owned()),
+                asked: path.display().to_string(),
+                ..all[0].clone()
+            });
+        }
+        let name = name_of(&all);
+        let plate = Plate::new(&name, &all, settings)?;
+        let warnings = Vec::new();
+        Ok(Job { plate, warnings })
+    }
+}
+
+/// The name of a model's file. Anything else is a mistake in the command line.
+fn model_file(given: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(given);
+    let known = ["rhai", "vm", "toml"];
+    let extension = path.extension().unwrap_or_default();
+    match known.iter().any(|e| extension.eq_ignore_ascii_case(e)) {
+        true => Ok(path),
+        false => Err("models after the first are .rhai or .vm files".into()),
+    }
+}
+
+/// The name of a plate of these models: theirs, if they are few.
+fn name_of(all: &[Wanted]) -> String {
+    use isoslice::model::Source;
+    const MOST: usize = 3;
+    let mut names: Vec<String> = Vec::new();
+    for one in all {
+        let name = match &one.source {
+            Source::Text { name, .. } => name.clone(),
+            Source::File(path) => {
+                let stem = path.file_stem().unwrap_or_default();
+                stem.to_string_lossy().into_owned()
+            }
+        };
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    match names.len() {
+        ..=MOST => names.join("+"),
+        _ => format!("{}+{} more", names[0], names.len() - 1),
+    }
+}

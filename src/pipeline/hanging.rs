@@ -1,0 +1,129 @@
+//! What hangs in a part: followed up its layers, while they are written or for
+//! its own sake.
+
+use super::SliceError;
+use super::layer::Layer;
+use super::stages::Stages;
+use super::{BLOCK, pool};
+use crate::contour::FieldError;
+use crate::hang::{Hanging, Look, Place, Tracker};
+use crate::heights::heights;
+use crate::limits;
+use crate::model::Model;
+use crate::report::Gauge;
+use crate::settings::Settings;
+use crate::units::Mm;
+use crate::vary::Surroundings;
+use glam::DVec2;
+use rayon::prelude::*;
+use std::collections::VecDeque;
+
+/// What of a part would need supports.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Survey {
+    /// By kind, as a run's summary has it.
+    pub hanging: Hanging,
+    /// Place by place, from the bed up.
+    pub places: Vec<Place>,
+    /// Height of the part.
+    pub height: Mm,
+}
+
+/// Looks at a placed model for what would need supports, whether or not the
+/// settings ask for any. No bead is laid. Uses so many threads, or all of the
+/// machine's.
+///
+/// # Errors
+/// If there are no layers, or they cannot be evaluated.
+pub fn survey(
+    model: &Model,
+    settings: &Settings,
+    threads: Option<usize>,
+) -> Result<Survey, SliceError> {
+    let pool = pool(threads)?;
+    let model = &model.raised(settings.raft_height());
+    let spans = pool.install(|| heights(model, settings))?.spans;
+    let around = Surroundings::new(model);
+    let gauge = Gauge::new(model, settings, spans.len(), false)?;
+    let stages = Stages::new(model, settings, &around, gauge, &spans)?;
+    let offset = model.offset.truncate();
+    let mut tracker = Tracker::with_places();
+    let mut window: VecDeque<Layer> = VecDeque::new();
+    let slab = stages.slab_layers();
+    for group in spans.chunks(slab * pool.current_num_threads()) {
+        limits::check();
+        let slabs = group.par_chunks(slab);
+        let made = slabs.map(|slab| stages.layers(slab, &(0..usize::MAX)));
+        let made: Vec<Result<Vec<Layer>, FieldError>> =
+            pool.install(|| made.collect());
+        // Of what was before, the last layer is looked at once more.
+        window.drain(..window.len().saturating_sub(1));
+        let first = window.len();
+        for slab in made {
+            for mut layer in slab? {
+                if let Some(below) = window.back() {
+                    layer.share(below);
+                }
+                window.push_back(layer);
+            }
+        }
+        let here = first..window.len();
+        let looks: Vec<Option<Look>> = pool.install(|| {
+            let look = |i| stages.look(&window, i);
+            here.clone().into_par_iter().map(look).collect()
+        });
+        for (i, look) in here.zip(looks) {
+            let follow = Follow {
+                offset,
+                count: spans.len(),
+                written: true,
+                settings,
+            };
+            follow.layer(&mut tracker, &window[i], look.as_ref());
+        }
+    }
+    let (hanging, places) = tracker.finish();
+    Ok(Survey {
+        hanging,
+        places,
+        height: spans.last().map_or(0.0, |span| span.top),
+    })
+}
+
+/// How layers are followed.
+pub(super) struct Follow<'a> {
+    /// From the model's coordinates to the bed's.
+    pub offset: DVec2,
+    /// How many layers the part has.
+    pub count: usize,
+    /// Whether what hangs in this layer counts.
+    pub written: bool,
+    pub settings: &'a Settings,
+}
+
+impl Follow<'_> {
+    /// Follows what hangs to the next layer; `look` compares it with the one
+    /// below, unless they are the same.
+    pub(super) fn layer(
+        self,
+        tracker: &mut Tracker,
+        layer: &Layer,
+        look: Option<&Look>,
+    ) {
+        let span = layer.span;
+        let place = |p: DVec2| (p + self.offset).extend(span.bottom);
+        let written = self.written;
+        match look {
+            Some(look) => {
+                tracker.layer(look, layer.outline.grid(), written, place);
+            }
+            None => tracker.same(span.height(), written, self.settings),
+        }
+        // With the block, or with the part.
+        let next = span.index + 1;
+        if next.is_multiple_of(BLOCK) || next == self.count {
+            tracker.restart(written, self.settings);
+        }
+    }
+}

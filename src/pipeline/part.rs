@@ -1,0 +1,373 @@
+//! What is done in order for each part: from a layer's beads to its path.
+//!
+//! In: layers of a part from below. Out: their paths, as if the part stood alone
+//! where its model was placed. What one layer of the part hands to the next
+//! passes through here, and is forgotten at the beginning of every block: see
+//! [`PartExit::restart`].
+
+use super::hanging::Follow;
+use super::layer::{Filled, Layer, Ready};
+use super::tally::Tally;
+use super::{BLOCK, SliceError};
+use crate::adhesion::{keep_on_bed, without_ears};
+use crate::hang::foot::Foot;
+use crate::hang::{self, Hanging, Look};
+use crate::infill::standing::Standing;
+use crate::layers::LayerSpan;
+use crate::order::{self, Head, linked, order};
+use crate::pace::rates;
+use crate::plane::Solid;
+use crate::plate::Part;
+use crate::region::wall_depths;
+use crate::relief::{Relief, Site};
+use crate::report::LayerFigures;
+use crate::seam::ending::{Ended, cut, endings};
+use crate::settings::Settings;
+use crate::spiral::Spiral;
+use crate::timings::{Stage, Timings};
+use crate::travel::{Ground, LayerPath, Move, connect};
+use crate::walls::{Beside, Interlock, Reach, Support};
+use glam::DVec2;
+use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The stages of one part that run in order.
+pub(super) struct PartExit<'a> {
+    part: &'a Part,
+    settings: &'a Settings,
+    /// From the model's coordinates to the bed's.
+    offset: DVec2,
+    /// The climbing wall, if there is one.
+    spiral: Option<&'a Spiral<'a>>,
+    /// What lets beads follow the surface, if they are to.
+    relief: Option<Relief<'a>>,
+    head: Head,
+    /// For infill that may stand on nothing.
+    standing: Option<Standing>,
+    /// The layers to be written.
+    layers: Range<usize>,
+    /// How many the part has.
+    layer_count: usize,
+    timings: &'a Timings,
+    beads: usize,
+    tally: Tally,
+    warnings: Vec<String>,
+    hanging: hang::Tracker,
+    /// What the part stands on, if the first layer is written.
+    foot: Option<Foot>,
+}
+
+/// A layer of a part on its way.
+pub(super) struct Passed {
+    /// Its moves, where the model was placed.
+    pub path: LayerPath,
+    /// The outline to print.
+    pub outline: Arc<Solid<'static>>,
+    /// What holds the layer, if that matters: the one below, where it is not the
+    /// same, and supports.
+    below: Option<Arc<Solid<'static>>>,
+    held: Option<Solid<'static>>,
+    /// How far it is off, if it was measured.
+    pub figures: Option<LayerFigures>,
+}
+
+impl Passed {
+    /// Where the layer's beads are in a place, `shift` away from where the model
+    /// was placed.
+    pub(super) fn site(&self, shift: DVec2) -> rates::Site<'_> {
+        let held = self.held.as_ref().map(Solid::grid);
+        let below = self.below.as_ref();
+        rates::Site {
+            solid: Some(self.outline.grid()),
+            reach: below.map(|below| Reach::new(below.grid(), held)),
+            shift,
+        }
+    }
+}
+
+/// What came of a part.
+pub(super) struct PartDone {
+    /// Beads of the part printed: a skirt alone is nothing.
+    pub beads: usize,
+    /// What was counted.
+    pub tally: Tally,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// What hangs.
+    pub hanging: Hanging,
+    /// What the part stands on, if that is written.
+    pub foot: Option<Foot>,
+}
+
+impl<'a> PartExit<'a> {
+    /// For a part of `layer_count` layers, of which `layers` are written.
+    pub(super) fn new(
+        part: &'a Part,
+        timings: &'a Timings,
+        layers: Range<usize>,
+        layer_count: usize,
+        spiral: Option<&'a Spiral<'a>>,
+        relief: Option<Relief<'a>>,
+    ) -> Self {
+        PartExit {
+            part,
+            settings: &part.settings,
+            offset: part.model.offset.truncate(),
+            spiral,
+            relief,
+            head: Head::default(),
+            standing: Standing::new(&part.settings),
+            layers,
+            layer_count,
+            timings,
+            beads: 0,
+            tally: Tally::default(),
+            warnings: Vec::new(),
+            hanging: hang::Tracker::default(),
+            foot: None,
+        }
+    }
+
+    /// Takes the next layer.
+    pub(super) fn layer(&mut self, ready: Ready) -> Result<Passed, SliceError> {
+        let (layer, above) = (&ready.layer, ready.above.as_ref());
+        let below = ready.below.as_ref();
+        let Filled {
+            mut beads,
+            sparse,
+            gap,
+            look,
+            figures,
+            support: supported,
+            held,
+            areas: _,
+        } = ready.filled;
+        let index = layer.span.index;
+        if index == 0 {
+            let without = without_ears(&beads.skirt, self.settings);
+            self.warnings.extend(without);
+        }
+        // Equal parts stay equal, wherever they are.
+        for place in &self.part.places {
+            if beads.skirt.is_empty() {
+                break;
+            }
+            let offset = self.offset + place.shift;
+            let off_bed = keep_on_bed(&mut beads.skirt, offset, self.settings);
+            for warning in off_bed {
+                if index == 0 && !self.warnings.contains(&warning) {
+                    self.warnings.push(warning);
+                }
+            }
+        }
+        let written = self.layers.contains(&index);
+        if let Some(standing) = &mut self.standing {
+            let infill = std::mem::take(&mut beads.infill);
+            if index == self.settings.raft_layers() {
+                // It stands on what is below it, whatever that is.
+                standing.forget();
+            }
+            beads.infill = self.timings.time(Stage::Infill, || {
+                standing.kept(infill, beads.shell(), written)
+            });
+        }
+        self.follow_hanging(layer, look.as_ref(), written);
+        let from = self.head.at;
+        let solid = layer.outline.grid();
+        let turn = beads.turn.take();
+        let turns = turn.is_some();
+        // A climbing wall leans on the turn below, and a raft holds what is
+        // on it.
+        let on_raft = index == self.settings.raft_layers();
+        let below = below.filter(|_| !turns && !on_raft);
+        let below = below.filter(|below| !layer.same_outline(below));
+        let below: Option<Arc<Solid<'static>>> =
+            self.timings.time(Stage::Travel, || {
+                below.map(|below| match below.top(self.settings) {
+                    Cow::Owned(top) => Arc::new(top),
+                    Cow::Borrowed(_) => below.outline.clone(),
+                })
+            });
+        let support = self.timings.time(Stage::Travel, || {
+            let below = below.as_deref()?;
+            Support::new(below, &layer.outline, self.settings)
+        });
+        let support = support.as_ref();
+        let ended = self.timings.time(Stage::Order, || {
+            let place = order::Place {
+                number: index,
+                outline: layer.area(),
+                support,
+            };
+            let beads = order(beads, place, &mut self.head, self.settings);
+            let beads = linked(beads, solid, self.settings);
+            let first = index == self.settings.raft_layers();
+            let mut ended = endings(beads, solid, first, self.settings);
+            ended.extend(turn.map(Ended::from));
+            ended
+        });
+        self.head.at = ended.last().and_then(Ended::end).or(from);
+        let beads = self.timings.time(Stage::Travel, || match support {
+            Some(support) => cut(ended, support),
+            None => ended,
+        });
+        let beads = match self.settings.interlocks() {
+            true => self.timings.time(Stage::Walls, || {
+                self.interlocked(beads, layer, ready.below.as_ref(), above)
+            }),
+            false => beads,
+        };
+        let beads = self
+            .timings
+            .time(Stage::Skin, || self.on_surface(beads, layer, above))?;
+        let path = self.timings.time(Stage::Travel, || {
+            // By the layer's own height. Walls are shared by layers whose
+            // heights are the same but for rounding, and that decides between
+            // ways that are equally long: a range of layers would differ.
+            let (_, border) = wall_depths(layer.span.height(), self.settings);
+            if written {
+                let of_part = beads.iter().filter(|b| b.bead.role.is_part());
+                let count = of_part.count();
+                let support = beads.iter().map(|b| &b.bead);
+                let support = support.filter(|b| b.role.is_support());
+                self.tally.support +=
+                    support.map(|b| b.area() * b.length()).sum::<f64>();
+                self.beads += count;
+                if index >= self.settings.raft_layers() {
+                    self.tally.add(layer, gap, count == 0);
+                }
+            }
+            let mut path = connect(
+                layer.span,
+                beads,
+                Ground {
+                    outline: &layer.outline,
+                    sparse: &sparse,
+                    support: supported.as_ref(),
+                    border,
+                    above: above.map(Layer::area),
+                },
+                from,
+                self.offset,
+                self.settings,
+            );
+            // From an unknown place the way may lead over anything.
+            if from.is_none()
+                && index >= BLOCK
+                && let Some(Move::Travel(travel)) = path.moves.first_mut()
+            {
+                travel.retract = true;
+                travel.hop = true;
+            }
+            path
+        });
+        Ok(Passed {
+            path,
+            below: below.filter(|_| self.settings.by_reach()),
+            held,
+            outline: layer.outline.clone(),
+            figures,
+        })
+    }
+
+    /// A layer's beads, walls that are to lie lower in their places.
+    fn interlocked(
+        &self,
+        beads: Vec<Ended>,
+        layer: &Layer,
+        below: Option<&Layer>,
+        above: Option<&Layer>,
+    ) -> Vec<Ended> {
+        fn beside<'l>(layer: &Layer, other: &'l Layer) -> Beside<'l> {
+            let same = layer.same_outline(other);
+            Beside {
+                height: other.span.height(),
+                outline: (!same).then(|| other.outline.grid()),
+            }
+        }
+        let interlock = Interlock {
+            outline: layer.outline.grid(),
+            below: below.map(|below| beside(layer, below)),
+            above: above.map(|above| beside(layer, above)),
+        };
+        let mut out = Vec::with_capacity(beads.len());
+        for Ended { bead, wipe } in beads {
+            let placed = interlock.placed(bead, self.settings);
+            let any = !placed.is_empty();
+            out.extend(placed.into_iter().map(Ended::from));
+            if let Some(last) = out.last_mut().filter(|_| any) {
+                last.wipe = wipe;
+            }
+        }
+        out
+    }
+
+    /// A layer's beads on the surface above them, if they are to follow it.
+    fn on_surface(
+        &self,
+        beads: Vec<Ended>,
+        layer: &Layer,
+        above: Option<&Layer>,
+    ) -> Result<Vec<Ended>, SliceError> {
+        let covered = above.is_some_and(|above| layer.same_outline(above));
+        let Some(relief) = self.relief.as_ref().filter(|_| !covered) else {
+            return Ok(beads);
+        };
+        let site = Site {
+            span: layer.span,
+            above: above.map(|a| (a.span.height(), a.outline.grid())),
+        };
+        Ok(relief.apply(beads, site)?)
+    }
+
+    /// Follows what hangs.
+    fn follow_hanging(
+        &mut self,
+        layer: &Layer,
+        look: Option<&Look>,
+        written: bool,
+    ) {
+        let first = self.part.places.first().map_or(DVec2::ZERO, |p| p.shift);
+        let span = layer.span;
+        let follow = Follow {
+            offset: self.offset + first,
+            count: self.layer_count,
+            written,
+            settings: self.settings,
+        };
+        let tracker = &mut self.hanging;
+        self.timings
+            .time(Stage::Hang, || follow.layer(tracker, layer, look));
+        if span.index == 0 && written && self.settings.raft_layers() == 0 {
+            self.foot = Foot::new(layer.area(), span.height(), self.settings);
+        }
+    }
+
+    /// Forgets what the layers below have left, so that what follows depends
+    /// on nothing but the part. Tells where its head is all the same, on the
+    /// bed.
+    pub(super) fn restart(&mut self, span: &LayerSpan) -> Option<DVec2> {
+        // A climbing wall goes on where the turn below ends.
+        let at = self.spiral.and_then(|spiral| spiral.start(span.index));
+        self.head = Head {
+            at,
+            ..Head::default()
+        };
+        self.standing.iter_mut().for_each(Standing::forget);
+        at.map(|at| at + self.offset)
+    }
+
+    /// What came of the part.
+    pub(super) fn finish(mut self) -> PartDone {
+        let standing = self.standing.as_ref();
+        self.warnings.extend(standing.and_then(Standing::warning));
+        PartDone {
+            beads: self.beads,
+            tally: self.tally,
+            warnings: self.warnings,
+            hanging: self.hanging.finish().0,
+            foot: self.foot,
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! A raft: layers of their own between the bed and the part.
+//!
+//! ```text
+//!          █████████         part
+//!          ┄┄┄┄┄┄┄┄┄         raft.gap
+//!        ▓▓▓▓▓▓▓▓▓▓▓▓▓       solid layers, from the second on
+//!        ░ ░ ░ ░ ░ ░ ░       a thick one of wide lines, with air between
+//!   ─────────────────────
+//! ```
+//!
+//! In: what the part and its supports have in the first layers above it. Out:
+//! the beads of the raft's layers. They count as layers of the print from the
+//! bed up, in which the part has no outline.
+
+use super::supported::{SupportFill, filled_by};
+use crate::bead::{Bead, Role};
+use crate::infill::{self, InfillError};
+use crate::layers::LayerSpan;
+use crate::plane::clip::{crop, unite};
+use crate::plane::offset::offset;
+use crate::plane::{Area, Rect};
+use crate::settings::Settings;
+use crate::units::{Mm, Percent};
+use crate::vary::Surroundings;
+
+/// Share of the first layer that is printed.
+const SPARSE: Percent = 50.0;
+/// Tolerance of its border, mm.
+const TOLERANCE: Mm = 0.02;
+/// Gaps in the raft narrower than this are closed, mm.
+const CLOSED: Mm = 4.0;
+
+/// The settings by which a raft is filled.
+pub(super) struct Fills {
+    base: Settings,
+    solid: Settings,
+}
+
+impl Fills {
+    /// Of a run with these settings.
+    pub(super) fn new(settings: &Settings) -> Fills {
+        Fills {
+            base: filled_by(settings.raft_line_width(), SPARSE, settings),
+            solid: filled_by(settings.infill_width(), 100.0, settings),
+        }
+    }
+}
+
+/// The raft of a print.
+pub(super) struct Raft<'a> {
+    /// Where it is.
+    pub area: Area,
+    base: SupportFill<'a>,
+    solid: SupportFill<'a>,
+}
+
+impl<'a> Raft<'a> {
+    /// The raft under what a part and its supports have above it.
+    pub(super) fn new(
+        under: &Area,
+        bed: Rect,
+        fills: &'a Fills,
+        around: &'a Surroundings<'a>,
+        site: infill::Site,
+    ) -> Result<Raft<'a>, InfillError> {
+        let settings = &fills.solid;
+        let reach = settings.raft.expansion + 0.5 * CLOSED;
+        let wide = offset(under, reach, TOLERANCE);
+        let area = offset(&wide, -0.5 * CLOSED, TOLERANCE);
+        // It leaves the bed no more than supports do.
+        let area = unite(&crop(&area.rings, bed));
+        let fill =
+            |settings, role| SupportFill::new(settings, role, around, site);
+        Ok(Raft {
+            area,
+            base: fill(&fills.base, Role::Support)?,
+            solid: fill(&fills.solid, Role::SupportInterface)?,
+        })
+    }
+
+    /// The beads of one of its layers.
+    pub(super) fn beads(
+        &self,
+        span: &LayerSpan,
+    ) -> Result<Vec<Bead>, InfillError> {
+        let fill = match span.index {
+            0 => &self.base,
+            _ => &self.solid,
+        };
+        fill.beads(&self.area, span)
+    }
+}

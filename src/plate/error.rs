@@ -1,0 +1,159 @@
+//! Why there is no plate.
+
+use super::MOST_PARTS;
+use crate::model::{LoadError, PlaceError};
+use crate::settings::SettingsError;
+
+/// Why parts cannot be printed together.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlateError {
+    /// There is nothing on it.
+    #[error(
+        "there is nothing on the plate; give it a model, with copies = 1 or \
+         more"
+    )]
+    Empty,
+    /// There is too much on it.
+    #[error(
+        "{count} parts are more than a plate may have: at most {MOST_PARTS}"
+    )]
+    TooMany {
+        /// How many were asked for.
+        count: u64,
+    },
+    /// A setting differs that holds for the whole plate.
+    #[error(
+        "{asked}: {key} = {value} differs from the plate's {of_plate}, and all \
+         parts on a plate share it; leave it out there, and set it for the \
+         whole plate"
+    )]
+    Differs {
+        /// Where the part is asked for.
+        asked: String,
+        /// The setting.
+        key: &'static str,
+        /// The part's value.
+        value: String,
+        /// The plate's.
+        of_plate: String,
+    },
+    /// Copies that stand in one place.
+    #[error(
+        "{asked}: {copies} copies cannot all stand in one place; leave `at` \
+         out, or name each of them with its own"
+    )]
+    CopiesInOnePlace {
+        /// Where they are asked for.
+        asked: String,
+        /// How many.
+        copies: u64,
+    },
+    /// A climbing wall with something beside it.
+    #[error(
+        "{asked}: spiral = true prints one part, as its wall climbs without a \
+         break; slice the parts one by one, or set spiral = false"
+    )]
+    Spiral {
+        /// Where it is asked for.
+        asked: String,
+    },
+    /// The model's own coordinates on a plate.
+    #[error(
+        "{asked}: --keep-position is for a single part; tell where the parts \
+         stand with `at` in a plate file"
+    )]
+    KeptPosition {
+        /// Where it is asked for.
+        asked: String,
+    },
+    /// A model cannot be loaded.
+    #[error("{asked}")]
+    Load {
+        /// Where it is asked for.
+        asked: String,
+        /// Why not.
+        #[source]
+        error: Box<LoadError>,
+    },
+    /// A model cannot be placed.
+    #[error("{asked}: {name}")]
+    Place {
+        /// Where it is asked for.
+        asked: String,
+        /// The model.
+        name: String,
+        /// Why not.
+        #[source]
+        error: PlaceError,
+    },
+    /// A part with a place is not all on the bed.
+    #[error(
+        "{name} would reach beyond the bed ({excess}); choose another `at` for \
+         it, or leave that out to have a place found"
+    )]
+    OffBed {
+        /// The part.
+        name: String,
+        /// Sides, and by how much they are exceeded.
+        excess: String,
+    },
+    /// Two parts with places overlap.
+    #[error(
+        "{first} and {second} overlap by {x:.2} × {y:.2} mm, as seen by their \
+         boxes from above, with their brims and rafts; move one of them with `at`, or leave that out to \
+         have a place found"
+    )]
+    Overlap {
+        /// One part.
+        first: String,
+        /// The other.
+        second: String,
+        /// By how much along x, mm.
+        x: f64,
+        /// And along y.
+        y: f64,
+    },
+    /// A part finds no place.
+    #[error(
+        "there is no place for {name}, {size} mm{with} on the bed: {placed} of \
+         {count} parts fit on the bed of {bed} mm with plate.spacing = \
+         {spacing} mm; print fewer at a time, lower plate.spacing, or turn or \
+         scale them"
+    )]
+    Full {
+        /// The first part without a place.
+        name: String,
+        /// Its size.
+        size: String,
+        /// What belongs to it.
+        with: &'static str,
+        /// How many have a place.
+        placed: usize,
+        /// How many there are.
+        count: usize,
+        /// Size of the bed.
+        bed: String,
+        /// The distance between them, mm.
+        spacing: f64,
+    },
+    /// A plate file cannot be read.
+    #[error("cannot read the plate file {file}: {cause}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// Why not.
+        cause: String,
+    },
+    /// A plate file is not understood.
+    #[error("{place}: {message}")]
+    File {
+        /// The file and the line.
+        place: String,
+        /// What is wrong, and what to write.
+        message: String,
+    },
+    /// Settings in a plate file are wrong.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+}

@@ -1,0 +1,491 @@
+//! A plate: what is printed in one go. One part, or several, each with its
+//! settings and its places.
+//!
+//! ```text
+//! Wanted, Wanted, … ──new──► Plate: Part (model, settings) ─┬─ place
+//!                                                           ├─ place
+//!                                   Part (model, settings) ─┴─ place
+//! ```
+//!
+//! In: models with their parameters, how they are turned, their settings, how
+//! many of each there are to be, and where those stand that have a place. Out:
+//! parts, each in the middle of the bed as if it were alone, and for each of its
+//! places how far it is from there. Equal ones are places of one part, which is
+//! sliced once.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `file` | reads a plate from a file |
+//! | `shared` | which settings hold for the whole plate |
+//! | `arrange` | finds a place for the parts that have none |
+//!
+//! Guaranteed: the same plate for the same input; boxes of parts, with their
+//! brims, do not overlap and are on the bed. Not guaranteed: that everything is
+//! placed that could be.
+
+mod arrange;
+mod error;
+mod file;
+mod shared;
+
+pub use error::PlateError;
+pub use file::PlateFile;
+
+use crate::adhesion::brim_reach;
+use crate::model::{
+    BuildVolume, Model, Placement, Source, load, place, together,
+};
+use crate::plane::Rect;
+use crate::settings::{DraftShield, InfillCentre, Settings};
+use crate::units::Mm;
+use arrange::{Bed, Box as Piece, arrange};
+use glam::{DVec2, DVec3};
+use std::collections::BTreeMap;
+
+/// Greatest number of parts on a plate.
+pub const MOST_PARTS: u64 = 1000;
+
+/// What positions are multiples of, mm: a digit of the G-code, so that equal
+/// parts are written alike.
+const DIGIT: Mm = 1e-3;
+
+/// What is asked for: copies of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// The model.
+    pub source: Source,
+    /// Parameters of its script, with their values.
+    pub defines: Vec<(String, String)>,
+    /// How it is scaled and turned. Where it stands is `at`.
+    pub placement: Placement,
+    /// How it is printed.
+    pub settings: Settings,
+    /// Where on the bed the middle of its box stands, mm; nothing if a place is
+    /// to be found.
+    pub at: Option<(f64, f64)>,
+    /// How many there are.
+    pub copies: u64,
+    /// Where it was asked for, for messages: a file and a line, or a model.
+    pub asked: String,
+}
+
+/// Parts that are printed together.
+#[derive(Clone)]
+pub struct Plate {
+    /// Its name: that of the model, if there is one part only.
+    pub name: String,
+    /// What holds for all of it.
+    pub settings: Settings,
+    /// The parts. Those of a name may differ in parameters or settings.
+    pub parts: Vec<Part>,
+}
+
+/// A part, and where it stands.
+#[derive(Clone)]
+pub struct Part {
+    /// The model, placed as if it were alone.
+    pub model: Model,
+    /// How it is printed.
+    pub settings: Settings,
+    /// Where it stands.
+    pub places: Vec<PartPlace>,
+    /// Where there may be supports, where the model was placed; nothing for
+    /// anywhere on the bed.
+    room: Option<Rect>,
+}
+
+/// Where a part stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartPlace {
+    /// Name of the part in this place.
+    pub name: String,
+    /// How far it is from where the model was placed, mm.
+    pub shift: DVec2,
+}
+
+impl Plate {
+    /// A plate with one part, where the model was placed.
+    pub fn of(model: &Model, settings: &Settings) -> Plate {
+        let place = PartPlace {
+            name: model.name.clone(),
+            shift: DVec2::ZERO,
+        };
+        Plate {
+            name: model.name.clone(),
+            settings: settings.clone(),
+            parts: vec![Part {
+                model: model.clone(),
+                settings: settings.clone(),
+                places: vec![place],
+                room: None,
+            }],
+        }
+    }
+
+    /// A plate of what is wanted. `settings` hold for all of it: the settings of
+    /// the parts may differ from them where the plate can do with that.
+    ///
+    /// # Errors
+    /// If there is nothing, or too much, or it does not fit on the bed; if a
+    /// model cannot be loaded or placed; or if settings differ that may not.
+    pub fn new(
+        name: &str,
+        wanted: &[Wanted],
+        settings: &Settings,
+    ) -> Result<Plate, PlateError> {
+        let count = wanted
+            .iter()
+            .fold(0u64, |sum, w| sum.saturating_add(w.copies));
+        if count == 0 {
+            return Err(PlateError::Empty);
+        }
+        if count > MOST_PARTS {
+            return Err(PlateError::TooMany { count });
+        }
+        for one in wanted {
+            one.check(settings, count)?;
+        }
+        let kinds = kinds(wanted);
+        let mut parts = Vec::new();
+        for kind in &kinds {
+            parts.push((load_part(wanted[kind[0]].clone(), count)?, kind));
+        }
+        let mut plate = Plate {
+            name: name.to_owned(),
+            settings: settings.clone(),
+            parts: Vec::new(),
+        };
+        place_all(&mut plate, parts, wanted)?;
+        Ok(plate)
+    }
+
+    /// In how many places there are parts.
+    pub fn place_count(&self) -> usize {
+        self.parts.iter().map(|part| part.places.len()).sum()
+    }
+
+    /// For each place its part's number, and how far it is from where the
+    /// part's model was placed.
+    pub(crate) fn shifts(&self) -> Vec<(usize, DVec2)> {
+        let parts = self.parts.iter().enumerate();
+        let places = parts.flat_map(|(k, part)| {
+            part.places.iter().map(move |place| (k, place.shift))
+        });
+        places.collect()
+    }
+
+    /// Everything on the plate as one model, unless that would be too large.
+    pub fn whole(&self) -> Option<Model> {
+        if let ([part], 1) = (self.parts.as_slice(), self.place_count()) {
+            return Some(part.model.clone());
+        }
+        let shifts = self.shifts().into_iter();
+        let models = shifts.map(|(k, shift)| (&self.parts[k].model, shift));
+        together(&self.name, models)
+    }
+
+    /// Each part once as one model, unless that would be too large.
+    pub(crate) fn of_each(&self) -> Option<Model> {
+        let first = |part: &Part| {
+            part.places.first().map_or(DVec2::ZERO, |place| place.shift)
+        };
+        let models = self.parts.iter().map(|p| (&p.model, first(p)));
+        together(&self.name, models)
+    }
+
+    /// The box of all that is printed of the parts, on the bed.
+    pub(crate) fn reach(&self) -> (DVec3, DVec3) {
+        let shifts = self.shifts().into_iter();
+        let boxes = shifts.map(|(k, shift)| {
+            let (low, high) = self.parts[k].reach();
+            (low + shift.extend(0.0), high + shift.extend(0.0))
+        });
+        let both =
+            |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        boxes.reduce(both).unwrap_or_default()
+    }
+
+    /// Extent of all parts together.
+    pub(crate) fn size(&self) -> DVec3 {
+        if let ([part], 1) = (self.parts.as_slice(), self.place_count()) {
+            return part.model.bounds.size();
+        }
+        let shifts = self.shifts().into_iter();
+        let boxes = shifts.map(|(k, shift)| {
+            let bounds = self.parts[k].model.printed_bounds();
+            let shift = shift.extend(0.0);
+            (bounds.min + shift, bounds.max + shift)
+        });
+        let both =
+            |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        boxes.reduce(both).map_or(DVec3::ZERO, |(a, b)| b - a)
+    }
+}
+
+impl Part {
+    /// The box of all that is printed of the part, where its model was placed.
+    pub(crate) fn reach(&self) -> (DVec3, DVec3) {
+        let reach = self.settings.reach();
+        let reach = DVec3::new(reach, reach, 0.0);
+        let (bounds, offset) = (&self.model.bounds, self.model.offset);
+        (bounds.min + offset - reach, bounds.max + offset + reach)
+    }
+
+    /// Where there may be supports, where the model was placed.
+    pub(crate) fn room(&self) -> Rect {
+        let printer = &self.settings.printer;
+        self.room.unwrap_or(Rect {
+            min: DVec2::ZERO,
+            max: DVec2::new(printer.bed_x, printer.bed_y),
+        })
+    }
+
+    /// The box of what stands on the bed, where the model was placed: the part
+    /// with its brim or its raft.
+    fn foot(&self) -> Rect {
+        let (low, high) = self.reach();
+        let raft = match self.settings.raft_layers() {
+            0 => 0.0,
+            _ => self.settings.raft.expansion,
+        };
+        let brim = brim_reach(&self.settings).max(raft);
+        Rect {
+            min: low.truncate() - brim,
+            max: high.truncate() + brim,
+        }
+    }
+}
+
+impl Part {
+    /// The box of what stands on the bed, for each place.
+    fn feet(&self) -> impl Iterator<Item = Rect> {
+        let foot = self.foot();
+        self.places.iter().map(move |place| Rect {
+            min: foot.min + place.shift,
+            max: foot.max + place.shift,
+        })
+    }
+
+    /// How far the nearest of other boxes are, of which `all` are those on the
+    /// bed. They do not overlap.
+    fn free(&self, all: &[Rect]) -> Mm {
+        let apart =
+            |a: Rect, b: Rect| (a.min - b.max).max(b.min - a.max).max_element();
+        let gaps = self.feet().flat_map(|own| {
+            // Its own box is the one that it overlaps wholly.
+            let others = all.iter().filter(move |other| **other != own);
+            others.map(move |other| apart(own, *other))
+        });
+        gaps.fold(f64::INFINITY, f64::min).max(0.0)
+    }
+}
+
+impl Wanted {
+    /// Refuses what a plate of `count` parts does not have.
+    fn check(&self, plate: &Settings, count: u64) -> Result<(), PlateError> {
+        let asked = || self.asked.clone();
+        if let Some(differs) = shared::difference(plate, &self.settings) {
+            return Err(PlateError::Differs {
+                asked: asked(),
+                key: differs.key,
+                value: differs.value,
+                of_plate: differs.of_plate,
+            });
+        }
+        if self.at.is_some() && self.copies > 1 {
+            return Err(PlateError::CopiesInOnePlace {
+                asked: asked(),
+                copies: self.copies,
+            });
+        }
+        if count > 1 && self.settings.spiral {
+            return Err(PlateError::Spiral { asked: asked() });
+        }
+        if self.placement.keep_position {
+            return Err(PlateError::KeptPosition { asked: asked() });
+        }
+        Ok(())
+    }
+
+    /// True if the two are copies of one part.
+    fn is_like(&self, other: &Wanted) -> bool {
+        self.source == other.source
+            && self.defines == other.defines
+            && self.placement == other.placement
+            && self.settings == other.settings
+    }
+}
+
+/// Numbers of what is wanted, those together that are copies of one part.
+fn kinds(wanted: &[Wanted]) -> Vec<Vec<usize>> {
+    let mut kinds: Vec<Vec<usize>> = Vec::new();
+    for (i, one) in wanted.iter().enumerate() {
+        if one.copies == 0 {
+            continue;
+        }
+        // A pattern that the parts continue differs from place to place.
+        let shares = one.settings.infill_centre == InfillCentre::Object;
+        let like =
+            |kind: &&mut Vec<usize>| shares && wanted[kind[0]].is_like(one);
+        match kinds.iter_mut().find(like) {
+            Some(kind) => kind.push(i),
+            None => kinds.push(vec![i]),
+        }
+    }
+    kinds
+}
+
+/// Loads and places a part as if it were alone.
+fn load_part(wanted: Wanted, count: u64) -> Result<Part, PlateError> {
+    let Wanted {
+        source,
+        defines,
+        placement,
+        mut settings,
+        asked,
+        ..
+    } = wanted;
+    let loaded = load(&source, &defines).map_err(|e| PlateError::Load {
+        asked: asked.clone(),
+        error: Box::new(e),
+    })?;
+    let printer = &settings.printer;
+    let volume = BuildVolume {
+        x: printer.bed_x,
+        y: printer.bed_y,
+        z: printer.height,
+    };
+    let placement = Placement {
+        at: None,
+        margin: settings.reach(),
+        ..placement
+    };
+    let model = place(&loaded, &placement, volume).map_err(|error| {
+        let name = loaded.name.clone();
+        PlateError::Place { asked, name, error }
+    })?;
+    // The skirt and the draft shield go round all parts.
+    if count > 1 {
+        settings.skirt.loops = 0;
+        settings.draft_shield = DraftShield::Off;
+    }
+    Ok(Part {
+        model,
+        settings,
+        places: Vec::new(),
+        room: None,
+    })
+}
+
+/// Gives all parts their places. Each part comes with the numbers of what is
+/// wanted of it.
+fn place_all(
+    plate: &mut Plate,
+    parts: Vec<(Part, &Vec<usize>)>,
+    wanted: &[Wanted],
+) -> Result<(), PlateError> {
+    let settings = &plate.settings;
+    let printer = &settings.printer;
+    let bed = Bed {
+        size: DVec2::new(printer.bed_x, printer.bed_y),
+        spacing: settings.plate.spacing,
+    };
+    // In the order in which they are asked for.
+    let mut asked: Vec<(usize, usize)> = Vec::new();
+    for (k, (_, kind)) in parts.iter().enumerate() {
+        for &i in *kind {
+            asked.extend((0..wanted[i].copies).map(|_| (i, k)));
+        }
+    }
+    asked.sort_by_key(|&(i, _)| i);
+    let names = names(asked.iter().map(|&(_, k)| &*parts[k].0.model.name));
+    let pieces = asked.iter().zip(&names).map(|(&(i, k), name)| {
+        let foot = parts[k].0.foot();
+        let bounds = parts[k].0.model.printed_bounds();
+        Piece {
+            name: name.clone(),
+            size: foot.max - foot.min,
+            // The middle of the part's box is that of its foot.
+            at: wanted[i].at.map(|(x, y)| DVec2::new(x, y)),
+            body: (bounds.max - bounds.min).truncate(),
+        }
+    });
+    let pieces: Vec<Piece> = pieces.collect();
+    let middles = arrange(&pieces, bed)?;
+    let count = asked.len();
+    let mut placed: Vec<Part> = parts.iter().map(|p| p.0.clone()).collect();
+    for ((&(_, k), name), middle) in asked.iter().zip(names).zip(middles) {
+        let part = &mut placed[k];
+        let bounds = part.model.printed_bounds();
+        let alone = 0.5 * (bounds.min + bounds.max).truncate();
+        let shift = ((middle - alone) / DIGIT).round() * DIGIT;
+        part.places.push(PartPlace { name, shift });
+    }
+    let feet: Vec<Rect> = placed.iter().flat_map(Part::feet).collect();
+    for mut part in placed {
+        let free = part.free(&feet).min(settings.plate.spacing);
+        if count == 1 {
+            // The ordinary case: the model itself stands there.
+            for place in &mut part.places {
+                part.model.offset += place.shift.extend(0.0);
+                place.shift = DVec2::ZERO;
+            }
+        } else if part.settings.infill_centre == InfillCentre::Bed {
+            // Each has a pattern of its own, and so is a part of its own.
+            for place in std::mem::take(&mut part.places) {
+                let mut one = part.clone();
+                one.model.offset += place.shift.extend(0.0);
+                one.room = Some(room(&one, &[DVec2::ZERO], free, bed.size));
+                let shift = DVec2::ZERO;
+                one.places.push(PartPlace { shift, ..place });
+                plate.parts.push(one);
+            }
+            continue;
+        }
+        if count > 1 {
+            let shifts: Vec<DVec2> =
+                part.places.iter().map(|p| p.shift).collect();
+            part.room = Some(room(&part, &shifts, free, bed.size));
+        }
+        plate.parts.push(part);
+    }
+    Ok(())
+}
+
+/// Where there may be supports of a part that stands in some places: on the
+/// bed, and not nearer to its neighbours than they are to it. They are `free`
+/// mm away.
+fn room(part: &Part, shifts: &[DVec2], free: Mm, bed: DVec2) -> Rect {
+    /// What remains free between the supports of neighbours, mm.
+    const FREE: Mm = 0.5;
+    let foot = part.foot();
+    let around = (0.5 * (free - FREE)).max(0.0);
+    let mut room = Rect {
+        min: foot.min - around,
+        max: foot.max + around,
+    };
+    for shift in shifts {
+        room.min = room.min.max(-*shift);
+        room.max = room.max.min(bed - *shift);
+    }
+    room
+}
+
+/// Names of parts: those of several that are called alike get numbers.
+fn names<'a>(models: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+    let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for name in models.clone() {
+        counts.entry(name).or_default().0 += 1;
+    }
+    let named = models.map(|name| match counts.get_mut(name) {
+        Some((count, number)) if *count > 1 => {
+            *number += 1;
+            format!("{name}_{number}")
+        }
+        _ => name.to_owned(),
+    });
+    named.collect()
+}
+
+#[cfg(test)]
+mod tests;

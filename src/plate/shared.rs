@@ -1,0 +1,88 @@
+//! Which settings hold for the whole plate.
+
+use crate::settings::{Settings, keys};
+
+/// Groups of settings that are of the printer, of the filament, of the file, or
+/// of what the nozzle does between parts.
+const GROUPS: [&str; 10] = [
+    "printer",
+    "filament",
+    "gcode",
+    "cooling",
+    "retract",
+    "acceleration",
+    "travel",
+    "skirt",
+    "raft",
+    "plate",
+];
+
+/// Settings outside of groups that all parts of a layer share, and the speed
+/// between parts.
+const SINGLE: [&str; 9] = [
+    "layer_height",
+    "first_layer_height",
+    "layer_heights",
+    "layer_height_min",
+    "layer_height_max",
+    "step_error",
+    "speed.travel",
+    "draft_shield",
+    "draft_shield_gap",
+];
+
+/// A setting of a part that differs from the plate's and may not.
+pub(super) struct Difference {
+    pub key: &'static str,
+    pub value: String,
+    pub of_plate: String,
+}
+
+/// True if all parts on a plate have the same value of a setting.
+pub(super) fn is_shared(key: &str) -> bool {
+    let group = key.split_once('.').map(|(group, _)| group);
+    group.is_some_and(|group| GROUPS.contains(&group)) || SINGLE.contains(&key)
+}
+
+/// The first setting that differs and may not.
+pub(super) fn difference(
+    plate: &Settings,
+    part: &Settings,
+) -> Option<Difference> {
+    let shared = keys().iter().filter(|key| is_shared(key.name));
+    let differs = |key: &&crate::settings::Key| key.get(plate) != key.get(part);
+    shared.into_iter().find(differs).map(|key| Difference {
+        key: key.name,
+        value: key.get(part),
+        of_plate: key.get(plate),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_in_the_lists_is_a_setting() {
+        for name in SINGLE {
+            assert!(keys().iter().any(|key| key.name == name), "{name}");
+        }
+        for group in GROUPS {
+            let of_group =
+                |name: &str| name.split_once('.').is_some_and(|n| n.0 == group);
+            assert!(keys().iter().any(|key| of_group(key.name)), "{group}");
+        }
+    }
+
+    #[test]
+    fn parts_may_differ_in_their_walls_and_not_in_their_layers() {
+        let plate = Settings::default();
+        let mut part = plate.clone();
+        part.walls = 4;
+        part.brim.width = 3.0;
+        assert!(difference(&plate, &part).is_none());
+        part.filament.flow = 95.0;
+        let found = difference(&plate, &part).unwrap();
+        assert_eq!((found.key, &*found.value), ("filament.flow", "95"));
+    }
+}

@@ -1,0 +1,73 @@
+use super::*;
+use crate::model::SourceKind;
+
+fn wanted(text: &str, copies: u64) -> Wanted {
+    Wanted {
+        source: Source::Text {
+            name: "part".into(),
+            kind: SourceKind::Formula,
+            text: text.into(),
+        },
+        defines: Vec::new(),
+        placement: Placement::default(),
+        settings: Settings::default(),
+        at: None,
+        copies,
+        asked: "here".into(),
+    }
+}
+
+const BALL: &str = "sqrt(x^2 + y^2 + (z - 5)^2) - 5";
+const LARGE: &str = "sqrt(x^2 + y^2 + (z - 20)^2) - 20";
+
+#[test]
+fn equal_parts_are_places_of_one() {
+    let mut turned = wanted(BALL, 1);
+    turned.placement.rotate = [0.0, 0.0, 30.0];
+    let mut placed = wanted(BALL, 1);
+    placed.at = Some((30.0, 40.0));
+    let all = [wanted(BALL, 3), wanted(LARGE, 1), turned, placed];
+    let plate = Plate::new("p", &all, &Settings::default()).unwrap();
+    let count: Vec<usize> =
+        plate.parts.iter().map(|p| p.places.len()).collect();
+    assert_eq!(count, [4, 1, 1]);
+    let names: Vec<&str> = plate.parts[0]
+        .places
+        .iter()
+        .map(|place| place.name.as_str())
+        .collect();
+    assert_eq!(names, ["part_1", "part_2", "part_3", "part_6"]);
+    // The one with a place is there.
+    let bounds = plate.parts[0].model.printed_bounds();
+    let middle = 0.5 * (bounds.min + bounds.max).truncate();
+    let there = middle + plate.parts[0].places[3].shift;
+    assert!(there.distance(DVec2::new(30.0, 40.0)) < 1e-3, "{there}");
+    assert!(plate.whole().is_some());
+}
+
+#[test]
+fn what_a_plate_does_not_have_is_refused() {
+    let settings = Settings::default();
+    let error = |all: &[Wanted]| match Plate::new("p", all, &settings) {
+        Ok(_) => String::new(),
+        Err(error) => error.to_string(),
+    };
+    assert!(error(&[]).contains("nothing on the plate"));
+    let many = error(&[wanted(BALL, 1_000_000_000), wanted(BALL, u64::MAX)]);
+    assert!(many.contains("at most 1000"), "{many}");
+    let mut thin = wanted(BALL, 2);
+    thin.settings.first_layer_height = crate::settings::ByNozzle::Length(0.1);
+    let differs = error(&[thin]);
+    assert!(
+        differs.starts_with("here: first_layer_height = 0.1"),
+        "{differs}"
+    );
+    let mut in_one_place = wanted(BALL, 2);
+    in_one_place.at = Some((50.0, 50.0));
+    assert!(error(&[in_one_place]).contains("2 copies cannot all stand"));
+    let mut vase = wanted(BALL, 2);
+    vase.settings.spiral = true;
+    assert!(error(&[vase]).contains("spiral = true prints one part"));
+    let full = error(&[wanted(LARGE, 30)]);
+    assert!(full.contains("there is no place for part_"), "{full}");
+}

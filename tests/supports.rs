@@ -1,0 +1,202 @@
+//! Supports in whole runs: where they are wanted, and what is told of them.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+mod common;
+
+use common::{SUPPORT, SUPPORT_INTERFACE, formula, parse, settings, slice};
+use glam::DVec2;
+use isoslice::pipeline::{self, Options, SliceError, Summary};
+
+/// Coarse enough to be quick.
+const COARSE: [&str; 3] =
+    ["sample_spacing=0.3", "accuracy=0.02", "layer_height=0.2"];
+/// A stem of 8 mm, and from 10 mm on arms of 20 mm on both sides.
+const TEE: &str = "min(max(max(abs(x) - 4, abs(y) - 6), abs(z - 7) - 7), \
+                   max(max(abs(x) - 24, abs(y) - 6), abs(z - 12) - 2))";
+/// A trunk that widens by 45° from 8 mm on, which holds itself.
+const CHALICE: &str = "max(max(abs(x), abs(y)) - 4 - max(0, min(z - 8, 6)), \
+                       abs(z - 8) - 8)";
+
+fn run(text: &str, set: &[&str]) -> (String, Summary) {
+    let settings = settings(&[&COARSE, set].concat());
+    slice(&formula(text, &settings), &settings, 2)
+}
+
+/// Ends of what supports print, from the middle of the part, by layer.
+fn supported(gcode: &str) -> Vec<Vec<DVec2>> {
+    let middle = DVec2::splat(110.0);
+    let of_support = |role: &str| [SUPPORT, SUPPORT_INTERFACE].contains(&role);
+    let ends = |layer: common::Layer| {
+        let moves = layer.prints().filter(|m| of_support(m.role));
+        moves.map(|m| m.ends().1 - middle).collect()
+    };
+    parse(gcode).into_iter().map(ends).collect()
+}
+
+#[test]
+fn a_formula_leaves_one_arm_of_a_tee_alone() {
+    let set = ["supports=auto", "support.where=expr: min(x, 0)"];
+    let (gcode, summary) = run(TEE, &set);
+    assert_eq!(summary.warnings, Vec::<String>::new());
+    let layers = supported(&gcode);
+    let all: Vec<DVec2> = layers.concat();
+    assert!(!all.is_empty());
+    // A foot, or a branch that leans, is no wider than this beside the arm.
+    let least = all.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
+    assert!(least > 4.0, "{least}");
+    let most = all.iter().map(|p| p.x).fold(0.0, f64::max);
+    assert!((23.5..26.0).contains(&most), "{most}");
+    // Both arms without it, one more than twice as far left.
+    let (both, _) = run(TEE, &set[..1]);
+    let least = supported(&both)
+        .concat()
+        .iter()
+        .map(|p| p.x)
+        .fold(0.0, f64::min);
+    assert!(least < -23.5, "{least}");
+}
+
+#[test]
+fn a_formula_asks_for_a_support_where_none_is_needed() {
+    let (gcode, summary) = run(CHALICE, &["supports=auto"]);
+    assert_eq!(summary.support_length, 0.0);
+    assert_eq!(supported(&gcode).concat(), []);
+    // Between 10 and 12 mm, to the right.
+    let wanted = "support.where=expr: min(x - 2, 1 - abs(z - 11))";
+    let (gcode, summary) = run(CHALICE, &["supports=auto", wanted]);
+    let layers = supported(&gcode);
+    let all = layers.concat();
+    assert!(summary.support_length > 0.0);
+    assert!(all.iter().all(|p| p.x > 1.0), "{all:?}");
+    let highest = layers.iter().rposition(|l| !l.is_empty()).unwrap();
+    // The face's upper end is 12 mm high, and the gap below it 0.2 mm.
+    assert!((57..=59).contains(&highest), "{highest}");
+    assert!(layers[..highest].iter().all(|l| !l.is_empty()));
+    // The widest of them is under the face at that height: 8 mm.
+    let most = all.iter().map(|p| p.x).fold(0.0, f64::max);
+    assert!((7.5..9.5).contains(&most), "{most}");
+}
+
+#[test]
+fn forbidding_all_of_them_is_as_if_they_were_off() {
+    let lines = |set: &[&str]| {
+        let (gcode, _) = run(TEE, set);
+        let own = |line: &&str| !line.starts_with("; support_material");
+        gcode
+            .lines()
+            .filter(own)
+            .map(String::from)
+            .collect::<Vec<_>>()
+    };
+    let off = lines(&[]);
+    assert!(off.len() > 1000);
+    for wanted in ["-1", "expr: -1 - x^2", "expr: 0*x - 3"] {
+        let set = format!("support.where={wanted}");
+        assert_eq!(lines(&["supports=auto", &set]), off, "{wanted}");
+    }
+}
+
+#[test]
+fn a_formula_without_effect_or_value_is_told_of() {
+    // Neither positive nor negative where the part is.
+    let (_, summary) = run(
+        TEE,
+        &["supports=auto", "support.where=expr: max(x - 99, 0)"],
+    );
+    let told = summary.warnings.join("\n");
+    assert!(told.contains("support.where has no effect"), "{told}");
+    assert!(summary.support_length > 0.0);
+    // Too steep for a support beside it.
+    let column = "max(max(abs(x) - 3 - z/3, abs(y) - 3), abs(z - 8) - 8)";
+    let (_, summary) = run(column, &["supports=auto", "support.where=1"]);
+    let told = summary.warnings.join("\n");
+    assert!(told.contains("support.xy_gap leaves no room"), "{told}");
+    for (wanted, named) in [
+        ("expr: sqrt(x - 10)", "has no value at x = "),
+        ("expr: x +", "column"),
+    ] {
+        let wanted = format!("support.where={wanted}");
+        let set = [&COARSE[..], &["supports=auto", &wanted]].concat();
+        let settings = settings(&set);
+        let model = formula(TEE, &settings);
+        let failed = pipeline::slice(
+            &model,
+            &settings,
+            &Options::default(),
+            &mut std::io::sink(),
+        );
+        let Err(SliceError::Vary(error)) = failed else {
+            panic!("{wanted}: {failed:?}");
+        };
+        let text = error.to_string();
+        assert!(text.starts_with("support.where = \"expr:"), "{text}");
+        assert!(text.contains(named), "{text}");
+    }
+}
+
+#[test]
+fn a_formula_may_ask_for_the_depth() {
+    // The arms begin 0.07 mm below the bottom of a layer.
+    let tee = "min(max(max(abs(x) - 4, abs(y) - 6), abs(z - 7) - 7), \
+               max(max(abs(x) - 24, abs(y) - 6), abs(z - 12) - 2.07))";
+    let (plain, of_plain) = run(tee, &["supports=auto"]);
+    let of = |wanted: &str| {
+        let wanted = format!("support.where=expr: {wanted}");
+        run(tee, &["supports=auto", &wanted])
+    };
+    let same = |gcode: &str| supported(gcode) == supported(&plain);
+    assert!(of_plain.support_length > 100.0);
+    assert!(same(&of("min(0, 0.3 - d)").0));
+    // All but a thin rim is deeper than this.
+    let left = of("min(0, 0.03 - d)").1.support_length;
+    assert!(left < 0.15 * of_plain.support_length, "{left}");
+    // No depth is below 0, so this has a value everywhere.
+    assert!(same(&of("min(0, 1 - sqrt(d))").0));
+}
+
+#[test]
+fn dense_layers_have_a_pattern_direction_and_spacing_of_their_own() {
+    let interface = |set: &[&str]| {
+        let all = [&["supports=auto"], set].concat();
+        let (gcode, summary) = run(TEE, &all);
+        assert_eq!(summary.warnings, Vec::<String>::new());
+        let layers = parse(&gcode);
+        let of = |m: &&common::Move| m.role == SUPPORT_INTERFACE;
+        let layer = layers.iter().rfind(|l| l.prints().any(|m| of(&m)));
+        let moves = layer.unwrap().prints().filter(of).copied();
+        moves.collect::<Vec<common::Move>>()
+    };
+    // Millimetres along a direction, and in all, without the wall around.
+    let along = |moves: &[common::Move], angle: f64| {
+        let way = DVec2::from_angle(angle.to_radians());
+        let is_along = |m: &&common::Move| {
+            let (a, b) = m.ends();
+            (b - a).normalize_or_zero().dot(way).abs() > 0.9999
+        };
+        moves
+            .iter()
+            .filter(is_along)
+            .map(|m| m.length())
+            .sum::<f64>()
+    };
+    let both = |moves: &[common::Move], angle: f64| {
+        along(moves, angle).max(along(moves, angle + 90.0))
+    };
+    let plain = interface(&[]);
+    let turned = interface(&["support.interface_angle=20"]);
+    assert!(both(&plain, 45.0) > 300.0 && both(&plain, 20.0) < 5.0);
+    assert!(both(&turned, 20.0) > 300.0 && both(&turned, 45.0) < 5.0);
+    let dense = ["supports=auto", "support.interface_spacing=0.2"];
+    let told = run(TEE, &dense).1.warnings.join("\n");
+    assert!(
+        told.contains("support.interface_spacing = 0.2 mm is"),
+        "{told}"
+    );
+    let wide = interface(&["support.interface_spacing=2"]);
+    // 95 % in lines of 0.407 mm, against 2 mm.
+    let ratio = both(&plain, 45.0) / both(&wide, 45.0);
+    assert!((ratio / (2.0 / 0.407 * 0.95) - 1.0).abs() < 0.15, "{ratio}");
+    let rings = interface(&["support.interface_pattern=concentric"]);
+    assert!(both(&rings, 45.0) < 5.0 && both(&rings, 0.0) > 300.0);
+}
