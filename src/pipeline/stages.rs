@@ -27,7 +27,9 @@ use crate::plane::{Area, Rect, Solid};
 use crate::region::compensate::Compensation;
 use crate::region::cover::rough;
 use crate::region::exposure::{Exposure, FillAreas, roomy};
-use crate::region::{OUTLINE_SHARE, Walls, field_walls, wall_depths, walls};
+use crate::region::{
+    OUTLINE_SHARE, Walls, field_walls, wall_depths, walls_below,
+};
 use crate::report::{Gauge, LayerFigures, LayerParts, ReportError};
 use crate::resolution::thin;
 use crate::seam::Seams;
@@ -523,8 +525,25 @@ impl<'a> Stages<'a> {
         Ok(layers)
     }
 
-    /// A layer's walls and what they leave.
-    pub(super) fn inside(&self, layer: &Layer) -> Inside {
+    /// True if layer `i` of the window has walls of its own, for it is seen
+    /// from above, and a top has fewer of them.
+    pub(super) fn divides(&self, layers: &VecDeque<Layer>, i: usize) -> bool {
+        let covered = |above: &Layer| above.same_outline(&layers[i]);
+        self.settings.top_walls() < self.settings.walls
+            && !layers.get(i + 1).is_some_and(covered)
+    }
+
+    /// The walls of layer `i` of the window and what they leave.
+    pub(super) fn inside(&self, layers: &VecDeque<Layer>, i: usize) -> Inside {
+        let nothing = Area::EMPTY;
+        let above = layers.get(i + 1).map_or(&nothing, Layer::area);
+        let above = self.divides(layers, i).then_some(above);
+        self.inside_below(&layers[i], above)
+    }
+
+    /// A layer's walls and what they leave, with fewer of them around what
+    /// the outline `above` leaves open.
+    fn inside_below(&self, layer: &Layer, above: Option<&Area>) -> Inside {
         if self.spiral_at(layer.span.index).is_some() {
             return Inside {
                 walls: Walls::default(),
@@ -535,7 +554,7 @@ impl<'a> Stages<'a> {
         let walls = self.timings.time(Stage::Walls, || {
             let outline = layer.area();
             let mut walls = match layer.offsets.is_empty() {
-                true => walls(outline, height, self.settings),
+                true => walls_below(outline, above, height, self.settings),
                 false => {
                     let areas = layer.offsets.to_vec();
                     field_walls(outline, areas, height, self.settings)
@@ -811,7 +830,7 @@ impl<'a> Stages<'a> {
     fn look_at(&self, spans: &[LayerSpan]) -> Result<Vec<Looked>, SliceError> {
         let layers = self.layers(spans, &(0..usize::MAX))?.into_par_iter();
         let look = |layer: Layer| {
-            let inside = self.inside(&layer);
+            let inside = self.inside_below(&layer, None);
             let found = found(&layer, &inside);
             if layer.area().is_empty() {
                 let prints = false;
@@ -841,7 +860,9 @@ impl<'a> Stages<'a> {
         let span = std::slice::from_ref(span);
         let layers = self.layers_of(&field, &[], span, &(0..usize::MAX))?;
         let layer = layers.first();
-        Ok(layer.map_or(Found::default(), |l| found(l, &self.inside(l))))
+        Ok(layer.map_or(Found::default(), |l| {
+            found(l, &self.inside_below(l, None))
+        }))
     }
 
     /// Width of the thinnest line.

@@ -230,11 +230,19 @@ impl<'a> Supply<'a> {
                 .map(|k| &layers[k])
                 .filter(|below| layers[first].same(below))
                 .and_then(|below| below.inside.clone());
-            let inside = below
-                .unwrap_or_else(|| Arc::new(stages.inside(&layers[first])));
+            // The highest of layers that are the same may be a top.
+            let alike =
+                group.end - usize::from(stages.divides(layers, group.end - 1));
+            let inside = below.or_else(|| {
+                let alike = first < alike;
+                alike.then(|| Arc::new(stages.inside(layers, first)))
+            });
             let filled = group.clone().into_par_iter();
-            let filled = filled.map(|i| fill(i, &inside)).collect();
-            Ok((all_or_first(filled)?, inside))
+            let filled = filled.map(|i| match &inside {
+                Some(inside) if i < alike => fill(i, inside),
+                _ => fill(i, &stages.inside(layers, i)),
+            });
+            Ok((all_or_first(filled.collect())?, inside))
         };
         let done = self
             .pool
@@ -246,7 +254,7 @@ impl<'a> Supply<'a> {
             let last = &self.window[group.end - 1];
             let again = |above: &Layer| above.same(last);
             if self.window.get(group.end).is_none_or(again) {
-                self.window[group.end - 1].inside = Some(inside);
+                self.window[group.end - 1].inside = inside;
             }
         }
         if stages.bridges_infill() {

@@ -32,6 +32,7 @@ mod shells;
 pub(crate) mod slit;
 mod thin;
 mod tip;
+mod tops;
 mod widen;
 
 use crate::bead::{Stroke, spacing};
@@ -72,6 +73,9 @@ pub(crate) struct Walls {
     pub depths: Vec<Mm>,
     /// What the walls leave for infill and skin.
     pub fill: Area,
+    /// Some of the walls are not around the whole part, but around what the
+    /// next layer covers.
+    pub divided: bool,
     /// Solid that is neither under a bead nor left for filling, because it
     /// is thinner than any bead: mm², good to a per cent of the walls' area.
     pub gap: Mm2,
@@ -316,6 +320,17 @@ pub(crate) fn wall_depths(height: Mm, settings: &Settings) -> (Vec<Mm>, Mm) {
 /// grid of its edges and its ridges serve for all of them. For more of them
 /// the search would have to look too far around.
 pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
+    walls_below(outline, None, height, settings)
+}
+
+/// As [`walls`], with [`Settings::top_walls`] of them around what the outline
+/// `above`, that of the next layer, leaves open.
+pub(crate) fn walls_below(
+    outline: &Area,
+    above: Option<&Area>,
+    height: Mm,
+    settings: &Settings,
+) -> Walls {
     let tolerance = OFFSET_SHARE * settings.accuracy;
     let mut plans: Vec<Lay> = (0..settings.walls)
         .map(|k| match k {
@@ -328,8 +343,26 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
     let mut area = outline.clone();
     let mut lines: Vec<Vec<Stroke>> = Vec::new();
     let mut thin = Vec::new();
-    for first in (0..count).step_by(2) {
-        let next = count.min(first + 2);
+    let divide =
+        |left: &Area, above| tops::divided(left, above, settings, tolerance);
+    // Walls that are not divided are laid as everywhere.
+    let above = above.filter(|above| {
+        let tops = &plans[..settings.top_walls() as usize];
+        let depth: Mm = tops.iter().map(|plan| plan.inner).sum();
+        divide(&shrink(outline, depth, tolerance), above).is_some()
+    });
+    // After so many walls, what is left is divided.
+    let around_tops = above.map_or(count, |_| settings.top_walls() as usize);
+    let mut divided = None;
+    let mut next = 0;
+    while next < count {
+        let first = next;
+        let stop = if first < around_tops {
+            around_tops
+        } else {
+            count
+        };
+        next = stop.min(first + 2);
         let mut pair = plans[first..next].to_vec();
         if let (1.., Some(begins)) = (first, pair.first_mut()) {
             *begins = begins.after(2.0 * tolerance);
@@ -383,8 +416,18 @@ pub(crate) fn walls(outline: &Area, height: Mm, settings: &Settings) -> Walls {
             false => tolerance,
         };
         area = skeleton.shrunk(depth, left);
+        if let Some(above) = above.filter(|_| next == around_tops) {
+            divided = divide(&area, above);
+            if let Some(divided) = &divided {
+                area.clone_from(&divided.rest);
+            }
+        }
+    }
+    if let Some(divided) = &divided {
+        area = divided.filled(&area);
     }
     let mut walls = Walls::of(outline, lines, thin, area, height, settings);
+    walls.divided = divided.is_some();
     let solid = Solid::of(outline, cell(outline));
     for (k, plan) in plans[..count].iter().enumerate() {
         let depth = walls.depths[k] - plan.centre;
@@ -408,6 +451,7 @@ impl Walls {
             thin,
             depths: wall_depths(height, settings).0,
             fill,
+            divided: false,
             gap: 0.0,
         };
         walls.gap = gap(outline, &walls, height, settings);

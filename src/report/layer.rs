@@ -275,7 +275,9 @@ fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
             found.varying.add(off)
         }
     }
-    if matches!(effort, Effort::Points(_)) {
+    // Walls that leave the outline for a top's border are at no distance from
+    // those before them.
+    if matches!(effort, Effort::Points(_)) || layer.walls.divided {
         return;
     }
     for k in 1..lines.len().min(depths.len()) {

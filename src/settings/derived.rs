@@ -3,7 +3,7 @@
 use super::by_nozzle::share_of;
 use super::{
     Acceleration, ByNozzle, Emit, Flavour, Infill, LayerHeights, Settings,
-    Varying, check,
+    Varying, WallOffset, check,
 };
 use crate::units::{Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec};
 
@@ -128,6 +128,23 @@ impl Settings {
             true => self.layer_height(),
             false => self.layer_height_max(),
         }
+    }
+
+    /// Walls around tops; no more than [`Settings::walls`], which are around
+    /// all of the part if the others cannot be led around a top.
+    pub fn top_walls(&self) -> u32 {
+        let wanted = match self.divides_walls() {
+            true => self.top_walls,
+            false => None,
+        };
+        wanted.map_or(self.walls, |tops| tops.min(self.walls))
+    }
+
+    /// True if walls can be led around tops.
+    pub(crate) fn divides_walls(&self) -> bool {
+        !self.spiral
+            && !self.interlocks()
+            && self.wall_offset == WallOffset::Distance
     }
 
     /// Solid layers below an upward face: `top_layers` if set, else what

@@ -61,6 +61,10 @@ table::settings! {
         ["Walls"]
         /// Number of walls around each island and hole.
         walls: u32 = 2, in 0..=1000;
+        /// Number of walls around tops, which their lines fill up to these
+        /// walls; the others go around what the next layer covers. auto is as
+        /// many as walls.
+        top_walls: Option<u32> = None, in 1..=1000;
         /// Whether to print the part as a vase: bottom_layers flat layers,
         /// and above them one wall that climbs without a break, without
         /// infill, tops, seams and retractions.

@@ -123,6 +123,7 @@ pub(super) fn without_effect(
     overhangs_without_effect(s, &mut warn);
     scarfs_without_effect(s, &mut warn);
     interlocking_without_effect(s, &mut warn);
+    top_walls_without_effect(s, &mut warn);
     for key in [
         "internal_bridge_flow",
         "speed.internal_bridge",
@@ -149,6 +150,7 @@ pub(super) fn without_effect(
     }
     for key in [
         "walls",
+        "top_walls",
         "infill",
         "infill_density",
         "top_layers",
@@ -335,6 +337,32 @@ fn interlocking_without_effect(
         "walls_interlocked",
         s.walls_interlocked && !s.spiral,
         format!("walls_interlocked = true has no effect, since {why}"),
+    );
+}
+
+/// Warns if tops are to have fewer walls and cannot.
+fn top_walls_without_effect(
+    s: &Settings,
+    warn: &mut dyn FnMut(&str, bool, String),
+) {
+    let Some(tops) = s.top_walls else {
+        return;
+    };
+    let why = if tops >= s.walls {
+        format!("walls = {}, which is no more", s.walls)
+    } else if s.interlocks() {
+        "walls_interlocked = true leads each wall along those of the layers \
+         beside it; leave one of them out"
+            .to_owned()
+    } else {
+        "wall_offset = \"field\" takes all walls from the expression; set it to \
+         \"distance\""
+            .to_owned()
+    };
+    warn(
+        "top_walls",
+        !s.spiral && s.top_walls() == s.walls,
+        format!("top_walls = {tops} has no effect, since {why}"),
     );
 }
 
