@@ -18,6 +18,8 @@ pub(crate) type PerSec = f64;
 pub(crate) type MmPerSec2 = f64;
 /// Volumetric flow in cubic millimetres per second.
 pub(crate) type Mm3PerSec = f64;
+/// Change of a volumetric flow in cubic millimetres per second squared.
+pub(crate) type Mm3PerSec2 = f64;
 /// Time in seconds.
 pub(crate) type Seconds = f64;
 /// Angle in degrees, counter-clockwise from the x axis.

@@ -33,7 +33,7 @@ pub(super) struct Rated {
 
 impl Rated {
     /// Lengths of the moves.
-    fn lengths(&self) -> impl Iterator<Item = Mm> + '_ {
+    pub(super) fn lengths(&self) -> impl Iterator<Item = Mm> + '_ {
         self.bead.segments().enumerate().map(|(i, (a, b))| {
             let turn = self.turns.get(i).copied().flatten();
             turn.map_or(a.distance(b), |turn| turn.length(a))
@@ -41,7 +41,12 @@ impl Rated {
     }
 
     /// The part of the bead that moves `from` to `to` make up, at a speed.
-    fn part(&self, from: usize, to: usize, speed: MmPerSec) -> Rated {
+    pub(super) fn part(
+        &self,
+        from: usize,
+        to: usize,
+        speed: MmPerSec,
+    ) -> Rated {
         let path = self.bead.path().skip(from).take(to - from + 1);
         let points: Vec<DVec2> = path.collect();
         let mut stroke = Stroke::new(points, false, self.bead.width);
@@ -59,6 +64,44 @@ impl Rated {
                 ..self.rates
             },
         }
+    }
+
+    /// A single move, cut after a share of its way.
+    pub(super) fn halves(&self, share: f64) -> (Rated, Rated) {
+        let turn = self.turns.first().copied().flatten();
+        let Some(turn) = turn else {
+            let half = |from: f64, to: f64| Rated {
+                bead: Bead {
+                    stroke: self.bead.stroke.part(from, to),
+                    ..self.bead
+                },
+                turns: self.turns.clone(),
+                ..*self
+            };
+            return (half(0.0, share), half(share, 1.0));
+        };
+        let ends = [self.bead.points[0], self.bead.points[1]];
+        let (middle, parts) = turn.halves(ends[0], share);
+        let half = |from, to, turn| Rated {
+            bead: Bead {
+                stroke: Stroke::new(vec![from, to], false, self.bead.width),
+                ..self.bead
+            },
+            turns: vec![Some(turn)],
+            ..*self
+        };
+        (
+            half(ends[0], middle, parts[0]),
+            half(middle, ends[1], parts[1]),
+        )
+    }
+
+    /// Adds what follows it at the same speed.
+    pub(super) fn append(&mut self, next: Rated) {
+        let stroke = &mut self.bead.stroke;
+        stroke.points.extend(next.bead.points.iter().skip(1));
+        stroke.levels.extend(next.bead.levels.iter().skip(1));
+        self.turns.extend(next.turns);
     }
 }
 

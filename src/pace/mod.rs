@@ -8,8 +8,10 @@
 //! - a bead runs at its role's speed and acceleration. It is no faster than
 //!   `speed.first_layer` on the first layer, than `speed.small_wall` if it is a
 //!   short closed wall, than the hot end melts (`filament.max_flow`), and than
-//!   the firmware takes its moves (`printer.max_moves_per_second`). If the layer would take less than `cooling.min_layer_time` it is slower, down
-//!   to `cooling.min_speed`;
+//!   the firmware takes its moves (`printer.max_moves_per_second`). Along a
+//!   stroke the flow changes no faster than `filament.max_flow_change`. If the
+//!   layer would take less than `cooling.min_layer_time` the bead is slower,
+//!   down to `cooling.min_speed`;
 //! - the fan runs faster on layers that take little time, and comes up in steps
 //!   above the layers without it;
 //! - a retraction is primed before the next bead, at the latest at the layer's
@@ -33,6 +35,7 @@
 mod bounds;
 pub(crate) mod clock;
 mod crowd;
+mod evened;
 mod fan;
 pub(crate) mod motion;
 mod moves;
@@ -54,6 +57,7 @@ use crate::units::{
 use crate::vary::VaryError;
 use bounds::{acceleration, print_speed, speed_limit};
 use crowd::{Rated, slowed};
+use evened::evened;
 use fan::fan_speed;
 use glam::{DVec2, DVec3};
 use motion::{Limits, Motion};
@@ -355,7 +359,7 @@ impl<'a> Pacer<'a> {
     ) -> usize {
         let most = self.settings.max_moves_per_second();
         let (beads, count) = slowed(std::mem::take(chain), most);
-        for rated in beads {
+        for rated in evened(beads, self.settings.filament.max_flow_change) {
             self.print(span, rated, out);
         }
         count

@@ -41,6 +41,18 @@ impl Turn {
         self.radius(from) * self.angle.abs()
     }
 
+    /// The arc that begins at a point, cut after a share of its way: where, and
+    /// both parts.
+    pub(crate) fn halves(self, from: DVec2, share: f64) -> (DVec2, [Turn; 2]) {
+        let part = |share: f64| Turn {
+            angle: share * self.angle,
+            ..self
+        };
+        let parts = [part(share), part(1.0 - share)];
+        let arm = DVec2::from_angle(parts[0].angle).rotate(from - self.centre);
+        (self.centre + arm, parts)
+    }
+
     /// The ends of `count` chords of the arc from one point to another.
     pub(crate) fn chords(
         self,

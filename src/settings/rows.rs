@@ -219,7 +219,8 @@ table::settings! {
         overhang_inner_first: bool = false;
         /// Whether the walls round what hangs over by more than overhang_share
         /// are printed the other way round on every other layer, so that what
-        /// the cooling plastic pulls at does not add up.
+        /// the cooling plastic pulls at does not add up. Walls that interlock
+        /// keep their direction.
         overhang_reverse: bool = false;
 
         ["Supports"]
@@ -556,6 +557,10 @@ table::settings! {
         /// Greatest volume of plastic the hot end melts per second; faster
         /// moves are slowed down to it.
         max_flow: Mm3PerSec = 12.0, in 0.1..=500.0;
+        /// How fast the flow of plastic may change along a stroke: where it
+        /// would change faster, the faster side begins or ends in steps, for
+        /// hot ends whose pressure follows the filament late. 0 for no limit.
+        max_flow_change: Mm3PerSec2 = 0.0, in 0.0..=100_000.0;
         /// Pressure advance (linear advance): how long the filament's push
         /// runs ahead of the nozzle; auto leaves it as the firmware has it.
         pressure_advance: Option<Seconds> = None, in 0.0..=5.0;

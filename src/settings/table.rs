@@ -308,6 +308,9 @@ macro_rules! unit {
     (Mm3PerSec) => {
         "mm³/s"
     };
+    (Mm3PerSec2) => {
+        "mm³/s²"
+    };
     (Seconds) => {
         "s"
     };
