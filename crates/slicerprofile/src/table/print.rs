@@ -859,13 +859,33 @@ pub(super) static ROWS: &[Row] = &[
         &[
             "only_one_perimeter_top",
             "only_one_wall_top",
-            "only_one_wall_first_layer",
             "top_one_perimeter_type",
             "top_one_wall_type",
+        ],
+        To(
+            "top_walls",
+            As::Words(&[
+                ("1", "1"),
+                ("0", ""),
+                ("top", "1"),
+                ("all top", "1"),
+                ("topmost", ""),
+                ("none", ""),
+                ("not apply", ""),
+            ]),
+        ),
+    ),
+    row(
+        BOTH,
+        Print,
+        &[
+            "only_one_wall_first_layer",
             "min_width_top_surface",
             "top_area_threshold",
         ],
-        Ignored("islands have as many walls under tops as elsewhere"),
+        Ignored(
+            "a top is what is wider than two lines; bottoms keep their walls",
+        ),
     ),
     row(
         BOTH,
@@ -956,15 +976,27 @@ pub(super) static ROWS: &[Row] = &[
     row(
         BOTH,
         Print,
+        &["max_print_speed", "max_volumetric_speed"],
+        Ignored("filament.max_flow and printer.max_speed are the limits"),
+    ),
+    row(
+        BOTH,
+        Print,
+        &["max_volumetric_extrusion_rate_slope"],
+        To("filament.max_flow_change", As::Amount),
+    ),
+    row(
+        BOTH,
+        Print,
         &[
-            "max_print_speed",
-            "max_volumetric_speed",
-            "max_volumetric_extrusion_rate_slope",
             "max_volumetric_extrusion_rate_slope_negative",
             "max_volumetric_extrusion_rate_slope_positive",
             "max_volumetric_extrusion_rate_slope_segment_length",
         ],
-        Ignored("filament.max_flow and printer.max_speed are the limits"),
+        Ignored(
+            "filament.max_flow_change holds for more and for less flow, in steps \
+             of its own",
+        ),
     ),
     row(
         BOTH,
