@@ -21,7 +21,7 @@ use glam::DVec2;
 const TOLERANCE: Mm = 0.01;
 /// How far outlines may be off where they are nearly level, mm: what sticks out
 /// by less than that beyond what is held needs nothing.
-const SLACK: Mm = 0.03;
+const SLACK: Mm = 0.02;
 /// What is smaller sticks to what is beside it, mm².
 const SPECK: Mm2 = 0.03;
 /// Lines that are looked at across a gap, about.

@@ -4,18 +4,19 @@
 //! first way of these that will do is taken:
 //!
 //! 1. straight, if that is too short for a retraction, or hidden;
-//! 2. over sparse infill, which hides it;
-//! 3. inside the island, round its holes and notches, if the straight way
+//! 2. from support to support, round the part;
+//! 3. over sparse infill, which hides it;
+//! 4. inside the island, round its holes and notches, if the straight way
 //!    leads over what shows;
-//! 4. from one island to another, through the air once;
-//! 5. straight and retracted.
+//! 5. from one island to another, through the air once;
+//! 6. straight and retracted.
 
 use super::comb::Comb;
 use super::decide::Obstacles;
 use super::{Ground, Travel, gate, of_part, wipe};
 use crate::bead::Bead;
 use crate::plane::clip::intersection;
-use crate::plane::{Solid, path_length};
+use crate::plane::{Area, Solid, path_length};
 use crate::settings::{Combing, Hidden, HopWhen, Settings};
 use crate::units::Mm;
 use glam::DVec2;
@@ -30,6 +31,13 @@ const OFF_BORDER: f64 = 0.25;
 /// if nothing else is asked for. Solid parts have more, lattices less: there
 /// nearly all travels lead through walls.
 const MUCH_INFILL: f64 = 0.25;
+
+/// How many times [`Retract::max_unretracted`] a travel between supports may be
+/// long: what oozes there is broken off with the supports, and what is then
+/// missing is missing in a support.
+///
+/// [`Retract::max_unretracted`]: crate::settings::Retract::max_unretracted
+const BETWEEN_SUPPORTS: f64 = 2.0;
 
 /// What hides travels in a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +75,8 @@ pub(super) struct Planner<'a> {
     /// Ways over what the next layer covers, made when a way leads over top
     /// skin.
     covered: OnceCell<Comb<'a>>,
+    /// Ways beside the part.
+    beside: OnceCell<Comb<'a>>,
     /// How far travels keep from the outline where they can. It leads inside
     /// all walls.
     clearance: Mm,
@@ -88,6 +98,7 @@ impl<'a> Planner<'a> {
             comb: Comb::new(Cow::Borrowed(ground.outline), clearance),
             sparse: OnceCell::new(),
             covered: OnceCell::new(),
+            beside: OnceCell::new(),
             clearance,
             cover: Cover::new(&ground, settings),
             settings,
@@ -126,8 +137,11 @@ impl<'a> Planner<'a> {
     }
 
     fn way(&self, a: DVec2, b: DVec2, inside: bool, next: usize) -> Travel {
-        if self.between_supports(a, b) {
-            return self.finished(&[a, b], false);
+        if let Some(way) = self.between_supports(a, b) {
+            return Travel {
+                points: way[1..].to_vec(),
+                ..Travel::default()
+            };
         }
         if !inside && !self.ground.outline.grid().contains(a) {
             return Travel::straight(b, true);
@@ -257,17 +271,54 @@ impl<'a> Planner<'a> {
         self.obstacles.air(way) || self.obstacles.outer_wall(way, next)
     }
 
-    /// True if the straight way leads from support to support beside the part:
-    /// what oozes there is broken off with the supports.
-    fn between_supports(&self, a: DVec2, b: DVec2) -> bool {
-        let part = || self.ground.outline.grid();
-        self.settings.retract.when_crossing
-            && self.ground.support.is_some_and(|support| {
-                let grid = support.grid();
-                grid.contains(a) && grid.contains(b)
-            })
-            && !part().contains(a)
-            && part().crossings(a, b).is_empty()
+    /// The way from support to support beside the part, with both points, if
+    /// there is one that is not too long.
+    fn between_supports(&self, a: DVec2, b: DVec2) -> Option<Vec<DVec2>> {
+        let retract = &self.settings.retract;
+        let support = self.ground.support.filter(|_| retract.when_crossing)?;
+        let both = [a, b].iter().all(|p| support.grid().contains(*p));
+        let part = self.ground.outline.grid();
+        if !both || part.contains(a) {
+            return None;
+        }
+        let mut way = vec![a];
+        if !part.crossings(a, b).is_empty() {
+            let longest = a.distance(b) + self.settings.travel.max_detour;
+            let beside = self.beside.get_or_init(|| self.air());
+            let round = beside.way(a, b, longest)?;
+            way.extend(round);
+        }
+        way.push(b);
+        let longest = BETWEEN_SUPPORTS * retract.max_unretracted;
+        let longest =
+            longest.min(a.distance(b) + self.settings.travel.max_detour);
+        (path_length(&way, false) <= longest).then_some(way)
+    }
+
+    /// Ways beside the part: inside a frame around the layer, the part being
+    /// holes in it.
+    fn air(&self) -> Comb<'a> {
+        /// Room around the layer, mm.
+        const MARGIN: Mm = 5.0;
+        let outline = self.ground.outline.area();
+        let supports = self.ground.support.map(|s| s.area().bounds());
+        let all = outline.bounds();
+        let all = supports.map_or(all, |s| all.union(s)).grown(MARGIN);
+        let (low, high) = (all.min, all.max);
+        let frame = vec![
+            low,
+            DVec2::new(high.x, low.y),
+            high,
+            DVec2::new(low.x, high.y),
+        ];
+        let mut rings = vec![frame];
+        rings.extend(outline.rings.iter().map(|ring| {
+            let mut ring = ring.clone();
+            ring.reverse();
+            ring
+        }));
+        let air = Solid::new(Area { rings });
+        Comb::new(Cow::Owned(air), self.clearance)
     }
 
     /// True if the ooze on a way is hidden, and the way crosses nothing.

@@ -1,6 +1,7 @@
 use super::*;
 use crate::bead::Role;
 use crate::bead::Stroke;
+use crate::plane::clip::union;
 use crate::plane::shapes::rect;
 use crate::region::wall_depths;
 use crate::settings::{Combing, Hidden, HopWhen};
@@ -147,6 +148,56 @@ fn ways_of_no_point_and_of_one() {
         assert!(!o.within_infill(&points(&[(-3.0, 10.0)])));
     });
     assert!(part.travels(vec![bead(Role::SparseInfill, &[])]).is_empty());
+}
+
+/// Two supports, one on each side of a part of 20 × 20 mm, are joined by a way
+/// round it that neither touches the part nor retracts.
+#[test]
+fn between_supports_the_way_leads_round_the_part() {
+    let part = Part::square();
+    let outline = Solid::of(&part.outline, 1.0);
+    let bounds = part.outline.bounds();
+    let y = 10.0;
+    let support = |x: f64| rect(x - 1.0, y - 1.0, x + 1.0, y + 1.0);
+    let (left, right) = (bounds.min.x - 3.0, bounds.max.x + 3.0);
+    let both = union(&support(left), &support(right));
+    let both = Solid::new(both);
+    let way = |settings: &Settings| {
+        let bead = |x: f64| {
+            let points = vec![DVec2::new(x, y), DVec2::new(x, y + 0.5)];
+            let stroke = Stroke::new(points, false, 0.4);
+            Ended::from(Bead::new(Role::Support, stroke, 0.2))
+        };
+        let ground = Ground {
+            support: Some(&both),
+            outline: &outline,
+            sparse: &Solid::new(Area::EMPTY),
+            border: 0.8,
+            above: None,
+        };
+        let beads = vec![bead(left), bead(right)];
+        let path = connect(SPAN, beads, ground, None, DVec2::ZERO, settings);
+        let travels = path.moves.into_iter().filter_map(|m| match m {
+            Move::Travel(travel) => Some(travel),
+            Move::Print(_) => None,
+        });
+        travels.last().unwrap()
+    };
+    let round = way(&part.settings);
+    assert!(!round.retract && round.points.len() > 1, "{round:?}");
+    let mut at = DVec2::new(left, y + 0.5);
+    for &to in &round.points {
+        assert!(outline.grid().crossings(at, to).is_empty(), "{at} {to}");
+        at = to;
+    }
+    assert_eq!(at, DVec2::new(right, y));
+    // A way that is too long retracts, and so does one where all travels do.
+    let mut settings = part.settings.clone();
+    settings.travel.max_detour = 1.0;
+    assert!(way(&settings).retract);
+    let mut settings = part.settings.clone();
+    settings.retract.when_crossing = false;
+    assert!(way(&settings).retract);
 }
 
 #[test]
