@@ -298,7 +298,7 @@ impl<'a> Spiral<'a> {
         middle: impl Fn(f64) -> Mm,
     ) -> Result<Vec<DVec2>, SpiralError> {
         let beside = 0.5 * self.settings.outer_wall_width()
-            - self.settings.xy_compensation;
+            - self.settings.xy_compensation.constant().unwrap_or(0.0);
         let spots = points.iter().flat_map(|p| {
             let z = middle(p.share) + self.bed;
             let at = |out: DVec2| p.at + beside * out;

@@ -12,6 +12,8 @@ pub(crate) type Mm2 = f64;
 pub(crate) type Mm3 = f64;
 /// Speed in millimetres per second.
 pub(crate) type MmPerSec = f64;
+/// Curvature: one over a radius in millimetres.
+pub(crate) type PerMm = f64;
 /// Number in a second.
 pub(crate) type PerSec = f64;
 /// Acceleration in millimetres per second squared.

@@ -74,6 +74,29 @@ fn walls_lie_where_the_compensation_puts_them() {
     }
 }
 
+/// The tube's hole becomes wider by 1 mm² over its radius, and its outside moves
+/// by what the formula says of z.
+#[test]
+fn a_formula_moves_each_outline_by_its_curvature() {
+    let wall = 0.225;
+    let by = "expr: 1*min(curvature, 0) + 0.1*min(max(curvature*20, 0), 1)*z/2";
+    let assignment = format!("xy_compensation={by}");
+    let printed = layers(&[&assignment]);
+    assert!(printed.len() > 5);
+    for layer in printed {
+        let middle = layer.z - 0.5 * layer.height;
+        let [least, most, narrow, wide] = radii(&layer, "External perimeter");
+        // The curvature of a polygon is good to a few per cent.
+        for r in [least, most] {
+            assert!((r - (10.0 + wall + 0.1)).abs() < 0.01, "{r}");
+        }
+        for r in [narrow, wide] {
+            let exact = 20.0 - wall + 0.05 * middle;
+            assert!((r - exact).abs() < 0.012, "{r} {exact}");
+        }
+    }
+}
+
 #[test]
 fn a_brim_lies_beside_the_first_layer_only() {
     let all = ["brim.place=both", "brim.gap=0.2", "brim.width=3"];

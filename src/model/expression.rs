@@ -1,17 +1,17 @@
 //! Expressions of settings: numbers that differ from place to place.
 //!
-//! In: a formula of x, y, z and d in the models' language, or the field of a
-//! shape. Out: its values at many places at a time.
+//! In: a formula of x, y, z and d, or of x, y, z and curvature, in the models'
+//! language, or the field of a shape. Out: its values at many places at a time.
 //!
 //! x and y are the model's coordinates, z the height above the bed, both in
 //! millimetres as printed, whatever unit the model was written in; d is the
-//! distance to the nearest surface, positive inside the part.
+//! distance to the nearest surface, positive inside the part; curvature is that
+//! of an outline, one over its radius in millimetres, negative in holes.
 //!
 //! Evaluated in f32 by fidget's interpreter, on any machine and thread with
 //! the same result.
 
-use super::formula::{FormulaError, parse_with_depth};
-use crate::units::Mm;
+use super::formula::{FormulaError, Name, parse_with};
 use fidget::context::Tree;
 use fidget::eval::{BulkEvaluator, Function, MathFunction, Tape};
 use fidget::var::Var;
@@ -24,8 +24,9 @@ use isocontour::{ExpandError, expand_with};
 pub struct Place {
     /// The point: the model's x and y, and the height above the bed.
     pub at: DVec3,
-    /// Distance to the nearest surface, positive inside.
-    pub depth: Mm,
+    /// The fourth variable: the distance to the nearest surface, positive
+    /// inside, or the outline's curvature.
+    pub depth: f64,
 }
 
 /// Why a text is no expression.
@@ -47,7 +48,7 @@ pub enum ExpressionError {
 #[derive(Clone)]
 pub struct Expression {
     tape: <<VmFunction as Function>::FloatSliceEval as BulkEvaluator>::Tape,
-    /// Where x, y, z and d are in the tape's arguments.
+    /// Where x, y, z and the fourth variable are in the tape's arguments.
     arguments: [Option<usize>; 4],
 }
 
@@ -60,9 +61,21 @@ impl Expression {
     /// # Errors
     /// If it is not one.
     pub fn parse(text: &str) -> Result<Expression, ExpressionError> {
-        let depth = Var::new();
-        let tree = parse_with_depth(text, Tree::from(depth))?;
-        Self::compile(&tree, Some(depth))
+        Self::with(text, Name::Depth)
+    }
+
+    /// Compiles a formula of x, y, z and curvature.
+    ///
+    /// # Errors
+    /// If it is not one.
+    pub fn of_outline(text: &str) -> Result<Expression, ExpressionError> {
+        Self::with(text, Name::Curvature)
+    }
+
+    fn with(text: &str, name: Name) -> Result<Expression, ExpressionError> {
+        let fourth = Var::new();
+        let tree = parse_with(text, name, Tree::from(fourth))?;
+        Self::compile(&tree, Some(fourth))
     }
 
     /// Compiles the field of a shape.
@@ -75,14 +88,14 @@ impl Expression {
 
     fn compile(
         tree: &Tree,
-        depth: Option<Var>,
+        fourth: Option<Var>,
     ) -> Result<Expression, ExpressionError> {
-        let (context, root) = expand_with(tree, depth)?;
+        let (context, root) = expand_with(tree, fourth)?;
         let function = VmFunction::new(&context, &[root])
             .map_err(|e| ExpressionError::Compile(e.to_string()))?;
         let tape = function.float_slice_tape(Default::default());
         let vars = tape.vars();
-        let arguments = [Some(Var::X), Some(Var::Y), Some(Var::Z), depth]
+        let arguments = [Some(Var::X), Some(Var::Y), Some(Var::Z), fourth]
             .map(|v| v.and_then(|v| vars.get(&v)));
         Ok(Expression { tape, arguments })
     }

@@ -5,7 +5,6 @@ use super::SliceError;
 use super::layer::Layer;
 use super::stages::Stages;
 use super::{BLOCK, pool};
-use crate::contour::FieldError;
 use crate::hang::{Hanging, Look, Place, Tracker};
 use crate::heights::heights;
 use crate::limits;
@@ -55,7 +54,7 @@ pub fn survey(
         limits::check();
         let slabs = group.par_chunks(slab);
         let made = slabs.map(|slab| stages.layers(slab, &(0..usize::MAX)));
-        let made: Vec<Result<Vec<Layer>, FieldError>> =
+        let made: Vec<Result<Vec<Layer>, SliceError>> =
             pool.install(|| made.collect());
         // Of what was before, the last layer is looked at once more.
         window.drain(..window.len().saturating_sub(1));

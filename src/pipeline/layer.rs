@@ -6,13 +6,10 @@ use crate::layers::LayerSpan;
 use crate::order::LayerBeads;
 use crate::plane::{Area, Solid};
 use crate::region::Walls;
-use crate::region::compensate::Compensation;
 use crate::region::exposure::{FillAreas, Window};
 use crate::report::LayerFigures;
-use crate::settings::Settings;
 use crate::skin::{Face, Faces};
 use crate::units::{Mm, Mm2};
-use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -32,6 +29,9 @@ pub(super) struct Layer {
     pub rough: Arc<Solid<'static>>,
     /// The outlines of the offset fields, if walls are made of these.
     pub offsets: Arc<Vec<Area>>,
+    /// What the layer above stands on, if that is not the outline: where an
+    /// elephant's foot was taken from it, the plastic goes there again.
+    pub squeezed: Option<Arc<Solid<'static>>>,
     /// What is inside, as long as a layer above may be the same.
     pub inside: Option<Arc<Inside>>,
 }
@@ -57,14 +57,9 @@ impl Layer {
         }
     }
 
-    /// What the layer above stands on: where an elephant's foot was taken
-    /// from the outline, the plastic goes there again.
-    pub(super) fn top(&self, settings: &Settings) -> Cow<'_, Solid<'static>> {
-        let moved = Compensation::new(&self.span, settings);
-        match moved.squeezed(&self.found.area) {
-            Some(area) => Cow::Owned(Solid::new(area)),
-            None => Cow::Borrowed(&self.outline),
-        }
+    /// What the layer above stands on.
+    pub(super) fn top(&self) -> &Arc<Solid<'static>> {
+        self.squeezed.as_ref().unwrap_or(&self.outline)
     }
 
     /// Shares with the layer below what is the same.

@@ -28,7 +28,6 @@ use crate::timings::{Stage, Timings};
 use crate::travel::{Ground, LayerPath, Move, connect};
 use crate::walls::{Beside, Interlock, Reach, Support};
 use glam::DVec2;
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -183,12 +182,7 @@ impl<'a> PartExit<'a> {
         let below = below.filter(|_| !turns && !on_raft);
         let below = below.filter(|below| !layer.same_outline(below));
         let below: Option<Arc<Solid<'static>>> =
-            self.timings.time(Stage::Travel, || {
-                below.map(|below| match below.top(self.settings) {
-                    Cow::Owned(top) => Arc::new(top),
-                    Cow::Borrowed(_) => below.outline.clone(),
-                })
-            });
+            below.map(|below| below.top().clone());
         let support = self.timings.time(Stage::Travel, || {
             let below = below.as_deref()?;
             Support::new(below, &layer.outline, self.settings)
@@ -222,9 +216,6 @@ impl<'a> PartExit<'a> {
             .timings
             .time(Stage::Skin, || self.on_surface(beads, layer, above))?;
         let path = self.timings.time(Stage::Travel, || {
-            // By the layer's own height. Walls are shared by layers whose
-            // heights are the same but for rounding, and that decides between
-            // ways that are equally long: a range of layers would differ.
             let (_, border) = wall_depths(layer.span.height(), self.settings);
             if written {
                 let of_part = beads.iter().filter(|b| b.bead.role.is_part());

@@ -18,7 +18,6 @@
 //! nothing in the sample.
 
 use super::SliceError;
-use crate::contour::FieldError;
 use crate::layers::LayerSpan;
 use crate::limits;
 use crate::plane::Rect;
@@ -108,7 +107,7 @@ pub(super) fn sample(
     part: Rect,
     spans: &[LayerSpan],
     line: Mm,
-    found_in: impl Fn(Rect, &LayerSpan) -> Result<Found, FieldError> + Sync,
+    found_in: impl Fn(Rect, &LayerSpan) -> Result<Found, SliceError> + Sync,
 ) -> Result<(), SliceError> {
     let look = |k: usize| -> Result<Found, SliceError> {
         limits::check();

@@ -24,7 +24,7 @@ use crate::order::LayerBeads;
 use crate::plane::clip::union;
 use crate::plane::offset::offset;
 use crate::plane::{Area, Rect, Solid};
-use crate::region::compensate::Compensation;
+use crate::region::compensate::{Compensation, Growth};
 use crate::region::cover::rough;
 use crate::region::exposure::{Exposure, FillAreas, roomy};
 use crate::region::{
@@ -40,7 +40,7 @@ use crate::spiral::Spiral;
 use crate::support::{Parts, Plan, Wishes};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
-use crate::vary::Surroundings;
+use crate::vary::{Surroundings, VaryError};
 use crate::{skin, walls};
 use glam::DVec2;
 use rayon::ThreadPool;
@@ -82,6 +82,8 @@ pub(super) struct Stages<'a> {
     bed: Mm,
     /// The climbing wall, if there is to be one.
     pub spiral: Option<Spiral<'a>>,
+    /// How far outlines grow, if that differs from place to place.
+    growth: Option<Growth>,
     exposure: Exposure<'a>,
     infill: Infill<'a>,
     pub timings: Timings,
@@ -139,6 +141,7 @@ impl<'a> Stages<'a> {
             bed: -model.offset.z,
             spiral: None,
             exposure: Exposure::new(settings, spans),
+            growth: Growth::new(settings, model)?,
             infill: Infill::new(settings, around, site)?,
             timings: Timings::default(),
             gauge,
@@ -153,7 +156,7 @@ impl<'a> Stages<'a> {
 
     /// The skirt round all layers that stand beside it, or, if it is high,
     /// some of them.
-    fn skirt_round(&self, spans: &[LayerSpan]) -> Result<Skirt, FieldError> {
+    fn skirt_round(&self, spans: &[LayerSpan]) -> Result<Skirt, SliceError> {
         let layers = self.settings.skirt.layers as usize;
         let areas = self.beside(spans, layers)?;
         Ok(Skirt::new(&areas, self.settings))
@@ -165,7 +168,7 @@ impl<'a> Stages<'a> {
         &self,
         spans: &[LayerSpan],
         layers: usize,
-    ) -> Result<Vec<Area>, FieldError> {
+    ) -> Result<Vec<Area>, SliceError> {
         let beside = &spans[..spans.len().min(layers)];
         let step = beside.len().div_ceil(SKIRT_SAMPLES).max(1);
         let mut areas = Vec::new();
@@ -200,7 +203,7 @@ impl<'a> Stages<'a> {
         let wishes = Wishes::new(self.settings, around)?;
         let slabs = spans.par_chunks(self.slab_layers());
         let stages: &Stages<'a> = self;
-        let made: Vec<Result<Vec<Layer>, FieldError>> = pool.install(|| {
+        let made: Vec<Result<Vec<Layer>, SliceError>> = pool.install(|| {
             slabs.map(|s| stages.layers(s, &(0..usize::MAX))).collect()
         });
         let layers: Vec<Vec<Layer>> =
@@ -435,12 +438,16 @@ impl<'a> Stages<'a> {
         &self,
         spans: &[LayerSpan],
         needed: &Range<usize>,
-    ) -> Result<Vec<Layer>, FieldError> {
+    ) -> Result<Vec<Layer>, SliceError> {
         if !self.known.is_empty() {
             let needed = spans.iter().filter(|s| needed.contains(&s.index));
             return Ok(needed.map(|s| self.known[s.index].clone()).collect());
         }
         self.layers_of(&self.field, &self.wall_fields, spans, needed)
+    }
+
+    fn growth(&self) -> Option<&Growth> {
+        self.growth.as_ref()
     }
 
     /// As [`Stages::layers`], of a field and those of its walls, if walls are
@@ -451,7 +458,7 @@ impl<'a> Stages<'a> {
         wall_fields: &[(Mm, Field)],
         spans: &[LayerSpan],
         needed: &Range<usize>,
-    ) -> Result<Vec<Layer>, FieldError> {
+    ) -> Result<Vec<Layer>, SliceError> {
         // The part has nothing in the layers of a raft.
         let below = spans.iter().take_while(|s| s.index < self.raft_layers);
         let below = below.count();
@@ -483,10 +490,12 @@ impl<'a> Stages<'a> {
             if !needed.contains(&span.index) {
                 continue;
             }
-            let moved = Compensation::new(&span, self.settings);
+            let moving = |span: &LayerSpan| {
+                Compensation::new(span, self.settings, self.growth())
+            };
+            let moved = moving(&span);
             let alike = |below: &&Layer| {
-                Compensation::new(&below.span, self.settings) == moved
-                    && *below.found == outline
+                moving(&below.span).is_like(&moved) && *below.found == outline
             };
             if offsets.is_empty()
                 && let Some(below) = layers.last().filter(alike)
@@ -499,9 +508,12 @@ impl<'a> Stages<'a> {
             }
             let found = outline;
             let outline = Solid::new(found.area.clone());
-            let changed = self
-                .timings
-                .time(Stage::Walls, || moved.apply(&outline, &mut offsets));
+            let (changed, squeezed) =
+                self.timings.time(Stage::Walls, || {
+                    let changed = moved.apply(&outline, &mut offsets)?;
+                    let squeezed = moved.squeezed(&found.area)?;
+                    Ok::<_, VaryError>((changed, squeezed))
+                })?;
             let outline = changed.map_or(outline, Solid::new);
             let same = layers.last().filter(|b| b.area() == outline.area());
             let (outline, rough) = match same {
@@ -519,6 +531,7 @@ impl<'a> Stages<'a> {
                 outline,
                 rough,
                 offsets: Arc::new(offsets.into_iter().map(|o| o.1).collect()),
+                squeezed: squeezed.map(|area| Arc::new(Solid::new(area))),
                 inside: None,
             });
         }
@@ -854,7 +867,7 @@ impl<'a> Stages<'a> {
         &self,
         window: Rect,
         span: &LayerSpan,
-    ) -> Result<Found, FieldError> {
+    ) -> Result<Found, SliceError> {
         let spacing = self.settings.sample_spacing;
         let field = field_in(&self.model.tree, window, spacing)?;
         let span = std::slice::from_ref(span);

@@ -3,32 +3,142 @@
 //!
 //! In: a layer's outline. Out: the outline to print. Slits are filled
 //! ([`super::slit`]); all other changes are in-plane distances, exact to the
-//! tolerance.
+//! tolerance. Where a distance differs from place to place, each place of the
+//! outline moves by its own, square to the outline.
 
 use super::slit::{filled, slits};
 use crate::layers::LayerSpan;
-use crate::plane::clip::{difference, intersection, union};
+use crate::model::{Model, Place};
+use crate::plane::bend::{Bend, bends};
+use crate::plane::clip::{difference, intersection, union, unite};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Solid};
+use crate::plane::simplify::simplify;
+use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
 use crate::units::Mm;
+use crate::vary::{Quantity, VaryError};
+use glam::DVec2;
+
+/// How far outlines are moved outwards, if that differs from place to place.
+pub(crate) struct Growth {
+    by: Quantity,
+    /// From the outlines' coordinates to the expression's.
+    origin: DVec2,
+}
+
+/// Places of an outline that are nearer to each other than this share of their
+/// way move as one, so that the ways of a round hole that is filled do not all
+/// cross each other.
+const NEAR: f64 = 0.02;
+
+impl Growth {
+    /// `xy_compensation`, if it is an expression.
+    ///
+    /// # Errors
+    /// If the expression has a mistake.
+    pub(crate) fn new(
+        settings: &Settings,
+        model: &Model,
+    ) -> Result<Option<Growth>, VaryError> {
+        if settings.xy_compensation.constant().is_some() {
+            return Ok(None);
+        }
+        let key = "xy_compensation";
+        Ok(Some(Growth {
+            by: Quantity::of_outline(key, &settings.xy_compensation)?,
+            origin: model.origin.truncate(),
+        }))
+    }
+
+    /// An area whose border is at the height `z`, grown.
+    fn grown(
+        &self,
+        area: &Area,
+        z: Mm,
+        tolerance: Mm,
+    ) -> Result<Area, VaryError> {
+        // What the border goes over on its way, outwards and inwards. It may meet
+        // itself there, as the border of a hole does that is filled.
+        let (mut added, mut taken) = (Area::EMPTY, Area::EMPTY);
+        let (mut places, mut by) = (Vec::new(), Vec::new());
+        for ring in &area.rings {
+            crate::limits::check();
+            let bends = bends(ring);
+            places.clear();
+            places.extend(bends.iter().map(|bend: &Bend| Place {
+                at: (bend.at + self.origin).extend(z),
+                depth: bend.curvature,
+            }));
+            by.clear();
+            self.by.evaluate(&places, &mut by)?;
+            let mut kept: Vec<(DVec2, DVec2, Mm)> = Vec::new();
+            for (bend, &by) in bends.iter().zip(&by) {
+                let apart = |last: &(DVec2, DVec2, Mm)| {
+                    last.0.distance(bend.at) >= NEAR * by.abs()
+                };
+                if kept.last().is_none_or(apart) {
+                    kept.push((bend.at, by * bend.out, by));
+                }
+            }
+            let pairs = kept.iter().zip(kept.iter().cycle().skip(1));
+            for (&(a, from, by), &(b, to, next)) in pairs {
+                let way = by + next;
+                if way == 0.0 {
+                    continue;
+                }
+                let (c, d) = (b + to, a + from);
+                let to = if way > 0.0 { &mut added } else { &mut taken };
+                // Two triangles, since the ways of two places may cross.
+                for mut half in [vec![a, b, c], vec![a, c, d]] {
+                    if signed_area(&half) < 0.0 {
+                        half.reverse();
+                    }
+                    to.rings.push(half);
+                }
+            }
+        }
+        let mut grown = area.clone();
+        if !added.is_empty() {
+            grown = union(&grown, &unite(&added));
+        }
+        if !taken.is_empty() {
+            grown = difference(&grown, &unite(&taken));
+        }
+        let rings = grown.rings.iter().map(|r| simplify(r, tolerance));
+        Ok(Area {
+            rings: rings.filter(|r| !r.is_empty()).collect(),
+        })
+    }
+}
+
+/// How far the outline of a layer is moved outwards.
+#[derive(Clone, Copy)]
+enum Grow<'a> {
+    By(Mm),
+    /// What differs from place to place, at a height.
+    Varying(&'a Growth, Mm),
+}
 
 /// What is done to the outline of a layer: its slits are filled, it is moved
-/// outwards everywhere, and then inwards where it is not too thin for that.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Compensation {
+/// outwards, and then inwards where it is not too thin for that.
+#[derive(Clone, Copy)]
+pub(crate) struct Compensation<'a> {
     /// Slits narrower than this are filled.
     slit: Mm,
-    grow: Mm,
+    grow: Grow<'a>,
     draw_in: Mm,
     /// Thickness of what may be left when the outline is drawn in.
     keep: Mm,
     tolerance: Mm,
 }
 
-impl Compensation {
-    /// What the settings want for a layer.
-    pub(crate) fn new(span: &LayerSpan, settings: &Settings) -> Self {
+impl<'a> Compensation<'a> {
+    /// What the settings want for a layer. `growth` is what they say of places.
+    pub(crate) fn new(
+        span: &LayerSpan,
+        settings: &Settings,
+        growth: Option<&'a Growth>,
+    ) -> Self {
         let layers = settings.elephant_foot_layers as usize;
         // Nothing squeezes a part on a raft.
         let left = match settings.raft_layers() {
@@ -37,35 +147,66 @@ impl Compensation {
         };
         Compensation {
             slit: 2.0 * settings.slit_closing(),
-            grow: settings.xy_compensation,
+            grow: match growth {
+                Some(growth) => Grow::Varying(growth, span.sample_z()),
+                None => {
+                    Grow::By(settings.xy_compensation.constant().unwrap_or(0.0))
+                }
+            },
             draw_in: settings.elephant_foot * left / layers.max(1) as f64,
             keep: 2.0 * settings.outer_wall_width(),
             tolerance: 0.2 * settings.accuracy,
         }
     }
 
+    /// True if another layer's outline is surely changed as this one's would be.
+    pub(crate) fn is_like(&self, other: &Compensation<'_>) -> bool {
+        match (self.grow, other.grow) {
+            (Grow::By(a), Grow::By(b)) => {
+                a == b
+                    && self.slit == other.slit
+                    && self.draw_in == other.draw_in
+            }
+            _ => false,
+        }
+    }
+
     /// The outline as the print will have it, if the plastic does what it is
     /// drawn in for; `None` if it is not drawn in.
-    pub(crate) fn squeezed(&self, outline: &Area) -> Option<Area> {
-        let grown = || self.grown(&Solid::of(outline, CELL), &mut []);
-        (self.draw_in > 0.0).then(|| grown().unwrap_or_else(|| outline.clone()))
+    ///
+    /// # Errors
+    /// If an expression has no value somewhere.
+    pub(crate) fn squeezed(
+        &self,
+        outline: &Area,
+    ) -> Result<Option<Area>, VaryError> {
+        if self.draw_in == 0.0 {
+            return Ok(None);
+        }
+        let grown = self.grown(&Solid::of(outline, CELL), &mut [])?;
+        Ok(Some(grown.unwrap_or_else(|| outline.clone())))
     }
 
     /// The outline to print, unless it is the one there is. `walls` are areas
     /// that lie so deep in it, and are changed as it is.
+    ///
+    /// # Errors
+    /// If an expression has no value somewhere.
     pub(crate) fn apply(
         &self,
         outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
-    ) -> Option<Area> {
-        let grown = self.grown(outline, walls);
+    ) -> Result<Option<Area>, VaryError> {
+        let grown = self.grown(outline, walls)?;
         if self.draw_in == 0.0 {
-            return grown;
+            return Ok(grown);
         }
         for (_, wall) in walls {
             *wall = self.drawn_in(wall);
         }
-        Some(self.drawn_in(grown.as_ref().unwrap_or(outline.area())))
+        Ok(Some(
+            self.drawn_in(grown.as_ref().unwrap_or(outline.area())),
+        ))
     }
 
     /// The outline with its slits filled, and grown.
@@ -73,22 +214,25 @@ impl Compensation {
         &self,
         outline: &Solid<'_>,
         walls: &mut [(Mm, Area)],
-    ) -> Option<Area> {
+    ) -> Result<Option<Area>, VaryError> {
         let closed = self.closed(outline, walls);
-        if self.grow == 0.0 {
-            return closed;
+        if matches!(self.grow, Grow::By(0.0)) {
+            return Ok(closed);
         }
-        let grow = |area: &Area| offset(area, self.grow, self.tolerance);
-        for (_, wall) in walls.iter_mut() {
-            *wall = grow(wall);
-        }
-        let grown = grow(closed.as_ref().unwrap_or(outline.area()));
-        // What was wider than a slit may be one now.
-        let closed = match self.grow > 0.0 {
-            true => self.closed(&Solid::of(&grown, CELL), walls),
-            false => None,
+        let grow = |area: &Area| match self.grow {
+            Grow::By(by) => Ok(offset(area, by, self.tolerance)),
+            Grow::Varying(growth, z) => growth.grown(area, z, self.tolerance),
         };
-        Some(closed.unwrap_or(grown))
+        for (_, wall) in walls.iter_mut() {
+            *wall = grow(wall)?;
+        }
+        let grown = grow(closed.as_ref().unwrap_or(outline.area()))?;
+        // What was wider than a slit may be one now.
+        let closed = match self.grow {
+            Grow::By(..=0.0) => None,
+            _ => self.closed(&Solid::of(&grown, CELL), walls),
+        };
+        Ok(Some(closed.unwrap_or(grown)))
     }
 
     /// The outline with its slits filled, if it has any.
@@ -143,7 +287,7 @@ const CELL: Mm = 1.0;
 mod tests {
     use super::*;
     use crate::plane::rect;
-    use glam::DVec2;
+    use crate::settings::Varying;
 
     fn span(index: usize) -> LayerSpan {
         LayerSpan {
@@ -163,25 +307,101 @@ mod tests {
         }
     }
 
-    impl Compensation {
+    impl Compensation<'_> {
         /// The outline to print.
         fn printed(&self, outline: &Area) -> Area {
             self.apply(&Solid::of(outline, CELL), &mut [])
+                .unwrap()
                 .unwrap_or_else(|| outline.clone())
         }
     }
 
+    /// What `xy_compensation` asks for by a formula makes of an outline.
+    fn by_formula(text: &str, outline: &Area) -> Result<Area, VaryError> {
+        let value = Varying::Expression(text.to_owned());
+        let growth = Growth {
+            by: Quantity::of_outline("xy_compensation", &value)?,
+            origin: DVec2::ZERO,
+        };
+        let s = Settings::default();
+        let c = Compensation::new(&span(9), &s, Some(&growth));
+        let grown = c.apply(&Solid::of(outline, CELL), &mut [])?;
+        Ok(grown.unwrap_or_else(|| outline.clone()))
+    }
+
+    /// A disc of 10 mm with round holes of these radii.
+    fn with_holes(radii: &[f64]) -> Area {
+        let mut area = disc(10.0);
+        for (i, radius) in radii.iter().enumerate() {
+            let middle = DVec2::from_angle(i as f64 * 2.0) * 5.5;
+            let ring = disc(*radius).rings.remove(0).into_iter().rev();
+            area.rings.push(ring.map(|p| p + middle).collect());
+        }
+        area
+    }
+
+    /// Mean radii of an area's rings, as circles of their content.
+    fn radii(area: &Area) -> Vec<f64> {
+        let content = |r: &Vec<DVec2>| signed_area(r).abs();
+        let rings = area.rings.iter();
+        rings
+            .map(|r| (content(r) / std::f64::consts::PI).sqrt())
+            .collect()
+    }
+
+    #[test]
+    fn holes_are_widened_by_their_curvature() {
+        let before = with_holes(&[0.5, 1.0, 2.5]);
+        // Holes become wider by 0.05 mm² over their radius; the disc stays.
+        let text = "0.05*min(curvature, 0)";
+        let after = by_formula(text, &before).unwrap();
+        let found = radii(&after);
+        assert_eq!(found.len(), 4);
+        for exact in [10.0, 0.5 + 0.1, 1.0 + 0.05, 2.5 + 0.02] {
+            let off = found.iter().map(|r| (r - exact).abs());
+            let off = off.fold(f64::INFINITY, f64::min);
+            assert!(off < 0.004, "{exact}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_formula_of_places_moves_each_place_by_its_own() {
+        let square = rect(-10.0, -10.0, 10.0, 10.0);
+        let even = by_formula("0.1 + 0*x", &square).unwrap();
+        assert!((even.content() - 20.2 * 20.2).abs() < 1e-3);
+        // The right side moves by 0.2, the left one inwards by 0.2.
+        let skew = by_formula("0.02*x", &square).unwrap();
+        let bounds = skew.bounds();
+        assert!((bounds.max.x - 10.2).abs() < 2e-3, "{bounds:?}");
+        assert!((bounds.min.x + 9.8).abs() < 2e-3, "{bounds:?}");
+        // A hole that is filled is gone, and nothing is inside out.
+        let holes = with_holes(&[0.5, 2.5]);
+        let filled = by_formula("0.6 + 0*x", &holes).unwrap();
+        assert_eq!(filled.rings.len(), 2);
+        let pi = std::f64::consts::PI;
+        let exact = pi * (10.6f64.powi(2) - 1.9f64.powi(2));
+        assert!((filled.content() - exact).abs() < 0.2);
+        let error = by_formula("sqrt(curvature)", &holes).unwrap_err();
+        let error = error.to_string();
+        assert!(
+            error.contains("xy_compensation")
+                && error.contains("curvature = -"),
+            "{error}"
+        );
+        assert!(by_formula("d", &holes).is_err());
+    }
+
     #[test]
     fn nothing_is_moved_by_default() {
-        let c = Compensation::new(&span(0), &Settings::default());
+        let c = Compensation::new(&span(0), &Settings::default(), None);
         assert_eq!(c.printed(&disc(3.0)), disc(3.0));
-        assert_eq!(c.squeezed(&disc(3.0)), None);
+        assert_eq!(c.squeezed(&disc(3.0)), Ok(None));
     }
 
     #[test]
     fn outlines_grow_and_holes_shrink() {
         let mut settings = Settings {
-            xy_compensation: 0.1,
+            xy_compensation: Varying::Constant(0.1),
             ..Settings::default()
         };
         let mut ring = disc(10.0);
@@ -189,12 +409,14 @@ mod tests {
         hole.reverse();
         ring.rings.push(hole);
         let content = |s: &Settings| {
-            Compensation::new(&span(9), s).printed(&ring).content()
+            Compensation::new(&span(9), s, None)
+                .printed(&ring)
+                .content()
         };
         let pi = std::f64::consts::PI;
         let exact = pi * (10.1_f64.powi(2) - 3.9_f64.powi(2));
         assert!((content(&settings) - exact).abs() < 0.07);
-        settings.xy_compensation = -0.1;
+        settings.xy_compensation = Varying::Constant(-0.1);
         let exact = pi * (9.9_f64.powi(2) - 4.1_f64.powi(2));
         assert!((content(&settings) - exact).abs() < 0.07);
     }
@@ -208,12 +430,12 @@ mod tests {
         };
         let square = rect(0.0, 0.0, 20.0, 10.0);
         for (index, by) in [(0, 0.3), (1, 0.2), (2, 0.1)] {
-            let c = Compensation::new(&span(index), &settings);
+            let c = Compensation::new(&span(index), &settings, None);
             let got = c.printed(&square);
             let exact = (20.0 - 2.0 * by) * (10.0 - 2.0 * by);
             assert!((got.content() - exact).abs() < 1e-6, "{index}");
         }
-        let c = Compensation::new(&span(3), &settings);
+        let c = Compensation::new(&span(3), &settings, None);
         assert_eq!(c.printed(&square), square);
     }
 
@@ -223,7 +445,7 @@ mod tests {
             elephant_foot: 0.3,
             ..Settings::default()
         };
-        let c = Compensation::new(&span(0), &settings);
+        let c = Compensation::new(&span(0), &settings, None);
         // A block with a fin of 0.8 mm.
         let block = rect(0.0, 0.0, 20.0, 20.0);
         let fin = rect(20.0, 9.6, 40.0, 10.4);
@@ -246,7 +468,7 @@ mod tests {
     fn slits_are_told_by_what_is_left_of_them() {
         let parts = |gap: f64, by: f64, closing: f64| {
             let settings = Settings {
-                xy_compensation: by,
+                xy_compensation: Varying::Constant(by),
                 slit_closing: closing.into(),
                 ..Settings::default()
             };
@@ -256,7 +478,7 @@ mod tests {
                     .flat_map(|a| a.rings)
                     .collect(),
             };
-            let c = Compensation::new(&span(0), &settings);
+            let c = Compensation::new(&span(0), &settings, None);
             c.printed(&both).rings.len()
         };
         assert_eq!(parts(0.05, 0.0, 0.05), 1);
@@ -280,8 +502,8 @@ mod tests {
         };
         let mut walls = [(0.2, both(0.2)), (0.6, both(0.6))];
         let outline = Solid::new(both(0.0));
-        let c = Compensation::new(&span(0), &Settings::default());
-        assert!(c.apply(&outline, &mut walls).is_some());
+        let c = Compensation::new(&span(0), &Settings::default(), None);
+        assert!(c.apply(&outline, &mut walls).unwrap().is_some());
         for (depth, wall) in walls {
             assert_eq!(wall.rings.len(), 1, "{depth}");
             let exact = (10.0 - 2.0 * depth) * (4.0 - 2.0 * depth);

@@ -244,10 +244,11 @@ impl Settings {
     }
 
     /// How far outer walls, or the raft, reach beyond the part, in the plane.
-    /// Fuzzy skin that is an expression is not counted.
+    /// Fuzzy skin and compensation that are expressions are not counted.
     pub fn reach(&self) -> Mm {
         let fuzzy = self.fuzzy.thickness.constant().unwrap_or(0.0);
-        let walls = (self.xy_compensation + fuzzy).max(0.0);
+        let grown = self.xy_compensation.constant().unwrap_or(0.0);
+        let walls = (grown + fuzzy).max(0.0);
         match self.raft.layers {
             0 => walls,
             _ => walls + self.raft.expansion,

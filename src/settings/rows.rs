@@ -93,8 +93,9 @@ table::settings! {
         wall_offset: WallOffset = WallOffset::Distance;
         /// How far outlines are moved outwards before anything else is made
         /// of them (inwards, if negative), for plastic that shrinks or
-        /// spreads.
-        xy_compensation: Mm = 0.0, in -5.0..=5.0;
+        /// spreads. An expression knows the outline's curvature beside x, y and
+        /// z: 1/r around a disc, -1/r around a hole with the radius r.
+        xy_compensation: Varying<Mm> = Varying::Constant(0.0), in -5.0..=5.0;
         /// How much the first layer is drawn in on all sides, to make up for
         /// being squeezed; places as thin as two walls keep their width.
         elephant_foot: Mm = 0.0, in 0.0..=2.0;

@@ -46,7 +46,7 @@ pub enum VaryError {
     /// The expression has no value somewhere.
     #[error(
         "{key} = \"expr: {text}\" has no value at x = {:.3}, y = {:.3}, z = \
-         {:.3} (d = {depth:.3}): change the expression so that it has one \
+         {:.3} ({fourth} = {depth:.3}): change the expression so that it has one \
          there, for instance with max() around what is divided by or whose \
          root is taken",
         .at.x, .at.y, .at.z
@@ -58,8 +58,10 @@ pub enum VaryError {
         text: String,
         /// Where.
         at: DVec3,
-        /// Distance to the surface at that place.
-        depth: Mm,
+        /// Name of the fourth variable of the expression.
+        fourth: &'static str,
+        /// Its value there.
+        depth: f64,
     },
     /// The value is outside its range somewhere.
     #[error(
@@ -89,6 +91,8 @@ pub enum VaryError {
 #[derive(Clone)]
 pub(crate) struct Quantity {
     key: &'static str,
+    /// Name of the fourth variable.
+    fourth: &'static str,
     range: Option<Range>,
     value: Value,
 }
@@ -111,6 +115,28 @@ impl Quantity {
         key: &'static str,
         value: &Varying,
     ) -> Result<Quantity, VaryError> {
+        Self::with(key, value, Expression::parse)
+    }
+
+    /// As [`Quantity::new`], for a setting of outlines, whose expressions know
+    /// the curvature in place of the depth.
+    ///
+    /// # Errors
+    /// If the setting is an expression with a mistake.
+    pub(crate) fn of_outline(
+        key: &'static str,
+        value: &Varying,
+    ) -> Result<Quantity, VaryError> {
+        let mut quantity = Self::with(key, value, Expression::of_outline)?;
+        quantity.fourth = "curvature";
+        Ok(quantity)
+    }
+
+    fn with(
+        key: &'static str,
+        value: &Varying,
+        parse: impl Fn(&str) -> Result<Expression, ExpressionError>,
+    ) -> Result<Quantity, VaryError> {
         let row = keys().iter().find(|k| k.name == key);
         let value = match value {
             Varying::Constant(value) => Value::Constant(*value),
@@ -120,8 +146,7 @@ impl Quantity {
                     text: text.clone(),
                     error: e.to_string(),
                 };
-                let expression =
-                    Box::new(Expression::parse(text).map_err(bad)?);
+                let expression = Box::new(parse(text).map_err(bad)?);
                 Value::Varying {
                     text: text.clone(),
                     expression,
@@ -129,7 +154,12 @@ impl Quantity {
             }
         };
         let range = row.and_then(|r| r.range);
-        Ok(Quantity { key, range, value })
+        Ok(Quantity {
+            key,
+            fourth: "d",
+            range,
+            value,
+        })
     }
 
     /// As [`Quantity::new`], for a setting that must not differ within a layer.
@@ -192,6 +222,7 @@ impl Quantity {
                     key: self.key,
                     text: text.clone(),
                     at: place.at,
+                    fourth: self.fourth,
                     depth: place.depth,
                 });
             }

@@ -23,6 +23,7 @@ mod token;
 mod value;
 
 use fidget::context::Tree;
+pub(super) use names::Name;
 use parser::parse;
 use value::Value;
 
@@ -50,10 +51,12 @@ pub fn parse_formula(text: &str) -> Result<Tree, FormulaError> {
     }
 }
 
-/// Parses a formula that may be a constant, in which `d` stands for `depth`.
-pub(super) fn parse_with_depth(
+/// Parses a formula that may be a constant, in which a name stands for a
+/// fourth variable.
+pub(super) fn parse_with(
     text: &str,
-    depth: Tree,
+    name: Name,
+    variable: Tree,
 ) -> Result<Tree, FormulaError> {
-    parse(text, Some(depth)).map(Value::tree)
+    parse(text, Some((name, variable))).map(Value::tree)
 }

@@ -6,9 +6,35 @@ use crate::model::param::nearest;
 use fidget::context::Tree;
 use std::f64::consts;
 
-/// What names without parentheses there are, without and with a depth.
+/// What names without parentheses there are in a model's formula.
 pub(super) const CONSTANTS: &[&str] = &["x", "y", "z", "pi", "e", "tau"];
-pub(super) const WITH_DEPTH: &[&str] = &["x", "y", "z", "d", "pi", "e", "tau"];
+
+/// The name of a fourth variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::model) enum Name {
+    /// Distance to the nearest surface, mm.
+    Depth,
+    /// Curvature of an outline, 1/mm.
+    Curvature,
+}
+
+impl Name {
+    /// The name.
+    pub(in crate::model) fn text(self) -> &'static str {
+        match self {
+            Name::Depth => "d",
+            Name::Curvature => "curvature",
+        }
+    }
+
+    /// What names without parentheses there are beside it, and itself.
+    pub(super) fn constants(self) -> &'static [&'static str] {
+        match self {
+            Name::Depth => &["x", "y", "z", "d", "pi", "e", "tau"],
+            Name::Curvature => &["x", "y", "z", "curvature", "pi", "e", "tau"],
+        }
+    }
+}
 
 type Function1 = fn(Value) -> Value;
 type Function2 = fn(Value, Value) -> Value;

@@ -1,7 +1,7 @@
 //! The grammar: one function per rule, and tokens in, values out.
 
 use super::FormulaError;
-use super::names::{CONSTANTS, WITH_DEPTH, call, constant, negated};
+use super::names::{CONSTANTS, Name, call, constant, negated};
 use super::token::{Token, tokens};
 use super::value::Value;
 use fidget::context::Tree;
@@ -9,16 +9,16 @@ use fidget::context::Tree;
 /// Deepest nesting of parentheses, signs and powers.
 const MAX_DEPTH: usize = 200;
 
-/// Parses a formula, in which `d` stands for `depth`, if there is any.
+/// Parses a formula, which may have a fourth variable.
 pub(super) fn parse(
     text: &str,
-    depth: Option<Tree>,
+    fourth: Option<(Name, Tree)>,
 ) -> Result<Value, FormulaError> {
     let mut parser = Parser {
         tokens: tokens(text)?,
         next: 0,
         end: text.chars().count() + 1,
-        depth,
+        fourth,
     };
     if parser.tokens.is_empty() {
         return Err(FormulaError {
@@ -52,8 +52,8 @@ struct Parser {
     next: usize,
     /// Column after the last character.
     end: usize,
-    /// What `d` stands for, if there is such a thing.
-    depth: Option<Tree>,
+    /// The fourth variable, if there is one.
+    fourth: Option<(Name, Tree)>,
 }
 
 impl Parser {
@@ -149,11 +149,13 @@ impl Parser {
             Token::Name(name) => {
                 self.next += 1;
                 if self.take(&["("]).is_none() {
-                    return match &self.depth {
-                        Some(depth) if name == "d" => {
-                            Ok(Value::Field(depth.clone()))
+                    return match &self.fourth {
+                        Some((fourth, tree)) if name == fourth.text() => {
+                            Ok(Value::Field(tree.clone()))
                         }
-                        Some(_) => constant(&name, column, WITH_DEPTH),
+                        Some((fourth, _)) => {
+                            constant(&name, column, fourth.constants())
+                        }
                         None => constant(&name, column, CONSTANTS),
                     };
                 }

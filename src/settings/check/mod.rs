@@ -12,7 +12,7 @@ mod speeds;
 pub(super) use speeds::{flow_note, speed_note};
 
 use super::error::GivenPlaces;
-use super::{BrimPlace, DraftShield, Flavour, Settings};
+use super::{BrimPlace, DraftShield, Flavour, Settings, WallOffset};
 use beads::{heights, sampling, shares, widths};
 use heat::temperatures;
 use idle::without_effect;
@@ -50,6 +50,7 @@ pub(super) fn conflicts(
     something_is_printed(s)?;
     raft(s, &mut warnings)?;
     beside_a_vase(s)?;
+    uneven_growth(s)?;
     retraction(s, &mut warnings)?;
     temperatures(s)?;
     total_flow(s, &mut warnings);
@@ -88,6 +89,28 @@ fn share_of_one(s: &Settings, warnings: &mut Vec<String>) {
             round(100.0 * density),
         ));
     }
+}
+
+/// A distance that differs from place to place suits neither a vase's wall,
+/// which is found on the surface, nor walls that are the expression's own.
+fn uneven_growth(s: &Settings) -> Result<(), Conflict> {
+    if s.xy_compensation.constant().is_some() {
+        return Ok(());
+    }
+    let (key, remedy) = if s.spiral {
+        ("spiral", "spiral = true")
+    } else if s.wall_offset == WallOffset::Field {
+        ("wall_offset", "wall_offset = \"field\"")
+    } else {
+        return Ok(());
+    };
+    Err(conflict(
+        ["xy_compensation", key],
+        format!(
+            "xy_compensation is an expression, which {remedy} does not take; \
+             make it a number, or leave {remedy} out"
+        ),
+    ))
 }
 
 /// Without walls, skin and infill there is nothing to print.
