@@ -139,7 +139,7 @@ impl<'a> Supply<'a> {
         let (stages, needed) = (self.stages, &self.needed);
         let made = self.pool.install(|| {
             let slabs = slabs.par_iter();
-            slabs.map(|s| Ok(stages.layers(s, needed)?)).collect()
+            slabs.map(|s| stages.layers(s, needed)).collect()
         });
         for mut layer in all_or_first(made)?.into_iter().flatten() {
             // Also where one slab ends and the next begins.

@@ -177,11 +177,11 @@ fn between_supports_the_way_leads_round_the_part() {
         };
         let beads = vec![bead(left), bead(right)];
         let path = connect(SPAN, beads, ground, None, DVec2::ZERO, settings);
-        let travels = path.moves.into_iter().filter_map(|m| match m {
+        let mut travels = path.moves.into_iter().filter_map(|m| match m {
             Move::Travel(travel) => Some(travel),
             Move::Print(_) => None,
         });
-        travels.last().unwrap()
+        travels.next_back().unwrap()
     };
     let round = way(&part.settings);
     assert!(!round.retract && round.points.len() > 1, "{round:?}");
