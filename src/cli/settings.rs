@@ -3,7 +3,7 @@
 use super::args::{Gathered, SettingsSource};
 use super::{plain, print_json};
 use clap::Args;
-use isoslice::settings::{Key, keys};
+use isoslice::settings::{Key, keys, schema};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
@@ -11,7 +11,8 @@ const EXAMPLES: &str = "\
 Examples:
   isoslice settings > my.toml           all defaults, to edit
   isoslice settings --config my.toml --set walls=3 > mine.toml
-  isoslice settings --effective --printer ender-3 --filament petg";
+  isoslice settings --effective --printer ender-3 --filament petg
+  isoslice settings --schema > isoslice.schema.json";
 
 /// Arguments of `isoslice settings`.
 #[derive(Args, Debug)]
@@ -28,9 +29,17 @@ pub(super) struct SettingsArgs {
     /// Print JSON: value, unit, default and origin of each
     #[arg(long, conflicts_with = "effective")]
     json: bool,
+
+    /// Print a JSON Schema of settings files, for editors that complete and check
+    /// them; it depends on nothing else
+    #[arg(long, conflicts_with_all = ["effective", "json"])]
+    schema: bool,
 }
 
 pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
+    if args.schema {
+        return print_json(&schema());
+    }
     let gathered = args.source.gather()?;
     if args.json {
         return print_json(&All(&gathered));

@@ -40,6 +40,7 @@ mod infill;
 mod profile;
 mod read;
 mod rows;
+mod schema;
 mod shield;
 mod shipped;
 mod sizes;
@@ -59,6 +60,7 @@ pub use rows::{
     Acceleration, Brim, Cooling, Filament, FuzzySkin, Gcode, PlateSettings,
     Printer, Raft, Retract, Settings, Skirt, Speed, Support, Travel,
 };
+pub use schema::schema;
 pub use shield::DraftShield;
 pub use shipped::ProfileKind;
 pub use sizes::{ImageFormat, PictureSize, Sizes};

@@ -86,8 +86,13 @@ impl Key {
                 )
             }
             (Kind::Varying, unit) => format!(
-                "{range}{}{unit} or \"expr: ...\", a formula of x, y, z and d",
-                if unit.is_empty() { "" } else { " " }
+                "{range}{}{unit} or \"expr: ...\", a formula of x, y, z and {}",
+                if unit.is_empty() { "" } else { " " },
+                // What `Quantity::of_outline` knows in place of the depth.
+                match self.name {
+                    "xy_compensation" => "curvature",
+                    _ => "d",
+                }
             ),
             (Kind::Whole, _) => format!("a whole number, {range}"),
             (Kind::WholeOrAuto, _) => {
