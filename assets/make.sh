@@ -58,3 +58,29 @@ small = picture.quantize(
     255, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
 small.save(sys.argv[2], optimize=True)
 END
+
+# gallery: a small picture of each model in examples/gallery, and the page that
+# shows them. A model's first line is its caption.
+gallery() {
+    local model name caption
+    mkdir -p assets/gallery
+    {
+        echo '# Gallery'
+        echo
+        echo 'Each of these is a script of a few lines in `examples/gallery`, whose head'
+        echo 'says how it is sliced. The pictures are made by `isoslice render`.'
+        echo
+        echo '| picture | script | what it shows |'
+        echo '|---|---|---|'
+        for model in examples/gallery/*.rhai; do
+            name=$(basename "$model" .rhai)
+            target/release/isoslice render "$model" --pixels 240x180 \
+                -o "assets/gallery/$name.png" --quiet
+            caption=$(sed -n '1s|^// \(.*\)\.$|\1|p' "$model")
+            echo "| ![$name](../assets/gallery/$name.png) |" \
+                "[$name](../$model) | ${caption//|/\\|} |"
+        done
+    } >docs/gallery.md
+}
+
+gallery

@@ -1089,6 +1089,39 @@ fn a_starter_slices_as_it_is() {
 }
 
 #[test]
+fn every_template_slices_as_it_is() {
+    for template in ["part", "lattice", "vase", "formula"] {
+        let folder = folder();
+        isoslice(&folder)
+            .args(["new", "lamp", "--template", template])
+            .assert()
+            .success();
+        let script = read(&folder, "lamp.rhai");
+        assert!(script.starts_with("// lamp: "), "{script}");
+        // What its head says to run.
+        let said = script
+            .lines()
+            .filter_map(|line| line.strip_prefix("//   isoslice "));
+        let mut count = 0;
+        for line in said.map(|l| l.split("   ").next().unwrap()) {
+            isoslice(&folder)
+                .args(line.split_whitespace())
+                .assert()
+                .success()
+                .stderr(is_empty());
+            count += 1;
+        }
+        assert_eq!(count, 3, "{template}");
+    }
+    let folder = folder();
+    isoslice(&folder)
+        .args(["new", "lamp", "--template", "lamp"])
+        .assert()
+        .code(2)
+        .stderr(contains("part, lattice, vase, formula"));
+}
+
+#[test]
 fn a_starter_overwrites_nothing() {
     let folder = folder();
     write(&folder, "part.toml", "mine");

@@ -6,7 +6,7 @@
 use super::output::Output;
 use super::{plain, terminal};
 use anyhow::{Context, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use isoslice::settings::suggestions;
 use std::fs;
 use std::io::Write;
@@ -15,10 +15,44 @@ use std::path::{Path, PathBuf};
 const EXAMPLES: &str = "\
 Examples:
   isoslice new part                     writes part.rhai and part.toml
-  isoslice slice part.rhai --config part.toml";
+  isoslice slice part.rhai --config part.toml
+  isoslice new lamp --template vase";
 
-/// The script; `NAME` becomes the part's name.
-const SCRIPT: &str = include_str!("starter.rhai");
+/// What a script may begin with.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Template {
+    /// A ball on a plate with a hole: shapes, put together and cut
+    Part,
+    /// A round box filled with a gyroid
+    Lattice,
+    /// A fluted vase, printed as one wall that climbs
+    Vase,
+    /// A surface from a formula, made printable
+    Formula,
+}
+
+impl Template {
+    /// The script; `NAME` stands for the part's name.
+    fn script(self) -> &'static str {
+        match self {
+            Template::Part => include_str!("starters/part.rhai"),
+            Template::Lattice => include_str!("starters/lattice.rhai"),
+            Template::Vase => include_str!("starters/vase.rhai"),
+            Template::Formula => include_str!("starters/formula.rhai"),
+        }
+    }
+
+    /// The settings without which it is not what it is meant to be.
+    fn settings(self) -> &'static str {
+        match self {
+            Template::Vase => {
+                "# One wall that climbs without a break, on a solid bottom.\n\
+                 spiral = true\n\n"
+            }
+            _ => "",
+        }
+    }
+}
 
 /// The settings that people are likeliest to change.
 const USEFUL: &[&str] = &[
@@ -54,6 +88,10 @@ const USEFUL: &[&str] = &[
 pub(super) struct NewArgs {
     /// Name of the part, and of the files; may begin with a folder's
     name: PathBuf,
+
+    /// What the script begins with
+    #[arg(long, value_enum, default_value = "part")]
+    template: Template,
 }
 
 pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
@@ -75,8 +113,8 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
         |extension: &str| base.with_file_name(format!("{stem}.{extension}"));
     let (script, settings) = (beside("rhai"), beside("toml"));
     let texts = [
-        (&script, SCRIPT.replace("NAME", stem)),
-        (&settings, config(stem)),
+        (&script, args.template.script().replace("NAME", stem)),
+        (&settings, config(stem, args.template)),
     ];
     let cannot = |path: &Path| format!("cannot write {}", path.display());
     let mut outputs = Vec::new();
@@ -109,7 +147,7 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn config(name: &str) -> String {
+fn config(name: &str, template: Template) -> String {
     format!(
         "# Settings for {name}:\n\
          #\n\
@@ -121,7 +159,8 @@ fn config(name: &str) -> String {
          --filament and\n\
          # --preset start from profiles, which `isoslice profiles` lists; \
          what is set\n\
-         # here wins over them.\n\n{}",
+         # here wins over them.\n\n{}{}",
+        template.settings(),
         suggestions(USEFUL)
     )
 }
