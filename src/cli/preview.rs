@@ -96,7 +96,7 @@ enum Kind {
 }
 
 pub(super) fn run(args: &PreviewArgs) -> anyhow::Result<()> {
-    let watch = args.limits.watch();
+    let watch = args.limits.slicing_watch();
     watched(&watch, || show(args, &watch))
 }
 

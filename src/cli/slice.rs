@@ -116,7 +116,7 @@ pub(super) struct SliceArgs {
 }
 
 pub(super) fn run(args: &SliceArgs) -> anyhow::Result<()> {
-    let watch = args.limits.watch();
+    let watch = args.limits.slicing_watch();
     watched(&watch, || run_watched(args, &watch))
 }
 

@@ -34,7 +34,7 @@ pub use stopped::{Activity, Reason, Stopped};
 use isocontour::Cancel;
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -48,6 +48,18 @@ pub struct Limits {
     pub time: Option<Duration>,
     /// Memory of the whole process, bytes; nothing for no limit.
     pub memory_bytes: Option<u64>,
+    /// The least that has to come out; nothing for any.
+    pub slow: Option<Slow>,
+}
+
+/// Work that makes fewer points of outlines and paths than these in some time
+/// is too slow to go on without being asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slow {
+    /// The time, which is measured again and again.
+    pub within: Duration,
+    /// Least number of points in that time.
+    pub points: usize,
 }
 
 /// Watches over work, on as many threads as take part in it.
@@ -60,6 +72,8 @@ struct Shared {
     started: Instant,
     /// The number of the reason to stop; 0 while there is none.
     stop: AtomicU8,
+    /// Number of points of outlines and paths that were made.
+    points: AtomicUsize,
     state: Mutex<State>,
     /// Signalled when the work is done.
     done: Condvar,
@@ -69,6 +83,9 @@ struct Shared {
 struct State {
     stages: Vec<Seen>,
     layers: Option<(usize, usize)>,
+    /// When the last stretch of [`Slow::within`] ended, and the number of
+    /// points by then.
+    before: Option<(Instant, usize)>,
     finished: bool,
 }
 
@@ -103,6 +120,7 @@ impl Watch {
             limits,
             started: Instant::now(),
             stop: AtomicU8::new(0),
+            points: AtomicUsize::new(0),
             state: Mutex::new(State::default()),
             done: Condvar::new(),
         }))
@@ -230,9 +248,26 @@ impl Shared {
         {
             self.stop_for(Reason::Memory);
         }
+        if let Some(slow) = self.limits.slow
+            && self.is_slower_than(slow)
+        {
+            self.stop_for(Reason::Slow);
+        }
         if space::is_used_up() {
             self.stop_for(Reason::Space);
         }
+    }
+
+    /// Whether too few points were made in the time that has just ended.
+    fn is_slower_than(&self, slow: Slow) -> bool {
+        let state = &mut *self.lock();
+        let (since, before) = *state.before.get_or_insert((self.started, 0));
+        if since.elapsed() < slow.within {
+            return false;
+        }
+        let points = self.points.load(Ordering::Relaxed);
+        state.before = Some((Instant::now(), points));
+        points - before < slow.points
     }
 
     fn stopped(&self) -> Stopped {
@@ -362,6 +397,16 @@ pub(crate) fn layers_done(done: usize, all: usize) {
     CURRENT.with(|current| {
         if let Some(shared) = &*current.borrow() {
             shared.lock().layers = Some((done, all));
+        }
+    });
+}
+
+/// Tells the watch of points of outlines or paths that were made. Work that
+/// makes hardly any may be stopped for it ([`Slow`]).
+pub(crate) fn made(points: usize) {
+    CURRENT.with(|current| {
+        if let Some(shared) = &*current.borrow() {
+            shared.points.fetch_add(points, Ordering::Relaxed);
         }
     });
 }

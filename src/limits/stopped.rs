@@ -12,14 +12,17 @@ pub enum Reason {
     Memory,
     /// Nearly all the address space that the system allows was taken.
     Space,
+    /// Next to nothing came of the time that it took ([`Limits::slow`]).
+    Slow,
     /// Somebody called [`Watch::cancel`](super::Watch::cancel).
     Cancelled,
 }
 
 impl Reason {
-    pub(super) const ALL: [Reason; 4] = [
+    pub(super) const ALL: [Reason; 5] = [
         Reason::Time,
         Reason::Memory,
+        Reason::Slow,
         Reason::Cancelled,
         Reason::Space,
     ];
@@ -32,6 +35,7 @@ impl Reason {
             Reason::Memory => 2,
             Reason::Cancelled => 3,
             Reason::Space => 4,
+            Reason::Slow => 5,
         }
     }
 }
@@ -68,7 +72,12 @@ pub struct Stopped {
 
 impl fmt::Display for Stopped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.reason, self.limits.time, self.limits.memory_bytes) {
+        let Limits {
+            time,
+            memory_bytes,
+            slow,
+        } = self.limits;
+        match (self.reason, time, memory_bytes) {
             (Reason::Time, Some(time), _) => write!(
                 f,
                 "stopped after {} s, the time limit (--time-limit)",
@@ -78,6 +87,11 @@ impl fmt::Display for Stopped {
                 f,
                 "stopped at {} MB of memory, the limit (--memory-limit)",
                 bytes >> 20
+            )?,
+            (Reason::Slow, ..) => write!(
+                f,
+                "stopped, since next to nothing came of the last {} s",
+                slow.map_or(0.0, |slow| slow.within.as_secs_f64())
             )?,
             (Reason::Space, ..) => write!(
                 f,
@@ -103,7 +117,13 @@ impl fmt::Display for Stopped {
         if self.reason == Reason::Cancelled {
             return Ok(());
         }
-        write!(f, ". {}, or raise the limit", self.activity.remedy())
+        let or = match self.reason {
+            Reason::Slow => {
+                "give it the time that it may take: --time-limit 1h"
+            }
+            _ => "raise the limit",
+        };
+        write!(f, ". {}, or {or}", self.activity.remedy())
     }
 }
 

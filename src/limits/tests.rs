@@ -12,6 +12,7 @@ fn within(milliseconds: u64) -> Watch {
     Watch::new(Limits {
         time: Some(Duration::from_millis(milliseconds)),
         memory_bytes: None,
+        slow: None,
     })
 }
 
@@ -43,6 +44,41 @@ fn work_without_end_is_stopped_and_says_what_it_was_at() {
 }
 
 #[test]
+fn work_of_which_nothing_comes_is_stopped() {
+    let slow = Slow {
+        within: Duration::from_millis(200),
+        points: 50,
+    };
+    let watch = |limit| {
+        Watch::new(Limits {
+            time: Some(limit),
+            memory_bytes: None,
+            slow: Some(slow),
+        })
+    };
+    // Busy at first, and then no more.
+    let stopped = watch(Duration::from_secs(60)).run(|| {
+        made(1000);
+        doing("contour", endless);
+    });
+    let stopped = stopped.unwrap_err();
+    assert_eq!(stopped.reason, Reason::Slow);
+    let text = stopped.to_string();
+    assert!(text.contains("of the last 0.2 s"), "{text}");
+    assert!(text.contains("--time-limit 1h"), "{text}");
+    // Enough of it in every 200 ms.
+    let busy = watch(Duration::from_secs(1)).run(|| {
+        loop {
+            made(5);
+            check();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    });
+    let busy: Result<(), Stopped> = busy;
+    assert_eq!(busy.unwrap_err().reason, Reason::Time);
+}
+
+#[test]
 fn threads_of_a_pool_stop_with_it() {
     use rayon::prelude::*;
     let stopped = within(100).run(|| {
@@ -64,6 +100,7 @@ fn too_much_memory_stops_it() {
     let watch = Watch::new(Limits {
         time: Some(Duration::from_secs(60)),
         memory_bytes: Some(1),
+        slow: None,
     });
     let stopped = watch.run(endless).unwrap_err();
     if resident_bytes().is_some() {

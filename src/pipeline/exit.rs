@@ -173,6 +173,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             true => self.writer.layer(&paced),
             false => self.writer.rehearse(&paced),
         })?;
+        limits::made(paced.moves.len());
         self.next += 1;
         if written {
             let done = self.next - self.layers.start;

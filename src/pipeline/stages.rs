@@ -471,7 +471,10 @@ impl<'a> Stages<'a> {
         let make = |f: &Field| {
             let mut all = vec![Outline::default(); below];
             if !z.is_empty() {
-                all.extend(outlines(f, &z, detail, &self.timings)?);
+                let made = outlines(f, &z, detail, &self.timings)?;
+                let rings = made.iter().flat_map(|o| &o.area.rings);
+                limits::made(rings.map(|ring| ring.len()).sum());
+                all.extend(made);
             }
             Ok::<_, FieldError>(all)
         };

@@ -154,6 +154,7 @@ pub(super) fn moved(
     origins: &mut Vec<Option<u32>>,
 ) -> Ring {
     crate::limits::check();
+    crate::limits::made(ring.len());
     let sides = Sides::new(ring, by);
     let n = sides.all.len();
     let mut out = Ring::with_capacity(n + n / 4);

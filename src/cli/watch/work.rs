@@ -44,7 +44,7 @@ pub(super) fn work(session: &Session, job: &Job) {
     loop {
         let (wanted, choice, watch) = {
             let mut state = session.next_wanted(last);
-            let watch = job.limits.watch();
+            let watch = job.limits.slicing_watch();
             state.watch = Some(watch.clone());
             (state.wanted, state.choice.clone(), watch)
         };
@@ -223,6 +223,7 @@ pub(super) fn picture_watch() -> Watch {
     Watch::new(Limits {
         time: Some(PICTURE),
         memory_bytes: None,
+        slow: None,
     })
 }
 
