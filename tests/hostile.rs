@@ -21,6 +21,7 @@ fn watch() -> Watch {
     Watch::new(Limits {
         time: Some(Duration::from_secs(900)),
         memory_bytes: Some(3 << 30),
+        slow: None,
     })
 }
 

@@ -274,7 +274,7 @@ impl Shared {
         Stopped {
             reason: self.reason().unwrap_or(Reason::Cancelled),
             limits: self.limits,
-            activity: self.activity(),
+            activity: Box::new(self.activity()),
         }
     }
 

@@ -66,8 +66,8 @@ pub struct Stopped {
     pub reason: Reason,
     /// The limits of the work.
     pub limits: Limits,
-    /// How far the work had come.
-    pub activity: Activity,
+    /// How far the work had come; boxed, for results should be small.
+    pub activity: Box<Activity>,
 }
 
 impl fmt::Display for Stopped {
