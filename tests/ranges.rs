@@ -158,8 +158,18 @@ fn islands_in_the_air() {
 /// Supports are planned from the whole part, whichever layers are written.
 #[test]
 fn supports_of_a_tee() {
+    supports_of_a_tee_with("support.z_gap=0.2");
+}
+
+/// Supports between the layers have marks of their own.
+#[test]
+fn supports_of_a_tee_between_its_layers() {
+    supports_of_a_tee_with("support.z_gap=0.13");
+}
+
+fn supports_of_a_tee_with(gap: &str) {
     let mut all = COARSE.to_vec();
-    all.extend(["supports=auto", "layer_height=0.2"]);
+    all.extend(["supports=auto", "layer_height=0.2", gap]);
     let settings = common::settings(&all);
     let model = common::formula(
         "min(max(abs(x) - 3, abs(y) - 4, abs(z - 5) - 5), \
@@ -179,7 +189,7 @@ fn supports_of_a_tee() {
 fn a_raft_under_a_tee() {
     let mut all = COARSE.to_vec();
     all.extend(["supports=auto", "layer_height=0.2", "raft.layers=3"]);
-    all.extend(["skirt.layers=4"]);
+    all.extend(["skirt.layers=4", "support.z_gap=0.15"]);
     let settings = common::settings(&all);
     let model = common::formula(
         "min(max(abs(x) - 3, abs(y) - 4, abs(z - 5) - 5), \

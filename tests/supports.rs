@@ -34,6 +34,78 @@ fn supported(gcode: &str) -> Vec<Vec<DVec2>> {
     parse(gcode).into_iter().map(ends).collect()
 }
 
+/// The heights to which supports reach, from below, with the filament that is
+/// fed for them.
+fn tops(gcode: &str) -> Vec<(f64, f64)> {
+    let of_support = |role: &str| [SUPPORT, SUPPORT_INTERFACE].contains(&role);
+    let top = |layer: common::Layer| {
+        let moves = layer.prints().filter(|m| of_support(m.role));
+        let moves: Vec<common::Move> = moves.copied().collect();
+        let z = moves.first()?.to.z;
+        // What lies at one height is one layer to viewers.
+        assert!((layer.z - z).abs() < 1e-9, "{} in {}", z, layer.z);
+        assert!(moves.iter().all(|m| m.to.z == z && m.from.z == z));
+        Some((z, moves.iter().map(|m| m.fed).sum()))
+    };
+    let mut tops: Vec<(f64, f64)> =
+        parse(gcode).into_iter().filter_map(top).collect();
+    tops.sort_by(|a, b| a.0.total_cmp(&b.0));
+    tops
+}
+
+#[test]
+fn gaps_are_as_asked_for_whatever_the_layer_height() {
+    let filament = |tops: &[(f64, f64)]| tops.iter().map(|t| t.1).sum::<f64>();
+    let (whole, _) = run(TEE, &["supports=auto"]);
+    let whole = filament(&tops(&whole));
+    for gap in [0.07, 0.13, 0.2, 0.28, 0.45] {
+        let set = format!("support.z_gap={gap}");
+        let (gcode, summary) = run(TEE, &["supports=auto", &set]);
+        assert_eq!(summary.warnings, Vec::<String>::new());
+        let tops = tops(&gcode);
+        // The arms begin at 10 mm.
+        let top = tops.last().unwrap().0;
+        assert!((10.0 - gap - top).abs() < 1e-9, "{gap}: {top}");
+        // Each lies on the one below, as high as a layer, but for the first.
+        let steps = tops.windows(2).map(|pair| pair[1].0 - pair[0].0);
+        let uneven = steps.filter(|step| (step - 0.2).abs() > 1e-6).count();
+        assert!(uneven <= 2, "{gap}: {uneven} of {}", tops.len());
+        // So the supports lose no more than they are lower.
+        let share = filament(&tops) / whole;
+        assert!((share - 1.0).abs() < 0.06, "{gap}: {share}");
+    }
+}
+
+#[test]
+fn a_support_on_the_part_has_the_gap_below_it_too() {
+    // The arms of the tee over a wide plate of 3 mm.
+    let part = format!("min({TEE}, max(max(abs(x), abs(y)) - 40, z - 3))");
+    let part = format!("max({part}, -z)");
+    for below in [0.13, 0.2, 0.35] {
+        let set = format!("support.z_gap_bottom={below}");
+        let all = ["supports=auto", "support.z_gap=0.13", &set];
+        let (gcode, _) = run(&part, &all);
+        let layers = parse(&gcode);
+        let first_of = |role: &str| {
+            let has = |l: &&common::Layer| l.prints().any(|m| m.role == role);
+            let layer = layers.iter().find(has).unwrap();
+            let of = layer.prints().find(|m| m.role == role).copied();
+            (layer.z, of.unwrap())
+        };
+        let (top, bead) = first_of(SUPPORT);
+        let way = (bead.to - bead.from).truncate().length();
+        let area = bead.fed * common::filament_area(1.75) / way;
+        // (w - h) h + π (h/2)², solved for h by steps.
+        let of = |h: f64| {
+            (bead.width - h) * h + std::f64::consts::PI * (0.5 * h).powi(2)
+        };
+        let height = (0..4000).map(|k| f64::from(k) * 1e-4);
+        let height = height.take_while(|&h| of(h) < area).last().unwrap();
+        let air = top - height - 3.0;
+        assert!((air - below).abs() < 0.01, "{below}: {air}");
+    }
+}
+
 #[test]
 fn a_formula_leaves_one_arm_of_a_tee_alone() {
     let set = ["supports=auto", "support.where=expr: min(x, 0)"];

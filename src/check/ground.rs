@@ -1,12 +1,15 @@
 //! What the beads of a layer stand on.
 //!
 //! The plane is divided into cells; a layer's islands are the connected groups
-//! of cells that beads run through. An island stands on something if the layer
-//! below has a bead in one of its cells or in a neighbouring cell.
+//! of cells that beads run through. An island stands on something if a bead
+//! below runs through one of its cells or a neighbouring cell: a bead of the
+//! layer of the part below, or of a support within a gap. Islands of supports
+//! stand on the part with a gap as well.
 
+use crate::reader::{Move, Role};
 use crate::units::Mm;
-use glam::{DVec2, DVec3, IVec2};
-use std::collections::BTreeMap;
+use glam::{DVec3, IVec2};
+use std::collections::{BTreeMap, VecDeque};
 
 /// Size of a cell, about a line's width: neighbouring lines are in neighbouring
 /// cells.
@@ -130,6 +133,37 @@ impl Cells {
     fn is_empty(&self) -> bool {
         self.tiles.is_empty()
     }
+
+    /// Tells of the first cell of each island that has nothing of `below` under
+    /// it.
+    fn begin(&self, below: &[&Cells], found: &mut impl FnMut(IVec2)) {
+        // Most cells are right above others, so few remain to be searched.
+        let mut hanging = self.clone();
+        let below = below.iter().filter(|cells| !cells.is_empty());
+        let standing: Vec<Cells> =
+            below.map(|cells| hanging.take_near(cells)).collect();
+        let stands = |cell| standing.iter().any(|cells| cells.has(cell));
+        let mut seen = Cells::default();
+        let mut left = Vec::new();
+        for first in hanging.all() {
+            if !seen.mark(first) {
+                continue;
+            }
+            let mut stood = false;
+            left.push(first);
+            while let Some(cell) = left.pop() {
+                for near in around(cell) {
+                    stood |= stands(near);
+                    if hanging.has(near) && seen.mark(near) {
+                        left.push(near);
+                    }
+                }
+            }
+            if !stood {
+                found(first);
+            }
+        }
+    }
 }
 
 /// The cell and its eight neighbours.
@@ -137,25 +171,51 @@ fn around(cell: IVec2) -> impl Iterator<Item = IVec2> {
     (-1..=1).flat_map(move |y| (-1..=1).map(move |x| cell + IVec2::new(x, y)))
 }
 
-/// The layer being printed, and the one below.
+/// A support holds what begins at most so far above it, and stands on what ends
+/// at most so far below it.
+const GAP: Mm = 0.6;
+
+/// Number of layers that are looked back on. Supports may be layers of their
+/// own, between those of the part.
+const KEPT: usize = 16;
+
+/// Heights closer than this differ by rounding only.
+const ROUNDED: Mm = 1e-3;
+
+/// A layer: its beads, and how high it lies.
+#[derive(Default)]
+struct Layer {
+    part: Cells,
+    support: Cells,
+    /// From the lowest point of its beads to the highest.
+    z: Option<(Mm, Mm)>,
+}
+
+/// The layer being printed, and those below.
 #[derive(Default)]
 pub(super) struct Ground {
-    here: Cells,
-    below: Option<Cells>,
-    z: Mm,
+    here: Layer,
+    below: VecDeque<Layer>,
 }
 
 impl Ground {
     /// Tiles that the layer being printed takes.
     #[cfg(test)]
     pub(super) fn tiles(&self) -> usize {
-        self.here.bits.len()
+        self.here.part.bits.len()
     }
 
-    /// Takes in a bead from `a` to `b`, as seen from above, in the layer being
-    /// printed.
-    pub(super) fn bead(&mut self, a: DVec2, b: DVec2, z: Mm) {
-        self.z = z;
+    /// Takes in a bead, as seen from above, in the layer being printed.
+    pub(super) fn bead(&mut self, step: &Move) {
+        let (a, b) = (step.from.truncate(), step.to.truncate());
+        let top = step.from.z.max(step.to.z);
+        let low = top - step.height;
+        let (lowest, highest) = self.here.z.unwrap_or((low, top));
+        self.here.z = Some((lowest.min(low), highest.max(top)));
+        let cells = match step.role {
+            Role::Support | Role::SupportInterface => &mut self.here.support,
+            _ => &mut self.here.part,
+        };
         let way = b - a;
         let length = way.length();
         let steps = (length / CELL).ceil().max(1.0) as u32;
@@ -164,43 +224,40 @@ impl Ground {
             // This rounds down as the slower `floor()` does, since no bead is
             // that far below zero.
             let cell = (p / CELL + f64::from(BELOW)).as_ivec2();
-            self.here.mark(cell - BELOW);
+            cells.mark(cell - BELOW);
         }
     }
 
     /// Ends a layer; `found` is told where islands begin in the air.
     pub(super) fn next_layer(&mut self, mut found: impl FnMut(DVec3)) {
-        if self.here.is_empty() {
-            return;
-        }
         let here = std::mem::take(&mut self.here);
-        if let Some(below) = &self.below {
-            // Most cells are right above others, so few remain to be searched.
-            let mut hanging = here.clone();
-            let standing = hanging.take_near(below);
-            let mut seen = Cells::default();
-            let mut left = Vec::new();
-            for first in hanging.all() {
-                if !seen.mark(first) {
-                    continue;
-                }
-                let mut stands = false;
-                left.push(first);
-                while let Some(cell) = left.pop() {
-                    for near in around(cell) {
-                        stands |= standing.has(near);
-                        if hanging.has(near) && seen.mark(near) {
-                            left.push(near);
-                        }
-                    }
-                }
-                if !stands {
-                    let p = (first.as_dvec2() + 0.5) * CELL;
-                    found(p.extend(self.z));
-                }
+        let Some((low, top)) = here.z else { return };
+        let mut found = |cell: IVec2| {
+            let p = (cell.as_dvec2() + 0.5) * CELL;
+            found(p.extend(top));
+        };
+        // A file may print one object after another, and supports after what
+        // is beside them.
+        let lower = self.below.iter().rev();
+        let lower = lower.filter(|l| l.z.is_some_and(|z| z.1 < top - ROUNDED));
+        let near = |layer: &&Layer| layer.z.is_some_and(|z| z.1 > low - GAP);
+        let (mut under_part, mut under_support) = (Vec::new(), Vec::new());
+        for (k, layer) in lower.clone().enumerate() {
+            if k == 0 || near(&layer) {
+                under_part.push(&layer.support);
+                under_support.extend([&layer.support, &layer.part]);
             }
         }
-        self.below = Some(here);
+        let part = lower.clone().map(|layer| &layer.part);
+        under_part.extend(part.clone().find(|part| !part.is_empty()));
+        if lower.clone().next().is_some() {
+            here.part.begin(&under_part, &mut found);
+            here.support.begin(&under_support, &mut found);
+        }
+        self.below.push_back(here);
+        if self.below.len() > KEPT {
+            self.below.pop_front();
+        }
     }
 }
 

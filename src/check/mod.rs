@@ -743,8 +743,7 @@ impl<'a> Checker<'a> {
         let within =
             rules.reach(step.from, BESIDE) && rules.reach(step.to, BESIDE);
         if within && !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
-            self.ground
-                .bead(step.from.truncate(), step.to.truncate(), z);
+            self.ground.bead(step);
         }
     }
 

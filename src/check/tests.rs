@@ -235,6 +235,42 @@ fn islands_stand_on_something() {
 }
 
 #[test]
+fn islands_stand_on_supports_with_a_gap() {
+    // Squares of the part and of supports, each in a layer of its own.
+    let layer = |(z, x, role): &(f64, f64, &str)| {
+        format!(
+            ";LAYER_CHANGE\n;Z:{z}\n;HEIGHT:0.2\nG1 Z{z} F600\n\
+             ;TYPE:{role}\nG1 X{x} Y50 F6000\nG1 X{} E0.3 F900\n\
+             G1 Y60 E0.3\nG1 X{x} E0.3\nG1 Y50 E0.3\n",
+            x + 10.0
+        )
+    };
+    let in_the_air = |layers: &[(f64, f64, &str)]| {
+        let layers: String = layers.iter().map(layer).collect();
+        let all = verdict(&format!("G28\nM109 S200\nM83\n{layers}{END}"));
+        all.counts.get(&Kind::InTheAir).copied().unwrap_or(0)
+    };
+    let (part, support) = ("Perimeter", "Support material");
+    let beside = [
+        (0.2, 50.0, part),
+        (0.2, 80.0, support),
+        // Supports after the part, and lower.
+        (0.4, 50.0, part),
+        (0.35, 80.0, support),
+        (0.55, 80.0, support),
+        (0.6, 50.0, part),
+    ];
+    let on_top = |z, x, role| [&beside[..], &[(z, x, role)]].concat();
+    assert_eq!(in_the_air(&beside), 0);
+    assert_eq!(in_the_air(&on_top(0.9, 80.0, part)), 0);
+    assert_eq!(in_the_air(&on_top(0.9, 110.0, part)), 1);
+    // A support stands on the part with a gap; the part does not.
+    assert_eq!(in_the_air(&on_top(1.0, 50.0, support)), 0);
+    let higher = [&beside[..], &[(0.8, 80.0, part), (1.0, 50.0, part)]];
+    assert_eq!(in_the_air(&higher.concat()), 1);
+}
+
+#[test]
 fn senseless_lines_are_faults() {
     for senseless in ["G1 X Y60 F900\n", "G1 X999999999 F900\n"] {
         let kinds = found(senseless);

@@ -4,9 +4,10 @@ use super::label::Around;
 use super::placeholders::Moment;
 use super::progress::Clock;
 use super::{FULL, WIDTH, WriteError, Writer, XYZ, flavour, scan};
-use crate::bead::Role;
+use crate::bead::{Bead, Role};
 use crate::pace::{OfPart, PacedLayer, PacedMove};
 use crate::settings::{Comments, Flavour};
+use crate::units::{MICRON, Mm};
 use std::io::Write;
 use std::ops::Range;
 
@@ -21,10 +22,6 @@ impl<W: Write> Writer<'_, W> {
         self.layer = layer.span.index;
         self.top = layer.span.top;
         self.layer_comments(layer)?;
-        // Some readers look at a layer alone, so each layer names its first
-        // role and width.
-        self.role = None;
-        self.width = None;
         // The user's own lines may set another temperature, so they come later.
         if self.layer == 1 {
             self.second_layer_temperature();
@@ -64,6 +61,11 @@ impl<W: Write> Writer<'_, W> {
                 }
                 self.line(&label.start);
                 open = Some((moves.end, label.end));
+            }
+            if let PacedMove::Print { bead, .. } = step
+                && (plane(bead) - self.plane).abs() > MICRON
+            {
+                self.plane_comments(bead)?;
             }
             self.step(step)?;
             if let PacedMove::Lift { z, speed } = step {
@@ -116,17 +118,42 @@ impl<W: Write> Writer<'_, W> {
         &mut self,
         layer: &PacedLayer,
     ) -> Result<(), WriteError> {
-        let z = self.count("z", layer.span.top, XYZ)?;
-        let height = self.count("layer height", layer.span.height(), WIDTH)?;
+        if self.settings.gcode.comments == Comments::Cura {
+            self.line(&format!(";LAYER:{}", self.layer));
+        }
+        self.plane = 0.0;
+        let mut printed = layer.moves.iter().filter_map(|step| match step {
+            PacedMove::Print { bead, .. } => Some(bead),
+            _ => None,
+        });
+        match printed.next().filter(|bead| plane(bead) != 0.0) {
+            Some(bead) => self.plane_comments(bead),
+            None => self.height_comments(layer.span.height()),
+        }
+    }
+
+    /// Writes the comments before a bead that lies at another height than those
+    /// before it in its layer. Viewers show such beads as a layer of their own.
+    fn plane_comments(&mut self, bead: &Bead) -> Result<(), WriteError> {
+        self.plane = plane(bead);
+        self.height_comments(bead.height)
+    }
+
+    /// Writes the comments before beads of some height whose tops are in the
+    /// plane.
+    fn height_comments(&mut self, height: Mm) -> Result<(), WriteError> {
+        let z = self.count("z", self.top + self.plane, XYZ)?;
+        let height = self.count("layer height", height, WIDTH)?;
         self.height = Some(height);
-        match self.settings.gcode.comments {
-            Comments::Prusa | Comments::Orca => {
-                self.line(";LAYER_CHANGE");
-                self.comment_number(";Z:", z, XYZ);
-                self.comment_number(";HEIGHT:", height, WIDTH);
-            }
-            Comments::Cura => self.line(&format!(";LAYER:{}", self.layer)),
-            Comments::None => {}
+        // Some readers look at a layer alone, so each layer names its first
+        // role and width.
+        self.role = None;
+        self.width = None;
+        let comments = self.settings.gcode.comments;
+        if matches!(comments, Comments::Prusa | Comments::Orca) {
+            self.line(";LAYER_CHANGE");
+            self.comment_number(";Z:", z, XYZ);
+            self.comment_number(";HEIGHT:", height, WIDTH);
         }
         Ok(())
     }
@@ -163,6 +190,15 @@ impl<W: Write> Writer<'_, W> {
         if f.bed_temperature != f.first_layer_bed_temperature {
             self.temperature("M140", f.bed_temperature);
         }
+    }
+}
+
+/// Height of the plane of a bead above the top of its layer: supports have
+/// heights of their own.
+fn plane(bead: &Bead) -> Mm {
+    match bead.role.is_support() {
+        true => bead.level(0).rise,
+        false => 0.0,
     }
 }
 

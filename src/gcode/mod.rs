@@ -225,6 +225,8 @@ pub(crate) struct Writer<'a, W: Write> {
     /// True if the head has come to its place printing beads of one role.
     on_way: bool,
     height: Option<i64>,
+    /// Height of the plane of the marked beads above the layer's top, mm.
+    plane: Mm,
     retracted: bool,
     filament: Filament,
 }
@@ -277,6 +279,7 @@ impl<'a, W: Write> Writer<'a, W> {
             width: None,
             on_way: false,
             height: None,
+            plane: 0.0,
             retracted: false,
             filament: Filament {
                 relative: settings.gcode.relative_e,

@@ -112,6 +112,8 @@ pub(super) struct Filled {
     pub areas: Option<FillAreas>,
     /// Where there are supports, if there are any.
     pub support: Option<Solid<'static>>,
+    /// Height of their tops above the layer's, mm; negative below.
+    pub support_rise: Mm,
     /// Where supports hold it, if that matters for its walls.
     pub held: Option<Solid<'static>>,
     /// Area of gaps that nothing fills.

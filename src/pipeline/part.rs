@@ -10,6 +10,7 @@ use super::layer::{Filled, Layer, Ready};
 use super::tally::Tally;
 use super::{BLOCK, SliceError};
 use crate::adhesion::{keep_on_bed, without_ears};
+use crate::bead::Level;
 use crate::hang::foot::Foot;
 use crate::hang::{self, Hanging, Look};
 use crate::infill::standing::Standing;
@@ -139,6 +140,7 @@ impl<'a> PartExit<'a> {
             look,
             figures,
             support: supported,
+            support_rise,
             held,
             areas: _,
         } = ready.filled;
@@ -212,9 +214,17 @@ impl<'a> PartExit<'a> {
             }),
             false => beads,
         };
-        let beads = self
+        let mut beads = self
             .timings
             .time(Stage::Skin, || self.on_surface(beads, layer, above))?;
+        if support_rise != 0.0 {
+            let all = beads.iter_mut().map(|ended| &mut ended.bead);
+            for bead in all.filter(|bead| bead.role.is_support()) {
+                let rise = support_rise;
+                let level = Level { rise, extra: 0.0 };
+                bead.levels = vec![level; bead.points.len()];
+            }
+        }
         let path = self.timings.time(Stage::Travel, || {
             let (_, border) = wall_depths(layer.span.height(), self.settings);
             if written {

@@ -37,7 +37,7 @@ use crate::settings::{DraftShield, Settings, WallOffset};
 use crate::skin::Patch;
 use crate::skin::over_infill::{Over, Under, bridged};
 use crate::spiral::Spiral;
-use crate::support::{Parts, Plan, Wishes};
+use crate::support::{Heights, Parts, Plan, Wishes};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::{Surroundings, VaryError};
@@ -223,9 +223,12 @@ impl<'a> Stages<'a> {
                 top: span.top - lift,
             })
             .collect();
+        let heights = Heights::new(above, self.settings);
+        let sections = self.sections(pool, &heights)?;
         let parts = Parts {
-            spans: &above,
+            heights: &heights,
             outlines: &outlines,
+            sections: sections.as_ref().unwrap_or(&outlines),
             bed: self.in_model(room),
         };
         let plan = pool.install(|| {
@@ -233,11 +236,44 @@ impl<'a> Stages<'a> {
             self.timings.time(Stage::Support, plan)
         })?;
         let site = self.site();
-        self.support = Some(Supported::new(plan, spans, fills, around, site)?);
+        self.support = Some(Supported::new(plan, fills, around, site)?);
         if self.skirt.is_some() {
             self.skirt = Some(self.skirt_round(spans)?);
         }
         Ok(())
+    }
+
+    /// The part at half the height of what supports have of each layer, if that
+    /// is not half the height of the layer.
+    fn sections(
+        &self,
+        pool: &ThreadPool,
+        heights: &Heights,
+    ) -> Result<Option<Vec<Area>>, SliceError> {
+        if heights.own().eq(heights.spans().iter().copied()) {
+            return Ok(None);
+        }
+        let lift = self.settings.raft_height();
+        let own: Vec<LayerSpan> = heights
+            .own()
+            .map(|span| LayerSpan {
+                index: span.index + self.raft_layers,
+                bottom: span.bottom + lift,
+                top: span.top + lift,
+            })
+            .collect();
+        let all = 0..usize::MAX;
+        let slabs = own.par_chunks(self.slab_layers());
+        let made: Vec<Result<Vec<Layer>, SliceError>> = pool.install(|| {
+            slabs
+                .map(|slab| self.layers_of(&self.field, &[], slab, &all))
+                .collect()
+        });
+        let mut sections = Vec::with_capacity(own.len());
+        for layers in made {
+            sections.extend(layers?.iter().map(|l| l.area().clone()));
+        }
+        Ok(Some(sections))
     }
 
     /// Plans the raft of the whole part, `spans`, after its supports, if there
@@ -348,10 +384,15 @@ impl<'a> Stages<'a> {
         }
     }
 
+    /// Height of the tops of a layer's supports above its own, mm.
+    pub(super) fn support_rise(&self, span: &LayerSpan) -> Mm {
+        self.support().map_or(0.0, |support| support.rise(span))
+    }
+
     /// Where supports hold a layer, if that matters for its walls.
     pub(super) fn held_by_support(&self, layer: usize) -> Option<Area> {
-        let s = self.settings;
-        self.support().filter(|_| s.by_reach())?.under(layer, s)
+        let by_reach = self.settings.by_reach();
+        self.support().filter(|_| by_reach)?.under(layer)
     }
 
     /// Plans the climbing wall of the layers to be printed, if there is to be

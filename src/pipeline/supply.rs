@@ -217,6 +217,7 @@ impl<'a> Supply<'a> {
                 areas: bridges.then(|| areas.clone()),
                 sparse: Solid::new(areas.sparse),
                 support: stages.support_area(index).map(Solid::new),
+                support_rise: stages.support_rise(&layers[i].span),
                 held: stages.held_by_support(index).map(Solid::new),
                 look: stages.look(layers, i),
                 gap: inside.walls.gap,

@@ -4,13 +4,12 @@ use crate::bead::{Bead, Role, spacing};
 use crate::infill::{self, Infill, InfillError};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
-use crate::plane::clip::union;
 use crate::region::walls;
 use crate::settings::{
     self, InfillPattern, InterfacePattern, Settings, Supports, Varying,
     WallOffset,
 };
-use crate::support::{Plan, Slice, Unheld, top_below};
+use crate::support::{Plan, Slice, Unheld};
 use crate::units::{Mm, Mm2, Percent};
 use crate::vary::Surroundings;
 use crate::walls;
@@ -22,7 +21,6 @@ const UNHELD: Mm2 = 1.0;
 /// The supports of a part.
 pub(super) struct Supported<'a> {
     plan: Plan,
-    spans: &'a [LayerSpan],
     body: SupportFill<'a>,
     interface: SupportFill<'a>,
     /// Number of the raft's layers, which the plan does not know.
@@ -34,10 +32,9 @@ pub(super) struct Supported<'a> {
 }
 
 impl<'a> Supported<'a> {
-    /// Those of a plan for layers, filled by `fills`.
+    /// Those of a plan, filled by `fills`.
     pub(super) fn new(
         plan: Plan,
-        spans: &'a [LayerSpan],
         fills: &'a Fills,
         around: &'a Surroundings<'a>,
         site: infill::Site,
@@ -54,7 +51,6 @@ impl<'a> Supported<'a> {
                 0 => 0.0,
                 _ => settings.raft_gap(),
             },
-            spans,
             body: fill(&fills.body, Role::Support)?,
             interface: fill(&fills.interface, Role::SupportInterface)?,
         })
@@ -134,16 +130,36 @@ impl<'a> Supported<'a> {
 
     /// Where a layer has supports.
     pub(super) fn area(&self, layer: usize) -> Option<Area> {
-        self.slice(layer).map(|s| union(&s.body, &s.interface))
+        self.slice(layer).map(Slice::area)
     }
 
     /// Where the supports are that hold a layer: their tops are a gap below.
-    pub(super) fn under(
-        &self,
-        layer: usize,
-        settings: &Settings,
-    ) -> Option<Area> {
-        self.area(top_below(self.spans, layer, settings)?)
+    pub(super) fn under(&self, layer: usize) -> Option<Area> {
+        let layer = layer.checked_sub(self.raft)?;
+        let below = self.plan.heights.below(layer)?;
+        self.plan.slice(below).map(Slice::area)
+    }
+
+    /// From where to where the supports of a layer reach, if it can have some.
+    fn span(&self, span: &LayerSpan) -> Option<LayerSpan> {
+        let layer = span.index.checked_sub(self.raft)?;
+        let heights = &self.plan.heights;
+        let own = heights.span(layer)?;
+        Some(match own == heights.spans()[layer] {
+            true => *span,
+            // The plan does not know the raft.
+            false => LayerSpan {
+                index: span.index,
+                bottom: own.bottom + self.lift,
+                top: own.top + self.lift,
+            },
+        })
+    }
+
+    /// Height of the tops of a layer's supports above its own, mm; negative
+    /// below.
+    pub(super) fn rise(&self, span: &LayerSpan) -> Mm {
+        self.span(span).map_or(0.0, |own| own.top - span.top)
     }
 
     /// The beads of a layer's supports.
@@ -154,15 +170,27 @@ impl<'a> Supported<'a> {
         let Some(slice) = self.slice(span.index) else {
             return Ok(Vec::new());
         };
-        let mut beads = self.interface.beads(&slice.interface, span)?;
-        beads.extend(self.body.beads(&slice.body, span)?);
-        if span.index == self.raft && self.gap > 0.0 {
-            // Supports stand on the raft, so they reach down to it.
-            for bead in &mut beads {
-                // Lines of the usual width are wide enough for that
-                // (`raft.gap`); those that fit into a thin place may not be.
+        let Some(own) = self.span(span) else {
+            return Ok(Vec::new());
+        };
+        let mut beads = self.interface.beads(&slice.interface, &own)?;
+        beads.extend(self.body.beads(&slice.body, &own)?);
+        for bead in &mut beads {
+            let standing = || {
+                let from = bead.points.first();
+                from.is_some_and(|p| slice.standing.contains(*p))
+            };
+            let deeper = match span.index == self.raft {
+                // Supports stand on the raft, so they reach down to it.
+                true => self.gap,
+                false if slice.deeper > 0.0 && standing() => slice.deeper,
+                false => 0.0,
+            };
+            if deeper > 0.0 {
+                // Lines of the usual width are wide enough for that; those
+                // that fit into a thin place may not be.
                 let most = Settings::FLAT * bead.width;
-                bead.height = (bead.height + self.gap).min(most);
+                bead.height = (bead.height + deeper).min(most);
             }
         }
         Ok(beads)

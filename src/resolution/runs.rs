@@ -158,12 +158,14 @@ impl Slack {
 
 /// The bead in pieces of constant width. `edge` is how far the edges of a bead
 /// that shows may be off, `path` how far the middle of a piece may be from the
-/// bead's.
+/// bead's. All of the bead lies at the level of its first point.
 pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
     if bead.widths.len() != bead.points.len() || bead.points.is_empty() {
         return vec![bead];
     }
     let slack = Slack::of(&bead, edge);
+    // What varies in width lies in one plane.
+    let level: Vec<_> = bead.levels.first().copied().into_iter().collect();
     // The bead in parts, each from a point to the next one.
     let mut points = vec![bead.points[0]];
     let mut parts: Vec<Stretch> = Vec::new();
@@ -213,7 +215,8 @@ pub(crate) fn pieces_within(bead: Bead, edge: Mm, path: Mm) -> Vec<Bead> {
             let slack = slack.at(all.low, all.length).max(STEEP);
             width = width.min(all.low + slack);
         }
-        let stroke = Stroke::new(points, false, width);
+        let mut stroke = Stroke::new(points, false, width);
+        stroke.levels = level.repeat(stroke.points.len());
         Bead { stroke, ..bead }
     };
     pieces.into_iter().map(piece).collect()

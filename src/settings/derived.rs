@@ -285,13 +285,17 @@ impl Settings {
     /// nozzle's diameter above the raft, and its supports reach down to the
     /// raft, with lines no higher than is usual for their width.
     pub(super) fn raft_gap_most(&self) -> Mm {
-        let nozzle = self.printer.nozzle_diameter;
-        let most = nozzle.min(Settings::FLAT * self.infill_width());
+        let most = self.highest_bead(self.infill_width());
         (most - self.part_first_height()).max(0.0)
     }
 
     /// A bead is at most so high, as a share of its width.
     pub(crate) const FLAT: f64 = 0.9;
+
+    /// Greatest height of a bead of some width that fills what is below it.
+    pub(crate) fn highest_bead(&self, width: Mm) -> Mm {
+        self.printer.nozzle_diameter.min(Settings::FLAT * width)
+    }
 
     /// Air between the raft and the part: `raft.gap` if set, else what is
     /// usual, or less if that does not fit.

@@ -298,11 +298,10 @@ table::settings! {
         where_: Varying = Varying::Constant(0.0), in -10.0..=10.0;
         /// Distance between supports and the part beside them.
         xy_gap: Mm = 0.35, in 0.0..=10.0;
-        /// Gap between a support and the underside above it, as whole layers
-        /// that are at least so high together.
+        /// Gap between a support and the underside above it, whatever the
+        /// layer height: supports have heights of their own.
         z_gap: Mm = 0.2, in 0.0..=10.0;
-        /// Gap between the part and a support that stands on it, as whole
-        /// layers likewise.
+        /// Gap between the part and a support that stands on it.
         z_gap_bottom: Mm = 0.2, in 0.0..=10.0;
         /// How far branches of supports may lean from the vertical; 0 for
         /// straight columns.

@@ -14,7 +14,7 @@
 //! Each point of a layer's core lies within that reach of the core below, so
 //! what is printed always rests on something.
 
-use super::parts::{Parts, gap_below};
+use super::parts::Parts;
 use super::room::{Foot, Room, Size};
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, union, unite};
@@ -205,9 +205,9 @@ impl Branch {
         let size = step.size();
         let within = within.grown(size.core);
         let Parts {
-            spans, outlines, ..
+            heights, outlines, ..
         } = step.parts;
-        let below = gap_below(spans, step.layer, step.settings);
+        let below = heights.gap_below(step.layer);
         let below = below.map(|k| crop(&outlines[k].rings, within));
         let below = below.reduce(|a, b| union(&a, &b));
         offset(&below.unwrap_or_default(), size.core, TOLERANCE)
@@ -216,7 +216,7 @@ impl Branch {
     /// What of it is printed in a layer.
     pub(super) fn area(&self, step: Step<'_>) -> Area {
         let size = step.size();
-        let bottom = step.parts.spans[step.layer].bottom;
+        let bottom = step.parts.spans()[step.layer].bottom;
         let slender = 0.5 * (self.top - bottom) / SLENDER;
         let bearing = (BEARING * self.held / std::f64::consts::PI).sqrt();
         let mut post = size.post.max(slender).max(bearing);

@@ -26,13 +26,17 @@
 //! The plan depends on the part and on the settings only, and is made of all
 //! layers, whichever are written.
 //!
-//! Not guaranteed: gaps in z are whole layers, at least as high as asked for.
-//! The plan keeps areas for all layers, so its memory grows with the height.
+//! Supports have heights of their own ([`Heights`]), so that gaps in z are what
+//! is asked for, whatever the layer height.
+//!
+//! Not guaranteed: where layers of different heights follow each other, not
+//! every gap can be exact; it is never smaller than asked for. The plan keeps areas for all layers, so its memory grows with the height.
 
 use crate::units::{Mm, Mm2};
 
 mod branch;
 mod cells;
+mod heights;
 mod need;
 mod parts;
 mod plan;
@@ -40,7 +44,8 @@ mod room;
 mod tree;
 mod wish;
 
-pub(crate) use parts::{Parts, top_below};
+pub(crate) use heights::Heights;
+pub(crate) use parts::Parts;
 pub(crate) use plan::{Plan, Slice, Unheld};
 pub(crate) use wish::Wishes;
 

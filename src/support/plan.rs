@@ -1,7 +1,8 @@
 //! The areas of support of all layers.
 
+use super::heights::Heights;
 use super::need::{Need, need};
-use super::parts::{Parts, gap_below, top_below};
+use super::parts::Parts;
 use super::room::{Room, Size, thinned};
 use super::tree::grow;
 use super::wish::{Wish, Wishes};
@@ -25,6 +26,22 @@ pub(crate) struct Slice {
     pub body: Area,
     /// Where it is dense, because something is right above.
     pub interface: Area,
+    /// Its islands that stand on the part, if they are [`Slice::deeper`].
+    pub standing: Area,
+    /// How much farther down these reach than the others, mm.
+    pub deeper: Mm,
+}
+
+impl Slice {
+    /// All of its area.
+    pub(crate) fn area(&self) -> Area {
+        union(&self.body, &self.interface)
+    }
+
+    /// True if nothing is printed.
+    fn is_empty(&self) -> bool {
+        self.body.is_empty() && self.interface.is_empty()
+    }
 }
 
 /// What needs a support and does not get one.
@@ -42,6 +59,8 @@ pub(crate) struct Unheld {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
     slices: Vec<Slice>,
+    /// The heights of its layers.
+    pub heights: Heights,
     /// What needs one and has none.
     pub unheld: Unheld,
     /// What is wanted to have one, does not need it, and has none.
@@ -60,22 +79,20 @@ impl Plan {
         wishes: Option<&Wishes<'_>>,
         settings: &Settings,
     ) -> Result<Plan, VaryError> {
-        let count = parts.spans.len();
-        let printed: Vec<Area> = parts
-            .outlines
-            .par_iter()
-            .map(|outline| as_printed(outline, settings))
-            .collect();
+        let count = parts.spans().len();
         // What is too thin to be printed takes no room, either.
+        let printed = each(parts.outlines, |o| as_printed(o, settings));
+        let sections = each(parts.sections, |o| as_printed(o, settings));
         let parts = Parts {
             outlines: &printed,
+            sections: &sections,
             ..parts
         };
         let of = |i: usize| {
             let Some(below) = i.checked_sub(1).map(|k| &printed[k]) else {
                 return Ok((Need::default(), true));
             };
-            let (here, span) = (&printed[i], &parts.spans[i]);
+            let (here, span) = (&printed[i], &parts.spans()[i]);
             let wish = match wishes {
                 Some(wishes) => wishes.of(here, below, span)?,
                 None => Wish::default(),
@@ -98,16 +115,18 @@ impl Plan {
             });
         };
         // Room is not looked at as closely as what is needed.
-        let coarse: Vec<Area> =
-            printed.par_iter().map(|o| thinned(o.clone())).collect();
+        let outlines = each(&printed, |o| thinned(o.clone()));
+        let sections = each(&sections, |o| thinned(o.clone()));
         let coarse = Parts {
-            outlines: &coarse,
+            outlines: &outlines,
+            sections: &sections,
             ..parts
         };
         let room = Room::new(coarse, highest, settings);
         let areas = grow(coarse, &needs, &room, highest, settings);
         let mut plan = Plan {
             slices: slices(parts, &needs, areas, settings),
+            heights: parts.heights.clone(),
             idle,
             ..Plan::default()
         };
@@ -124,27 +143,29 @@ impl Plan {
 
     /// The support in a layer, if there is any.
     pub(crate) fn slice(&self, layer: usize) -> Option<&Slice> {
-        let slice = self.slices.get(layer)?;
-        let none = slice.body.is_empty() && slice.interface.is_empty();
-        (!none).then_some(slice)
+        self.slices.get(layer).filter(|slice| !slice.is_empty())
     }
 
     /// Takes out what rests on nothing.
     fn settle(&mut self, parts: Parts<'_>, settings: &Settings) {
-        for j in 1..self.slices.len() {
+        // The supports below.
+        let mut below = self.slices.first().map(Slice::area);
+        for (j, slice) in self.slices.iter_mut().enumerate().skip(1) {
             crate::limits::check();
-            let (lower, upper) = self.slices.split_at_mut(j);
-            let (below, slice) = (&lower[j - 1], &mut upper[0]);
-            if slice.body.is_empty() && slice.interface.is_empty() {
+            if parts.heights.span(j).is_none() {
                 continue;
             }
-            let below = union(&below.body, &below.interface);
+            let lower = below.replace(Area::EMPTY).unwrap_or_default();
+            if slice.is_empty() {
+                continue;
+            }
             // The layers right below may be the gap over the part.
             let part = match settings.supports {
-                Supports::Auto => gap_below(parts.spans, j, settings),
+                Supports::Auto => parts.heights.gap_below(j),
                 _ => 0..0,
             };
-            let whole = union(&slice.body, &slice.interface);
+            let deeper = parts.heights.deeper(j);
+            let whole = slice.area();
             let (islands, mut stays) = (whole.islands(), Vec::new());
             let count = islands.len();
             for island in islands {
@@ -154,9 +175,13 @@ impl Plan {
                     let near = crop(&area.rings, bounds);
                     intersection(&island, &near).content() >= least
                 };
-                if rests_on(&below)
-                    || part.clone().any(|k| rests_on(&parts.outlines[k]))
-                {
+                if rests_on(&lower) {
+                    stays.push(island);
+                } else if part.clone().any(|k| rests_on(&parts.outlines[k])) {
+                    if deeper > 0.0 {
+                        slice.deeper = deeper;
+                        slice.standing.rings.extend_from_slice(&island.rings);
+                    }
                     stays.push(island);
                 }
             }
@@ -168,6 +193,7 @@ impl Plan {
                 slice.body = intersection(&slice.body, &stays);
                 slice.interface = intersection(&slice.interface, &stays);
             }
+            below = Some(slice.area());
         }
     }
 
@@ -185,7 +211,7 @@ impl Plan {
                 return Area::EMPTY;
             }
             // The bed holds what no gap fits under.
-            let Some(top) = top_below(parts.spans, i, settings) else {
+            let Some(top) = parts.heights.below(i) else {
                 return Area::EMPTY;
             };
             let Some(slice) = self.slice(top) else {
@@ -206,12 +232,17 @@ impl Plan {
                     && content > unheld.largest
                 {
                     unheld.largest = content;
-                    unheld.worst = at.extend(parts.spans[i].bottom);
+                    unheld.worst = at.extend(parts.spans()[i].bottom);
                 }
             }
         }
         unheld
     }
+}
+
+/// What becomes of each of some areas.
+fn each(areas: &[Area], of: impl Fn(&Area) -> Area + Send + Sync) -> Vec<Area> {
+    areas.par_iter().map(of).collect()
 }
 
 /// An outline without the islands that are thinner than any line: a part that
@@ -244,13 +275,16 @@ fn slices(
         if need.is_empty() {
             continue;
         }
-        if let Some(j) = top_below(parts.spans, i, settings) {
+        if let Some(j) = parts.heights.below(i) {
             let top = offset(need, Size::new(settings).post, TOLERANCE);
             tops[j] = union(&tops[j], &top);
         }
     }
     let slice = |(j, all): (usize, Area)| {
         crate::limits::check();
+        if parts.heights.span(j).is_none() {
+            return Slice::default();
+        }
         let on_bed = unite(&crop(&all.rings, parts.bed));
         let all = printable(on_bed, 0.0);
         let mut dense = Area::EMPTY;
@@ -262,7 +296,11 @@ fn slices(
             true => all,
             false => printable(difference(&all, &dense), 0.25 * width),
         };
-        Slice { body, interface }
+        Slice {
+            body,
+            interface,
+            ..Slice::default()
+        }
     };
     areas.into_par_iter().enumerate().map(slice).collect()
 }
@@ -316,21 +354,22 @@ mod tests {
     }
 
     fn plan(outlines: &[Area], supports: Supports) -> Plan {
-        let spans = spans(outlines.len());
+        let settings = settings(supports);
+        let heights = Heights::new(spans(outlines.len()), &settings);
         let parts = Parts {
-            spans: &spans,
+            heights: &heights,
             outlines,
+            sections: outlines,
             bed: Rect {
                 min: DVec2::splat(-100.0),
                 max: DVec2::splat(100.0),
             },
         };
-        Plan::new(parts, None, &settings(supports)).unwrap()
+        Plan::new(parts, None, &settings).unwrap()
     }
 
     fn all(plan: &Plan, layer: usize) -> Area {
-        plan.slice(layer)
-            .map_or(Area::EMPTY, |s| union(&s.body, &s.interface))
+        plan.slice(layer).map_or(Area::EMPTY, Slice::area)
     }
 
     #[test]

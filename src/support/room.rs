@@ -14,7 +14,7 @@
 //! closed(j) = taken(j) ∪ (closed(j − 1) shrunk by h·tan(angle)).
 
 use super::TOLERANCE;
-use super::parts::{Parts, gap_below, top_below};
+use super::parts::Parts;
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
@@ -79,7 +79,7 @@ impl<'a> Room<'a> {
             .collect();
         let lean = settings.support.branch_angle.to_radians().tan();
         let mut closed: Vec<Area> = Vec::with_capacity(count);
-        for (tight, span) in tight.iter().zip(parts.spans) {
+        for (tight, span) in tight.iter().zip(parts.spans()) {
             crate::limits::check();
             let reach = -lean * span.height();
             let left = closed.last().map(|c| offset(c, reach, TOLERANCE));
@@ -176,31 +176,35 @@ fn taken(
 ) -> Area {
     crate::limits::check();
     let Parts {
-        spans, outlines, ..
+        heights,
+        outlines,
+        sections,
+        ..
     } = parts;
-    let of = |k: usize| within(&outlines[k]);
-    let here = of(j);
-    let here = here.as_ref().unwrap_or(&outlines[j]);
+    let section = &sections[j];
+    let here = within(section);
+    let here = here.as_ref().unwrap_or(section);
     // Of which the tolerances of what keeps off may take some.
     let gap = settings.support.xy_gap + 2.0 * TOLERANCE + margin;
     let area = offset(here, gap, TOLERANCE);
-    // The layers within the gaps above and below.
-    let below = gap_below(spans, j, settings);
-    let below = (below.start + 1).min(j)..j;
-    let above = (j + 1..spans.len())
-        .take_while(|&i| top_below(spans, i, settings).is_none_or(|t| t < j));
+    // The layers beside it, and those within the gaps above and below.
+    let beside = heights.beside(j);
+    let first = beside.start.min(heights.gap_below(j).start + 1);
+    let above = (beside.end..outlines.len())
+        .take_while(|&i| heights.below(i).is_none_or(|top| top < j));
     let mut rings = Vec::new();
-    for k in below.chain(above) {
-        if outlines[k] != outlines[j] {
-            let other = of(k).unwrap_or_else(|| outlines[k].clone());
+    for k in (first..beside.end).chain(above) {
+        if outlines[k] != *section {
+            let other =
+                within(&outlines[k]).unwrap_or_else(|| outlines[k].clone());
             rings.extend(other.rings);
         }
     }
     if rings.is_empty() {
         return area;
     }
-    let beside = BESIDE + TOLERANCE + margin;
-    union(&area, &offset(&unite(&Area { rings }), beside, TOLERANCE))
+    let near = BESIDE + TOLERANCE + margin;
+    union(&area, &offset(&unite(&Area { rings }), near, TOLERANCE))
 }
 
 /// The area with fewer points: they would grow in number with every layer.

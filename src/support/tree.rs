@@ -12,7 +12,7 @@
 use super::TOLERANCE;
 use super::branch::{Branch, POINT, Step, middle};
 use super::cells::Cells;
-use super::parts::{Parts, top_below};
+use super::parts::Parts;
 use super::room::{Foot, Room, Size};
 use crate::plane::clip::{intersection, unite};
 use crate::plane::offset::offset;
@@ -49,7 +49,7 @@ pub(super) fn grow(
     let tan = settings.support.branch_angle.to_radians().tan();
     let mut tops: Vec<Vec<(usize, Area)>> = vec![Vec::new(); count];
     for (i, need) in needs.iter().enumerate().filter(|(_, n)| !n.is_empty()) {
-        if let Some(j) = top_below(parts.spans, i, settings) {
+        if let Some(j) = parts.heights.below(i) {
             let core = offset(need, size.post - size.core, TOLERANCE);
             tops[j].push((i, core));
         }
@@ -64,7 +64,7 @@ pub(super) fn grow(
     let mut areas = vec![Area::EMPTY; count];
     let mut branches: Vec<Branch> = Vec::new();
     for j in (0..count).rev() {
-        let height = parts.spans.get(j + 1).map_or(0.0, |s| s.height());
+        let height = parts.spans().get(j + 1).map_or(0.0, |s| s.height());
         let step = Step {
             layer: j,
             lean: height * tan,
@@ -79,7 +79,7 @@ pub(super) fn grow(
         branches = pieces.collect();
         join(&mut branches, step);
         for (i, core) in &tops[j] {
-            let top = parts.spans[*i].bottom;
+            let top = parts.spans()[*i].bottom;
             for new in begun(core, top, step, &cells, &solids) {
                 attach(&mut branches, new, step);
             }
@@ -138,10 +138,10 @@ fn is_near(
     parts: Parts<'_>,
     solids: &[Solid<'_>],
 ) -> bool {
-    let lowest = (1.0 - NEAR) * parts.spans[layer].bottom;
+    let lowest = (1.0 - NEAR) * parts.spans()[layer].bottom;
     let near = (0..layer)
         .rev()
-        .take_while(|&k| parts.spans[k].top > lowest);
+        .take_while(|&k| parts.spans()[k].top > lowest);
     near.into_iter().any(|k| solids[k].grid().contains(at))
 }
 
@@ -165,7 +165,7 @@ fn attach(branches: &mut Vec<Branch>, new: Branch, step: Step<'_>) {
 
 /// For each branch, the middle of the one that it should lean to, if any.
 fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
-    let Some(above) = step.parts.spans.get(step.layer + 1) else {
+    let Some(above) = step.parts.spans().get(step.layer + 1) else {
         return vec![None; branches.len()];
     };
     let farthest = 2.0 * tan * above.bottom / (1.0 + BELOW);
@@ -179,7 +179,7 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
         let clear = |&to: &DVec2| {
             // The layer in which they meet.
             let meet = above.bottom - 0.5 * from.distance(to) / tan.max(1e-9);
-            let spans = step.parts.spans[..=step.layer].iter();
+            let spans = step.parts.spans()[..=step.layer].iter();
             let meet = spans.rev().position(|span| span.bottom <= meet);
             let meet = step.layer - meet.unwrap_or(step.layer);
             [step.layer, meet]

@@ -1,0 +1,267 @@
+//! The heights at which supports are printed.
+//!
+//! ```text
+//!       part ┌────────   bottom(i)
+//!            │  gap      support.z_gap, whatever the layer height
+//!   ▒▒▒▒▒▒▒▒▒▒▒▒▒▒▒▒▒▒   top(j), at most the top of layer j
+//! ────────────────────   top of layer j
+//! ```
+//!
+//! In: the layers of the part, and `support.z_gap`. Out: for each layer, the
+//! height to which its supports reach. It is that of a face of the part less
+//! the gap: the highest such face that keeps the nozzle at or below the
+//! layer's top, so it never runs above what the layer's travels clear. A layer
+//! to which next to nothing would be left prints no supports; the layer above
+//! it prints more.
+//!
+//! Guaranteed: the heights rise with the layers, and supports lie on each
+//! other without gaps. If `support.z_gap` is a number of whole layers, supports
+//! have the heights of the layers.
+
+use crate::layers::LayerSpan;
+use crate::settings::Settings;
+use crate::units::Mm;
+use std::ops::Range;
+
+/// Heights closer than this differ by rounding only, mm.
+const ROUNDED: Mm = 1e-6;
+/// The first layer is at least so high, as a share of the part's.
+const FIRST: f64 = 0.6;
+/// Another layer is at least so high, as a share of the part's.
+const LEAST: f64 = 0.4;
+
+/// The heights of a part's layers and of their supports.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Heights {
+    spans: Vec<LayerSpan>,
+    /// Top of the supports by layer: never above that of the layer.
+    tops: Vec<Mm>,
+    /// Gap between the part and a support that stands on it.
+    gap_bottom: Mm,
+    /// Gap between a support and the part above it.
+    gap_top: Mm,
+    /// Beads of supports are at most so high.
+    most: Mm,
+}
+
+impl Heights {
+    /// The heights for a part's layers, from the bed.
+    pub(crate) fn new(spans: Vec<LayerSpan>, settings: &Settings) -> Heights {
+        let most = settings.highest_bead(settings.infill_width());
+        let gap_top = settings.support.z_gap;
+        let mut tops: Vec<Mm> = Vec::with_capacity(spans.len());
+        let mut faces = spans.iter().map(|s| s.bottom - gap_top).peekable();
+        let mut face = f64::NEG_INFINITY;
+        for span in &spans {
+            while let Some(next) =
+                faces.next_if(|&next| next <= span.top + ROUNDED)
+            {
+                face = next;
+            }
+            let top = match (face - span.top).abs() <= ROUNDED {
+                true => span.top,
+                false => face,
+            };
+            tops.push(match tops.last() {
+                None if top < span.bottom + FIRST * span.height() => span.top,
+                None => top,
+                Some(&below) if top < below + LEAST * span.height() => below,
+                // A layer of the part's own height is never too high.
+                Some(&below) => top.min(below + most.max(span.height())),
+            });
+        }
+        Heights {
+            spans,
+            tops,
+            gap_bottom: settings.support.z_gap_bottom,
+            gap_top,
+            most,
+        }
+    }
+
+    /// The layers of the part.
+    pub(crate) fn spans(&self) -> &[LayerSpan] {
+        &self.spans
+    }
+
+    /// Height at which supports in layer `j` begin.
+    fn bottom(&self, j: usize) -> Mm {
+        match j.checked_sub(1) {
+            Some(below) => self.tops[below],
+            None => self.spans[0].bottom,
+        }
+    }
+
+    /// From where to where supports in layer `j` reach, with its number;
+    /// nothing if the layer has none.
+    pub(crate) fn span(&self, j: usize) -> Option<LayerSpan> {
+        let (layer, bottom) = (*self.spans.get(j)?, self.bottom(j));
+        let span = LayerSpan {
+            index: j,
+            bottom,
+            top: self.tops[j],
+        };
+        if span.top - bottom <= ROUNDED {
+            return None;
+        }
+        let as_layer = (bottom - layer.bottom).abs() <= ROUNDED
+            && (span.top - layer.top).abs() <= ROUNDED;
+        Some(if as_layer { layer } else { span })
+    }
+
+    /// By layer, from where to where its supports reach; those of the layer
+    /// where it has none.
+    pub(crate) fn own(&self) -> impl Iterator<Item = LayerSpan> {
+        let layers = self.spans.iter().enumerate();
+        layers.map(|(j, &layer)| self.span(j).unwrap_or(layer))
+    }
+
+    /// The layer whose supports end `support.z_gap` below layer `i`, or as
+    /// little farther below it as there are any.
+    pub(crate) fn below(&self, i: usize) -> Option<usize> {
+        let highest = self.spans.get(i)?.bottom - self.gap_top + ROUNDED;
+        let tops = &self.tops[..i];
+        let j = tops.partition_point(|&top| top <= highest).checked_sub(1)?;
+        // The layers right below it may have no supports of their own.
+        let own = tops.partition_point(|&top| top < tops[j] - ROUNDED);
+        Some(own)
+    }
+
+    /// The layers below layer `j` of which the part keeps
+    /// `support.z_gap_bottom` from a support in it, and the layer on which such
+    /// a support stands.
+    pub(super) fn gap_below(&self, j: usize) -> Range<usize> {
+        let lowest = self.bottom(j) - self.gap_bottom + ROUNDED;
+        let on = self.spans[..j].partition_point(|span| span.top <= lowest);
+        on.saturating_sub(1)..j
+    }
+
+    /// How much higher beads in layer `j` are that stand on the part, so that
+    /// `support.z_gap_bottom` is left below them and no more.
+    pub(super) fn deeper(&self, j: usize) -> Mm {
+        let Some(on) = self.spans[..j].get(self.gap_below(j).start) else {
+            return 0.0;
+        };
+        let air = self.bottom(j) - self.gap_bottom - on.top;
+        let room = self.most - (self.tops[j] - self.bottom(j));
+        let deeper = air.min(room);
+        if deeper > ROUNDED { deeper } else { 0.0 }
+    }
+
+    /// The layers of the part that lie beside supports in layer `j`.
+    pub(super) fn beside(&self, j: usize) -> Range<usize> {
+        let (bottom, top) = (self.bottom(j), self.tops[j]);
+        let from = |s: &LayerSpan| s.top <= bottom + ROUNDED;
+        let to = |s: &LayerSpan| s.bottom < top - ROUNDED;
+        let first = self.spans.partition_point(from);
+        first.min(j)..self.spans.partition_point(to).max(j + 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{Settings, Support};
+
+    /// Layers of 0.2 mm on a first one of 0.3 mm, or of some heights.
+    fn layers(heights: impl IntoIterator<Item = Mm>) -> Vec<LayerSpan> {
+        let mut top = 0.0;
+        let span = |(index, height)| {
+            let bottom = top;
+            top += height;
+            LayerSpan { index, bottom, top }
+        };
+        heights.into_iter().enumerate().map(span).collect()
+    }
+
+    fn uniform() -> Vec<LayerSpan> {
+        layers(std::iter::once(0.3).chain([0.2; 60]))
+    }
+
+    fn heights(spans: Vec<LayerSpan>, gap: Mm) -> Heights {
+        let support = Support {
+            z_gap: gap,
+            z_gap_bottom: gap,
+            ..Settings::default().support
+        };
+        let settings = Settings {
+            support,
+            ..Settings::default()
+        };
+        Heights::new(spans, &settings)
+    }
+
+    #[test]
+    fn a_gap_of_whole_layers_leaves_supports_in_the_layers() {
+        for gap in [0.0, 0.2, 0.4] {
+            let heights = heights(uniform(), gap);
+            for (j, layer) in heights.spans().iter().enumerate().skip(1) {
+                if j + 3 < heights.spans().len() {
+                    assert_eq!(heights.span(j).as_ref(), Some(layer), "{gap}");
+                    assert_eq!(heights.deeper(j), 0.0);
+                    assert_eq!(heights.beside(j), j..j + 1);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_gap_is_as_asked_for() {
+        for gap in [0.05, 0.08, 0.13, 0.15, 0.19, 0.25, 0.28, 0.33, 0.57] {
+            let heights = heights(uniform(), gap);
+            let mut last = 0.0;
+            for i in 10..60 {
+                let j = heights.below(i).unwrap();
+                let span = heights.span(j).unwrap();
+                let air = heights.spans()[i].bottom - span.top;
+                assert!((air - gap).abs() < 1e-9, "{gap}: {air} at {i}");
+                assert!(span.top > last && span.top < heights.spans()[j].top);
+                assert!((span.height() - 0.2).abs() < 1e-9);
+                last = span.top;
+                // Below a support that stands on the part as well.
+                let on = heights.spans()[heights.gap_below(j).start];
+                let below = span.bottom - heights.deeper(j) - on.top;
+                assert!((below - gap).abs() < 1e-9, "{gap}: {below} under {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn supports_lie_on_each_other_in_layers_of_any_height() {
+        // Heights between 0.08 and 0.3 mm, without a pattern.
+        let height = |k: u32| 0.08 + 0.22 * f64::from(k * k * 37 % 101) / 100.0;
+        for gap in [0.1, 0.2, 0.27, 0.6] {
+            let heights = heights(layers((0..200).map(height)), gap);
+            let (mut at, mut exact) = (0.0, 0);
+            for (j, layer) in heights.spans().iter().enumerate() {
+                let Some(span) = heights.span(j) else {
+                    continue;
+                };
+                assert!((span.bottom - at).abs() < 1e-9, "{gap}, layer {j}");
+                assert!(span.top <= layer.top + 1e-9);
+                assert!(span.height() < 0.41 && span.height() > 0.019);
+                assert!(heights.beside(j).contains(&j));
+                at = span.top;
+            }
+            for i in 10..200 {
+                let j = heights.below(i).unwrap();
+                let top = heights.span(j).unwrap().top;
+                let air = heights.spans()[i].bottom - top;
+                assert!(air > gap - 1e-6 && air < gap + 0.45, "{air}");
+                exact += usize::from(air < gap + 1e-6);
+            }
+            assert!(exact > 95, "{gap}: {exact} of 190");
+        }
+    }
+
+    #[test]
+    fn the_first_layer_is_not_squeezed() {
+        // 0.05 mm would be left of the first layer, and of the second.
+        let heights = heights(layers([0.2; 20]), 0.15);
+        let tops = |j| heights.span(j).map(|span| span.top);
+        assert_eq!(tops(0), Some(0.2));
+        assert!((tops(1).unwrap_or(0.25) - 0.25).abs() < 1e-9);
+        assert!((tops(2).unwrap() - 0.45).abs() < 1e-9);
+        assert_eq!(heights.below(1), None);
+    }
+}
