@@ -37,7 +37,7 @@ use crate::settings::{DraftShield, Settings, WallOffset};
 use crate::skin::Patch;
 use crate::skin::over_infill::{Over, Under, bridged};
 use crate::spiral::Spiral;
-use crate::support::{Heights, Parts, Plan, Wishes};
+use crate::support::{Asked, Heights, Plan, Survey, Wishes, coarse};
 use crate::timings::{Stage, Timings};
 use crate::units::Mm;
 use crate::vary::{Surroundings, VaryError};
@@ -48,6 +48,7 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Extent below which an island or a hole is left out, as a share of the
 /// outer wall's width.
@@ -56,6 +57,10 @@ const PRINTABLE: f64 = 0.25;
 /// A high skirt stands round the outlines of so many layers, about: it keeps
 /// a distance that what is between them will not bridge.
 const SKIRT_SAMPLES: usize = 64;
+
+/// Number of points of the outlines that are kept from planning supports to
+/// printing, which take about 100 bytes each. Others are found a second time.
+const KNOWN: usize = 2_000_000;
 
 /// What the layers have in common.
 pub(super) struct Stages<'a> {
@@ -73,7 +78,7 @@ pub(super) struct Stages<'a> {
     skirt: Option<Skirt>,
     /// The supports, once they are planned.
     support: Option<Supported<'a>>,
-    /// All layers of the part, if its plan has asked for them.
+    /// Layers of the part that are known from planning its supports, from below.
     known: Vec<Layer>,
     /// The raft, once it is planned, and the number of its layers.
     raft: Option<Raft<'a>>,
@@ -201,40 +206,43 @@ impl<'a> Stages<'a> {
         room: Rect,
     ) -> Result<(), SliceError> {
         let wishes = Wishes::new(self.settings, around)?;
-        let slabs = spans.par_chunks(self.slab_layers());
-        let stages: &Stages<'a> = self;
-        let made: Vec<Result<Vec<Layer>, SliceError>> = pool.install(|| {
-            slabs.map(|s| stages.layers(s, &(0..usize::MAX))).collect()
-        });
-        let layers: Vec<Vec<Layer>> =
-            made.into_iter().collect::<Result<_, _>>()?;
-        self.known = layers.concat();
-        let outlines = self.known.iter().skip(self.raft_layers);
-        let outlines: Vec<Area> =
-            outlines.map(|layer| layer.area().clone()).collect();
+        let asked = Asked {
+            wishes: wishes.as_ref(),
+            settings: self.settings,
+        };
         // The plan knows nothing of a raft: it is its bed.
-        let lift = self.settings.raft_height();
+        let raft = (self.raft_layers, self.settings.raft_height());
         let above = spans.iter().skip(self.raft_layers);
-        let above: Vec<LayerSpan> = above
-            .enumerate()
-            .map(|(index, span)| LayerSpan {
-                index,
-                bottom: span.bottom - lift,
-                top: span.top - lift,
-            })
-            .collect();
+        let above = above.map(|span| without_raft(*span, raft)).collect();
         let heights = Heights::new(above, self.settings);
         let sections = self.sections(pool, &heights)?;
-        let parts = Parts {
-            heights: &heights,
-            outlines: &outlines,
-            sections: sections.as_ref().unwrap_or(&outlines),
-            bed: self.in_model(room),
+        let (stages, left): (&Stages<'a>, _) = (self, AtomicUsize::new(KNOWN));
+        let of_slab = |slab: &[LayerSpan]| {
+            let layers = stages.layers(slab, &(0..usize::MAX))?;
+            let found = layers
+                .iter()
+                .map(|layer| (without_raft(layer.span, raft), layer.area()));
+            let survey = || Survey::new(found, asked);
+            let survey = stages.timings.time(Stage::Support, survey)?;
+            let kept = keep(&layers, &left);
+            Ok::<_, SliceError>((survey, kept.then_some(layers)))
         };
+        let slabs = spans[self.raft_layers..].par_chunks(self.slab_layers());
+        let made: Vec<Result<_, SliceError>> =
+            pool.install(|| slabs.map(of_slab).collect());
+        let mut survey = Survey::default();
+        let mut known = Vec::new();
+        for slab in made {
+            let (above, layers) = slab?;
+            survey.append(above, asked)?;
+            known.extend(layers.into_iter().flatten());
+        }
+        let bed = self.in_model(room);
         let plan = pool.install(|| {
-            let plan = || Plan::new(parts, wishes.as_ref(), self.settings);
+            let plan = || Plan::new(survey, sections, heights, bed, asked);
             self.timings.time(Stage::Support, plan)
-        })?;
+        });
+        self.known = known;
         let site = self.site();
         self.support = Some(Supported::new(plan, fills, around, site)?);
         if self.skirt.is_some() {
@@ -262,18 +270,19 @@ impl<'a> Stages<'a> {
                 top: span.top + lift,
             })
             .collect();
-        let all = 0..usize::MAX;
+        let of_slab = |slab: &[LayerSpan]| {
+            let all = 0..usize::MAX;
+            let layers = self.layers_of(&self.field, &[], slab, &all)?;
+            let sections =
+                layers.iter().map(|l| coarse(l.area(), self.settings));
+            Ok::<_, SliceError>(sections.collect())
+        };
         let slabs = own.par_chunks(self.slab_layers());
-        let made: Vec<Result<Vec<Layer>, SliceError>> = pool.install(|| {
-            slabs
-                .map(|slab| self.layers_of(&self.field, &[], slab, &all))
-                .collect()
-        });
-        let mut sections = Vec::with_capacity(own.len());
-        for layers in made {
-            sections.extend(layers?.iter().map(|l| l.area().clone()));
-        }
-        Ok(Some(sections))
+        let made: Vec<Result<Vec<Area>, SliceError>> =
+            pool.install(|| slabs.map(of_slab).collect());
+        let made: Vec<Vec<Area>> =
+            made.into_iter().collect::<Result<_, _>>()?;
+        Ok(Some(made.concat()))
     }
 
     /// Plans the raft of the whole part, `spans`, after its supports, if there
@@ -482,7 +491,15 @@ impl<'a> Stages<'a> {
     ) -> Result<Vec<Layer>, SliceError> {
         if !self.known.is_empty() {
             let needed = spans.iter().filter(|s| needed.contains(&s.index));
-            return Ok(needed.map(|s| self.known[s.index].clone()).collect());
+            let known = |s: &LayerSpan| {
+                let by = |layer: &Layer| layer.span.index;
+                let at = self.known.binary_search_by_key(&s.index, by);
+                at.ok().map(|at| self.known[at].clone())
+            };
+            let layers: Option<Vec<Layer>> = needed.map(known).collect();
+            if let Some(layers) = layers {
+                return Ok(layers);
+            }
         }
         self.layers_of(&self.field, &self.wall_fields, spans, needed)
     }
@@ -926,6 +943,31 @@ impl<'a> Stages<'a> {
     fn thinnest(&self) -> Mm {
         self.settings.thin_min / 100.0 * self.settings.outer_wall_width()
     }
+}
+
+/// A layer's heights above the raft, counted from there.
+fn without_raft(span: LayerSpan, (layers, height): (usize, Mm)) -> LayerSpan {
+    LayerSpan {
+        index: span.index - layers,
+        bottom: span.bottom - height,
+        top: span.top - height,
+    }
+}
+
+/// True if layers may be kept: of the number of points that are `left` theirs
+/// are taken then.
+fn keep(layers: &[Layer], left: &AtomicUsize) -> bool {
+    let mut points = 0;
+    for (k, layer) in layers.iter().enumerate() {
+        let below = k.checked_sub(1).map(|below| &layers[below]);
+        if !below.is_some_and(|below| layer.same_outline(below)) {
+            let rings = layer.area().rings.iter();
+            points += rings.map(|ring| ring.len()).sum::<usize>();
+        }
+    }
+    let take = |left: usize| left.checked_sub(points);
+    left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take)
+        .is_ok()
 }
 
 /// The beads of some skin.

@@ -10,7 +10,7 @@
 //! ────────┴─┴────┴──┴──────
 //! ```
 //!
-//! In: the outlines of all layers. Out: a [`Plan`], which has an area of
+//! In: the outlines of all layers, slab by slab ([`Survey`]). Out: a [`Plan`], which has an area of
 //! support for every layer.
 //!
 //! 1. [`need`] finds, layer by layer, what sticks out too far over the layer
@@ -41,12 +41,13 @@ mod need;
 mod parts;
 mod plan;
 mod room;
+mod survey;
 mod tree;
 mod wish;
 
 pub(crate) use heights::Heights;
-pub(crate) use parts::Parts;
 pub(crate) use plan::{Plan, Slice, Unheld};
+pub(crate) use survey::{Asked, Survey, coarse};
 pub(crate) use wish::Wishes;
 
 /// Tolerance of the offsets, mm.

@@ -6,7 +6,7 @@ use crate::plane::{Area, Rect};
 
 /// A part's layers, from the bed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Parts<'a> {
+pub(super) struct Parts<'a> {
     /// The heights of the layers, and of supports in them.
     pub heights: &'a Heights,
     /// The outline of each.

@@ -1,18 +1,16 @@
 //! The areas of support of all layers.
 
 use super::heights::Heights;
-use super::need::{Need, need};
 use super::parts::Parts;
-use super::room::{Room, Size, thinned};
+use super::room::{Room, Size};
+use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
-use super::wish::{Wish, Wishes};
 use super::{SPECK, TOLERANCE};
-use crate::plane::Area;
 use crate::plane::clip::{crop, difference, intersection, union, unite};
 use crate::plane::offset::offset;
+use crate::plane::{Area, Rect};
 use crate::settings::{Settings, Supports};
 use crate::units::{Mm, Mm2};
-use crate::vary::VaryError;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -70,75 +68,52 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// The plan for a part.
-    ///
-    /// # Errors
-    /// If an expression of `wishes` has no value somewhere.
+    /// The plan for what a survey of all of a part's layers has found.
+    /// `sections` is the part at half the height of what supports have of each
+    /// layer, if that is not half the height of the layer. `bed` is in the
+    /// model's coordinates.
     pub(crate) fn new(
-        parts: Parts<'_>,
-        wishes: Option<&Wishes<'_>>,
-        settings: &Settings,
-    ) -> Result<Plan, VaryError> {
-        let count = parts.spans().len();
-        // What is too thin to be printed takes no room, either.
-        let printed = each(parts.outlines, |o| as_printed(o, settings));
-        let sections = each(parts.sections, |o| as_printed(o, settings));
-        let parts = Parts {
-            outlines: &printed,
-            sections: &sections,
-            ..parts
-        };
-        let of = |i: usize| {
-            let Some(below) = i.checked_sub(1).map(|k| &printed[k]) else {
-                return Ok((Need::default(), true));
-            };
-            let (here, span) = (&printed[i], &parts.spans()[i]);
-            let wish = match wishes {
-                Some(wishes) => wishes.of(here, below, span)?,
-                None => Wish::default(),
-            };
-            let unheld = need(here, below, span.height(), settings);
-            Ok((Need::new(unheld, &wish), wish.is_none()))
-        };
-        let found = (0..count).into_par_iter().map(of);
-        // The lowest layer's error, not that of the fastest thread.
-        let found: Vec<Result<(Need, bool), VaryError>> = found.collect();
-        let found: Vec<(Need, bool)> =
-            found.into_iter().collect::<Result<_, _>>()?;
-        let idle = wishes.is_some() && found.iter().all(|(_, none)| *none);
+        survey: Survey,
+        sections: Option<Vec<Area>>,
+        heights: Heights,
+        bed: Rect,
+        asked: Asked<'_>,
+    ) -> Plan {
+        let (wished, settings) = (asked.wishes.is_some(), asked.settings);
+        let idle = wished && !survey.found.iter().any(|found| found.wished);
+        let of = |found: Found| (found.need.all, found.need.must);
         let (needs, musts): (Vec<Area>, Vec<Area>) =
-            found.into_iter().map(|(n, _)| (n.all, n.must)).unzip();
+            survey.found.into_iter().map(of).unzip();
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
-            return Ok(Plan {
+            return Plan {
                 idle,
                 ..Plan::default()
-            });
+            };
         };
-        // Room is not looked at as closely as what is needed.
-        let outlines = each(&printed, |o| thinned(o.clone()));
-        let sections = each(&sections, |o| thinned(o.clone()));
-        let coarse = Parts {
+        let outlines = survey.outlines;
+        let parts = Parts {
+            heights: &heights,
             outlines: &outlines,
-            sections: &sections,
-            ..parts
+            sections: sections.as_ref().unwrap_or(&outlines),
+            bed,
         };
-        let room = Room::new(coarse, highest, settings);
-        let areas = grow(coarse, &needs, &room, highest, settings);
+        let room = Room::new(parts, highest, settings);
+        let areas = grow(parts, &needs, &room, highest, settings);
         let mut plan = Plan {
             slices: slices(parts, &needs, areas, settings),
-            heights: parts.heights.clone(),
             idle,
             ..Plan::default()
         };
-        plan.settle(coarse, settings);
+        plan.settle(parts, settings);
         plan.unheld = plan.without(parts, &musts, settings);
-        if wishes.is_some() {
+        if wished {
             let wanted = needs.par_iter().zip(&musts);
             let wanted = wanted.map(|(all, must)| difference(all, must));
             let wanted: Vec<Area> = wanted.collect();
             plan.unmet = plan.without(parts, &wanted, settings);
         }
-        Ok(plan)
+        plan.heights = heights;
+        plan
     }
 
     /// The support in a layer, if there is any.
@@ -240,27 +215,6 @@ impl Plan {
     }
 }
 
-/// What becomes of each of some areas.
-fn each(areas: &[Area], of: impl Fn(&Area) -> Area + Send + Sync) -> Vec<Area> {
-    areas.par_iter().map(of).collect()
-}
-
-/// An outline without the islands that are thinner than any line: a part that
-/// begins in a point begins where a line fits into it.
-fn as_printed(outline: &Area, settings: &Settings) -> Area {
-    let width = settings.outer_wall_width();
-    let half = 0.5 * 0.01 * settings.thin_min * width;
-    let small = (4.0 * width).powi(2);
-    let islands = outline.islands().into_iter();
-    let printed = islands.filter(|island| {
-        island.content() > small
-            || !offset(island, -half, 0.1 * TOLERANCE).is_empty()
-    });
-    Area {
-        rings: printed.flat_map(|island| island.rings).collect(),
-    }
-}
-
 /// Sparse and dense parts of the area that supports have in each layer.
 fn slices(
     parts: Parts<'_>,
@@ -325,7 +279,7 @@ fn printable(area: Area, half: Mm) -> Area {
 mod tests {
     use super::*;
     use crate::layers::LayerSpan;
-    use crate::plane::{Rect, rect};
+    use crate::plane::rect;
     use glam::DVec2;
 
     fn spans(count: usize) -> Vec<LayerSpan> {
@@ -355,17 +309,19 @@ mod tests {
 
     fn plan(outlines: &[Area], supports: Supports) -> Plan {
         let settings = settings(supports);
-        let heights = Heights::new(spans(outlines.len()), &settings);
-        let parts = Parts {
-            heights: &heights,
-            outlines,
-            sections: outlines,
-            bed: Rect {
-                min: DVec2::splat(-100.0),
-                max: DVec2::splat(100.0),
-            },
+        let spans = spans(outlines.len());
+        let asked = Asked {
+            wishes: None,
+            settings: &settings,
         };
-        Plan::new(parts, None, &settings).unwrap()
+        let layers = spans.iter().copied().zip(outlines);
+        let survey = Survey::new(layers, asked).unwrap();
+        let bed = Rect {
+            min: DVec2::splat(-100.0),
+            max: DVec2::splat(100.0),
+        };
+        let heights = Heights::new(spans, &settings);
+        Plan::new(survey, None, heights, bed, asked)
     }
 
     fn all(plan: &Plan, layer: usize) -> Area {

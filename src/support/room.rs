@@ -15,9 +15,9 @@
 
 use super::TOLERANCE;
 use super::parts::Parts;
+use super::survey::thinned;
 use crate::plane::clip::{crop, difference, union, unite};
 use crate::plane::offset::offset;
-use crate::plane::simplify::simplify;
 use crate::plane::{Area, Rect, Solid};
 use crate::settings::Settings;
 use crate::units::Mm;
@@ -205,12 +205,4 @@ fn taken(
     }
     let near = BESIDE + TOLERANCE + margin;
     union(&area, &offset(&unite(&Area { rings }), near, TOLERANCE))
-}
-
-/// The area with fewer points: they would grow in number with every layer.
-pub(super) fn thinned(area: Area) -> Area {
-    let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
-    Area {
-        rings: rings.filter(|ring| ring.len() > 2).collect(),
-    }
 }

@@ -1,0 +1,143 @@
+//! What layers that follow each other tell of supports, slab by slab.
+//!
+//! In: the outlines of a slab of layers. Out: what of them needs a support, and
+//! the outlines as coarse as supports ask for. The outlines themselves can be
+//! forgotten then: of all layers at once they would take much more memory.
+
+use super::TOLERANCE;
+use super::need::{Need, need};
+use super::wish::{Wish, Wishes};
+use crate::layers::LayerSpan;
+use crate::plane::Area;
+use crate::plane::offset::offset;
+use crate::plane::simplify::simplify;
+use crate::settings::Settings;
+use crate::vary::VaryError;
+
+/// What asks for supports.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    /// What `support.where` asks for, if it is an expression.
+    pub wishes: Option<&'a Wishes<'a>>,
+    pub settings: &'a Settings,
+}
+
+impl Asked<'_> {
+    /// What of a layer needs a support, with the layer below it.
+    fn of(
+        self,
+        here: &Area,
+        below: &Area,
+        span: &LayerSpan,
+    ) -> Result<Found, VaryError> {
+        let wish = match self.wishes {
+            Some(wishes) => wishes.of(here, below, span)?,
+            None => Wish::default(),
+        };
+        let unheld = need(here, below, span.height(), self.settings);
+        Ok(Found {
+            need: Need::new(unheld, &wish),
+            wished: !wish.is_none(),
+        })
+    }
+}
+
+/// What is found of a layer.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Found {
+    /// What needs a support.
+    pub need: Need,
+    /// True if something is wanted or forbidden.
+    pub wished: bool,
+}
+
+/// Some layers that follow each other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Survey {
+    /// Their outlines, as coarse as supports ask for.
+    pub(super) outlines: Vec<Area>,
+    /// What is found of each; of the first one only if it is the part's first.
+    pub(super) found: Vec<Found>,
+    /// The first layer with its outline, and the outline of the last one.
+    ends: Option<(LayerSpan, [Area; 2])>,
+}
+
+impl Survey {
+    /// Looks at layers and their outlines.
+    ///
+    /// # Errors
+    /// If an expression of `asked` has no value somewhere.
+    pub(crate) fn new<'l>(
+        layers: impl Iterator<Item = (LayerSpan, &'l Area)>,
+        asked: Asked<'_>,
+    ) -> Result<Survey, VaryError> {
+        let mut survey = Survey::default();
+        for (span, outline) in layers {
+            let here = as_printed(outline, asked.settings);
+            survey.outlines.push(thinned(here.clone()));
+            match &mut survey.ends {
+                None => {
+                    survey.found.push(Found::default());
+                    survey.ends = Some((span, [here.clone(), here]));
+                }
+                Some((_, [_, last])) => {
+                    survey.found.push(asked.of(&here, last, &span)?);
+                    *last = here;
+                }
+            }
+        }
+        Ok(survey)
+    }
+
+    /// Goes on with the layers above.
+    ///
+    /// # Errors
+    /// If an expression of `asked` has no value somewhere.
+    pub(crate) fn append(
+        &mut self,
+        mut above: Survey,
+        asked: Asked<'_>,
+    ) -> Result<(), VaryError> {
+        let Some((_, [_, last])) = &mut self.ends else {
+            *self = above;
+            return Ok(());
+        };
+        let Some((span, [lowest, highest])) = above.ends else {
+            return Ok(());
+        };
+        above.found[0] = asked.of(&lowest, last, &span)?;
+        *last = highest;
+        self.outlines.append(&mut above.outlines);
+        self.found.append(&mut above.found);
+        Ok(())
+    }
+}
+
+/// An outline as coarse as supports ask for, without what is not printed.
+pub(crate) fn coarse(outline: &Area, settings: &Settings) -> Area {
+    thinned(as_printed(outline, settings))
+}
+
+/// An outline without the islands that are thinner than any line: a part that
+/// begins in a point begins where a line fits into it.
+fn as_printed(outline: &Area, settings: &Settings) -> Area {
+    let width = settings.outer_wall_width();
+    let half = 0.5 * 0.01 * settings.thin_min * width;
+    let small = (4.0 * width).powi(2);
+    let islands = outline.islands().into_iter();
+    let printed = islands.filter(|island| {
+        island.content() > small
+            || !offset(island, -half, 0.1 * TOLERANCE).is_empty()
+    });
+    Area {
+        rings: printed.flat_map(|island| island.rings).collect(),
+    }
+}
+
+/// The area with fewer points: they would grow in number with every layer.
+pub(super) fn thinned(area: Area) -> Area {
+    let rings = area.rings.iter().map(|ring| simplify(ring, TOLERANCE));
+    Area {
+        rings: rings.filter(|ring| ring.len() > 2).collect(),
+    }
+}
