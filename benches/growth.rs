@@ -16,7 +16,7 @@ use isoslice::model::{
     self, BuildVolume, Model, Placement, Source, SourceKind,
 };
 use isoslice::pipeline::{Options, slice};
-use isoslice::settings::{Settings, Sizes};
+use isoslice::settings::Builder;
 use std::error::Error;
 use std::{fs, io};
 
@@ -62,9 +62,10 @@ fn measure(model: &Model) -> Outcome<(f64, usize, Option<f64>)> {
         check: false,
         ..Options::default()
     };
-    let mut settings = Settings::default();
-    // Their cost is the same for every part.
-    settings.gcode.thumbnails = Sizes::default();
+    let mut builder = Builder::new();
+    // Pictures cost as much for every part.
+    builder.set("gcode.thumbnails=")?;
+    let (settings, _) = builder.finish()?;
     let (mut best, mut layers) = (f64::INFINITY, 0);
     forget_peak();
     for _ in 0..3 {

@@ -129,8 +129,11 @@ pub fn template(data: &[u8]) {
         y: 9.0,
         z: 9.0,
     };
-    let mut settings = Settings::default();
-    settings.gcode.start = text.into();
+    let mut builder = Builder::new();
+    if builder.set(&format!("gcode.start={text}")).is_err() {
+        return;
+    }
+    let settings = builder.settings().clone();
     let Ok(cube) = load_within(&source, &[], &ScriptLimits::default()) else {
         return;
     };
@@ -184,11 +187,7 @@ pub fn slice(data: &[u8]) {
         }),
         ..Placement::default()
     };
-    let volume = BuildVolume {
-        x: settings.printer.bed_x,
-        y: settings.printer.bed_y,
-        z: settings.printer.height,
-    };
+    let volume = BuildVolume::of(settings);
     let Ok(model) = place(&loaded, &placement, volume) else {
         return;
     };

@@ -47,7 +47,7 @@
 //! 10. [`gcode`] writes the G-code, and [`bgcode`] packs it for Prusa's
 //!     printers. [`reader`] reads G-code of any slicer, and [`mod@check`] tells
 //!     whether it is safe to run. [`preview`] draws it. [`report`] measures how
-//!     far outlines and walls are from f = 0. [`hosts`] sends files to printers.
+//!     far outlines and walls are from f = 0.
 //!
 //! The types that flow are a [`Model`], its
 //! [`LayerSpan`](layers::LayerSpan)s, for each span an
@@ -81,7 +81,7 @@
 //!     text: "sqrt(x^2 + y^2 + z^2) - 3".into(),
 //! };
 //! let settings = Settings::default();
-//! let bed = BuildVolume { x: 220.0, y: 220.0, z: 250.0 };
+//! let bed = BuildVolume::of(&settings);
 //! let ball = place(&load(&source, &[])?, &Placement::default(), bed)?;
 //!
 //! let options = Options { threads: Some(2), ..Options::default() };
@@ -169,7 +169,6 @@ mod fuzzy;
 mod gcode;
 mod hang;
 pub mod heights;
-pub mod hosts;
 mod infill;
 pub mod layers;
 pub mod limits;

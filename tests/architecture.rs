@@ -79,8 +79,6 @@ const ORDER: &[&[&str]] = &[
     &["check"],
     &["preview"],
     &["pipeline"],
-    // Sends files, whoever made them.
-    &["hosts"],
     &["cli"],
     &["main"],
 ];
@@ -111,7 +109,7 @@ const CONFINED: &[Confined] = &[
     },
     Confined {
         name: "ureq",
-        modules: &["hosts"],
+        modules: &["cli"],
         in_tests: false,
     },
     Confined {

@@ -232,11 +232,7 @@ fn what_is_added_to_the_part_has_to_fit_the_bed() {
             margin: s.reach(),
             ..Placement::default()
         };
-        let bed = BuildVolume {
-            x: s.printer.bed_x,
-            y: s.printer.bed_y,
-            z: s.printer.height,
-        };
+        let bed = BuildVolume::of(&s);
         let model = place(&load(&source, &[]).unwrap(), &placement, bed);
         (model, s)
     };

@@ -5,7 +5,9 @@
 
 mod common;
 
-use common::{Layer, Move, formula, parse, settings, slice, slice_layers};
+use common::{
+    Layer, Move, formula, number, parse, settings, slice, slice_layers,
+};
 use glam::{DVec2, DVec3};
 use isoslice::settings::Settings;
 use std::f64::consts::{PI, TAU};
@@ -176,7 +178,7 @@ fn distance(m: &Move, p: DVec2) -> f64 {
 
 /// Where the middle of the model is on the bed.
 fn centre(s: &Settings) -> DVec2 {
-    0.5 * DVec2::new(s.printer.bed_x, s.printer.bed_y)
+    0.5 * DVec2::new(number(s, "printer.bed_x"), number(s, "printer.bed_y"))
 }
 
 fn roles_are_exact(case: &Case, assignments: &[&str]) {
@@ -286,7 +288,7 @@ fn a_closed_cavity_has_a_floor_and_a_roof_of_exact_layers() {
         let is = skin(i);
         assert!((is / grown(s.skin_overlap()) - 1.0).abs() < 0.02, "{is}");
     }
-    let roof = grown(s.bridge_anchor);
+    let roof = grown(number(&s, "bridge_anchor"));
     assert!((skin(35) / roof - 1.0).abs() < 0.02, "{}", skin(35));
     assert!(content(&layers[35], &[BRIDGE]) > 0.9 * roof);
     assert_eq!(content(&layers[36], &[BRIDGE]), 0.0);
@@ -372,7 +374,7 @@ fn bridges_run_from_pillar_to_pillar() {
             .collect();
         // 20 mm less walls and ring, a line each.
         assert!(spans.len() > 40, "{degrees}: {}", spans.len());
-        let reach = 8.0 + s.bridge_anchor;
+        let reach = 8.0 + number(&s, "bridge_anchor");
         for m in spans {
             let (a, b) = m.ends();
             let d = (b - a).normalize();

@@ -6,9 +6,9 @@
 mod common;
 
 use common::filament_area;
-use common::{examples, slice, slice_layers};
+use common::{examples, number, slice, slice_layers, text};
 use glam::DVec2;
-use isoslice::settings::{Flavour, Settings};
+use isoslice::settings::Settings;
 use std::collections::BTreeSet;
 
 /// Coarse enough to be quick, with all that a firmware can be told.
@@ -139,7 +139,7 @@ fn each_example(
 /// Each bead has the acceleration of its role, told only where it changes.
 #[track_caller]
 fn accelerations(gcode: &str, s: &Settings) {
-    let klipper = s.gcode.flavour == Flavour::Klipper;
+    let klipper = text(s, "gcode.flavour") == "\"klipper\"";
     let word = if klipper { "M204 S" } else { "M204 P" };
     let mut layer = 0;
     let mut role = "";
@@ -161,11 +161,11 @@ fn accelerations(gcode: &str, s: &Settings) {
             let own = match (layer, role) {
                 (1, _) => 400.0,
                 (_, "External perimeter") => 600.0,
-                _ => s.printer.acceleration,
+                _ => number(s, "printer.acceleration"),
             };
             let at = match prints {
                 true => own,
-                false if klipper => s.printer.travel_acceleration,
+                false if klipper => number(s, "printer.travel_acceleration"),
                 false => continue,
             };
             assert_eq!(now, Some(at), "layer {layer}, {role}: {line}");
@@ -194,7 +194,7 @@ fn assert_head(name: &str, gcode: &str, lines: &[&str]) {
 #[test]
 fn marlin_knows_every_line() {
     each_example("marlin", MARLIN, |name, gcode, s| {
-        let corner = s.printer.square_corner_velocity;
+        let corner = number(s, "printer.square_corner_velocity");
         let lines = [
             "M486 T1",
             "G28",
@@ -293,8 +293,8 @@ fn klipper_parses(code: &str) {
 
 /// What klippy/kinematics/extruder.py refuses, by its defaults.
 fn klipper_extrudes(gcode: &str, s: &Settings) {
-    let filament = filament_area(s.filament.diameter);
-    let nozzle = s.printer.nozzle_diameter;
+    let filament = filament_area(number(s, "filament.diameter"));
+    let nozzle = number(s, "printer.nozzle_diameter");
     let greatest = 4.0 * nozzle * nozzle / filament;
     let (mut at, mut e) = (DVec2::NAN, 0.0);
     for code in commands(gcode) {
@@ -308,7 +308,9 @@ fn klipper_extrudes(gcode: &str, s: &Settings) {
                     match &w[..1] {
                         "X" => to.x = value,
                         "Y" => to.y = value,
-                        "E" if s.gcode.relative_e => fed = value,
+                        "E" if text(s, "gcode.relative_e") == "true" => {
+                            fed = value
+                        }
                         "E" => fed = value - std::mem::replace(&mut e, value),
                         _ => {}
                     }
@@ -343,7 +345,10 @@ fn klipper_objects(gcode: &str, s: &Settings) {
                 let ring: Vec<[f64; 2]> =
                     serde_json::from_str(value("POLYGON").unwrap()).unwrap();
                 assert!(ring.len() >= 3, "{code}");
-                let bed = DVec2::new(s.printer.bed_x, s.printer.bed_y);
+                let bed = DVec2::new(
+                    number(s, "printer.bed_x"),
+                    number(s, "printer.bed_y"),
+                );
                 for &[x, y] in &ring {
                     let p = DVec2::new(x, y);
                     assert!(p.cmpge(DVec2::ZERO).all() && p.cmple(bed).all());

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::Kind;
+use common::{Kind, number};
 use glam::DVec3;
 use isoslice::limits::{Limits, Watch};
 use isoslice::model::{
@@ -43,11 +43,7 @@ fn slice(
             bounds,
             ..Placement::default()
         };
-        let volume = BuildVolume {
-            x: settings.printer.bed_x,
-            y: settings.printer.bed_y,
-            z: settings.printer.height,
-        };
+        let volume = BuildVolume::of(settings);
         let model =
             place(&loaded, &placement, volume).map_err(|e| e.to_string())?;
         let options = Options {
@@ -73,15 +69,17 @@ fn assert_valid(gcode: &str, settings: &Settings, what: &str) {
         let p = m.to;
         let line = lines[m.line - 1];
         assert!(
-            (p.x.is_nan() || (0.0..=settings.printer.bed_x).contains(&p.x))
+            (p.x.is_nan()
+                || (0.0..=number(settings, "printer.bed_x")).contains(&p.x))
                 && (p.y.is_nan()
-                    || (0.0..=settings.printer.bed_y).contains(&p.y))
+                    || (0.0..=number(settings, "printer.bed_y"))
+                        .contains(&p.y))
                 && (p.z.is_nan() || (0.0..=1e5).contains(&p.z)),
             "{what}: off the bed: {line}"
         );
         assert!(m.fed.is_finite() && m.feed > 0.0, "{what}: {line}");
         if m.kind == Kind::Print {
-            let wipes = settings.retract.wipe > 0.0;
+            let wipes = number(settings, "retract.wipe") > 0.0;
             assert!(m.fed > 0.0 || wipes, "{what}: backwards: {line}");
             prints += 1;
         }

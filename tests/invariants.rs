@@ -11,11 +11,12 @@ use common::edges::Edges;
 use common::filament_area;
 use common::{
     Example, INNER_WALL, Kind, Layer, Move, OUTER_WALL, SKIRT, examples,
-    formula, parse, settings, slice,
+    formula, number, parse, settings, slice,
 };
 use glam::{DVec2, DVec3};
 use isocontour::Area;
 use isoslice::layers::LayerSpan;
+use isoslice::model::BuildVolume;
 use isoslice::model::Model;
 use isoslice::settings::Settings;
 use std::sync::LazyLock;
@@ -134,8 +135,8 @@ fn numbers_are_plain_decimals() {
 #[test]
 fn the_head_stays_over_the_bed() {
     for (print, m) in all_moves() {
-        let printer = &print.settings.printer;
-        let high = DVec3::new(printer.bed_x, printer.bed_y, printer.height);
+        let volume = BuildVolume::of(&print.settings);
+        let high = DVec3::new(volume.x, volume.y, volume.z);
         let to = m.to;
         // Before the first travel x and y are where the template left them.
         let across = to.truncate().is_nan_mask().any()
@@ -155,7 +156,7 @@ fn filament_goes_back_only_to_retract() {
             }
             Kind::Retract => {
                 assert_eq!(m.back, 0.0, "retracted twice: {}", print.at(m));
-                let length = print.settings.retract.length;
+                let length = number(&print.settings, "retract.length");
                 assert!((m.fed + length).abs() < 1e-4, "{}", print.at(m));
             }
             Kind::Prime => {
@@ -195,7 +196,8 @@ fn the_head_sinks_only_to_the_layer_it_prints() {
 #[test]
 fn no_layer_gets_more_material_than_it_has_room_for() {
     for print in PRINTS.iter() {
-        let across = filament_area(print.settings.filament.diameter);
+        let across =
+            filament_area(number(&print.settings, "filament.diameter"));
         for (layer, area) in print.layers.iter().zip(&print.outlines) {
             let fed = layer.fed() * across;
             let room = area.content() * layer.height;
@@ -338,7 +340,8 @@ fn the_skirt_keeps_off_the_part() {
         for m in skirt {
             let (a, b) = m.ends();
             // The hull is offset with arcs of chords, good to 10 µm.
-            let gap = print.settings.skirt.distance + 0.5 * m.width - 0.02;
+            let gap = number(&print.settings, "skirt.distance") + 0.5 * m.width
+                - 0.02;
             for p in [a, a.midpoint(b), b] {
                 assert!(!area.contains(p), "{}", print.at(m));
                 let near = edges.nearest_within(p, gap);
@@ -394,7 +397,7 @@ fn a_solid_print_has_the_volume_of_the_part() {
                 skin,
                 &bottom,
             ]);
-            let across = filament_area(settings.filament.diameter);
+            let across = filament_area(number(&settings, "filament.diameter"));
             let (gcode, _) = slice(&formula(text, &settings), &settings, 2);
             let fed: f64 = parse(&gcode).iter().map(Layer::fed).sum();
             let share = fed * across / exact;

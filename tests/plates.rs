@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::settings;
+use common::{number, settings};
 use glam::DVec2;
 use isoslice::layers::LayerRange;
 use isoslice::model::{Placement, Source, SourceKind};
@@ -103,8 +103,7 @@ fn of<'a>(
 
 fn plate_of_three() -> (Plate, Settings, Settings) {
     let plain = settings(&PLAIN);
-    let mut more = settings(&PLAIN);
-    more.walls = 3;
+    let more = settings(&[&PLAIN[..], &["walls=3"]].concat());
     let all = [
         wanted("cylinder", CYLINDER, 2, &plain),
         wanted("box", BOX, 1, &more),
@@ -253,7 +252,7 @@ fn parts_take_turns_in_the_order_of_nearness() {
 #[test]
 fn ranges_and_threads_give_the_same_bytes() {
     let (mut plate, _, _) = plate_of_three();
-    plate.settings.skirt.loops = 2;
+    plate.settings = settings(&[&PLAIN[..], &["skirt.loops=2"]].concat());
     let body = |gcode: &str| {
         let from = gcode.find(";LAYER_CHANGE\n").unwrap();
         let to = gcode.find("; end of layers\n").unwrap();
@@ -343,10 +342,9 @@ fn hosts_can_leave_out_each_part() {
 
 #[test]
 fn the_skirt_goes_round_all_and_each_part_has_its_brim() {
-    let mut of_all = settings(&PLAIN);
-    of_all.skirt.loops = 1;
-    let mut with_brim = of_all.clone();
-    with_brim.brim.place = isoslice::settings::BrimPlace::Outer;
+    let loops = [&PLAIN[..], &["skirt.loops=1"]].concat();
+    let of_all = settings(&loops);
+    let with_brim = settings(&[&loops[..], &["brim.place=outer"]].concat());
     let all = [
         wanted("cylinder", CYLINDER, 2, &of_all),
         wanted("box", BOX, 1, &with_brim),
@@ -454,8 +452,10 @@ fn plate_files_say_what_where_and_how() {
     assert_eq!(file.parts.len(), 2);
     // What the command line sets wins over the file's settings, and those of a
     // part win over both.
-    let walls: Vec<u32> = file.parts.iter().map(|p| p.settings.walls).collect();
-    assert_eq!((file.settings.walls, walls), (4, vec![4, 2]));
+    let walls = |settings: &Settings| number(settings, "walls");
+    let of_parts = file.parts.iter().map(|p| walls(&p.settings));
+    let of_parts: Vec<f64> = of_parts.collect();
+    assert_eq!((walls(&file.settings), of_parts), (4.0, vec![4.0, 2.0]));
     assert_eq!(file.parts[0].defines, [("w".into(), "20".into())]);
     assert_eq!(file.parts[1].placement.rotate, [0.0, 0.0, 90.0]);
     assert_eq!(file.parts[1].at, Some((50.0, 60.5)));

@@ -12,7 +12,7 @@ mod common;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use common::slice;
+use common::{slice, text};
 use isoslice::pipeline::Summary;
 use std::collections::BTreeSet;
 
@@ -461,13 +461,10 @@ fn prusas_printers_get_the_pictures_of_their_screens() {
         let profiles = isoslice::settings::Profiles::default();
         builder.profile(&profiles, kind, printer).unwrap();
         let settings = builder.finish().unwrap().0;
-        let all = settings.gcode.thumbnails.all();
+        let all = text(&settings, "gcode.thumbnails");
         for size in sizes {
-            let is = |p: &&isoslice::settings::PictureSize| {
-                format!("{}x{}", p.pixels[0], p.pixels[1]) == *size
-                    && p.format == isoslice::settings::ImageFormat::Qoi
-            };
-            assert!(all.iter().any(|p| is(&p)), "{printer}: {size}");
+            let picture = format!("{size}/qoi");
+            assert!(all.contains(&picture), "{printer}: {size} in {all}");
         }
     }
 }

@@ -1,5 +1,5 @@
 //! `isoslice send` and `isoslice printers`, with a host that is as Moonraker is.
-//! What the clients do with hosts that misbehave is tested in src/hosts/tests.rs.
+//! What the clients do with hosts that misbehave is tested in src/cli/hosts/tests.rs.
 
 // A test that cannot go on should say so and stop.
 #![allow(clippy::unwrap_used)]

@@ -4,6 +4,7 @@
 
 mod common;
 
+use common::number;
 use glam::DVec3;
 use isoslice::pipeline::{self, Options};
 use isoslice::settings::Settings;
@@ -40,8 +41,12 @@ fn turns(
     let mut layers = gcode.split(";LAYER_CHANGE\n").skip(1 + first);
     let mut text: String = layers.by_ref().collect();
     text.truncate(text.find("; end of layers").unwrap());
-    let middle =
-        0.5 * DVec3::new(settings.printer.bed_x, settings.printer.bed_y, 0.0);
+    let middle = 0.5
+        * DVec3::new(
+            number(settings, "printer.bed_x"),
+            number(settings, "printer.bed_y"),
+            0.0,
+        );
     let (mut at, mut steps) = (DVec3::NAN, Vec::new());
     for line in text.lines().filter(|l| l.starts_with("G1")) {
         let from = at;

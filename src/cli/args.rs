@@ -11,9 +11,7 @@ use isoslice::model::{
     self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
 };
 use isoslice::plate::Wanted;
-use isoslice::settings::{
-    Builder, Infill, Origin, ProfileKind, Profiles, Settings,
-};
+use isoslice::settings::{Builder, Origin, ProfileKind, Profiles, Settings};
 use std::path::{Path, PathBuf};
 
 /// Name of a model that is given as a formula.
@@ -229,11 +227,7 @@ impl ModelArgs {
         }
         let loaded = model::load(&self.source()?, &self.defines)?;
         let placement = self.placement(settings);
-        let volume = BuildVolume {
-            x: settings.printer.bed_x,
-            y: settings.printer.bed_y,
-            z: settings.printer.height,
-        };
+        let volume = BuildVolume::of(settings);
         Ok(model::place(&loaded, &placement, volume)?)
     }
 
@@ -366,7 +360,7 @@ impl SettingsSource {
             builder.set(assignment)?;
         }
         let (settings, warnings) = builder.clone().finish()?;
-        if let Infill::Script(path) = &settings.infill {
+        if let Some(path) = settings.infill_script() {
             files.push(path.into());
         }
         Ok(Gathered {

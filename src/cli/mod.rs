@@ -9,6 +9,7 @@ mod check;
 mod closed;
 mod excerpt;
 mod formats;
+mod hosts;
 mod import;
 mod info;
 mod limits;

@@ -1,11 +1,11 @@
 //! `isoslice printers`: the printers that files are sent to.
 
 use super::args::ProfilesSource;
+use super::hosts::{self, HostKind, Key, Printer, PrinterBook, Status};
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand, ValueEnum};
 use isoslice::files;
-use isoslice::hosts::{self, HostKind, Key, Printer, PrinterBook, Status};
 use std::fmt::Write as _;
 use std::io::{IsTerminal, stdin};
 use std::path::PathBuf;

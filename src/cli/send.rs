@@ -1,11 +1,11 @@
 //! `isoslice send`: sends G-code to the program that runs a printer.
 
 use super::args::ProfilesSource;
+use super::hosts::{self, Printer, Sending, Sent};
 use super::{plain, printers, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use isoslice::hosts::{self, Printer, Sending, Sent};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};

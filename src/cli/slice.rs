@@ -2,6 +2,7 @@
 
 use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
 use super::formats::format_of;
+use super::hosts::Printer;
 use super::limits::{LimitArgs, watched};
 use super::output::{Output, is_stream, same_file};
 use super::plates::{self, PlateArgs};
@@ -9,13 +10,10 @@ use super::summary::{Sums, describe};
 use super::{plain, printers, send, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
-use isoslice::Format;
-use isoslice::hosts::Printer;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
 use isoslice::plate::{Part, Plate};
-use isoslice::settings::Flavour;
 use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -201,14 +199,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     }
 
     let mut of_print = summary.warnings.clone();
-    let flavour = settings.gcode.flavour;
-    if format == Format::Binary && flavour != Flavour::Prusa {
-        of_print.push(
-            "binary G-code is for Prusa's printers from the MINI and MK3.5 \
-             on, but gcode.flavour is not \"prusa\""
-                .into(),
-        );
-    }
+    of_print.extend(format.unusual_for(settings));
     terminal::warn(&of_print);
     let sums = Sums {
         model: &plate.name,

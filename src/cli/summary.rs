@@ -9,7 +9,7 @@ use isoslice::Stage;
 use isoslice::check::{Finding, Kind, Verdict};
 use isoslice::human_time;
 use isoslice::pipeline::{PartSummary, Summary};
-use isoslice::settings::{Settings, Supports};
+use isoslice::settings::Settings;
 use isoslice::{Hanging, RoleSum, Sum};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -31,7 +31,7 @@ pub(super) struct Sums<'a> {
 impl Sums<'_> {
     /// Price of the filament, if the price of a kilogram is set.
     fn cost(&self) -> Option<f64> {
-        let per_kg = self.settings.filament.cost;
+        let per_kg = self.settings.filament_cost();
         (per_kg > 0.0).then(|| self.summary.filament_mass_g * per_kg / 1000.0)
     }
 
@@ -295,7 +295,7 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
         Some(cost) => writeln!(
             text,
             ", {cost:.2} at {} per kg",
-            sums.settings.filament.cost
+            sums.settings.filament_cost()
         )?,
         None => writeln!(text)?,
     }
@@ -306,7 +306,7 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
         let sums = of.iter().filter_map(|role| summary.roles.get(role));
         let time: f64 = sums.map(|sum| sum.time_s).sum();
         // A raft is counted as supports are.
-        let any = settings.supports != Supports::Off;
+        let any = settings.has_supports();
         let (title, with) = match (summary.raft_layers, any) {
             (0, _) => ("supports    ", ""),
             (_, true) => ("supports    ", ", the raft included"),

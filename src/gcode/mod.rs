@@ -67,7 +67,7 @@ pub(crate) use thumbnail::Thumbnail;
 
 use crate::bead::Role;
 use crate::pace::PacedLayer;
-use crate::settings::{Comments, Settings};
+use crate::settings::{Comments, Flavour, Settings};
 use crate::units::{Celsius, Mm, Mm3, Seconds, filament_area};
 use filament::Filament;
 use glam::{DVec2, DVec3};
@@ -101,6 +101,18 @@ pub enum Format {
     Text,
     /// Binary G-code for Prusa's printers: the text, packed.
     Binary,
+}
+
+impl Format {
+    /// A warning if the printer of these settings may not read such a file.
+    pub fn unusual_for(self, settings: &Settings) -> Option<String> {
+        let prusa = settings.gcode.flavour == Flavour::Prusa;
+        (self == Format::Binary && !prusa).then(|| {
+            "binary G-code is for Prusa's printers from the MINI and MK3.5 \
+             on, but gcode.flavour is not \"prusa\""
+                .to_owned()
+        })
+    }
 }
 
 /// A part on the plate, for its label.

@@ -20,6 +20,7 @@
 use super::param::Parameter;
 use super::source::Loaded;
 use crate::limits::{self, Watched};
+use crate::settings::Settings;
 use fidget::context::Tree;
 use glam::{DMat3, DVec3};
 use isocontour::{
@@ -36,6 +37,18 @@ pub struct BuildVolume {
     pub y: f64,
     /// Height above the bed, mm.
     pub z: f64,
+}
+
+impl BuildVolume {
+    /// The space that the printer of these settings can reach.
+    pub fn of(settings: &Settings) -> BuildVolume {
+        let printer = &settings.printer;
+        BuildVolume {
+            x: printer.bed_x,
+            y: printer.bed_y,
+            z: printer.height,
+        }
+    }
 }
 
 /// How to place a model. The default rests it on the middle of the bed.

@@ -349,12 +349,7 @@ fn load_part(wanted: Wanted, count: u64) -> Result<Part, PlateError> {
         asked: asked.clone(),
         error: Box::new(e),
     })?;
-    let printer = &settings.printer;
-    let volume = BuildVolume {
-        x: printer.bed_x,
-        y: printer.bed_y,
-        z: printer.height,
-    };
+    let volume = BuildVolume::of(&settings);
     let placement = Placement {
         at: None,
         margin: settings.reach(),

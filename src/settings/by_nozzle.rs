@@ -8,7 +8,7 @@ use crate::units::{Mm, Percent};
 ///
 /// `auto` is usually a share, too, which each setting has of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum ByNozzle {
+pub(crate) enum ByNozzle {
     /// What usually suits the nozzle.
     #[default]
     Auto,
@@ -74,13 +74,6 @@ impl Value for ByNozzle {
             ByNozzle::Auto => "\"auto\"".to_owned(),
             ByNozzle::Length(length) => length.to_toml(),
             ByNozzle::Share(share) => format!("{}%", share.to_toml()).to_toml(),
-        }
-    }
-
-    fn number(&self) -> Option<f64> {
-        match self {
-            ByNozzle::Length(length) => Some(*length),
-            ByNozzle::Auto | ByNozzle::Share(_) => None,
         }
     }
 

@@ -3,9 +3,12 @@
 use super::by_nozzle::share_of;
 use super::{
     Acceleration, ByNozzle, Emit, Flavour, Infill, LayerHeights, Settings,
-    Varying, WallOffset, check,
+    Supports, Varying, WallOffset, check,
 };
-use crate::units::{Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec};
+use crate::units::{
+    Celsius, Degrees, Mm, MmPerSec, MmPerSec2, PerSec, PricePerKg,
+};
+use std::path::Path;
 
 /// Lengths that follow the nozzle, each with what `auto` stands for: a share of
 /// the nozzle's diameter, or another of these lengths.
@@ -234,6 +237,34 @@ impl Settings {
         self.printer.max_moves_per_second.unwrap_or(usual)
     }
 
+    /// Diameter of the filament.
+    pub fn filament_diameter(&self) -> Mm {
+        self.filament.diameter
+    }
+
+    /// Price of a kilogram of filament, or 0 if it is not known.
+    pub fn filament_cost(&self) -> PricePerKg {
+        self.filament.cost
+    }
+
+    /// The printer's name, as its maker writes it; empty if it is not known.
+    pub fn printer_model(&self) -> &str {
+        self.printer.model.trim()
+    }
+
+    /// The script that says where infill is, if infill is a script.
+    pub fn infill_script(&self) -> Option<&Path> {
+        match &self.infill {
+            Infill::Script(path) => Some(Path::new(path)),
+            Infill::Pattern(_) | Infill::Expression(_) => None,
+        }
+    }
+
+    /// True if the part gets supports where it needs them.
+    pub fn has_supports(&self) -> bool {
+        self.supports != Supports::Off
+    }
+
     /// True if curved paths are written as arcs.
     pub fn arcs(&self) -> bool {
         match self.gcode.arcs {
@@ -336,7 +367,7 @@ impl Settings {
 
 impl Acceleration {
     /// True if some beads have an acceleration of their own.
-    pub fn by_role(&self) -> bool {
+    pub(crate) fn by_role(&self) -> bool {
         [
             self.outer_wall,
             self.inner_wall,

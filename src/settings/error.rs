@@ -24,8 +24,6 @@ pub enum GivenIn {
     },
     /// As an assignment on the command line.
     Set,
-    /// In a program that uses the library.
-    Program,
 }
 
 impl fmt::Display for GivenIn {
@@ -35,7 +33,6 @@ impl fmt::Display for GivenIn {
                 write!(f, "{name}:{line}")
             }
             GivenIn::Set => f.write_str("--set"),
-            GivenIn::Program => f.write_str("settings"),
         }
     }
 }

@@ -8,7 +8,7 @@ use super::value::{
 /// Sparse infill. Settings keep expressions and scripts as text;
 /// [`crate::model`] knows what they mean.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Infill {
+pub(crate) enum Infill {
     /// A pattern by its name.
     Pattern(InfillPattern),
     /// A formula of x, y, z and d.
@@ -51,10 +51,6 @@ impl Value for Infill {
             Infill::Expression(text) => formula_to_toml(text),
             Infill::Script(path) => path.to_toml(),
         }
-    }
-
-    fn number(&self) -> Option<f64> {
-        None
     }
 
     fn kind(&self) -> Kind {

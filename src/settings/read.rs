@@ -181,7 +181,7 @@ impl Builder {
     /// The settings, and warnings about unwise combinations.
     ///
     /// # Errors
-    /// As [`Settings::validate`], with the places of the values.
+    /// The first setting that is at odds with another, and its place.
     pub fn finish(self) -> Result<(Settings, Vec<String>), SettingsError> {
         let mut warnings = self.renamed;
         warnings.extend(
@@ -209,29 +209,6 @@ impl Builder {
         }
         self.places.insert(key.name, place);
         Ok(())
-    }
-}
-
-impl Settings {
-    /// Checks every value's range, and that the values work together. Returns
-    /// warnings about combinations that are allowed but unwise.
-    ///
-    /// # Errors
-    /// The first value that is out of range or at odds with another.
-    pub fn validate(&self) -> Result<Vec<String>, SettingsError> {
-        for key in keys() {
-            let Some(number) = (key.field)(self).number() else {
-                continue;
-            };
-            if key.range.is_some_and(|range| !range.contains(number)) {
-                let raw = Raw::Float(number);
-                let place = GivenIn::Program;
-                return Err(refusal(Refused::Range, key, raw, place));
-            }
-        }
-        let nowhere = GivenPlaces::new();
-        check::conflicts(self, &nowhere)
-            .map_err(|conflict| conflict.into_error(&nowhere))
     }
 }
 

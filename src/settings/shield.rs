@@ -5,7 +5,7 @@ use crate::units::Mm;
 
 /// A wall around the print that keeps draughts off.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DraftShield {
+pub(crate) enum DraftShield {
     /// None.
     Off,
     /// As high as the print.
@@ -16,7 +16,7 @@ pub enum DraftShield {
 
 impl DraftShield {
     /// Up to which height above the bed there is one, mm; 0 for none.
-    pub fn height(self) -> Mm {
+    pub(crate) fn height(self) -> Mm {
         match self {
             DraftShield::Off => 0.0,
             DraftShield::Full => f64::INFINITY,
@@ -48,13 +48,6 @@ impl Value for DraftShield {
             DraftShield::Off => "\"off\"".to_owned(),
             DraftShield::Full => "\"full\"".to_owned(),
             DraftShield::UpTo(height) => height.to_toml(),
-        }
-    }
-
-    fn number(&self) -> Option<f64> {
-        match self {
-            DraftShield::UpTo(height) => Some(*height),
-            _ => None,
         }
     }
 

@@ -16,7 +16,7 @@ pub(super) const EXPECTED: &str = "sizes in pixels, width x height, and \
 
 /// The format of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ImageFormat {
+pub(crate) enum ImageFormat {
     /// PNG, which hosts and web pages show.
     #[default]
     Png,
@@ -28,7 +28,7 @@ pub enum ImageFormat {
 
 impl ImageFormat {
     /// The format's name in settings and in files.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             ImageFormat::Png => "PNG",
             ImageFormat::Jpg => "JPG",
@@ -49,7 +49,7 @@ impl ImageFormat {
 
 /// A picture that a file is to have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PictureSize {
+pub(crate) struct PictureSize {
     /// Width and height, pixels.
     pub pixels: [u32; 2],
     /// The picture's format.
@@ -58,7 +58,7 @@ pub struct PictureSize {
 
 /// Sizes and formats of pictures.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Sizes(Vec<PictureSize>);
+pub(crate) struct Sizes(Vec<PictureSize>);
 
 impl Sizes {
     /// The sizes that most hosts show.
@@ -71,7 +71,7 @@ impl Sizes {
     }
 
     /// The pictures, in the order given.
-    pub fn all(&self) -> &[PictureSize] {
+    pub(crate) fn all(&self) -> &[PictureSize] {
         &self.0
     }
 
@@ -120,10 +120,6 @@ impl Value for Sizes {
             }
         });
         format!("\"{}\"", sizes.collect::<Vec<_>>().join(", "))
-    }
-
-    fn number(&self) -> Option<f64> {
-        None
     }
 
     fn kind(&self) -> Kind {

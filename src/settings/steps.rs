@@ -58,7 +58,7 @@ impl Of {
 
 /// Values at some shares above 0 to 100 %, and evenly between them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Steps {
+pub(crate) struct Steps {
     of: Of,
     steps: Vec<(Percent, At)>,
 }
@@ -80,13 +80,13 @@ impl Steps {
     }
 
     /// True if there are no steps.
-    pub fn is_off(&self) -> bool {
+    pub(crate) fn is_off(&self) -> bool {
         self.steps.is_empty()
     }
 
     /// The value at a share; `own` is what it is without steps, and at 0 %. From
     /// the last step on it stays as it is.
-    pub fn at(&self, share: Percent, own: f64) -> f64 {
+    pub(crate) fn at(&self, share: Percent, own: f64) -> f64 {
         let value = |at: At| match at {
             At::Value(value) => value,
             At::OfOwn(share) => 0.01 * share * own,
@@ -164,10 +164,6 @@ impl Value for Steps {
             }
         });
         format!("\"{}\"", steps.collect::<Vec<_>>().join(", "))
-    }
-
-    fn number(&self) -> Option<f64> {
-        None
     }
 
     fn kind(&self) -> Kind {

@@ -384,11 +384,11 @@ macro_rules! settings {
             $($(
                 $(#[doc = $doc])+
                 #[doc = concat!("\n\nDefault: `", stringify!($default), "`.")]
-                pub $field: $ty $(<$inner>)?,
+                pub(crate) $field: $ty $(<$inner>)?,
             )+)+
             $(
                 $(#[doc = $group_doc])+
-                pub $group: $group_ty,
+                pub(crate) $group: $group_ty,
             )+
         }
         impl Default for $root {
@@ -402,13 +402,13 @@ macro_rules! settings {
         $(
             $(#[doc = $group_doc])+
             #[derive(Clone, Debug, PartialEq)]
-            pub struct $group_ty {
+            pub(crate) struct $group_ty {
                 $(
                     $(#[doc = $gdoc])+
                     #[doc = concat!(
                         "\n\nDefault: `", stringify!($gdefault), "`."
                     )]
-                    pub $gfield: $gty $(<$ginner>)?,
+                    pub(crate) $gfield: $gty $(<$ginner>)?,
                 )+
             }
             impl Default for $group_ty {

@@ -105,8 +105,6 @@ pub(super) trait Value {
     -> Result<(), Refused>;
     /// The value as TOML that `assign` reads back as the same value.
     fn to_toml(&self) -> String;
-    /// The value as a number, if it is one.
-    fn number(&self) -> Option<f64>;
     fn kind(&self) -> Kind;
 }
 
@@ -143,10 +141,6 @@ impl Value for f64 {
         }
     }
 
-    fn number(&self) -> Option<f64> {
-        Some(*self)
-    }
-
     fn kind(&self) -> Kind {
         Kind::Number
     }
@@ -170,7 +164,7 @@ fn in_range(value: f64, measure: Measure) -> Result<f64, Refused> {
 ///
 /// Settings keep an expression as text; [`crate::model`] knows what it means.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Varying<T = f64> {
+pub(crate) enum Varying<T = f64> {
     /// One value everywhere.
     Constant(T),
     /// A formula of x, y, z and d.
@@ -193,10 +187,10 @@ pub(super) fn formula_to_toml(text: &str) -> String {
 
 impl Varying {
     /// The beginning of an expression, which tells it from other text.
-    pub const PREFIX: &str = "expr:";
+    pub(crate) const PREFIX: &str = "expr:";
 
     /// The number, if it is the same everywhere.
-    pub fn constant(&self) -> Option<f64> {
+    pub(crate) fn constant(&self) -> Option<f64> {
         match self {
             Varying::Constant(value) => Some(*value),
             Varying::Expression(_) => None,
@@ -204,14 +198,14 @@ impl Varying {
     }
 
     /// True if it is this number everywhere.
-    pub fn is(&self, value: f64) -> bool {
+    pub(crate) fn is(&self, value: f64) -> bool {
         self.constant() == Some(value)
     }
 }
 
 impl<T> Varying<T> {
     /// The formula, if there is one.
-    pub fn expression(&self) -> Option<&str> {
+    pub(crate) fn expression(&self) -> Option<&str> {
         match self {
             Varying::Constant(_) => None,
             Varying::Expression(text) => Some(text),
@@ -249,13 +243,6 @@ impl<T: Value + Default> Value for Varying<T> {
         }
     }
 
-    fn number(&self) -> Option<f64> {
-        match self {
-            Varying::Constant(value) => value.number(),
-            Varying::Expression(_) => None,
-        }
-    }
-
     fn kind(&self) -> Kind {
         match T::default().kind() {
             Kind::Word(words) => Kind::WordOrFormula(words),
@@ -285,10 +272,6 @@ impl Value for u32 {
 
     fn to_toml(&self) -> String {
         self.to_string()
-    }
-
-    fn number(&self) -> Option<f64> {
-        Some(f64::from(*self))
     }
 
     fn kind(&self) -> Kind {
@@ -323,10 +306,6 @@ macro_rules! or_auto {
                 )
             }
 
-            fn number(&self) -> Option<f64> {
-                self.and_then(|value| value.number())
-            }
-
             fn kind(&self) -> Kind {
                 Kind::$kind
             }
@@ -350,10 +329,6 @@ impl Value for bool {
 
     fn to_toml(&self) -> String {
         self.to_string()
-    }
-
-    fn number(&self) -> Option<f64> {
-        None
     }
 
     fn kind(&self) -> Kind {
@@ -393,10 +368,6 @@ impl Value for String {
         text + quotes
     }
 
-    fn number(&self) -> Option<f64> {
-        None
-    }
-
     fn kind(&self) -> Kind {
         Kind::Text
     }
@@ -412,7 +383,7 @@ macro_rules! words {
     ) => {
         $(#[doc = $doc])+
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $name {
+        pub(crate) enum $name {
             $($(#[doc = $variant_doc])+ $variant,)+
         }
 
@@ -424,10 +395,10 @@ macro_rules! words {
 
         impl $name {
             /// Every value, in the order of the documentation.
-            pub const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
+            pub(crate) const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
 
             /// The value's word in files and assignments.
-            pub fn word(self) -> &'static str {
+            pub(crate) fn word(self) -> &'static str {
                 match self {
                     $(Self::$variant => $word,)+
                 }
@@ -452,10 +423,6 @@ macro_rules! words {
                 format!("\"{}\"", self.word())
             }
 
-            fn number(&self) -> Option<f64> {
-                None
-            }
-
             fn kind(&self) -> $crate::settings::value::Kind {
                 $crate::settings::value::Kind::Word(&[$($word),+])
             }
@@ -463,3 +430,18 @@ macro_rules! words {
     };
 }
 pub(super) use words;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floats_are_printed_exactly() {
+        for exact in [0.1 + 0.2, 1.0 / 3.0, 5e-324, 1e-7, 123456.789, 1e300] {
+            let text = exact.to_toml();
+            assert_eq!(text.parse(), Ok(exact));
+            let table: Result<toml::Table, _> = format!("x = {text}").parse();
+            assert!(table.is_ok(), "{text} is not TOML");
+        }
+    }
+}

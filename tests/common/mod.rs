@@ -18,7 +18,7 @@ use isoslice::model::{
     BuildVolume, Model, Placement, Source, SourceKind, load, place,
 };
 use isoslice::pipeline::{self, Options, Summary};
-use isoslice::settings::{Builder, Settings};
+use isoslice::settings::{Builder, Settings, keys};
 use std::path::Path;
 
 /// Cross-section of a filament.
@@ -37,6 +37,20 @@ pub fn settings(assignments: &[&str]) -> Settings {
     builder.finish().unwrap().0
 }
 
+/// The value of a setting that is a number.
+#[track_caller]
+pub fn number(settings: &Settings, name: &str) -> f64 {
+    let value = text(settings, name);
+    value.parse().unwrap_or_else(|_| panic!("{name} = {value}"))
+}
+
+/// The value of a setting, as TOML.
+#[track_caller]
+pub fn text(settings: &Settings, name: &str) -> String {
+    let key = keys().iter().find(|key| key.name == name);
+    key.unwrap_or_else(|| panic!("no {name}")).get(settings)
+}
+
 /// The model that a text describes, placed on the bed.
 pub fn model(
     kind: SourceKind,
@@ -50,11 +64,7 @@ pub fn model(
         kind,
         text: text.into(),
     };
-    let volume = BuildVolume {
-        x: settings.printer.bed_x,
-        y: settings.printer.bed_y,
-        z: settings.printer.height,
-    };
+    let volume = BuildVolume::of(settings);
     let placement = Placement {
         margin: settings.reach(),
         ..*placement
@@ -111,10 +121,11 @@ pub fn layers(
         max: model.bounds.max.truncate(),
     };
     let field =
-        Field::new(&model.tree, 0.0, rect, settings.sample_spacing).unwrap();
+        Field::new(&model.tree, 0.0, rect, number(settings, "sample_spacing"))
+            .unwrap();
     let detail = Detail {
         // What the program leaves to outlines.
-        accuracy: 0.7 * settings.accuracy,
+        accuracy: 0.7 * number(settings, "accuracy"),
         smallest: 0.25 * settings.outer_wall_width(),
     };
     let found = spans

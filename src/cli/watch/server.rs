@@ -8,10 +8,10 @@
 use super::guard::Guard;
 use super::session::{Look, Print, Sending, Session, State};
 use super::work::{Job, draw_within, name_of, picture_watch};
+use crate::cli::hosts;
 use crate::cli::send::outcome;
 use crate::cli::{plain, printers};
 use anyhow::bail;
-use isoslice::hosts;
 use isoslice::limits::Watch;
 use isoslice::preview::{View, live_html};
 use isoslice::settings::{ProfileKind, Profiles};

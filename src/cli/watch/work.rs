@@ -131,7 +131,7 @@ fn make(
     let (gcode, summary) = slice(session, job, &gathered, &shown.model)?;
     let name = name_of(job);
     let reader = BufReader::new(gcode.read());
-    let diameter = settings.filament.diameter;
+    let diameter = settings.filament_diameter();
     let reader = Reader::new(reader).filament_diameter(diameter);
     let path = doing("reading", || Toolpath::read(reader))?;
     let moves = live_moves(&path, &name)?;
@@ -152,7 +152,7 @@ fn make(
             moves: moves.into(),
             gcode,
             file,
-            printer_model: settings.printer.model.trim().to_owned(),
+            printer_model: settings.printer_model().to_owned(),
         }));
     });
     Ok(())

@@ -29,8 +29,8 @@ mod prusalink;
 #[cfg(test)]
 mod tests;
 
-pub use book::{BookError, Key, Printer, PrinterBook};
-pub use error::HostError;
+pub(crate) use book::{Key, Printer, PrinterBook};
+pub(crate) use error::HostError;
 
 use client::Client;
 use serde::{Deserialize, Serialize};
@@ -41,7 +41,7 @@ use std::path::Path;
 /// The program that runs a printer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum HostKind {
+pub(crate) enum HostKind {
     /// OctoPrint's REST interface, <https://docs.octoprint.org/en/master/api/>.
     OctoPrint,
     /// Moonraker, in front of Klipper, <https://moonraker.readthedocs.io>.
@@ -52,12 +52,8 @@ pub enum HostKind {
 }
 
 impl HostKind {
-    /// All kinds.
-    pub const ALL: [HostKind; 3] =
-        [Self::OctoPrint, Self::Moonraker, Self::PrusaLink];
-
     /// The program's own name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::OctoPrint => "OctoPrint",
             Self::Moonraker => "Moonraker",
@@ -68,7 +64,7 @@ impl HostKind {
 
 /// What a host says of itself.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Status {
+pub(crate) struct Status {
     /// The program, with its version.
     pub program: String,
     /// What the printer is doing, in the host's words.
@@ -81,7 +77,7 @@ pub struct Status {
 
 /// What became of a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sent {
+pub(crate) struct Sent {
     /// The file's name on the host.
     pub name: String,
     /// Whether the host has begun to print it.
@@ -89,7 +85,7 @@ pub struct Sent {
 }
 
 /// How a file is sent.
-pub struct Sending<'a> {
+pub(crate) struct Sending<'a> {
     /// Name that the file is to have; letters that hosts may not take become
     /// underscores.
     pub name: &'a str,
@@ -148,7 +144,7 @@ fn host(printer: &Printer) -> Box<dyn Host> {
 ///
 /// # Errors
 /// If the host does not answer, is another program, or refuses the key.
-pub fn status(printer: &Printer) -> Result<Status, HostError> {
+pub(crate) fn status(printer: &Printer) -> Result<Status, HostError> {
     host(printer).status(&Client::new(printer)?)
 }
 
@@ -158,7 +154,7 @@ pub fn status(printer: &Printer) -> Result<Status, HostError> {
 /// If the file cannot be read or sent, or, when it is to be printed, the
 /// printer is busy. Nothing is started then, unless it is
 /// [`HostError::Unsure`].
-pub fn send(
+pub(crate) fn send(
     printer: &Printer,
     path: &Path,
     sending: &Sending<'_>,
@@ -176,7 +172,7 @@ pub fn send(
 ///
 /// # Errors
 /// As [`send`].
-pub fn send_from(
+pub(crate) fn send_from(
     printer: &Printer,
     source: &mut dyn Read,
     length: u64,

@@ -8,6 +8,12 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
+const ALL: [HostKind; 3] = [
+    HostKind::OctoPrint,
+    HostKind::Moonraker,
+    HostKind::PrusaLink,
+];
+
 const SECRET: &str = "S3CRET-key";
 
 /// A request that a host got.
@@ -185,7 +191,7 @@ fn is_upload(asked: &Asked) -> bool {
 
 #[test]
 fn a_file_arrives_whole_and_is_started_last() {
-    for kind in HostKind::ALL {
+    for kind in ALL {
         let (printer, log) = odd_host(kind, |_| None);
         let sent = try_to_send(&printer, true).unwrap();
         assert!(sent.started, "{kind:?}");
@@ -223,7 +229,7 @@ fn a_form_is_what_servers_expect() {
 
 #[test]
 fn a_wrong_key_is_said_and_not_shown() {
-    for kind in HostKind::ALL {
+    for kind in ALL {
         for code in [401, 403] {
             let (printer, _) =
                 odd_host(kind, move |_| Some((code, json!({"error": SECRET}))));
@@ -296,7 +302,7 @@ fn nothing_is_sent_to_a_full_or_busy_host() {
 
 #[test]
 fn what_arrives_in_part_is_not_started() {
-    for kind in HostKind::ALL {
+    for kind in ALL {
         let (url, log) = serve(move |asked| {
             let answer = good(kind, asked, GCODE.len() as u64 - 1);
             (answer.0, answer.1.to_string())
@@ -354,7 +360,7 @@ fn strangers_are_told_from_hosts() {
     ] {
         let answer = answer.to_owned();
         let (url, _) = serve(move |_| (200, answer.clone()));
-        for kind in HostKind::ALL {
+        for kind in ALL {
             let error = status(&printer(kind, &url)).unwrap_err();
             assert!(matches!(error, HostError::Stranger { .. }), "{error}");
             assert!(error.to_string().len() < 800);
@@ -479,7 +485,10 @@ fn the_file_of_printers_is_private_and_keeps_what_it_is_told() {
     book.add(known.clone()).unwrap();
     let mut other = known.clone();
     other.name = "no name".into();
-    assert!(matches!(book.add(other), Err(BookError::Name(_))));
+    assert!(matches!(
+        book.add(other),
+        Err(super::book::BookError::Name(_))
+    ));
     let again = PrinterBook::open(folder.path()).unwrap();
     assert_eq!(again.find("workshop").unwrap(), &known);
     assert!(!again.is_open_to_others());

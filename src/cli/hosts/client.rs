@@ -49,7 +49,7 @@ impl Client {
                 file: file.display().to_string(),
                 why,
             };
-            let pem = crate::files::read(file, 1 << 20)
+            let pem = isoslice::files::read(file, 1 << 20)
                 .map_err(|error| why(error.to_string()))?;
             let certificates: Vec<Certificate<'static>> = parse_pem(&pem)
                 .filter_map(|item| match item {

@@ -12,7 +12,7 @@
 
 use super::address::address;
 use super::{HostError, HostKind};
-use crate::files::{FileError, read_text};
+use isoslice::files::{FileError, read_text};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -28,11 +28,11 @@ const NAME: &str = "printers.toml";
 /// A key, which is shown to nobody.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Key(String);
+pub(crate) struct Key(String);
 
 impl Key {
     /// A key from its text. Spaces around it are left out.
-    pub fn new(text: &str) -> Key {
+    pub(crate) fn new(text: &str) -> Key {
         Key(text.trim().to_owned())
     }
 }
@@ -46,7 +46,7 @@ impl fmt::Debug for Key {
 /// A printer, and how to reach the program that runs it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Printer {
+pub(crate) struct Printer {
     /// Name in the file.
     #[serde(skip)]
     pub name: String,
@@ -101,7 +101,7 @@ impl Printer {
 /// Why the file of printers cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum BookError {
+pub(crate) enum BookError {
     /// It cannot be read.
     #[error("cannot read {}", .0.display())]
     Read(PathBuf, #[source] FileError),
@@ -139,7 +139,7 @@ pub enum BookError {
 
 /// All printers of the user's.
 #[derive(Clone, Debug)]
-pub struct PrinterBook {
+pub(crate) struct PrinterBook {
     path: PathBuf,
     printers: BTreeMap<String, Printer>,
 }
@@ -149,7 +149,7 @@ impl PrinterBook {
     ///
     /// # Errors
     /// If the file cannot be read or understood.
-    pub fn open(folder: &Path) -> Result<PrinterBook, BookError> {
+    pub(crate) fn open(folder: &Path) -> Result<PrinterBook, BookError> {
         let path = folder.join(NAME);
         let text = match read_text(&path, LARGEST) {
             Ok(text) => text,
@@ -179,7 +179,7 @@ impl PrinterBook {
     }
 
     /// Whether others may read the file's keys.
-    pub fn is_open_to_others(&self) -> bool {
+    pub(crate) fn is_open_to_others(&self) -> bool {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
@@ -191,12 +191,12 @@ impl PrinterBook {
     }
 
     /// The file.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// All printers, by name.
-    pub fn printers(&self) -> impl Iterator<Item = &Printer> {
+    pub(crate) fn printers(&self) -> impl Iterator<Item = &Printer> {
         self.printers.values()
     }
 
@@ -204,7 +204,7 @@ impl PrinterBook {
     ///
     /// # Errors
     /// If there is none.
-    pub fn find(&self, name: &str) -> Result<&Printer, BookError> {
+    pub(crate) fn find(&self, name: &str) -> Result<&Printer, BookError> {
         self.printers.get(name).ok_or_else(|| self.unknown(name))
     }
 
@@ -219,7 +219,7 @@ impl PrinterBook {
     ///
     /// # Errors
     /// If its name or address cannot be, or the file cannot be written.
-    pub fn add(&mut self, printer: Printer) -> Result<(), BookError> {
+    pub(crate) fn add(&mut self, printer: Printer) -> Result<(), BookError> {
         let letter = |c: char| c.is_alphanumeric() || c == '-' || c == '_';
         let name = &printer.name;
         if name.is_empty() || name.len() > 64 || !name.chars().all(letter) {
@@ -234,7 +234,7 @@ impl PrinterBook {
     ///
     /// # Errors
     /// If there is none of this name, or the file cannot be written.
-    pub fn remove(&mut self, name: &str) -> Result<(), BookError> {
+    pub(crate) fn remove(&mut self, name: &str) -> Result<(), BookError> {
         if self.printers.remove(name).is_none() {
             return Err(self.unknown(name));
         }

@@ -6,7 +6,7 @@ use std::io;
 /// key in it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum HostError {
+pub(crate) enum HostError {
     /// The printer's address is none.
     #[error(
         "{url} is no address of a printer: {why}; write it as in \
