@@ -198,6 +198,7 @@ mod walls;
 
 pub use bgcode::Unpacked;
 pub use gcode::{Format, TemplateError};
+pub use gcode::{JoinError, Joined, Ranges};
 pub use gcode::{try_templates, understands_placeholder};
 pub use hang::{Hanging, Kind, Place, Sum};
 pub use model::{Model, load, place};

@@ -11,6 +11,7 @@ mod excerpt;
 mod formats;
 mod import;
 mod info;
+mod join;
 mod limits;
 mod manual;
 mod memory;
@@ -85,6 +86,8 @@ pub(crate) struct Cli {
 enum Command {
     /// Slice a model to G-code
     Slice(Box<slice::SliceArgs>),
+    /// Join the files of ranges of layers to that of a single run
+    Join(join::JoinArgs),
     /// Make a page that shows G-code, or a model sliced, in 3D
     Preview(Box<preview::PreviewArgs>),
     /// Serve a page that shows a model while it is edited, sliced
@@ -119,6 +122,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     signals::end_cleanly_when_asked()?;
     match cli.command {
         Command::Slice(args) => slice::run(&args),
+        Command::Join(args) => join::run(&args),
         Command::Preview(args) => preview::run(&args),
         Command::Watch(args) => watch::run(*args),
         Command::Check(args) => check::run(&args),
