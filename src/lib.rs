@@ -203,6 +203,7 @@ pub use gcode::{try_templates, understands_placeholder};
 pub use hang::{Hanging, Kind, Place, Sum};
 pub use model::{Model, load, place};
 pub use pipeline::{Options, SliceError, Summary, slice, slice_plate};
+pub use pipeline::{Share, split};
 pub use pipeline::{Survey, survey};
 pub use plate::Plate;
 pub use reader::Reader;

@@ -30,6 +30,7 @@ mod settings;
 #[cfg(unix)]
 mod signals;
 mod slice;
+mod split;
 mod summary;
 pub(crate) mod terminal;
 mod watch;
@@ -86,6 +87,8 @@ pub(crate) struct Cli {
 enum Command {
     /// Slice a model to G-code
     Slice(Box<slice::SliceArgs>),
+    /// Divide a part's layers into ranges of about equal cost, to slice apart
+    Split(Box<split::SplitArgs>),
     /// Join the files of ranges of layers to that of a single run
     Join(join::JoinArgs),
     /// Make a page that shows G-code, or a model sliced, in 3D
@@ -122,6 +125,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     signals::end_cleanly_when_asked()?;
     match cli.command {
         Command::Slice(args) => slice::run(&args),
+        Command::Split(args) => split::run(&args),
         Command::Join(args) => join::run(&args),
         Command::Preview(args) => preview::run(&args),
         Command::Watch(args) => watch::run(*args),

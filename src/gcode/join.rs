@@ -51,17 +51,11 @@ pub enum JoinError {
     /// A file does not end as one of a range.
     #[error(
         "{} does not end as the file of a range of layers: it is cut off, was \
-         changed, or is of something else; slice its layers again, with \
+         changed, or has a whole part; slice its layers again, with \
          `isoslice slice --layers A..B`",
         .0.display()
     )]
     NoRange(PathBuf),
-    /// A file holds all layers.
-    #[error(
-        "{} has all layers of its part already: there is nothing to join",
-        .0.display()
-    )]
-    Whole(PathBuf),
     /// A file was changed.
     #[error(
         "{} was changed after it was written: its text and its checksum do not \

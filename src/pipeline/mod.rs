@@ -30,6 +30,7 @@
 //! | `part` | what is done in order for each part |
 //! | `hanging` | follows what hangs, also without laying a bead |
 //! | `exit` | what is done in order for all parts |
+//! | `split` | divides layers into ranges of about equal cost |
 //! | `fingerprint` | what files of ranges of one print have in common |
 //! | `tally` | counts over all layers, and warnings that follow from them |
 
@@ -42,6 +43,7 @@ mod layer;
 mod part;
 mod raft;
 mod sound;
+mod split;
 mod stages;
 mod supply;
 mod supported;
@@ -80,6 +82,7 @@ pub use hanging::{Survey, survey};
 use isocontour::{ExpandError, SLAB};
 use part::{PartDone, PartExit};
 use rayon::ThreadPool;
+pub use split::{Share, split};
 use stages::Stages;
 use std::collections::BTreeMap;
 use std::io;
