@@ -197,10 +197,12 @@ mod walls;
 
 pub use bgcode::Unpacked;
 pub use gcode::{Format, TemplateError};
+pub use gcode::{JoinError, Joined, Ranges};
 pub use gcode::{try_templates, understands_placeholder};
 pub use hang::{Hanging, Kind, Place, Sum};
 pub use model::{Model, load, place};
 pub use pipeline::{Options, SliceError, Summary, slice, slice_plate};
+pub use pipeline::{Share, split};
 pub use pipeline::{Survey, survey};
 pub use plate::Plate;
 pub use reader::Reader;

@@ -1,4 +1,5 @@
-//! A part sliced in ranges of layers is the part sliced in one run.
+//! A part sliced in ranges of layers is the part sliced in one run, layer for
+//! layer; and joined, byte for byte. `tests/join.rs` has what is refused.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
 
@@ -22,6 +23,7 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
     let (whole, summary) = slice_layers(model, settings, "..", 1);
     let count = summary.layer_count;
     let mut joined = String::new();
+    let mut files = Vec::new();
     let (mut time, mut filament) = (0.0, 0.0);
     let mut from = 0;
     for (k, &to) in cuts.iter().chain([&count]).enumerate() {
@@ -33,11 +35,19 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
             part.contains(&format!("; total layers count = {}", to - from))
         );
         joined.push_str(body(&part));
+        files.push(part);
         time += of_part.time;
         filament += of_part.filament_length;
         from = to;
     }
-    let whole = body(&whole);
+    assert!(
+        common::join(&files).unwrap() == whole.as_bytes(),
+        "{cuts:?}: the joined file is not that of a single run"
+    );
+    // Only a whole part's file tells how far it has come.
+    let tells = |line: &&str| line.starts_with("M73 ");
+    let lines = body(&whole).split_inclusive('\n');
+    let whole: String = lines.filter(|line| !tells(line)).collect();
     let differs = whole.lines().zip(joined.lines()).position(|(a, b)| a != b);
     assert_eq!(differs, None, "lines of {cuts:?} that are not the same");
     assert_eq!(whole.len(), joined.len(), "{cuts:?}");
@@ -52,13 +62,8 @@ fn assert_same_in_ranges(model: &Model, settings: &Settings, cuts: &[usize]) {
 }
 
 /// Coarse enough to be quick, with several slabs of layers.
-/// Only a whole part's file can tell how far it has come.
-const COARSE: [&str; 4] = [
-    "sample_spacing=0.6",
-    "accuracy=0.1",
-    "retract.z_hop=0.3",
-    "gcode.progress=off",
-];
+const COARSE: [&str; 3] =
+    ["sample_spacing=0.6", "accuracy=0.1", "retract.z_hop=0.3"];
 
 fn check_example(name: &str, layer_height: &str, cuts: &[usize]) {
     let examples = common::examples();
@@ -78,7 +83,7 @@ fn a_blend_with_holes() {
 #[test]
 fn a_prism_whose_layers_are_all_alike() {
     // Heights above the bed are rounded differently from layer to layer.
-    let settings = common::settings(&["gcode.progress=off"]);
+    let settings = common::settings(&[]);
     let text = "max(sqrt(x*x + y*y) - 3, max(-z, z - 40))";
     let model = common::formula(text, &settings);
     assert_same_in_ranges(&model, &settings, &[140]);
@@ -91,11 +96,7 @@ fn a_twist() {
 
 #[test]
 fn a_spiral() {
-    let settings = common::settings(&[
-        "spiral=true",
-        "accuracy=0.05",
-        "gcode.progress=off",
-    ]);
+    let settings = common::settings(&["spiral=true", "accuracy=0.05"]);
     let part = "max(sqrt(x^2 + y^2) - 8 - sin(0.2*z), max(-z, z - 30))";
     let model = common::formula(part, &settings);
     assert_same_in_ranges(&model, &settings, &[2, 40, 128, 131]);
@@ -103,7 +104,7 @@ fn a_spiral() {
 
 #[test]
 fn a_surface_without_steps() {
-    let settings = common::settings(&["contour_z=100", "gcode.progress=off"]);
+    let settings = common::settings(&["contour_z=100"]);
     let part = "max(sqrt(x^2 + y^2) - 8, abs(z - 14) - 14 - 0.5*sin(x))";
     let model = common::formula(part, &settings);
     assert_same_in_ranges(&model, &settings, &[2, 40, 139]);
@@ -115,7 +116,6 @@ fn internal_bridges() {
         "internal_bridges=true",
         "sample_spacing=0.3",
         "accuracy=0.05",
-        "gcode.progress=off",
     ]);
     // Stairs. One of the layers with internal bridges is the first of the
     // second block of layers, and lies on infill of the first block.

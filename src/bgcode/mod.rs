@@ -27,8 +27,8 @@ mod pack;
 mod unpack;
 
 pub(crate) use pack::{About, Key, Packer};
-pub(crate) use unpack::Damaged;
 pub use unpack::Unpacked;
+pub(crate) use unpack::{Damaged, pictures};
 
 use crate::settings::ImageFormat;
 

@@ -5,7 +5,10 @@
 //! unchanged. Everything is checked before it is used, and no block may be
 //! larger than [`LARGEST`].
 
-use super::{BLOCK, Compression, Kind, MAGIC, VERSION, heatshrink, meatpack};
+use super::{
+    BLOCK, Compression, Kind, MAGIC, VERSION, heatshrink, meatpack, number_of,
+};
+use crate::settings::{ImageFormat, PictureSize};
 use flate2::read::ZlibDecoder;
 use std::io::{self, Read};
 
@@ -64,6 +67,19 @@ pub struct Unpacked<R> {
     unpacked: u64,
     /// Number of lines before the text.
     preface: u64,
+    /// What is made of the blocks before the text.
+    of_blocks: OfBlocks,
+}
+
+/// What is made of blocks that are not text.
+#[derive(Debug)]
+enum OfBlocks {
+    /// Comments of what the file says about itself.
+    Comments,
+    /// Nothing.
+    Nothing,
+    /// Pictures are kept.
+    Pictures(Vec<(PictureSize, Vec<u8>)>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +101,15 @@ impl<R: Read> Unpacked<R> {
             packed: 0,
             unpacked: 0,
             preface: 0,
+            of_blocks: OfBlocks::Comments,
+        }
+    }
+
+    /// Reads the text alone, without what the file says about itself.
+    pub(crate) fn text_of(input: R) -> Self {
+        Unpacked {
+            of_blocks: OfBlocks::Nothing,
+            ..Unpacked::new(input)
         }
     }
 
@@ -171,8 +196,19 @@ impl<R: Read> Unpacked<R> {
             &[low, high, ..] => u16::from_le_bytes([low, high]),
             _ => u16::MAX,
         };
+        if let (OfBlocks::Pictures(all), Kind::Thumbnail) =
+            (&mut self.of_blocks, kind)
+        {
+            let file = bytes[start..].to_vec();
+            all.push((
+                picture_size(&bytes[start - kind.parameters()..start])
+                    .ok_or(format("its picture has an unknown format"))?,
+                file,
+            ));
+        }
         // Pictures are for screens, and nobody reads keys behind the text.
-        if kind == Kind::Thumbnail || (kind != Kind::Gcode && has_text) {
+        let keys = matches!(self.of_blocks, OfBlocks::Comments) && !has_text;
+        if kind == Kind::Thumbnail || (kind != Kind::Gcode && !keys) {
             return Ok(true);
         }
         let text = decompressed(&bytes[start..], compression, whole as usize)
@@ -248,6 +284,40 @@ impl<R: Read> Read for Unpacked<R> {
             }
         }
     }
+}
+
+/// The pictures of binary G-code. What comes behind the first piece of its text
+/// is not read.
+///
+/// # Errors
+/// If the file is damaged, or is none.
+pub(crate) fn pictures(
+    input: &mut impl Read,
+) -> io::Result<Vec<(PictureSize, Vec<u8>)>> {
+    let mut file = Unpacked {
+        of_blocks: OfBlocks::Pictures(Vec::new()),
+        ..Unpacked::new(input)
+    };
+    let mut first = [0];
+    file.read_exact(&mut first)?;
+    match file.of_blocks {
+        OfBlocks::Pictures(all) => Ok(all),
+        OfBlocks::Comments | OfBlocks::Nothing => Ok(Vec::new()),
+    }
+}
+
+/// Reads what a block says of its picture.
+fn picture_size(parameters: &[u8]) -> Option<PictureSize> {
+    let words = parameters.chunks_exact(2);
+    let words = words.map(|w| u16::from_le_bytes([w[0], w[1]]));
+    let &[format, width, height] = words.collect::<Vec<_>>().as_slice() else {
+        return None;
+    };
+    let all = [ImageFormat::Png, ImageFormat::Jpg, ImageFormat::Qoi];
+    Some(PictureSize {
+        pixels: [width.into(), height.into()],
+        format: all.into_iter().find(|f| number_of(*f) == format)?,
+    })
 }
 
 /// The `count` bytes that a block unpacks to.

@@ -12,6 +12,7 @@ mod formats;
 mod hosts;
 mod import;
 mod info;
+mod join;
 mod limits;
 mod manual;
 mod memory;
@@ -30,6 +31,7 @@ mod settings;
 #[cfg(unix)]
 mod signals;
 mod slice;
+mod split;
 mod summary;
 pub(crate) mod terminal;
 mod watch;
@@ -86,6 +88,10 @@ pub(crate) struct Cli {
 enum Command {
     /// Slice a model to G-code
     Slice(Box<slice::SliceArgs>),
+    /// Divide a part's layers into ranges of about equal cost, to slice apart
+    Split(Box<split::SplitArgs>),
+    /// Join the files of ranges of layers to that of a single run
+    Join(join::JoinArgs),
     /// Make a page that shows G-code, or a model sliced, in 3D
     Preview(Box<preview::PreviewArgs>),
     /// Serve a page that shows a model while it is edited, sliced
@@ -120,6 +126,8 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     signals::end_cleanly_when_asked()?;
     match cli.command {
         Command::Slice(args) => slice::run(&args),
+        Command::Split(args) => split::run(&args),
+        Command::Join(args) => join::run(&args),
         Command::Preview(args) => preview::run(&args),
         Command::Watch(args) => watch::run(*args),
         Command::Check(args) => check::run(&args),

@@ -2,12 +2,15 @@
 
 use super::facts::{Fact, Of};
 use super::scan::{self, Heating, heating};
+use super::template::{TemplateError, Templates};
+use super::time::of_foot;
 use super::{
-    Format, Header, Thumbnail, WriteError, Writer, XYZ, comments, flavour,
-    limits, text, thumbnail,
+    Format, Header, Thumbnail, Totals, WriteError, Writer, XYZ, comments,
+    flavour, limits, text, thumbnail,
 };
 use crate::bgcode::{About, Key};
 use crate::settings::{Comments, Settings};
+use crate::units::filament_area;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::time::SystemTime;
@@ -21,8 +24,8 @@ const DAY: &str = "2026-11-22";
 
 /// What the head of a text file says, kept for the tables of a binary file.
 pub(super) struct Said {
-    at: Option<SystemTime>,
-    thumbnails: Vec<Thumbnail>,
+    pub at: Option<SystemTime>,
+    pub thumbnails: Vec<Thumbnail>,
 }
 
 /// What the end of the file needs of the head.
@@ -59,6 +62,11 @@ pub(super) fn about(said: Option<Said>, facts: &[Fact]) -> About {
     about
 }
 
+/// Cura's line that says how many layers a file has.
+pub(super) fn layer_count(count: usize) -> String {
+    format!(";LAYER_COUNT:{count}")
+}
+
 impl<W: Write> Writer<'_, W> {
     /// Writes the head, the start template, the heating, and what the firmware
     /// has to know before the first layer. `start` is the start template,
@@ -73,6 +81,10 @@ impl<W: Write> Writer<'_, W> {
         self.head_comments(header);
         self.lines(&flavour::checks(settings));
         self.mark(0.0);
+        let mark = self.at();
+        if let Some(record) = &mut self.record {
+            record.manifest.head.mark = mark;
+        }
         let labels = std::mem::take(&mut self.labels.define);
         self.lines(&labels);
         self.modes();
@@ -118,9 +130,17 @@ impl<W: Write> Writer<'_, W> {
         }
         let gcode = &self.settings.gcode;
         let (layers, count) = (&header.layers, header.layer_count);
+        let own = self.at();
         if *layers != (0..count) && gcode.comments != Comments::None {
             let (first, last) = (layers.start + 1, layers.end);
             self.line(&format!("; layers {first} to {last} of {count}"));
+        }
+        if let Some(fingerprint) = &header.fingerprint {
+            self.line(&fingerprint.line());
+        }
+        let end = self.at();
+        if let Some(record) = &mut self.record {
+            record.manifest.head.own = own..end;
         }
         for picture in header.thumbnails.iter().filter(|_| text) {
             let block = thumbnail::block(picture);
@@ -129,8 +149,18 @@ impl<W: Write> Writer<'_, W> {
         if gcode.comments == Comments::Cura {
             let name = comments::cura_flavour(gcode.flavour);
             self.line(&format!(";FLAVOR:{name}"));
-            self.line(&format!(";LAYER_COUNT:{}", layers.len()));
+            let start = self.at();
+            self.line(&layer_count(layers.len()));
+            let end = self.at();
+            if let Some(record) = &mut self.record {
+                record.manifest.head.count = Some(start..end);
+            }
         }
+    }
+
+    /// Where a range's file is.
+    fn at(&self) -> u64 {
+        self.record.as_ref().map_or(0, |r| r.at(self.buffer.len()))
     }
 
     /// Writes the start template, with the heating that it leaves to the
@@ -186,29 +216,62 @@ impl<W: Write> Writer<'_, W> {
         }
     }
 
-    /// Writes what the print takes, in the words that hosts read.
-    pub(super) fn footer(&mut self, facts: &[Fact]) {
-        let text_file = self.said.is_none();
-        if self.settings.gcode.comments == Comments::None || !text_file {
-            return;
-        }
-        self.line("; times are without heating and homing");
-        // Without this line Moonraker and RepRapFirmware would take the last
-        // move upwards for the part's height. RepRapFirmware finds the line
-        // only if there is more text behind it.
-        let top = text(self.totals.height, XYZ);
-        self.line(&format!(";BEFORE_LAYER_CHANGE\n;{top}"));
-        self.line(&format!("; END_LAYER_OBJECT z={top}"));
-        for Fact { key, value, .. } in facts {
-            self.line(&format!("; {key} = {value}"));
-        }
-    }
-
     fn lines(&mut self, lines: &[String]) {
         for line in lines {
             self.line(line);
         }
     }
+}
+
+/// The end template, filled in, and the totals with all that follows from the
+/// filament and with the time of the foot. `before` is what [`Writer::place`]
+/// gave at the foot's beginning, `text` the foot up to the template.
+pub(super) fn end(
+    totals: &mut Totals,
+    templates: &Templates<'_>,
+    settings: &Settings,
+    before: &str,
+    text: &[u8],
+) -> Result<String, TemplateError> {
+    let filament = &settings.filament;
+    totals.filament_volume =
+        totals.filament_length * filament_area(filament.diameter);
+    // Density is in g/cm³.
+    totals.filament_mass_g = totals.filament_volume * 1e-3 * filament.density;
+    // The template may name the whole time, which includes the foot's own. So
+    // it is filled in twice.
+    let trial = templates.end(*totals)?;
+    totals.time += of_foot(before, text, &trial, settings);
+    templates.end(*totals)
+}
+
+/// The end of a text file: what the print takes, in the words that hosts read.
+pub(super) fn footer(
+    settings: &Settings,
+    totals: &Totals,
+    facts: &[Fact],
+) -> String {
+    if settings.gcode.comments == Comments::None {
+        return String::new();
+    }
+    // Without this line Moonraker and RepRapFirmware would take the last
+    // move upwards for the part's height. RepRapFirmware finds the line
+    // only if there is more text behind it.
+    let top = text(totals.height, XYZ);
+    let mut lines = format!(
+        "; times are without heating and homing\n\
+         ;BEFORE_LAYER_CHANGE\n;{top}\n; END_LAYER_OBJECT z={top}\n"
+    );
+    for Fact { key, value, .. } in facts {
+        lines += &format!("; {key} = {value}\n");
+    }
+    lines
+}
+
+/// What says that files are of one version: the program's name, its version and
+/// the version's day.
+pub(crate) fn version() -> String {
+    format!("{MAKER} of {DAY}")
 }
 
 /// `2026-01-31` and `12:00:00`, if the year has four digits.

@@ -46,7 +46,10 @@ impl<W: Write> Writer<'_, W> {
         );
         let mut lifted = None;
         let mut clock = Clock::new(layer);
-        self.mark_if_due(clock.time());
+        let tells = self.waiting.is_some() || self.record.is_some();
+        if let Some(time) = clock.moment().filter(|_| tells) {
+            self.moment(time);
+        }
         for (i, step) in layer.moves.iter().enumerate() {
             if let Some((_, end)) = open.take_if(|(last, _)| *last == i) {
                 self.line(&end);
@@ -71,9 +74,11 @@ impl<W: Write> Writer<'_, W> {
             if let PacedMove::Lift { z, speed } = step {
                 lifted = Some((*z, *speed));
             }
-            if self.waiting.is_some() {
+            if tells {
                 clock.step(step);
-                self.mark_if_due(clock.time());
+                if let Some(time) = clock.moment() {
+                    self.moment(time);
+                }
             }
             if self.buffer.len() >= FULL {
                 pass_on(self)?;

@@ -85,6 +85,9 @@ impl<W: Write> Writer<'_, W> {
             None => {
                 self.out.write_all(text)?;
                 (self.copy)(text);
+                if let Some(record) = &mut self.record {
+                    record.passed(text);
+                }
             }
         }
         self.buffer.clear();

@@ -20,7 +20,8 @@
 //! - after [`Writer::restart`] the text does not depend on anything written
 //!   before: layers written by several runs can be joined. Only the lines of
 //!   `progress` tell how far the print has come, and only a file of the whole
-//!   part has them; the file's end has the totals.
+//!   part has them; the file's end has the totals. The file of a range has a
+//!   manifest, from which [`Ranges`] makes both.
 //!
 //! Not guaranteed: that the templates make sense to the firmware.
 //!
@@ -35,6 +36,7 @@
 //! | `thumbnail` | the pictures in the head |
 //! | `label` | the parts' names and outlines, for hosts |
 //! | `progress` | lines that need the whole print's time |
+//! | `manifest` | what a range's file says of itself; `join`, one file of the files of all ranges |
 //! | `time` | how long the file's head and foot take |
 //! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
 
@@ -43,10 +45,12 @@ mod ends;
 mod facts;
 mod filament;
 mod flavour;
+mod join;
 mod label;
 mod layer;
 mod limits;
 mod lines;
+mod manifest;
 mod moves;
 mod number;
 mod placeholders;
@@ -59,8 +63,11 @@ mod tests;
 mod thumbnail;
 mod time;
 
+pub(crate) use ends::version;
+pub use join::{JoinError, Joined, Ranges};
 pub(crate) use label::needs_outline;
 pub(crate) use limits::thick_beads;
+pub(crate) use manifest::Fingerprint;
 pub(crate) use placeholders::PLACEHOLDERS;
 pub use template::{TemplateError, try_templates, understands_placeholder};
 pub(crate) use thumbnail::Thumbnail;
@@ -68,10 +75,11 @@ pub(crate) use thumbnail::Thumbnail;
 use crate::bead::Role;
 use crate::pace::PacedLayer;
 use crate::settings::{Comments, Flavour, Settings};
-use crate::units::{Celsius, Mm, Mm3, Seconds, filament_area};
+use crate::units::{Celsius, Mm, Mm3, Seconds};
 use filament::Filament;
 use glam::{DVec2, DVec3};
 use label::Labels;
+use manifest::Record;
 use number::text;
 use progress::{Waiting, tells_progress};
 use sink::Sink;
@@ -153,6 +161,9 @@ pub(crate) struct Header {
     pub thumbnails: Vec<Thumbnail>,
     /// What the file is written as.
     pub format: Format,
+    /// What the file has in common with those of other ranges; nothing of a
+    /// file that is not to be joined with others.
+    pub fingerprint: Option<Fingerprint>,
 }
 
 /// What a print takes.
@@ -182,6 +193,9 @@ pub enum WriteError {
     /// A start or end template is wrong.
     #[error(transparent)]
     Template(#[from] TemplateError),
+    /// What a range's file says of itself could not be written.
+    #[error("cannot write what the file says of its layers")]
+    Manifest(#[from] serde_json::Error),
     /// A coordinate, speed or length is not finite or too large.
     #[error(
         "{what} of {value} on layer {layer}: this is a bug in isoslice, \
@@ -210,11 +224,13 @@ pub(crate) struct Writer<'a, W: Write> {
     /// Holds the text until the whole time is known, if a line in it tells the
     /// time left.
     waiting: Option<Waiting>,
+    /// What a range's file will say of itself.
+    record: Option<Record>,
     warnings: Vec<String>,
     /// Text that has not been handed on.
     buffer: Vec<u8>,
     totals: Totals,
-    /// Filament that the firmware has fed by itself, mm.
+    /// Filament that the firmware has fed by itself since the last restart, mm.
     extra: Mm,
     /// Where the head is after the file's head.
     start: DVec3,
@@ -260,7 +276,8 @@ impl<'a, W: Write> Writer<'a, W> {
         let templates = Templates::new(settings, header)?;
         let start = templates.start()?;
         let whole = header.layers == (0..header.layer_count);
-        let waiting = if whole && tells_progress(settings) {
+        let tells = tells_progress(settings);
+        let waiting = if whole && tells {
             Some(Waiting::new(settings.gcode.flavour)?)
         } else {
             None
@@ -273,6 +290,7 @@ impl<'a, W: Write> Writer<'a, W> {
             templates,
             labels: Labels::new(settings, header),
             waiting,
+            record: Record::new(settings, header, tells),
             warnings: Vec::new(),
             buffer: Vec::with_capacity(2 * FULL),
             totals: Totals::default(),
@@ -322,9 +340,19 @@ impl<'a, W: Write> Writer<'a, W> {
         if self.totals.layers == 0 {
             self.catch_up();
             self.time_approach(layer);
+            if let Some(record) = &mut self.record {
+                let end = record.at(self.buffer.len());
+                let head = &mut record.manifest.head;
+                head.end = end;
+                head.time = self.totals.time;
+            }
         }
         self.compose(layer, Self::flush)?;
         let fed = self.filament.exact + self.extra - before;
+        if let Some(record) = &mut self.record {
+            record.layer(self.buffer.len(), layer.time, fed);
+            record.manifest.height = layer.span.top;
+        }
         self.totals.filament_length += fed;
         self.totals.time += layer.time;
         self.totals.layers += 1;
@@ -346,6 +374,9 @@ impl<'a, W: Write> Writer<'a, W> {
             Ok(())
         };
         self.compose(layer, forget)?;
+        if let Some(record) = &mut self.record {
+            record.forget();
+        }
         forget(self)
     }
 
@@ -361,6 +392,7 @@ impl<'a, W: Write> Writer<'a, W> {
         self.nozzle = self.settings.filament.nozzle_temperature.constant();
         self.acceleration = None;
         self.retracted = false;
+        self.extra = 0.0;
         self.filament = Filament {
             relative: self.filament.relative,
             ..Filament::default()
@@ -387,23 +419,39 @@ impl<'a, W: Write> Writer<'a, W> {
         }
         self.set_fan(0.0);
         self.custom_comment();
-        let filament = &self.settings.filament;
-        let totals = &mut self.totals;
-        totals.filament_volume =
-            totals.filament_length * filament_area(filament.diameter);
-        // Density is in g/cm³.
-        totals.filament_mass_g =
-            totals.filament_volume * 1e-3 * filament.density;
-        // The end template may name the whole time, which includes the end's
-        // own. So it is filled in twice.
-        let end = self.templates.end(self.totals)?;
-        self.time_foot(&before, &end);
-        let end = self.templates.end(self.totals)?;
+        let end = ends::end(
+            &mut self.totals,
+            &self.templates,
+            self.settings,
+            &before,
+            &self.buffer,
+        )?;
+        if let Some(record) = &mut self.record {
+            record.manifest.foot = manifest::Foot {
+                template: record.at(self.buffer.len()),
+                before,
+            };
+        }
         self.buffer.extend_from_slice(end.as_bytes());
         self.mark(0.0);
+        let mut manifest = 0..0;
+        if let Some(record) = &self.record {
+            manifest.start = record.at(self.buffer.len());
+            let lines = record.lines()?;
+            self.buffer.extend_from_slice(lines.as_bytes());
+            manifest.end = record.at(self.buffer.len());
+        }
         let facts = facts::facts(self.settings, &self.totals);
-        self.footer(&facts);
+        if self.said.is_none() {
+            let footer = ends::footer(self.settings, &self.totals, &facts);
+            self.buffer.extend_from_slice(footer.as_bytes());
+        }
         self.flush()?;
+        if let Some(record) = &self.record {
+            let line = record.last_line(manifest);
+            self.line(&line);
+            self.flush()?;
+        }
         if let Some(waiting) = self.waiting.take() {
             waiting.release(&mut self.out, self.totals.time)?;
         }

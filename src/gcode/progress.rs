@@ -4,12 +4,17 @@
 //! Out: the same text with a line at each mark, once the whole time is known.
 //! Until then the text waits in a temporary file, so that memory does not
 //! grow with the part.
+//!
+//! A mark stands at some of a layer's [`Moment`]s. Which places are moments
+//! follows from the layer alone, so files of ranges of layers know theirs; which
+//! of them get a mark follows from the whole print's time, by [`Rhythm`].
 
 use super::Writer;
 use super::flavour::{self, Progress};
 use crate::pace::{PacedLayer, PacedMove};
 use crate::settings::{Emit, Flavour, Settings};
 use crate::units::Seconds;
+use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Seek, Write};
 
@@ -25,6 +30,39 @@ pub(super) struct Waiting {
     marks: Vec<Mark>,
     /// Number of marks within the text up to `length`.
     passed: usize,
+    rhythm: Rhythm,
+}
+
+/// Least time between a layer's moments, s.
+const MOMENT: Seconds = 5.0;
+
+/// A place in a layer where there may be a mark.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Moment {
+    /// Length of the text before it, bytes.
+    pub at: u64,
+    /// Time that has passed since the layer's beginning.
+    pub time: Seconds,
+}
+
+/// Says which moments get a mark: every minute in a long print, more in a short
+/// one. Hosts show minutes, and percents of short prints.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Rhythm {
+    /// Time at the last mark.
+    last: Seconds,
+}
+
+impl Rhythm {
+    /// True if a mark is due so long after the print's beginning; it is made
+    /// then.
+    pub(super) fn is_due(&mut self, time: Seconds) -> bool {
+        let due = time - self.last >= (0.05 * time).clamp(10.0, 60.0);
+        if due {
+            self.last = time;
+        }
+        due
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -60,13 +98,8 @@ impl Waiting {
             length: 0,
             marks: Vec::new(),
             passed: 0,
+            rhythm: Rhythm::default(),
         })
-    }
-
-    fn line(&self, now: Progress) -> String {
-        let mut line = flavour::progress(self.flavour, now);
-        line.push('\n');
-        line
     }
 
     /// Appends text. `copy` gets it with a line at each mark whose numbers are
@@ -76,7 +109,7 @@ impl Waiting {
         bytes: &[u8],
         copy: &mut dyn FnMut(&[u8]),
     ) -> io::Result<()> {
-        let line = self.line(Progress::default());
+        let line = line(self.flavour, Progress::default());
         let mut rest = bytes;
         for mark in &self.marks[self.passed..] {
             let done = self.length + (bytes.len() - rest.len()) as u64;
@@ -97,43 +130,47 @@ impl Waiting {
         self.marks.push(Mark { at, time });
     }
 
-    /// Whether a mark is due. Hosts show minutes, and percents of short prints.
-    pub(super) fn is_due(&self, time: Seconds) -> bool {
-        let last = self.marks.last().map_or(0.0, |m| m.time);
-        time - last >= (0.05 * time).clamp(10.0, 60.0)
-    }
-
     /// Writes the text to `out`, with a line at each mark.
     pub(super) fn release(
         self,
         out: &mut impl Write,
         total: Seconds,
     ) -> io::Result<()> {
-        let lines = self.marks.iter().map(|mark| {
-            let line = self.line(Progress::new(mark.time, total));
-            (mark.at, line)
-        });
-        let lines: Vec<(u64, String)> = lines.collect();
         let mut file = self.text.into_inner().map_err(|e| e.into_error())?;
         file.rewind()?;
         let mut text = BufReader::with_capacity(BUFFER, file);
         let mut done = 0;
-        for (at, line) in lines {
-            copy(&mut text, at - done, out)?;
-            done = at;
+        for mark in &self.marks {
+            copy(&mut text, mark.at - done, out)?;
+            done = mark.at;
+            let line = line_at(self.flavour, mark.time, total);
             out.write_all(line.as_bytes())?;
         }
-        copy(&mut text, u64::MAX, out)
+        copy(&mut text, u64::MAX, out)?;
+        Ok(())
     }
 }
 
-/// Copies a number of bytes, or as many as there are. `io::copy` would do it in
-/// small pieces.
-fn copy(
+/// The line that tells how far the print has come after `time`.
+pub(super) fn line_at(
+    flavour: Flavour,
+    time: Seconds,
+    total: Seconds,
+) -> String {
+    line(flavour, Progress::new(time, total))
+}
+
+fn line(flavour: Flavour, now: Progress) -> String {
+    flavour::progress(flavour, now) + "\n"
+}
+
+/// Copies a number of bytes, or as many as there are, and tells how many are
+/// missing. `io::copy` would do it in small pieces.
+pub(super) fn copy(
     from: &mut impl BufRead,
     count: u64,
     to: &mut impl Write,
-) -> io::Result<()> {
+) -> io::Result<u64> {
     let mut left = count;
     while left > 0 {
         let all = match from.fill_buf() {
@@ -148,7 +185,7 @@ fn copy(
         from.consume(n);
         left -= n as u64;
     }
-    Ok(())
+    Ok(left)
 }
 
 impl<W: io::Write> Writer<'_, W> {
@@ -161,11 +198,17 @@ impl<W: io::Write> Writer<'_, W> {
         }
     }
 
-    /// Marks a place as [`Writer::mark`] does, if the last mark was long ago.
-    pub(super) fn mark_if_due(&mut self, time: Seconds) {
+    /// Notes a layer's moment: a whole file marks it, if the last mark was long
+    /// ago, and a range's file tells of it.
+    pub(super) fn moment(&mut self, time: Seconds) {
         let now = self.totals.time + time;
-        if self.waiting.as_ref().is_some_and(|w| w.is_due(now)) {
-            self.mark(time);
+        let ahead = self.buffer.len();
+        if let Some(waiting) = &mut self.waiting {
+            if waiting.rhythm.is_due(now) {
+                waiting.mark(ahead, now);
+            }
+        } else if let Some(record) = &mut self.record {
+            record.moment(ahead, time);
         }
     }
 }
@@ -189,6 +232,8 @@ pub(super) struct Clock {
     time: Seconds,
     printing: Seconds,
     passed: Seconds,
+    /// When the next moment may come.
+    next: Seconds,
 }
 
 impl Clock {
@@ -197,14 +242,25 @@ impl Clock {
             time: layer.time,
             printing: layer.moves.iter().map(printing).sum(),
             passed: 0.0,
+            next: 0.0,
         }
+    }
+
+    /// The time, if it is a moment's. A layer's beginning is one.
+    pub(super) fn moment(&mut self) -> Option<Seconds> {
+        let now = self.time();
+        let is = now >= self.next;
+        if is {
+            self.next = now + MOMENT;
+        }
+        is.then_some(now)
     }
 
     pub(super) fn step(&mut self, step: &PacedMove) {
         self.passed += printing(step);
     }
 
-    pub(super) fn time(&self) -> Seconds {
+    fn time(&self) -> Seconds {
         if self.printing > 0.0 {
             self.time * self.passed / self.printing
         } else {
@@ -253,16 +309,11 @@ mod tests {
 
     #[test]
     fn long_prints_are_marked_every_minute_and_short_ones_more_often() {
-        let mut waiting = Waiting::new(Flavour::Marlin).unwrap();
-        for second in 0..36_000 {
-            let now = f64::from(second);
-            if waiting.is_due(now) {
-                waiting.mark(0, now);
-            }
-        }
-        let short = waiting.marks.iter().filter(|m| m.time <= 300.0);
-        assert!(short.count() >= 20);
-        assert!((600..700).contains(&waiting.marks.len()));
+        let mut rhythm = Rhythm::default();
+        let seconds = (0..36_000).map(f64::from);
+        let marks: Vec<f64> = seconds.filter(|&s| rhythm.is_due(s)).collect();
+        assert!(marks.iter().filter(|time| **time <= 300.0).count() >= 20);
+        assert!((600..700).contains(&marks.len()));
     }
 
     #[test]

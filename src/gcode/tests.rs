@@ -132,6 +132,7 @@ fn header(layer_count: usize) -> Header {
         }],
         thumbnails: Vec::new(),
         format: crate::gcode::Format::Text,
+        fingerprint: None,
     }
 }
 

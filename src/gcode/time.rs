@@ -9,7 +9,8 @@ use super::{E, Writer, XYZ, flavour};
 use crate::pace::clock::time_of;
 use crate::pace::motion::{Limits, Motion};
 use crate::pace::{PacedLayer, PacedMove};
-use crate::units::MICRON;
+use crate::settings::Settings;
+use crate::units::{MICRON, Seconds};
 use std::io::Write;
 
 impl<W: Write> Writer<'_, W> {
@@ -67,14 +68,16 @@ impl<W: Write> Writer<'_, W> {
         lines.push(line);
         lines.join("\n") + "\n"
     }
+}
 
-    /// Adds the time of the foot to the totals: the text in the buffer, and the
-    /// end template. `before` is what [`Writer::place`] gave at the foot's
-    /// beginning.
-    pub(super) fn time_foot(&mut self, before: &str, end: &str) {
-        let mut lines = before.as_bytes().to_vec();
-        lines.extend_from_slice(&self.buffer);
-        lines.extend_from_slice(end.as_bytes());
-        self.totals.time += time_of(&lines, self.settings).0;
-    }
+/// How long the foot takes: its own text, and the end template. `before` is what
+/// [`Writer::place`] gave at the foot's beginning.
+pub(super) fn of_foot(
+    before: &str,
+    text: &[u8],
+    end: &str,
+    settings: &Settings,
+) -> Seconds {
+    let lines = [before.as_bytes(), text, end.as_bytes()].concat();
+    time_of(&lines, settings).0
 }

@@ -32,7 +32,7 @@ mod triangles;
 
 use crate::bead::{Bead, Role, Stroke, spacing};
 use crate::contour::{FieldError, remedy};
-use crate::model::{ExpressionError, LoadError, Source};
+use crate::model::{ExpressionError, LoadError, Source, load, operations};
 use crate::plane::border::{Border, Piece};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::offset::offset;
@@ -204,6 +204,30 @@ pub(crate) struct Site {
     pub bed: DVec2,
     /// By how much x and y in formulas are more than the coordinates of layers.
     pub origin: DVec2,
+}
+
+/// Tells the operations of the infill's script, if the settings name one.
+///
+/// # Errors
+/// If the script cannot be read or run.
+pub(crate) fn script_words(
+    settings: &Settings,
+    tell: &mut dyn FnMut(&str),
+) -> Result<(), InfillError> {
+    let settings::Infill::Script(path) = &settings.infill else {
+        return Ok(());
+    };
+    let failed = |error| InfillError::Shape {
+        name: path.clone(),
+        error: Box::new(error),
+    };
+    let shape = load(&Source::File(path.into()), &[]).map_err(failed)?;
+    operations(&shape.tree, tell).map_err(|error| {
+        failed(LoadError::Expression {
+            file: path.clone(),
+            error,
+        })
+    })
 }
 
 /// A part's sparse infill.

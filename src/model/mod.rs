@@ -7,7 +7,8 @@
 //! - `source`: which format, reading; `script` (rhai, sandboxed), `vm`
 //!   (fidget's text), `formula` (one expression), `expression` (of settings), `param` (`-D name=value`)
 //! - `placement`: scale, rotation, position, in the box that
-//!   [`isocontour::find_bounds`] finds; `together`, several models as one
+//!   [`isocontour::find_bounds`] finds; `together`, several models as one;
+//!   `written`, a model as words
 //!
 //! Guarantees: whatever the input, an error or a model within bounded time
 //! and memory, without panics and without recursion on the caller's stack;
@@ -29,6 +30,7 @@ mod source;
 mod together;
 mod value;
 mod vm;
+mod written;
 
 pub use allowed::Allowed;
 pub use error::LoadError;
@@ -44,3 +46,4 @@ pub use script::{ScriptError, ScriptLimits};
 pub use source::{Loaded, Source, SourceKind, load, load_within};
 pub(crate) use together::together;
 pub use vm::{VmError, parse_vm};
+pub(crate) use written::operations;

@@ -30,16 +30,20 @@
 //! | `part` | what is done in order for each part |
 //! | `hanging` | follows what hangs, also without laying a bead |
 //! | `exit` | what is done in order for all parts |
+//! | `split` | divides layers into ranges of about equal cost |
+//! | `fingerprint` | what files of ranges of one print have in common |
 //! | `tally` | counts over all layers, and warnings that follow from them |
 
 #[cfg(test)]
 mod estimates;
 mod exit;
+mod fingerprint;
 mod hanging;
 mod layer;
 mod part;
 mod raft;
 mod sound;
+mod split;
 mod stages;
 mod supply;
 mod supported;
@@ -72,11 +76,13 @@ use crate::timings::Stage;
 use crate::units::{Mm, Mm2, Seconds, filament_area};
 use crate::vary::{Surroundings, VaryError};
 use exit::Exit;
+use fingerprint::fingerprint;
 use glam::{DVec2, DVec3};
 pub use hanging::{Survey, survey};
-use isocontour::SLAB;
+use isocontour::{ExpandError, SLAB};
 use part::{PartDone, PartExit};
 use rayon::ThreadPool;
+pub use split::{Share, split};
 use stages::Stages;
 use std::collections::BTreeMap;
 use std::io;
@@ -212,6 +218,9 @@ pub enum SliceError {
     /// A setting that is an expression has no value somewhere.
     #[error(transparent)]
     Vary(#[from] VaryError),
+    /// The expression is too large.
+    #[error(transparent)]
+    Expression(#[from] ExpandError),
     /// The infill cannot be laid.
     #[error(transparent)]
     Infill(#[from] InfillError),
@@ -611,6 +620,13 @@ fn write(
         })?,
         thumbnails: pictures.unwrap_or_default(),
         format: options.format,
+        fingerprint: match layers.len() < spans.len() {
+            true => {
+                let of_parts = all.iter().map(|(_, spans)| *spans);
+                Some(fingerprint(plate, of_parts)?)
+            }
+            false => None,
+        },
     };
     let frame = Rect {
         min: low.truncate(),

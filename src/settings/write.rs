@@ -32,6 +32,19 @@ impl Settings {
         text
     }
 
+    /// The settings that are not as by default, as TOML that reads back as
+    /// these settings.
+    pub fn changed(&self) -> String {
+        let mut text = String::new();
+        for key in keys() {
+            let value = key.get(self);
+            if value != key.default() {
+                text.push_str(&format!("{} = {value}\n", key.name));
+            }
+        }
+        text
+    }
+
     /// All settings as TOML, each with a comment that says where its value is
     /// from.
     pub fn to_toml_with_origins(

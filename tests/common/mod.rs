@@ -19,7 +19,8 @@ use isoslice::model::{
 };
 use isoslice::pipeline::{self, Options, Summary};
 use isoslice::settings::{Builder, Settings, keys};
-use std::path::Path;
+use isoslice::{JoinError, Ranges};
+use std::path::{Path, PathBuf};
 
 /// Cross-section of a filament.
 pub fn filament_area(diameter: f64) -> f64 {
@@ -103,6 +104,20 @@ pub fn slice_layers(
     let summary =
         pipeline::slice(model, settings, &options, &mut bytes).unwrap();
     (String::from_utf8(bytes).unwrap(), summary)
+}
+
+/// The file that the files of ranges are joined to.
+pub fn join(files: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, JoinError> {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |(k, file): (usize, &_)| {
+        let path = folder.path().join(format!("{k}.gcode"));
+        std::fs::write(&path, AsRef::<[u8]>::as_ref(file)).unwrap();
+        path
+    };
+    let paths: Vec<PathBuf> = files.iter().enumerate().map(write).collect();
+    let mut joined = Vec::new();
+    Ranges::open(&paths)?.join(&mut joined)?;
+    Ok(joined)
 }
 
 /// The layers of a model, and their outlines in the model's coordinates.

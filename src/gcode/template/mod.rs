@@ -296,6 +296,7 @@ pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
         parts: Vec::new(),
         thumbnails: Vec::new(),
         format: super::Format::Text,
+        fingerprint: None,
     };
     let mut wrong = Vec::new();
     let templates: [fn(&mut Settings) -> &mut String; 3] = [

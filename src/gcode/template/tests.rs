@@ -13,6 +13,7 @@ pub(super) fn header() -> Header {
         parts: Vec::new(),
         thumbnails: Vec::new(),
         format: crate::gcode::Format::Text,
+        fingerprint: None,
     }
 }
 

@@ -1,0 +1,135 @@
+//! What the files of ranges of one print have in common.
+//!
+//! In: the plate on its rafts, and the planned layers. Out: short words that are
+//! the same if all of that is the same, and differ otherwise but for one case in
+//! 10³⁸.
+
+use super::SliceError;
+use crate::gcode::{Fingerprint, version};
+use crate::infill::script_words;
+use crate::layers::LayerSpan;
+use crate::plate::Plate;
+use crate::settings::{Settings, keys};
+use ring::digest::{Context, SHA256};
+
+/// Bytes of a digest that are told.
+const BYTES: usize = 16;
+
+/// The fingerprint of a plate; `spans` are the layers of each part.
+pub(super) fn fingerprint<'s>(
+    plate: &Plate,
+    spans: impl Iterator<Item = &'s [LayerSpan]>,
+) -> Result<Fingerprint, SliceError> {
+    let mut model = Digest::new();
+    let mut settings = Digest::new();
+    model.add(&plate.name);
+    settings.add_settings(&plate.settings)?;
+    for part in &plate.parts {
+        part.model
+            .words(&mut |word| model.add(word))
+            .map_err(|e| plate.named(part, e.into()))?;
+        for place in &part.places {
+            let at = place.shift;
+            model.add(&place.name);
+            model.add(&format!("{:?} {:?}", at.x, at.y));
+        }
+        settings
+            .add_settings(&part.settings)
+            .map_err(|e| plate.named(part, e))?;
+    }
+    let mut layers = Digest::new();
+    for spans in spans {
+        layers.add(&format!("{}", spans.len()));
+        for span in spans {
+            layers.add(&format!("{:?} {:?}", span.bottom, span.top));
+        }
+    }
+    Ok(Fingerprint {
+        version: version(),
+        model: model.word(),
+        settings: settings.word(),
+        layers: layers.word(),
+    })
+}
+
+/// Words in the making.
+struct Digest(Context);
+
+impl Digest {
+    fn new() -> Self {
+        Digest(Context::new(&SHA256))
+    }
+
+    /// Adds a word. Its length keeps it apart from the next one.
+    fn add(&mut self, word: &str) {
+        self.0.update(&(word.len() as u64).to_le_bytes());
+        self.0.update(word.as_bytes());
+    }
+
+    /// Adds settings, and the file that they name.
+    fn add_settings(&mut self, settings: &Settings) -> Result<(), SliceError> {
+        for key in keys() {
+            self.add(key.name);
+            self.add(&key.get(settings));
+        }
+        script_words(settings, &mut |word| self.add(word))?;
+        Ok(())
+    }
+
+    fn word(self) -> String {
+        let digest = self.0.finish();
+        let bytes = digest.as_ref().iter().take(BYTES);
+        bytes.map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{BuildVolume, Placement, Source, SourceKind};
+    use crate::model::{load, place};
+
+    fn of(text: &str, settings: &Settings, top: f64) -> Fingerprint {
+        let source = Source::Text {
+            name: "part".into(),
+            kind: SourceKind::Formula,
+            text: text.into(),
+        };
+        let bed = BuildVolume::of(settings);
+        let loaded = load(&source, &[]).unwrap();
+        let model = place(&loaded, &Placement::default(), bed).unwrap();
+        let plate = Plate::of(&model, settings);
+        let spans = [LayerSpan {
+            index: 0,
+            bottom: 0.0,
+            top,
+        }];
+        fingerprint(&plate, [&spans[..]].into_iter()).unwrap()
+    }
+
+    #[test]
+    fn what_makes_other_text_makes_another_fingerprint() {
+        let ball = "sqrt(x^2 + y^2 + z^2) - 3";
+        let plain = Settings::default();
+        let first = of(ball, &plain, 0.2);
+        assert_eq!(first, of("sqrt(x^2+y^2+z^2)  -  3.0", &plain, 0.2));
+        let model = of("sqrt(x^2 + y^2 + z^2) - 3.0001", &plain, 0.2);
+        // In single precision the next number above 3.
+        let close = of("sqrt(x^2 + y^2 + z^2) - 3.0000002", &plain, 0.2);
+        let swapped = of("sqrt(x^2 + y^2 - -z^2) - 3", &plain, 0.2);
+        for other in [model, close, swapped] {
+            assert_ne!(other.model, first.model);
+            assert_eq!(other.settings, first.settings);
+        }
+        let settings = Settings {
+            walls: plain.walls + 1,
+            ..plain.clone()
+        };
+        let other = of(ball, &settings, 0.2);
+        assert_eq!(other.model, first.model);
+        assert_ne!(other.settings, first.settings);
+        let other = of(ball, &plain, 0.1 + 0.2);
+        assert_eq!(other.settings, first.settings);
+        assert_ne!(other.layers, first.layers);
+    }
+}
