@@ -102,7 +102,6 @@ pub enum HeightsError {
 /// # Errors
 /// If there are no layers, or too many, or an expression for their heights has
 /// no value.
-/// value.
 pub fn heights(
     model: &Model,
     settings: &Settings,

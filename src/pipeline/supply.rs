@@ -2,8 +2,8 @@
 //!
 //! In: the slabs of a part. Out: its layers in order, a few at a time, each
 //! with the neighbours on which it depends. Only the window of layers on which
-//! later layers depend is kept, so memory does not grow with the part's height.
-//! supports the outlines of all layers are kept elsewhere, for their plan.
+//! later layers depend is kept. So memory grows with the part's height only if it
+//! has supports, whose plan is kept elsewhere.
 
 use super::layer::{Filled, Inside, Layer, Ready};
 use super::stages::Stages;

@@ -663,7 +663,6 @@ mod tests {
 
     /// Three fronts meet nearly at one place: what is between them vanishes
     /// within the tolerance.
-    /// vanishes within the tolerance.
     #[test]
     fn three_fronts_meet_at_one_place() {
         let side: f64 = 4.0;

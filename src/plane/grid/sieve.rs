@@ -7,7 +7,6 @@
 //! sieve allows for all that this precision can blur, so it leaves out no edge
 //! within the distance. It may let through an edge that is a hair farther away,
 //! so the caller has to measure each edge.
-//! through: whoever asks has to look for himself.
 
 use crate::units::Mm;
 use glam::{DVec2, Vec4};
