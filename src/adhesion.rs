@@ -19,23 +19,23 @@ use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-/// How far loops may be off, mm.
+/// Tolerance of the loops, mm.
 const TOLERANCE: Mm = 0.01;
 
-/// Loops around everything that is printed: they show that the nozzle primes
-/// and the bed is level, and keep draughts off.
+/// Loops around everything that is printed. They show that the nozzle primes
+/// and that the bed is level. As a draft shield they keep draughts off.
 pub(crate) struct Skirt {
-    /// The outermost first.
+    /// The loops, the outermost first.
     loops: Vec<Ring>,
     width: Mm,
-    /// How many layers, from the bed, have it.
+    /// Number of layers, from the bed, that have the loops.
     layers: usize,
 }
 
 impl Skirt {
-    /// The skirt of a print whose layers beside it have these outlines:
-    /// `skirt.distance` away from the hull of them all, and of the brim. It is
-    /// the same in all of these layers, lest it hang in the air.
+    /// The skirt of a print whose layers beside it have these outlines. It lies
+    /// `skirt.distance` away from the hull of all the outlines and of the brim.
+    /// All of these layers have one skirt, so that it does not hang in the air.
     pub(crate) fn new<'a>(
         outlines: impl IntoIterator<Item = &'a Area>,
         settings: &Settings,
@@ -62,8 +62,7 @@ impl Skirt {
         }
     }
 
-    /// The draft shield, in so many layers, of a print that lies within these
-    /// outlines.
+    /// The draft shield, in so many layers, of a print within these outlines.
     pub(crate) fn shield<'a>(
         outlines: impl IntoIterator<Item = &'a Area>,
         layers: usize,
@@ -84,7 +83,7 @@ impl Skirt {
         }
     }
 
-    /// Its beads in a layer of this number and height.
+    /// The skirt's beads in a layer of this number and height.
     pub(crate) fn beads(&self, number: usize, height: Mm) -> Vec<Bead> {
         let rings = self.loops.iter().filter(|_| number < self.layers);
         rings
@@ -94,7 +93,7 @@ impl Skirt {
     }
 }
 
-/// The convex ring round an area; it is empty if there is none.
+/// The convex ring round an area; empty if there is no such ring.
 pub(crate) fn hull(area: &Area) -> Ring {
     around_points(area.rings.iter().flatten())
 }
@@ -125,8 +124,8 @@ pub(crate) fn brim_reach(settings: &Settings) -> Mm {
     }
 }
 
-/// A layer's loops: the skirt's and, in the first one, the brim's. `skirt` is
-/// there if it is not of the first layer alone.
+/// A layer's loops: the skirt's and, in the first layer, the brim's. `skirt` is
+/// given if the skirt has more layers than the first.
 pub(crate) fn loops(
     number: usize,
     outline: &Area,
@@ -145,8 +144,7 @@ pub(crate) fn loops(
     beads
 }
 
-/// A warning if ears are asked for, and there are none among the loops of a
-/// first layer.
+/// A warning if ears are asked for, but a first layer's loops have no ears.
 pub(crate) fn without_ears(
     loops: &[Bead],
     settings: &Settings,
@@ -209,10 +207,10 @@ pub(crate) fn keep_on_bed(
         .collect()
 }
 
-/// Loops beside the part that hold it down, `brim.gap` away from its outline
-/// and then side by side over `brim.width`: outside the part, in its holes, or
-/// both. The outermost come first, so that the print goes on at the part; in
-/// the holes each loop is followed by the nearest.
+/// Loops beside the part that hold it down. They lie `brim.gap` away from its
+/// outline and then side by side over `brim.width`: outside the part, in its
+/// holes, or both. The outermost come first, so that the print goes on at the
+/// part. In the holes each loop is followed by the nearest one.
 pub(crate) fn brim(
     outline: &Area,
     height: Mm,
@@ -235,7 +233,7 @@ pub(crate) fn brim(
     let in_a_hole =
         |ring: &Ring| ring.first().is_some_and(|&p| holes.around(p).is_some());
     let grown = match place {
-        // Without its holes the part grows faster.
+        // A part without its holes grows faster.
         BrimPlace::Outer => Area {
             rings: outer
                 .into_iter()
@@ -264,11 +262,12 @@ pub(crate) fn brim(
         .collect()
 }
 
-/// Loops by their distance from the part, the farthest first, so that each is
-/// followed by those within it: where one goes round several islands, the
-/// loops of each of these come together.
+/// Loops in print order, from their distances to the part: the farthest first,
+/// each followed by those within it. Where a loop goes round several islands,
+/// the loops of each island come together.
 fn inwards(levels: Vec<Vec<Ring>>) -> Vec<Ring> {
-    // Rings numbered level by level, and for each those directly within it.
+    // Rings are numbered level by level, each with the rings directly within
+    // it.
     let count = levels.iter().map(Vec::len).sum();
     let mut within: Vec<Vec<usize>> = vec![Vec::new(); count];
     let mut roots: Vec<usize> = Vec::new();
@@ -322,14 +321,15 @@ fn brim_depths(height: Mm, settings: &Settings) -> Vec<Mm> {
         .collect()
 }
 
-/// Rings so that each is followed by the one with the nearest first point.
+/// Rings in an order in which each is followed by the ring with the nearest
+/// first point.
 fn chained(mut rings: Vec<Ring>, from: Option<DVec2>) -> Vec<Ring> {
     let order = in_chain((0..rings.len()).collect(), &rings, from);
     let next = |i: usize| std::mem::take(&mut rings[i]);
     order.into_iter().map(next).collect()
 }
 
-/// Numbers of rings in such an order.
+/// Numbers of rings in the order of [`chained`].
 fn in_chain(
     numbers: Vec<usize>,
     rings: &[Ring],
@@ -382,7 +382,7 @@ mod tests {
         let exact = 40.0 + std::f64::consts::TAU * 6.225;
         assert!((alone[1] - exact).abs() < 0.1, "{alone:?}");
         assert!(lengths(&[Area::EMPTY], &settings).is_empty());
-        // Round the brim.
+        // The skirt goes round the brim.
         settings.brim.place = BrimPlace::Outer;
         let outside = lengths(std::slice::from_ref(&outline), &settings);
         let more = outside[1] - alone[1];
@@ -390,7 +390,7 @@ mod tests {
         let exact = std::f64::consts::TAU * brim;
         assert!((more - exact).abs() < 0.02, "{more} {exact}");
         settings.brim.place = BrimPlace::None;
-        // Round all layers beside it.
+        // The skirt goes round all layers beside it.
         let wide = rect(-5.0, 2.0, 20.0, 8.0);
         let both = lengths(&[outline, wide], &settings);
         // The hull has two slanting sides on the left and two on the right.
@@ -405,7 +405,7 @@ mod tests {
         let mut hole = rect(5.0, 5.0, 25.0, 25.0).rings.remove(0);
         hole.reverse();
         frame.rings.push(hole);
-        // A pin in the hole.
+        // There is a pin in the hole.
         frame.rings.extend(rect(13.0, 13.0, 17.0, 17.0).rings);
         frame
     }
@@ -433,12 +433,12 @@ mod tests {
             let within = loops.iter().filter(inside).count();
             (loops.len() - within, within)
         };
-        // Five loops of 0.407 mm are 2 mm; in the hole at the frame and the
-        // pin alike.
+        // Five loops of 0.407 mm are 2 mm. In the hole there are as many at the
+        // frame as at the pin.
         assert_eq!(count(BrimPlace::Outer, &mut settings), (5, 0));
         assert_eq!(count(BrimPlace::Inner, &mut settings), (0, 10));
         assert_eq!(count(BrimPlace::Both, &mut settings), (5, 10));
-        // It ends where there is no more room.
+        // The brim ends where there is no more room.
         settings.brim.width = 20.0;
         let loops = count(BrimPlace::Inner, &mut settings).1;
         assert!((18..=30).contains(&loops), "{loops}");
@@ -448,8 +448,8 @@ mod tests {
     fn the_brim_is_finished_round_one_island_before_the_next() {
         let mut settings = Settings::default();
         settings.brim.place = BrimPlace::Outer;
-        // Four pins so far apart that their brims do not meet, then so near
-        // that the outer loops go round two of them.
+        // Four pins stand so far apart that their brims do not meet, then so
+        // near that the outer loops go round two of them.
         for (apart, pairs) in [(30.0, false), (12.0, true)] {
             let mut pins = rect(0.0, 0.0, 5.0, 5.0);
             for (x, y) in [(apart, 0.0), (0.0, 90.0), (apart, 90.0)] {
@@ -467,7 +467,7 @@ mod tests {
             };
             let mut around: Vec<Vec<bool>> = loops.iter().map(pin).collect();
             around.dedup();
-            // Each pin by itself, after what goes round two at once.
+            // Each pin's loops follow those that go round two pins at once.
             assert_eq!(around.len(), if pairs { 6 } else { 4 }, "{around:?}");
             assert!(loops.len() > 30);
         }

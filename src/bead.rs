@@ -1,4 +1,4 @@
-//! The bead: one extruded line, the only currency after the regions.
+//! The bead: one extruded line. All stages after the regions pass on beads.
 //!
 //! ```text
 //!        ┌───────── width ─────────┐
@@ -18,16 +18,16 @@ use crate::units::{Mm, Mm2};
 use glam::DVec2;
 use std::ops::{Deref, DerefMut};
 
-/// What a bead is for. The G-code dialect translates it to its reader's word.
+/// What a bead is for. Each dialect of G-code has its own word for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Role {
     /// Loop around the part on the lowest layers, not touching it.
     Skirt,
     /// Loops on the bed beside the part's first layer that hold it down.
     Brim,
-    /// The wall one sees.
+    /// The wall that shows.
     OuterWall,
-    /// Walls behind the outer wall.
+    /// Walls inside the outer wall.
     InnerWall,
     /// A wall, or a part of one, that hangs over the layer below.
     Overhang,
@@ -35,7 +35,7 @@ pub(crate) enum Role {
     GapFill,
     /// Sparse fill of covered areas.
     SparseInfill,
-    /// Solid area that neither faces the air above nor below directly.
+    /// Solid area that faces air neither directly above nor directly below.
     InternalSkin,
     /// Solid area facing upwards.
     TopSkin,
@@ -73,7 +73,7 @@ impl Role {
         Role::Brim,
     ];
 
-    /// Its name in summaries, which is that of its settings.
+    /// The role's name in summaries, which is that of its settings.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Role::Skirt => "skirt",
@@ -94,37 +94,38 @@ impl Role {
         }
     }
 
-    /// True if its beads belong to the part, and so lie inside it.
+    /// True if beads of the role belong to the part, and so lie inside it.
     pub(crate) fn is_part(self) -> bool {
         !matches!(self, Role::Skirt | Role::Brim) && !self.is_support()
     }
 
-    /// True if its beads belong to a support.
+    /// True if beads of the role belong to a support.
     pub(crate) fn is_support(self) -> bool {
         matches!(self, Role::Support | Role::SupportInterface)
     }
 
-    /// True if the edges of its beads are seen on the part.
+    /// True if the edges of the role's beads are seen on the part.
     pub(crate) fn shows(self) -> bool {
         matches!(self, Role::OuterWall | Role::Overhang)
     }
 }
 
-/// Widths closer than this are the same, mm.
+/// Widths that differ by less count as equal, mm.
 const SAME: Mm = 1e-3;
 
-/// How a point of a bead lies beside its layer, whose top is where the nozzle
-/// runs and whose height is the bead's.
+/// How a point of a bead lies relative to its layer. Without a level the nozzle
+/// runs at the layer's top, and the bead is as high as the layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Level {
     /// Height of the nozzle above the layer's top, mm; negative below.
     pub rise: Mm,
-    /// Height of the material beyond the bead's, mm; negative if it is less.
+    /// Height of the material in addition to the bead's, mm; negative if there
+    /// is less.
     pub extra: Mm,
 }
 
 impl Level {
-    /// The level a share `t` of the way to another one.
+    /// The level at a share `t` of the way to another level.
     pub(crate) fn lerp(self, to: Level, t: f64) -> Level {
         Level {
             rise: self.rise + t * (to.rise - self.rise),
@@ -141,7 +142,7 @@ pub(crate) struct Stroke {
     pub points: Vec<DVec2>,
     /// True if the stroke returns to its first point.
     pub closed: bool,
-    /// Its width; where it varies, its mean.
+    /// Width of the stroke; the mean if it varies.
     pub width: Mm,
     /// Width at each point where it varies; empty where it does not.
     pub widths: Vec<Mm>,
@@ -242,7 +243,8 @@ impl Stroke {
         self.levels.reverse();
     }
 
-    /// The stroke as an open one, which ends where a closed one closes.
+    /// The stroke as an open one, which ends at its first point if it was
+    /// closed.
     pub(crate) fn opened(&self) -> Stroke {
         let mut open = self.clone();
         if self.closed {
@@ -254,7 +256,7 @@ impl Stroke {
         open
     }
 
-    /// Goes on with an open stroke that begins where this one ends.
+    /// Appends an open stroke that begins where this one ends.
     pub(crate) fn append(&mut self, after: &Stroke) {
         if !self.levels.is_empty() || !after.levels.is_empty() {
             self.levels.resize(self.points.len(), Level::default());
@@ -265,7 +267,8 @@ impl Stroke {
         self.widths.extend(after.widths.iter().skip(1));
     }
 
-    /// The place so far from the stroke's end, if `last`, or its beginning.
+    /// The place at a length from the stroke's end, if `last` is true, or else
+    /// from its beginning.
     pub(crate) fn place(&self, last: bool, mut length: Mm) -> Option<DVec2> {
         let n = self.points.len();
         let count = n + usize::from(self.closed);
@@ -324,16 +327,17 @@ impl Stroke {
 /// they were its own.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Bead {
-    /// What it is for.
+    /// The bead's purpose.
     pub role: Role,
-    /// Where it lies.
+    /// The line of the bead.
     pub stroke: Stroke,
-    /// Height, which is the layer's. Points with a level have more or less.
+    /// Height of the bead, which is the layer's. Points with a level are higher
+    /// or lower.
     pub height: Mm,
-    /// True for a wall that goes round something small, a thin pin or a hole,
-    /// and stays true for what it is cut into.
+    /// True for a wall that goes round something small, such as a thin pin or a
+    /// hole. The pieces into which it is cut keep the mark.
     pub small: bool,
-    /// True for a wall behind the outer wall, also where it hangs.
+    /// True for a wall inside the outer wall, also where it hangs.
     pub inner: bool,
     /// True for a wall that is to lie half a layer lower.
     pub sunk: bool,
@@ -366,17 +370,16 @@ impl Bead {
         }
     }
 
-    /// Cross-section of the bead; where it varies with the height, the
-    /// greatest one.
+    /// Cross-section of the bead; the greatest if it varies with the height.
     pub(crate) fn area(&self) -> Mm2 {
         let extra = self.levels.iter().map(|l| l.extra);
         let extra = extra.reduce(f64::max).unwrap_or(0.0);
         cross_section(self.width, self.height + extra)
     }
 
-    /// Mean cross-section along segment `i`, whose height varies evenly, for
-    /// each length of its way in space: heights are measured upright, so a
-    /// steep way lays no more than the level one below it.
+    /// Mean cross-section along segment `i`, whose height varies evenly, per
+    /// length of its way in space. Heights are measured upright, so a steep way
+    /// lays no more than the level way below it.
     pub(crate) fn area_along(&self, i: usize) -> Mm2 {
         let from = self.height + self.level(i).extra;
         let to = self.height + self.level(i + 1).extra;
@@ -395,8 +398,9 @@ impl Bead {
     }
 }
 
-/// Height at which a bead of this width has a cross-section: the inverse of
-/// (w − h)·h + π(h/2)², or of an ellipse if it is higher than wide.
+/// Height at which a bead of this width has a cross-section. It inverts (w −
+/// h)·h + π(h/2)², or the content of an ellipse if the bead is higher than
+/// wide.
 pub(crate) fn height_of(area: Mm2, width: Mm) -> Mm {
     use std::f64::consts::FRAC_PI_4;
     if area >= FRAC_PI_4 * width * width {
@@ -413,7 +417,7 @@ pub(crate) fn spacing(width_a: Mm, width_b: Mm, height: Mm) -> Mm {
     0.5 * (width_a + width_b) - height * (1.0 - std::f64::consts::FRAC_PI_4)
 }
 
-/// Share of the plane that the narrowest bead takes: one as wide as high.
+/// Spacing of the narrowest bead, which is as wide as it is high.
 pub(crate) fn narrowest(height: Mm) -> Mm {
     height * std::f64::consts::FRAC_PI_4
 }

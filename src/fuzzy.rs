@@ -153,7 +153,7 @@ fn noise(p: DVec3) -> f64 {
         for value in at.to_array() {
             bits = mix(bits ^ (value as i64 as u64));
         }
-        // A double holds 53 bits.
+        // A double's mantissa holds 53 bits.
         (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     };
     let blend = |a: f64, b: f64, t: f64| a + (b - a) * t;

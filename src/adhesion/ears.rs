@@ -3,9 +3,9 @@
 //!
 //! ```text
 //!    ╭───╮              ╭───╮
-//!    │ ┌─┼──────────────┼─┐ │     a disc around each convex corner that is
-//!    ╰─┼─╯  part        ╰─┼─╯     sharper than brim.ear_angle, as far as it
-//!      │                  │       lies outside of the part
+//!    │ ┌─┼──────────────┼─┐ │     There is a disc around each convex corner
+//!    ╰─┼─╯  part        ╰─┼─╯     that is sharper than brim.ear_angle, as far
+//!      │                  │       as it lies outside of the part.
 //! ```
 
 use super::{TOLERANCE, inwards};
@@ -18,7 +18,7 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Corners whose tips are off by less than this are no corners, mm.
+/// Least height of a corner's tip, mm. Corners with a lower tip are round.
 const ROUND: Mm = 0.1;
 /// Corners of a disc's polygon.
 const SIDES: u32 = 48;
@@ -43,7 +43,7 @@ pub(super) fn ears(
     if discs.is_empty() {
         return Vec::new();
     }
-    // Ears are for the outside: holes stay free.
+    // Ears are outside the part: holes stay free.
     let outer = outline.rings.iter().filter(|r| signed_area(r) > 0.0);
     let without_holes = unite(&Area {
         rings: outer.cloned().collect(),
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(corners(&area, 125.0).len(), 4);
         assert_eq!(corners(&area, 140.0).len(), 6);
         assert_eq!(corners(&area, 80.0).len(), 0);
-        // A round part has none.
+        // A round part has no corners.
         let round: Ring = (0..200)
             .map(|k| {
                 DVec2::from_angle(f64::from(k) * 0.01 * std::f64::consts::PI)
@@ -128,7 +128,8 @@ mod tests {
             .iter()
             .map(|r| crate::plane::path_length(r, true))
             .sum();
-        // Three quarters of each of four discs, in lines of 0.407 mm.
+        // Three quarters of each of four discs are filled with lines of 0.407
+        // mm.
         let exact = 4.0 * 0.75 * std::f64::consts::PI * 16.0 / 0.407;
         assert!((length / exact - 1.0).abs() < 0.08, "{length} of {exact}");
         let near = offset(&part, 0.1 + 0.2, 1e-3);
@@ -142,7 +143,7 @@ mod tests {
         settings.brim.ear_radius = 4.0;
         let solid = rect(0.0, 0.0, 30.0, 20.0);
         let mut part = solid.clone();
-        // A hole within reach of a corner.
+        // A hole lies within reach of a corner.
         part.rings.extend(rect(1.0, 1.0, 12.0, 12.0).rings);
         part.rings[1].reverse();
         let loops = ears(&part, 0.2, &settings);

@@ -1,11 +1,11 @@
-//! Heatshrink, a compression that replaces bytes by references to the same
-//! bytes a few kilobytes before.
+//! Heatshrink, a compression that replaces bytes by references to equal bytes a
+//! few kilobytes before.
 //!
 //! In: bytes. Out: a stream of bits, the highest of a byte first: a 1 and a
-//! byte, or a 0, how far back (less 1) the bytes to repeat begin, and how many
-//! they are (less 1). The last byte is filled up with zeros. The format is that
-//! of github.com/atomicobject/heatshrink; the bits of the window and of the
-//! lengths are agreed on beforehand.
+//! byte, or a 0, how far back (less 1) the bytes to repeat begin, and their
+//! number (less 1). The last byte is filled up with zeros. The format is that
+//! of github.com/atomicobject/heatshrink. Writer and reader have to agree on
+//! the numbers of bits for distances and for lengths.
 
 /// Length of the shortest piece that is worth a reference, which takes 17 bits.
 const SHORTEST: usize = 3;
@@ -108,8 +108,8 @@ impl Places {
     }
 }
 
-/// Decompresses `count` bytes; nothing if there are fewer, or a reference leads
-/// before the beginning.
+/// Decompresses `count` bytes; none if there are fewer, or if a reference leads
+/// to before the beginning.
 pub(super) fn decompressed(
     bytes: &[u8],
     window: u8,
@@ -209,8 +209,8 @@ mod tests {
         assert!(small.len() * 6 < 400 * line.len(), "{}", small.len());
     }
 
-    /// Worked out by hand: a, b, c as themselves, then six bytes from three
-    /// back.
+    /// The case was worked out by hand: a, b, c as themselves, then six bytes
+    /// from three bytes back.
     #[test]
     fn the_bits_are_those_of_the_format() {
         let bits = "1 01100001 1 01100010 1 01100011 0 000000000010 0101";
@@ -233,7 +233,7 @@ mod tests {
         let small = compressed(b"abcabcabc", 12, 4);
         assert_eq!(decompressed(&small[..3], 12, 4, 9), None);
         assert_eq!(decompressed(&[], 12, 4, 1), None);
-        // Before the beginning.
+        // The reference leads to before the beginning.
         assert_eq!(decompressed(&[0x00; 8], 12, 4, 9), None);
         assert_eq!(decompressed(&[0x7f; 8], 12, 4, usize::MAX), None);
     }

@@ -6,10 +6,10 @@
 //! github.com/scottmudge/OctoPrint-MeatPack, in which other slicers pack the
 //! text of binary G-code.
 
-/// The characters that the halves of a byte stand for. The twelfth is E where
+/// The characters for which the halves of a byte stand. The twelfth is E where
 /// blanks are left out.
 const CHARACTERS: [u8; 15] = *b"0123456789. \nGX";
-/// A half that stands for a whole character that follows.
+/// A half that announces a whole character.
 const WHOLE: u8 = 15;
 /// Stands twice before a command.
 const SIGNAL: u8 = 0xff;
@@ -26,7 +26,7 @@ struct Unpacker {
     after: Option<u8>,
 }
 
-/// The unpacked text, which is at most twice as long.
+/// The unpacked text, which is at most twice as long as the bytes.
 pub(super) fn unpacked(bytes: &[u8]) -> Vec<u8> {
     let mut unpacker = Unpacker::default();
     let (mut signals, mut commanded) = (0, false);
@@ -107,14 +107,15 @@ mod tests {
     #[test]
     fn text_is_unpacked() {
         let packing = [255, 255, 251];
-        // G1, X, 1, line's end and what fills the byte up.
+        // G1, X, 1, a line's end, and a half that fills the byte up.
         let code = [0x1d, 0x1e, 0xcc];
         assert_eq!(unpacked(&[&packing[..], &code].concat()), b"G1X1\n");
-        // Whole characters: first, second, both.
+        // The bytes have a whole character first, then second, then two.
         let whole = [0x1f, b'M', 0xf1, b'Y', 0xff, b'a', b'b'];
         let all = [&packing[..], &whole, &[0x0c]].concat();
         assert_eq!(unpacked(&all), b"M11Yab\n");
-        // Without blanks their half is an E; unpacked text stands as it is.
+        // Without blanks their half stands for an E. Unpacked text stands as it
+        // is.
         let spare = [255, 255, 247, 0xb0, 255, 255, 250, b';', b'o', b'\n'];
         assert_eq!(unpacked(&[&packing[..], &spare].concat()), b"0E;o\n");
         assert_eq!(unpacked(&[255, 255, 251, 255]), b"");

@@ -10,9 +10,9 @@
 //! kind, how it is compressed, its length and a checksum. All numbers are
 //! little-endian.
 //!
-//! Guarantees: the same text gives the same bytes; unpacking them gives back
-//! every byte of the text; memory grows neither with the length of the text nor
-//! with what a damaged file says about itself.
+//! Guarantees: equal text gives equal bytes; unpacking them gives back every
+//! byte of the text; memory grows neither with the length of the text nor with
+//! what a damaged file says about itself.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -36,11 +36,11 @@ use crate::settings::ImageFormat;
 pub(crate) const MAGIC: [u8; 4] = *b"GCDE";
 /// The version of the format.
 const VERSION: u32 = 1;
-/// Length of a block's text, bytes. Printers decompress it piece by piece, and
-/// after a power failure begin again at a block.
+/// Length of a block's text, bytes. Printers decompress a block piece by piece,
+/// and begin again at a block after a power failure.
 const BLOCK: usize = 1 << 16;
-/// Bits of the distances in compressed text; [`LENGTH`] has those of the
-/// lengths.
+/// Number of bits of the distances in compressed text. [`LENGTH`] is that of
+/// the lengths.
 const WINDOW: u8 = 12;
 const LENGTH: u8 = 4;
 
@@ -88,9 +88,9 @@ impl Kind {
 enum Compression {
     None = 0,
     Deflate = 1,
-    /// With a window of 11 bits.
+    /// Heatshrink with a window of 11 bits.
     Heatshrink11 = 2,
-    /// With a window of 12 bits.
+    /// Heatshrink with a window of 12 bits.
     Heatshrink12 = 3,
 }
 

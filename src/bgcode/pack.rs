@@ -8,11 +8,11 @@ use crate::settings::PictureSize;
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
 
-/// The only way that keys are written.
+/// The number of the only way in which keys are written.
 const INI: u16 = 0;
-/// The text is not shortened before it is compressed.
+/// The number of text that is not shortened before it is compressed.
 const PLAIN: u16 = 0;
-/// The checksum in use: CRC32.
+/// The number of the checksum in use: CRC32.
 const CRC: u16 = 1;
 
 /// A key and its value.
@@ -27,14 +27,14 @@ pub(crate) struct About {
     pub printer: Vec<Key>,
     /// What the print takes.
     pub print: Vec<Key>,
-    /// How it was sliced.
+    /// How the part was sliced.
     pub slicer: Vec<Key>,
     /// Pictures of the part: size and format, and the file.
     pub pictures: Vec<(PictureSize, Vec<u8>)>,
 }
 
-/// Packs the text that is written to it. The tables before the text are known
-/// only after it, so the blocks wait in a temporary file.
+/// A writer that packs text. The tables before the text are known only after
+/// it, so the blocks wait in a temporary file.
 #[derive(Debug)]
 pub(crate) struct Packer<W> {
     out: W,
@@ -89,7 +89,8 @@ impl<W: Write> Write for Packer<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.text.extend_from_slice(bytes);
         while self.text.len() > BLOCK {
-            // A block has whole lines, unless one line is longer than a block.
+            // A block ends at a line's end, unless one line is longer than a
+            // block.
             let end = memchr::memrchr(b'\n', &self.text[..BLOCK]);
             let rest = self.text.split_off(end.map_or(BLOCK, |at| at + 1));
             write_text(&mut self.blocks, &self.text)?;

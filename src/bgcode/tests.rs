@@ -1,4 +1,4 @@
-//! There and back, and what is damaged.
+//! Packing and unpacking, and damaged files.
 
 use super::*;
 use crate::settings::PictureSize;
@@ -55,7 +55,7 @@ fn text_comes_back_behind_what_is_known_of_it() {
         std::io::copy(&mut reader, &mut std::io::sink()).unwrap();
         assert_eq!(reader.preface(), 4);
     }
-    // A line longer than a block, and none that ends.
+    // One text has a line longer than a block, another has no line's end.
     let long = "x".repeat(3 * BLOCK);
     assert!(unpacked(&packed(&long)).unwrap().ends_with(&long));
 }
@@ -74,7 +74,7 @@ fn every_cut_and_every_flipped_bit_is_noticed() {
     for end in 5..file.len() {
         assert!(unpacked(&file[..end]).is_err(), "{end}");
     }
-    // From the version on; what the head says of checksums may be turned off.
+    // The head is left out: it may turn checksums off.
     for at in 10..file.len() {
         let mut bad = file.clone();
         bad[at] ^= 1;
@@ -108,7 +108,7 @@ fn hostile_sizes_are_refused_at_once() {
     assert_eq!(format(&huge), "it has more than 16 MB");
     let short = bare(&[(1, 0, 1 << 20, b"G28")]);
     assert_eq!(unpacked(&short), Err(Damaged::CutOff(1)));
-    // A bomb: more than it says.
+    // The block holds more than it says.
     let mut zip = flate2::write::ZlibEncoder::new(
         Vec::new(),
         flate2::Compression::best(),
@@ -119,7 +119,7 @@ fn hostile_sizes_are_refused_at_once() {
     assert_eq!(format(&bomb), "its contents cannot be decompressed");
     let honest = bare(&[(1, 1, 1 << 22, &zip)]);
     assert_eq!(format(&honest), "it says to be far longer than it is");
-    // Many small ones.
+    // The file has many small blocks.
     let mut zip = flate2::write::ZlibEncoder::new(
         Vec::new(),
         flate2::Compression::best(),

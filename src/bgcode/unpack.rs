@@ -1,7 +1,7 @@
 //! From a file of blocks to text.
 //!
-//! In: any bytes. Out: the text of binary G-code, behind comments with what the
-//! file says about itself in the words of PrusaSlicer; any other bytes come out
+//! In: any bytes. Out: the text of binary G-code, after comments with what the
+//! file says about itself in the words of PrusaSlicer. Any other bytes come out
 //! unchanged. Everything is checked before it is used, and no block may be
 //! larger than [`LARGEST`].
 
@@ -17,7 +17,7 @@ use std::io::{self, Read};
 const LARGEST: u32 = 1 << 24;
 
 /// Greatest ratio of the unpacked length to the packed one, of a block and of
-/// the file: a few megabytes must not become gigabytes that take minutes to
+/// the file. A few megabytes must not become gigabytes that take minutes to
 /// read.
 const LIKELY: u64 = 64;
 
@@ -57,11 +57,11 @@ impl From<Damaged> for io::Error {
 pub struct Unpacked<R> {
     input: R,
     form: Form,
-    /// Unpacked text; what stands from `at` on has not been handed out.
+    /// Unpacked text. What stands from `at` on has not been handed out.
     ready: Vec<u8>,
     at: usize,
-    /// Number of blocks begun so far, their packed bytes, and their unpacked
-    /// ones.
+    /// Number of blocks begun so far, and of their packed and their unpacked
+    /// bytes.
     blocks: u64,
     packed: u64,
     unpacked: u64,
@@ -206,7 +206,8 @@ impl<R: Read> Unpacked<R> {
                 file,
             ));
         }
-        // Pictures are for screens, and nobody reads keys behind the text.
+        // Pictures are for screens, and nobody reads keys that come after the
+        // text.
         let keys = matches!(self.of_blocks, OfBlocks::Comments) && !has_text;
         if kind == Kind::Thumbnail || (kind != Kind::Gcode && !keys) {
             return Ok(true);
@@ -330,8 +331,8 @@ fn decompressed(
         Compression::None => data.to_vec(),
         Compression::Deflate => {
             let mut text = Vec::new();
-            // It reads one byte more than there may be, to notice that there
-            // are too many.
+            // The decoder reads one byte more than there may be, so that too
+            // many are noticed.
             ZlibDecoder::new(data)
                 .take(count as u64 + 1)
                 .read_to_end(&mut text)

@@ -1,8 +1,8 @@
 //! Checks G-code while it is written.
 //!
 //! A thread reads a copy of the text as it would read a file. So the verdict is
-//! about the text that is written and does not depend on timing. Memory stays
-//! bounded: if the checker is slower, the writer waits.
+//! about the text that is written, and does not depend on timing. Memory stays
+//! bounded: if the checker is slower than the writer, the writer waits.
 
 use super::{Rules, Verdict, check};
 use crate::reader::ReadError;
@@ -18,7 +18,7 @@ const CHUNK: usize = 1 << 16;
 /// Chunks that may wait for the checker.
 const WAITING: usize = 8;
 
-/// Checks text on a thread of its own while it is written.
+/// A check of text on a thread of its own while the text is written.
 pub(crate) struct Alongside {
     chunk: Vec<u8>,
     chunks: SyncSender<Vec<u8>>,
@@ -44,7 +44,7 @@ impl Alongside {
         })
     }
 
-    /// Takes more of the text.
+    /// Takes the next part of the text.
     pub(crate) fn read(&mut self, text: &[u8]) {
         self.chunk.extend_from_slice(text);
         if self.chunk.len() >= CHUNK {
@@ -118,14 +118,15 @@ mod tests {
     fn what_is_written_is_checked_as_a_file_is() {
         let rules = Rules::new(&Settings::default());
         let mut text = String::from("G28\nM109 S200\nM83\n;LAYER_CHANGE\n");
-        // More than the channel holds, with something wrong at the end.
+        // The text is more than the channel holds, with something wrong at the
+        // end.
         for k in 0..60_000 {
             text += &format!("G1 X{} Y10 E0.1 F600\n", 50 + k % 2);
         }
         text += "G1 X900\nM104 S0\n";
         assert!(text.len() > (WAITING + 1) * CHUNK);
         let mut checker = Alongside::new(rules.clone()).unwrap();
-        // The length of the pieces divides nothing.
+        // No line and no chunk is a whole number of such pieces.
         for piece in text.as_bytes().chunks(977) {
             checker.read(piece);
         }

@@ -3,10 +3,10 @@
 //! In: what each line does. Out: whether the file was cut off in the middle of
 //! the print.
 //!
-//! A print has ended where a heater was turned off, or a macro called, behind
-//! the last bead. A file without such an end is cut off if it stops with a bead
-//! or within a line, or if its slicer marks the end of the last layer and the
-//! mark is missing.
+//! A print has ended where a heater is turned off, or a macro called, after the
+//! last bead. A file without such an end is cut off if it stops with a bead or
+//! within a line, or if its slicer marks the end of the last layer and the mark
+//! is missing.
 
 use crate::reader::{Info, Move, Role};
 
@@ -25,9 +25,9 @@ pub(super) struct Ending {
     last: Last,
     /// Whether something of the part was printed.
     printed: bool,
-    /// Whether a nozzle was turned off or a macro called behind the last bead.
+    /// True if a nozzle was turned off or a macro called after the last bead.
     ended: bool,
-    /// Whether a macro was called behind the last bead.
+    /// True if a macro was called after the last bead.
     pub by_macro: bool,
 }
 
@@ -49,7 +49,7 @@ impl Ending {
         }
     }
 
-    /// Takes in a command that is neither a move nor of the following kinds.
+    /// Takes in a command that is neither a move nor one of the next two kinds.
     pub(super) fn other(&mut self) {
         self.last = Last::Other;
     }
@@ -66,8 +66,8 @@ impl Ending {
         self.by_macro = true;
     }
 
-    /// What shows that the file was cut off; nothing if it was not.
-    /// `unfinished` is true if the last line of the file has no end.
+    /// What shows that the file was cut off; none if it was not. `unfinished`
+    /// is true if the last line of the file has no end.
     pub(super) fn cut_off(
         &self,
         info: &Info,

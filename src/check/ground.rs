@@ -1,10 +1,10 @@
 //! What the beads of a layer stand on.
 //!
-//! The plane is divided into cells; a layer's islands are the connected groups
+//! The plane is divided into cells. A layer's islands are the connected groups
 //! of cells that beads run through. An island stands on something if a bead
-//! below runs through one of its cells or a neighbouring cell: a bead of the
-//! layer of the part below, or of a support within a gap. Islands of supports
-//! stand on the part with a gap as well.
+//! below runs through one of its cells or a neighbouring cell. Such a bead is
+//! in the part's layer below, or in a support within a gap. Islands of supports
+//! may stand on the part with a gap as well.
 
 use crate::reader::{Move, Role};
 use crate::units::Mm;
@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// cells.
 const CELL: Mm = 0.5;
 
-/// Number of cells below zero that no bead reaches.
+/// Number of cells on the negative side, beyond which no bead reaches.
 const BELOW: i32 = 1 << 12;
 
 /// Cells along one side of a tile.
@@ -27,7 +27,7 @@ struct Cells {
     /// Where the tiles are in `bits`.
     tiles: BTreeMap<(i32, i32), usize>,
     bits: Vec<[u32; SIDE as usize]>,
-    /// The tile that was asked for last.
+    /// The tile that was asked for last, and where it is in `bits`.
     last: Option<((i32, i32), usize)>,
 }
 
@@ -137,7 +137,7 @@ impl Cells {
     /// Tells of the first cell of each island that has nothing of `below` under
     /// it.
     fn begin(&self, below: &[&Cells], found: &mut impl FnMut(IVec2)) {
-        // Most cells are right above others, so few remain to be searched.
+        // Most cells are above others, so few remain to be searched.
         let mut hanging = self.clone();
         let below = below.iter().filter(|cells| !cells.is_empty());
         let standing: Vec<Cells> =
@@ -171,12 +171,12 @@ fn around(cell: IVec2) -> impl Iterator<Item = IVec2> {
     (-1..=1).flat_map(move |y| (-1..=1).map(move |x| cell + IVec2::new(x, y)))
 }
 
-/// A support holds what begins at most so far above it, and stands on what ends
-/// at most so far below it.
+/// Greatest gap between a support and what it holds above it, and between a
+/// support and what it stands on.
 const GAP: Mm = 0.6;
 
-/// Number of layers that are looked back on. Supports may be layers of their
-/// own, between those of the part.
+/// Number of layers that are kept. Supports may be layers of their own, between
+/// those of the part.
 const KEPT: usize = 16;
 
 /// Heights closer than this differ by rounding only.
@@ -236,8 +236,8 @@ impl Ground {
             let p = (cell.as_dvec2() + 0.5) * CELL;
             found(p.extend(top));
         };
-        // A file may print one object after another, and supports after what
-        // is beside them.
+        // A file may print one object after another, and supports after what is
+        // beside them.
         let lower = self.below.iter().rev();
         let lower = lower.filter(|l| l.z.is_some_and(|z| z.1 < top - ROUNDED));
         let near = |layer: &&Layer| layer.z.is_some_and(|z| z.1 > low - GAP);

@@ -3,7 +3,7 @@
 //! In: what commands ask of heaters. Out: whether a nozzle can push filament,
 //! and whether a temperature is more than the printer bears.
 //!
-//! A nozzle is as hot as the last command that waited for it says, or colder if
+//! A nozzle is as hot as the last command says that waited for it, or colder if
 //! it was told to cool down since. After a macro of the printer its temperature
 //! is unknown.
 
@@ -11,8 +11,8 @@ use super::TOOLS;
 use crate::reader::{Heater, Named, number};
 use crate::units::Celsius;
 
-/// Parameters of macros below this are no temperatures but numbers of something
-/// else: a tool, a layer, yes or no.
+/// Least temperature among the parameters of macros. A lower number is
+/// something else: a tool, a layer, yes or no.
 const WARM: Celsius = 20.0;
 
 /// How hot a heater may be.
@@ -27,8 +27,8 @@ pub(crate) struct HeatLimit {
 }
 
 impl HeatLimit {
-    /// The limit from the setting. Without a setting, a usual temperature, and
-    /// one that hardly any printer bears.
+    /// The limit from the setting. Without a setting there are two limits: a
+    /// usual temperature, and one that hardly any printer bears.
     pub(super) fn new(
         setting: &'static str,
         said: Option<Celsius>,
@@ -64,11 +64,11 @@ struct Nozzle {
     target: Option<Celsius>,
     /// The least temperature that it must have reached.
     reached: Celsius,
-    /// Whether a macro may have heated it.
+    /// True if a macro may have heated it.
     unknown: bool,
 }
 
-/// Index of the nozzle that all tools share, behind those of the tools.
+/// Index of the nozzle that all tools share, after those of the tools.
 const SHARED: usize = TOOLS as usize;
 
 /// What is known of the heaters.
@@ -76,14 +76,14 @@ const SHARED: usize = TOOLS as usize;
 pub(super) struct Heat {
     /// Least temperature for pushing filament.
     least: Celsius,
-    /// The nozzle of each tool, and the nozzle that they may share. Which of
-    /// them exist is not known until a command names a tool.
+    /// The nozzle of each tool, and the nozzle that they may share. Until a
+    /// command names a tool it is not known which of them exist.
     nozzles: [Nozzle; SHARED + 1],
-    /// True if a command has named a tool other than the first: each tool then
+    /// True if a command has named a tool other than the first. Then each tool
     /// has its own nozzle. Otherwise all share one, as on printers that change
-    /// the filament behind the nozzle.
+    /// the filament before the nozzle.
     apart: bool,
-    /// The temperature of the nozzle that a macro was told.
+    /// The temperature for the nozzle that was given to a macro.
     macro_told: Option<Celsius>,
     pub bed: Celsius,
     pub chamber: Celsius,
@@ -204,7 +204,7 @@ impl Heat {
         }
     }
 
-    /// Takes a tool for hot until it is told otherwise.
+    /// Takes a tool for hot until it is told a temperature.
     pub(super) fn trust(&mut self, tool: u32) {
         for i in [place(tool), SHARED] {
             self.nozzles[i].reached = f64::INFINITY;
@@ -243,8 +243,8 @@ pub(super) fn told(named: &Named) -> impl Iterator<Item = (Heater, Celsius)> {
         .filter_map(|(key, value)| Some((heater_of(key)?, number(value)?)))
 }
 
-/// The heater whose temperature a macro's parameter sets, by the parameter's
-/// name, which has nothing but words about heat.
+/// The heater whose temperature a macro's parameter sets. The parameter's name
+/// consists of words about heat alone.
 fn heater_of(key: &[u8]) -> Option<Heater> {
     const WORDS: [&str; 16] = [
         "TEMPERATURE",

@@ -24,17 +24,18 @@
 //! | the file is G-code | [`Kind::NoGcode`] |
 //! | the check tells what it does not know | [`Kind::Unknown`], [`Kind::UnknownWord`] |
 //!
-//! What start and end templates do is the user's own: moves of role `Custom`
-//! and those before the first layer. Only the rules about heat, reach, speed
-//! and sense hold there, and reach has a margin, since printers purge beside
-//! their beds. More plastic than firmware takes by default is a warning there
-//! ([`Kind::Purge`]).
+//! What start and end templates do is the user's own choice. Their moves are
+//! those of role `Custom` and those before the first layer. Only the rules
+//! about heat, reach, speed and sense hold there, and reach has a margin, since
+//! printers purge beside their beds. More plastic than firmware takes by
+//! default is a warning there ([`Kind::Purge`]).
 //!
 //! Filament that goes back while the head moves, or goes back too far, is a
-//! fault only if something is printed after it: end codes unload filament.
+//! fault only if something is printed after it, since end codes unload
+//! filament.
 //!
 //! Not guaranteed: that macros of the printer's firmware do what their names
-//! say. A macro that could have heated the nozzle is taken to have done so,
+//! say. A macro that may have heated the nozzle is taken to have done so,
 //! unless the temperature that it is given says otherwise.
 
 mod alongside;
@@ -67,8 +68,8 @@ const BESIDE: Mm = 15.0;
 /// Precision of the positions in a file, mm.
 const ROUNDING: Mm = 2e-3;
 
-/// Share by which rounding may exceed a speed: files have whole mm/min, or few
-/// decimals.
+/// Share of a speed by which rounding may exceed it: files have whole mm/min,
+/// or few decimals.
 const SPEED_ROUNDING: f64 = 1e-3;
 
 /// Pulled-back filament that does not count, since numbers are rounded and some
@@ -150,8 +151,8 @@ impl Rules {
             speed: printer.max_speed,
             speed_z: printer.max_speed_z,
             least_heat: settings.min_nozzle_temperature(),
-            // These limits hold if the printer's own are not set: what usual
-            // hot ends, beds and chambers bear, and what hardly any does.
+            // If the printer's own limits are not set, these hold: what usual
+            // hot ends, beds and chambers bear, and what hardly any bears.
             nozzle_heat: HeatLimit::new(
                 "printer.max_nozzle_temperature",
                 printer.max_nozzle_temperature,
@@ -173,7 +174,7 @@ impl Rules {
         }
     }
 
-    /// How hot a heater may be, and what it is called.
+    /// How hot a heater may be, and the heater's name.
     fn heat(&self, heater: Heater) -> (&HeatLimit, &'static str) {
         match heater {
             Heater::Nozzle(_) => (&self.nozzle_heat, "nozzle"),
@@ -266,7 +267,7 @@ impl<'a> Checker<'a> {
             Event::Move(step) => return self.step(&step),
             Event::Layer { number, .. } => {
                 self.next_layer();
-                // What was purged before the first layer carries nothing.
+                // What was purged before the first layer holds nothing.
                 if number == 1 {
                     self.ground = Ground::default();
                 }
@@ -335,7 +336,7 @@ impl<'a> Checker<'a> {
         self.verdict.add(kind, line, at, || problem.to_string());
     }
 
-    /// Tells if a temperature is more than the heater bears.
+    /// Reports a temperature that is more than the heater bears.
     fn limit_heat(&mut self, line: u64, heater: Heater, to: Celsius) {
         let (limit, name) = self.rules.heat(heater);
         if to > limit.most {
@@ -406,8 +407,8 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Takes in that motors are turned off, those named or all. Their positions
-    /// are unknown from then on.
+    /// Takes in that motors are turned off, the named ones or all. Their
+    /// positions are unknown from then on.
     fn motors_off(&mut self, words: &Words) {
         let all = !b"XYZE".iter().any(|l| words.has(*l));
         for (i, letter) in b"XYZ".iter().enumerate() {
@@ -461,7 +462,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Tells what a command does. Without an effect nothing is known of it.
+    /// Reports what a command does. Without an effect, the command is unknown.
     fn word(&mut self, line: u64, word: &str, effect: Option<Effect>) {
         let (kind, why) = match effect {
             Some(Effect::None) => return,
@@ -490,7 +491,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Tells if the head cannot go where a move leads.
+    /// Reports a move that leads where the head cannot go.
     fn reach(&mut self, step: &Move, template: bool) {
         let margin = if template { BESIDE } else { ROUNDING };
         let rules = self.rules;
@@ -539,13 +540,13 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Tells if the head moves before it knows where it is.
+    /// Reports a move before the head knows where it is.
     fn homed(&mut self, step: &Move) {
         if self.homed == HOMED {
             return;
         }
-        // Start codes often lift the nozzle before homing, and go to where z is
-        // homed.
+        // Start codes often lift the nozzle before homing, and move to the
+        // place where z is homed.
         let moved = (step.to - step.from).abs();
         let axes = [moved.x, moved.y, moved.z];
         let needed = (0..3)
@@ -560,7 +561,7 @@ impl<'a> Checker<'a> {
             .filter(|(i, _)| self.homed & 1 << i == 0)
             .map(|(_, name)| name)
             .collect();
-        // Said once, so it names all of them.
+        // The finding names all axes, so it is reported once.
         self.homed = HOMED;
         self.verdict.add(Kind::NotHomed, step.line, step.to, || {
             let (names, was) = match names.split_last() {
@@ -590,7 +591,7 @@ impl<'a> Checker<'a> {
                      is pushed; a macro of the printer's may"
                         .into()
                 });
-                // Said once.
+                // A tool is reported once.
                 return self.heat.trust(step.tool);
             }
             Readiness::Told(to) if to > 0.0 => format!(
@@ -673,7 +674,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Tells if a bead begins without its filament.
+    /// Reports a bead that begins without its filament.
     fn begin(&mut self, step: &Move) {
         if !self.held.is_empty() {
             self.let_go();
@@ -723,8 +724,8 @@ impl<'a> Checker<'a> {
             return;
         }
         let z = step.from.z.max(step.to.z);
-        // A layer is no higher than the nozzle is wide, the air above a raft
-        // included. The first one may lie on a thick sheet.
+        // A layer is no higher than the nozzle is wide, including the air above
+        // a raft. The first layer may lie on a thick sheet.
         let most = self.top + rules.nozzle + ROUNDING;
         if z > most {
             let top = self.top;
@@ -739,7 +740,7 @@ impl<'a> Checker<'a> {
         }
         self.top = self.top.max(z);
         // Skirts stand alone, and ironing lays nothing. A bead out of reach has
-        // been told of, and might take any number of cells.
+        // been reported, and might take any number of cells.
         let within =
             rules.reach(step.from, BESIDE) && rules.reach(step.to, BESIDE);
         if within && !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
@@ -747,7 +748,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Tells if a travel leads through what is printed.
+    /// Reports a travel that leads through what is printed.
     fn travel(&mut self, step: &Move) {
         let low = step.from.z.min(step.to.z);
         if sideways(step) && low < self.top - self.rules.nozzle {

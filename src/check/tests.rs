@@ -20,7 +20,7 @@ fn verdict(text: &str) -> Verdict {
     verdict_with(text, &[])
 }
 
-/// Off with everything.
+/// Turns everything off.
 const END: &str = "M104 S0\n";
 
 /// What is wrong with the lines after a good beginning.
@@ -29,7 +29,7 @@ fn found(lines: &str) -> Vec<(Kind, u64)> {
     all.counts.into_iter().collect()
 }
 
-/// How often something of that kind is in the file.
+/// How many findings of that kind a file has.
 fn count(all: &Verdict, kind: Kind) -> u64 {
     all.counts.get(&kind).copied().unwrap_or(0)
 }
@@ -73,7 +73,7 @@ fn cold_nozzles_push_nothing() {
     assert!(!cold("M109 S200\nM83\nG1 E5 F100\n"));
     assert!(!cold("M109 S200\nM104 S190\nM83\nG1 E5 F100\n"));
     assert!(!cold("M83\nG1 E-5 F100\n"));
-    // A macro may have done it.
+    // A macro may have homed and heated.
     let text = "START_PRINT EXTRUDER=200\nM83\nG1 X1 E5 F100\nG1 X2 E5\n";
     let all = verdict(text);
     assert_eq!(all.counts.get(&Kind::Unknown), Some(&1));
@@ -87,23 +87,23 @@ fn tools_have_a_heat_and_a_retraction_each() {
     assert!(safe("M109 S200 T0\nM104 T1 S0\nT0\n"));
     assert!(!safe("M109 T1 S200\nT0\n"), "T0 is cold");
     assert!(safe("M109 T1 S200\nT1\n"));
-    // RepRapFirmware's way, also of other slicers.
+    // RepRapFirmware heats a tool in this way; other slicers write it, too.
     assert!(safe("G10 P0 S205 R180\nT0\nM116\n"));
     assert!(safe("G10 S205\nM116\n"), "no retraction");
     assert!(safe("M568 P0 S205\nM116\n"));
     assert!(!safe("G10 P0 S205 R180\nT0\n"), "nobody waited");
-    // Each tool's filament is its own.
+    // Each tool has its own filament.
     let both = "M109 T0 S200\nM109 T1 S200\nM83\nG1 X0 Y0 F900\n;LAYER:0\n";
     let change = format!("{both}G1 E-9.6\nT1\nG92 E0\nG1 X5 E0.2\nT0\n");
     assert!(verdict(&format!("{change}{END}")).is_safe());
     let forgotten = verdict(&format!("{change}G1 X10 E0.2\n"));
     assert_eq!(forgotten.counts.get(&Kind::Unprimed), Some(&1));
-    // What a tool was told before any was named stays its own.
+    // A tool keeps the temperature that it was told before any tool was named.
     let late = "T1\nM109 S200\nM104 T1 S205\n";
     let all = verdict(&format!("{late}{bead}M104 S0\n"));
     assert!(!all.counts.contains_key(&Kind::Cold), "{all:?}");
     assert!(!all.counts.contains_key(&Kind::LeftOn), "{all:?}");
-    // So many tools that no table holds them.
+    // No table holds so many tools.
     assert!(safe("M109 T4000000000 S200\nT4000000000\n"));
 }
 
@@ -112,7 +112,7 @@ fn less_filament_may_be_wanted_than_was_pulled_back() {
     let cycle = "G1 E-0.8 F2100\nG1 X50 F9000\nG1 E0.6 F2100\n\
                  G1 X80 E1.2 F1800\n";
     let text = format!("{START}{}{END}", cycle.repeat(9));
-    // 0.2 mm are missing each time, and not more and more.
+    // 0.2 mm are missing each time, but the gaps do not add up.
     let all = verdict(&text);
     assert_eq!(all.counts.get(&Kind::Unprimed), Some(&9));
     let said = &all.sentences("x", Severity::Fault)[0];
@@ -138,7 +138,7 @@ fn beads_beyond_the_bed_take_no_memory() {
     while let Some(event) = reader.next() {
         checker.take(event.unwrap(), &reader);
     }
-    // The bed and what is beside it, in tiles of 16 mm; these moves would
+    // The tiles of 16 mm cover the bed and what is beside it. These moves would
     // take a hundred thousand.
     assert!(
         checker.ground.tiles() <= 17 * 17,
@@ -152,7 +152,7 @@ fn filament_goes_back_in_retractions_only() {
     let again = "G1 E0.5 F900\nG1 X80 E0.4\n";
     let back = format!("G1 X60 E-0.5 F900\n{again}");
     assert_eq!(found(&back), [(Kind::Backwards, 1)]);
-    // Up and down is no wipe, and end codes may do as they like.
+    // A move up or down is no wipe, and end codes may pull back.
     assert!(found(&format!("G1 Z1 E-0.5 F600\nG1 Z0.2\n{again}")).is_empty());
     assert!(found("G1 X60 E-0.5 F900\n").is_empty());
     let wipe = ";WIPE_START\nG1 X60 E-0.5 F900\n;WIPE_END\n";
@@ -184,7 +184,7 @@ fn beads_and_feeds_have_limits() {
 fn speeds_are_the_printers() {
     assert_eq!(found("G1 Z5 F601\n"), [(Kind::TooFast, 1)]);
     assert!(found("G1 Z5 F600\n").is_empty());
-    // Mostly sideways: 1 mm up on 100 mm.
+    // The move is mostly sideways: 1 mm up on 100 mm.
     assert!(found("G1 X150 Z1.2 F6000\n").is_empty());
     let none = verdict("G1 X10\n");
     assert_eq!(none.counts.get(&Kind::NoSpeed), Some(&1));
@@ -254,7 +254,7 @@ fn islands_stand_on_supports_with_a_gap() {
     let beside = [
         (0.2, 50.0, part),
         (0.2, 80.0, support),
-        // Supports after the part, and lower.
+        // The supports come after the part, and are lower.
         (0.4, 50.0, part),
         (0.35, 80.0, support),
         (0.55, 80.0, support),
@@ -332,7 +332,7 @@ fn heat_is_what_the_printer_bears() {
         let all = verdict_with(&format!("{fine}\n"), &limits);
         assert_eq!(count(&all, Kind::TooHot), 0, "{fine}");
     }
-    // Nobody says what the printer bears.
+    // No setting says what the printer bears.
     assert_eq!(count(&verdict("M109 S500\n"), Kind::TooHot), 1);
     assert_eq!(count(&verdict("M109 S320\n"), Kind::Hot), 1);
     assert_eq!(count(&verdict("M190 S300\n"), Kind::TooHot), 1);
@@ -355,21 +355,21 @@ fn plastic_is_pushed_through_a_nozzle_that_melts_it() {
         1,
         "it does not melt all the same"
     );
-    // Cold for probing, and hot again.
+    // The nozzle is cold for probing, and hot again.
     assert_eq!(cold("M109 R150\nG28\nM109 S210\n"), 0);
     assert_eq!(cold("M109 R150\nG28\nM104 S210\n"), 1, "nobody waited");
-    // Klipper's words.
+    // These are Klipper's words.
     let set = "SET_HEATER_TEMPERATURE HEATER=extruder TARGET=";
     let wait = "TEMPERATURE_WAIT SENSOR=extruder MINIMUM=";
     assert_eq!(cold(&format!("{set}210\n{wait}205\n")), 0);
     assert_eq!(cold(&format!("{set}210\n{wait}100\n")), 1);
     assert_eq!(cold(&format!("{set}210\n{wait}205\nTURN_OFF_HEATERS\n")), 1);
-    // What a macro is told, and what it is not.
+    // A macro is told a temperature, or it is not.
     assert_eq!(cold("PRINT_START EXTRUDER=30\n"), 1);
     assert_eq!(cold("PRINT_START EXTRUDER=1 BED=60\n"), 0);
     assert_eq!(cold("PRINT_START\nM104 S1\n"), 1);
     assert_eq!(cold("PRINT_START\nM104 S210\n"), 0);
-    // Ultimaker's heat before the file does.
+    // Ultimaker's printers heat before the first line.
     let griffin = ";FLAVOR:Griffin\n;EXTRUDER_TRAIN.0.INITIAL_TEMPERATURE:";
     assert_eq!(cold(&format!("{griffin}205\n")), 0);
     assert_eq!(cold(&format!("{griffin}30\n")), 1);
@@ -418,7 +418,7 @@ fn files_that_are_no_gcode_are_said_to_be_none() {
         assert_eq!(count(&all, Kind::NoGcode), 1);
         assert!(all.findings[0].message.contains(words), "{all:?}");
     }
-    // A line among others that is none.
+    // One line among others is no command.
     assert_eq!(found("hello there\n"), [(Kind::Senseless, 1)]);
 }
 
@@ -434,16 +434,16 @@ fn a_print_ends_as_a_whole_and_cold() {
     assert_eq!(ends("M104 S0"), []);
     assert_eq!(ends("PRINT_END\n"), [Kind::UnknownWord]);
     assert_eq!(ends("TURN_OFF_HEATERS\n"), []);
-    // It stops in the middle.
+    // The file stops in the middle.
     assert_eq!(ends(""), [Kind::CutOff]);
     assert_eq!(ends(";TYPE:Perimeter\n"), [Kind::CutOff]);
     assert_eq!(ends("G1 X70"), [Kind::CutOff]);
-    // It stays hot, or is made so again.
+    // A heater stays hot, or is heated again.
     assert_eq!(ends("M107\n"), [Kind::LeftOn]);
     assert_eq!(ends("M104 S0\nM104 S200\n"), [Kind::LeftOn]);
     assert_eq!(ends("M140 S60\nM104 S0\n"), [Kind::LeftOn]);
     assert_eq!(ends("M104 S0\nM140 S0\nM141 S40\n"), [Kind::LeftOn]);
-    // Marks of slicers.
+    // Slicers mark the end of the last layer.
     for head in [
         "; generated by isoslice 0.1.0\n",
         "; generated by PrusaSlicer 2.9.0 on 2026-01-01 at 12:00:00 UTC\n",
@@ -473,7 +473,8 @@ fn axes_are_homed_before_they_move() {
     assert!(!homed("G28 X Y\n"));
     assert!(!homed("G1 X5 F900\nG28\n"));
     assert!(!homed("G28\nM84\n"));
-    // All that were not, though the first move needs some of them only.
+    // The finding names all axes that were not homed, though the first move
+    // needs only some of them.
     let said = |head: &str| {
         let all = verdict(&format!("{head}G1 X5 Y5 F900\n{bead}"));
         all.sentences("a", Severity::Warning).join("\n")
@@ -572,13 +573,13 @@ fn commands_are_known_or_said_not_to_be() {
         let kinds = kinds(senseless);
         assert_eq!(kinds, [Kind::Senseless], "{senseless}");
     }
-    // What can be modelled is.
+    // What the reader can follow has its effect.
     assert!(kinds("M221 S1000\nG1 X55 E0.4 F900").contains(&Kind::ThickBead));
     assert!(kinds("G53 G1 Z-10 F600").contains(&Kind::OutOfReach));
     assert!(kinds("G92 Z10\nG1 Z0 F600").contains(&Kind::OutOfReach));
     let offset = "SET_GCODE_OFFSET Z=-10\nG1 Z0 F600";
     assert!(kinds(offset).contains(&Kind::OutOfReach));
-    // Each that is not known once, with its count.
+    // Each unknown command is reported once, with its count.
     let text = format!("{START}M1234\nM1234 S1\nPURGE_IT X=1\n{END}");
     let all = verdict(&text);
     let words: Vec<_> = all.unknown_words().collect();
@@ -591,7 +592,7 @@ fn commands_are_known_or_said_not_to_be() {
           from line 9), PURGE_IT (line 11)"
         ]
     );
-    // However many there are, memory does not grow with them.
+    // However many unknown commands there are, memory does not grow.
     let many: String = (0..5000).map(|k| format!("MACRO_{k}\n")).collect();
     let all = verdict(&many);
     assert_eq!(count(&all, Kind::UnknownWord), 5000);
@@ -681,13 +682,14 @@ fn a_target_that_is_no_number_does_not_turn_a_heater_off() {
         assert_eq!(count(&all, Kind::Senseless), 1, "{to}");
         assert_eq!(count(&all, Kind::LeftOn), 1, "{to}");
     }
-    // Nothing is said of a heater that nobody knows, and that is said.
+    // An unknown heater has no limit, and the check says that it does not know
+    // it.
     let all = verdict(&format!("{START}{heater}drybox TARGET=400\n{END}"));
     let unknown: Vec<_> = all.unknown_words().collect();
     assert_eq!(unknown, [("SET_HEATER_TEMPERATURE HEATER=drybox", 1)]);
 }
 
-/// The same text again and again, without end.
+/// One text again and again, without end.
 struct Endless(Vec<u8>, usize);
 
 impl Read for Endless {

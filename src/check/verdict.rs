@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 /// Number of places of a finding that are kept; further ones are counted.
 const KEPT: usize = 3;
 
-/// Number of findings of one kind about different things; further ones are told
-/// as one.
+/// Number of findings of one kind about different things. Further ones are
+/// reported as one.
 const APART: usize = 40;
 
 /// What the findings beyond [`APART`] are about.

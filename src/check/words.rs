@@ -1,12 +1,12 @@
-//! What commands mean that the reader does not follow.
+//! What the commands do that the reader does not follow.
 //!
 //! In: a command. Out: an [`Effect`], or nothing if the command is unknown. A
 //! row in the table makes a command known. Sources: Marlin's G-code index,
 //! RepRapFirmware's and Klipper's G-code references, Prusa's and Bambu Lab's
 //! start and end codes.
 //!
-//! The first row of a command that applies counts. If none applies, the command
-//! is harmless.
+//! Of a command's rows the first one that applies counts. If none applies, the
+//! command is harmless.
 
 use crate::reader::{Named, Words};
 use std::collections::BTreeMap;
@@ -17,10 +17,11 @@ use std::sync::LazyLock;
 pub(super) enum Effect {
     /// Nothing.
     None,
-    /// It should be looked at. The text says what it does, and completes a
-    /// sentence that begins with the command.
+    /// The command should be looked at. The text says what it does, and
+    /// completes a sentence that begins with the command.
     Warns(&'static str),
-    /// It has no place in a print, or changes what the lines after it mean.
+    /// The command has no place in a print, or changes what the lines after it
+    /// mean.
     Harms(&'static str),
 }
 use Effect::{Harms, Warns};
@@ -98,7 +99,7 @@ const RECALL: &str = "sets places and modes back to what was saved before, \
                       which the check does not follow";
 const LOGIC: &str = "makes what follows depend on what only the printer knows";
 
-/// What else commands do.
+/// The effects of the other commands.
 const ROWS: &[(&str, When, Effect)] = &[
     ("G6", Always, Harms(UNSEEN)),
     ("G10", Has(b"L"), Harms(ZERO)),
@@ -406,7 +407,7 @@ const HARMLESS_NAMES: &str = "
     BREAK CONTINUE T? TX TC
 ";
 
-/// What other commands that are names do.
+/// The effects of the other commands that are names.
 const NAMES: &[(&str, Effect)] = &[
     ("@PAUSE", Warns(WAITS)),
     ("ABORT", Harms("ends the print")),
@@ -492,14 +493,15 @@ static TABLE: LazyLock<BTreeMap<(u8, u32), Rows>> = LazyLock::new(|| {
     table
 });
 
-/// A command as events have it: `G38.2` is G and 382.
+/// The table's key for a command: `G38.2` is G and 382.
 fn key(name: &str) -> Option<(u8, u32)> {
     let (letter, number) = name.split_at_checked(1)?;
     let tenths = (number.parse::<f64>().ok()? * 10.0).round() as u32;
     Some((letter.as_bytes()[0], tenths))
 }
 
-/// What a command of a letter and a number does; nothing if it is not known.
+/// What a command of a letter and a number does; none if the command is
+/// unknown.
 pub(super) fn of_code(
     letter: char,
     tenths: u32,
@@ -510,7 +512,7 @@ pub(super) fn of_code(
     Some(row.map_or(Effect::None, |(_, effect)| *effect))
 }
 
-/// What a command that is a name does; nothing if it is not known.
+/// What a command that is a name does; none if the command is unknown.
 pub(super) fn of_name(named: &Named) -> Option<Effect> {
     if named.is("SET_GCODE_OFFSET") {
         let far = |key| named.number(key).is_some_and(|n| n.abs() > 1.0);
@@ -544,7 +546,7 @@ mod tests {
     #[test]
     fn every_row_is_a_command_and_can_apply() {
         for name in HARMLESS.split_whitespace() {
-            // Only Bambu Lab's commands have two digits behind the point; they
+            // Only Bambu Lab's commands have two digits after the point. They
             // are rounded.
             let (letter, tenths) = key(name).unwrap();
             let written = code(char::from(letter), tenths);
@@ -554,7 +556,7 @@ mod tests {
         for (i, (name, when, _)) in ROWS.iter().enumerate() {
             let key = key(name).unwrap();
             let before = last_of.insert(key, (i, matches!(when, Always)));
-            // Rows of a command stand together, and none behind one that
+            // Rows of a command stand together, and none follows a row that
             // always applies.
             assert!(before.is_none_or(|b| b == (i - 1, false)), "{name}");
         }

@@ -231,8 +231,8 @@ impl ModelArgs {
         Ok(model::place(&loaded, &placement, volume)?)
     }
 
-    /// The files that a command with these settings reads. None of them may be
-    /// an output.
+    /// The files that a command with these settings reads. No output may be one
+    /// of them.
     pub(super) fn inputs<'a>(
         &'a self,
         settings: &'a Gathered,
@@ -277,8 +277,8 @@ pub(super) fn is_plate(path: &Path) -> bool {
 }
 
 fn standard_input() -> anyhow::Result<String> {
-    /// As many bytes as the largest kind of file may have. Loading refuses a
-    /// file that is too large for its kind.
+    /// Size of the largest kind of file, bytes. Loading refuses a file that is
+    /// too large for its own kind.
     const MAX_BYTES: u64 = 64 << 20;
     let bytes = files::read_standard_input(MAX_BYTES);
     bytes
@@ -322,7 +322,7 @@ pub(super) struct Gathered {
     pub(super) warnings: Vec<String>,
     /// The files that the settings were read from.
     pub(super) files: Vec<PathBuf>,
-    /// Knows where each setting is from.
+    /// The builder that knows where each setting is from.
     pub(super) builder: Builder,
 }
 

@@ -97,7 +97,7 @@ fn counted(count: u64, what: &str) -> String {
     }
 }
 
-/// The unknown commands, which the counts leave out.
+/// The sentence about unknown commands, which the counts leave out.
 fn unknown(verdict: &Verdict) -> String {
     match verdict.unknown_words().count() as u64 {
         0 => String::new(),

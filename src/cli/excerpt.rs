@@ -1,7 +1,7 @@
 //! The line of a script that an error is about, with a mark under its place.
 //!
-//! In: an error and the script's text. Out: the line before it, the line, and a
-//! caret, if the error says where the script failed.
+//! In: an error and the script's text. Out: the line of the error with the line
+//! before it and a caret below, if the error says where the script failed.
 
 use isoslice::model::LoadError;
 

@@ -24,7 +24,7 @@ Examples:
   isoslice profiles import PrusaResearch.ini --name \"Original Prusa MK4S 0.4 nozzle\"
   isoslice profiles import fine.curaprofile --as fine --all";
 
-/// Keys that the summary names at most, of each kind.
+/// Greatest number of keys that the summary names, of each kind.
 const MOST_SHOWN: usize = 8;
 /// Greatest length of a profile's name.
 const LONGEST_NAME: usize = 80;
@@ -113,11 +113,11 @@ fn list(source: &Source) -> anyhow::Result<()> {
 
 /// An import on its way.
 struct Import {
-    /// The name, as it was.
+    /// The old name, as it was written.
     shown: String,
-    /// Where from, for the head of the file.
+    /// Where the profile is from, for the head of the file.
     origin: String,
-    /// Name of the new profiles, unless those of a kind have one of their own.
+    /// Name of the new profiles, unless a kind has a name of its own.
     name: String,
     kinds: Vec<Kind>,
     picked: Picked,
@@ -126,14 +126,14 @@ struct Import {
     settings: Settings,
     /// Templates that could not be translated: the setting, and the text.
     kept: Vec<(Kind, &'static str, String)>,
-    /// What is at odds in the settings, and warnings about them.
+    /// Contradictions in the settings, and warnings about them.
     remarks: Vec<String>,
 }
 
 impl Import {
     fn new(file: &Path, picked: &Picked) -> anyhow::Result<Self> {
         let mut translation = translate(picked);
-        // A profile of one kind stays one, whatever it sets.
+        // A profile of one kind stays of that kind, whatever it sets.
         if let [kind] = picked.kinds.as_slice() {
             for setting in &mut translation.settings {
                 setting.kind = *kind;
@@ -174,7 +174,7 @@ impl Import {
         })
     }
 
-    /// Leaves out what isoslice refuses, and notes what is at odds.
+    /// Leaves out what isoslice refuses, and notes contradictions.
     fn settle(&mut self) -> anyhow::Result<()> {
         let mut builder = Builder::new();
         let mut fine = Vec::new();
@@ -248,7 +248,7 @@ impl Import {
         Ok(())
     }
 
-    /// Keeps a template, which is left out, as a comment; why it is left out.
+    /// Keeps a template that is left out as a comment, with the reason.
     fn keep(&mut self, setting: Setting, why: &str) -> (Setting, String) {
         if let Value::Text(text) = &setting.value {
             self.kept.push((setting.kind, setting.name, text.clone()));
@@ -259,7 +259,7 @@ impl Import {
         (setting, what)
     }
 
-    /// Counts the keys of a setting that is left out as lost, except those of
+    /// Counts the keys of a setting that is left out as lost, except keys from
     /// which another setting was made.
     fn lose(&mut self, setting: &Setting, why: &str) {
         let t = &mut self.translation;
@@ -284,8 +284,8 @@ impl Import {
         }
     }
 
-    /// The text of a profile with the settings of some kinds, of which the last
-    /// wins.
+    /// The text of a profile with the settings of some kinds. Where two kinds
+    /// differ, the last one wins.
     fn text(&self, of: &[Kind]) -> anyhow::Result<String> {
         let mut text = String::new();
         let t = &self.translation;
@@ -315,7 +315,7 @@ impl Import {
             all.retain(|s| s.name != setting.name);
             all.push(setting);
         }
-        // Every setting is written as the whole profile has it, unless another
+        // Every setting has its value from the whole profile, unless another
         // kind sets it, too.
         let mut group = "";
         for key in keys() {
@@ -432,7 +432,7 @@ impl Import {
             let is_fresh = fs::symlink_metadata(&path).is_err();
             if let Err(error) = finished(output, &path) {
                 for path in fresh {
-                    // The first error is the one to tell of.
+                    // The first error is reported, so later ones are dropped.
                     let _ = fs::remove_file(path);
                 }
                 return Err(error);
@@ -522,7 +522,7 @@ impl Import {
 /// A file that was written: its kind, its name on the command line, its path.
 type Written = (Kind, String, PathBuf);
 
-/// The kind of isoslice's profile that a kind of key goes to.
+/// The kind of isoslice's profiles to which a kind of key goes.
 fn ours(kind: Kind) -> ProfileKind {
     match kind {
         Kind::Printer => ProfileKind::Printer,
@@ -543,7 +543,7 @@ fn assignment(setting: &Setting) -> String {
 
 fn shown(value: &Value) -> String {
     match value {
-        // Whole settings take no decimals.
+        // Whole settings have no decimals.
         Value::Number(x) => format!("{x}"),
         Value::Switch(yes) => yes.to_string(),
         Value::Text(text) => shortened(text),
@@ -577,7 +577,7 @@ fn slug(name: &str) -> String {
         }
     }
     let out = out.trim_end_matches(['-', '.']);
-    // Such an ending would make it a path on the command line.
+    // With this ending the name would be a path on the command line.
     out.strip_suffix(".toml").unwrap_or(out).to_owned()
 }
 
@@ -586,7 +586,7 @@ fn put(path: &Path, input: &Path, text: &str) -> anyhow::Result<()> {
     finished(begun(path, input, text)?, path)
 }
 
-/// A file with its text, which is not in its place yet.
+/// A file with its text, which has not been put in its place yet.
 fn begun(path: &Path, input: &Path, text: &str) -> anyhow::Result<Output> {
     let mut output = Output::create(path, &[input])?;
     output

@@ -266,7 +266,8 @@ fn describe_supports(
     survey: &Survey,
     text: &mut String,
 ) -> Result<(), std::fmt::Error> {
-    /// So many places are told of; lattices have thousands of small ones.
+    /// Greatest number of places that are listed. Lattices have thousands of
+    /// small ones.
     const TOLD: usize = 30;
     let Hanging {
         begins,

@@ -12,17 +12,18 @@ use rayon::ThreadPool;
 use std::process::exit;
 use std::time::Duration;
 
-/// Time in which a stage has to notice that it was stopped. After that the
-/// process ends without it.
+/// Time in which a stage has to notice that it was stopped. Then the process
+/// ends without waiting for it.
 pub(super) const GRACE: Duration = Duration::from_secs(2);
 
-/// How long a command may take if nobody says.
+/// How long a command may take unless the user says otherwise.
 const TIME: Duration = Duration::from_secs(3600);
 
-/// What has to come of slicing if nobody says how long it may take. Dear but
-/// honest models, such as 25,600 pins in one expression, come to 140,000 points
-/// a second on two cores, and lattices to twice that and more. A sum of 1,000
-/// sines comes to 5,000, and nothing is known of where f is positive.
+/// The least that has to come of slicing, unless the user says how long it may
+/// take. Costly models that make sense, such as 25,600 pins in one expression,
+/// reach 140,000 points a second on two cores, and lattices reach twice that
+/// and more. A sum of 1,000 sines, of which nobody knows where it is positive,
+/// reaches 5,000.
 const SLOW: Slow = Slow {
     within: Duration::from_secs(18),
     points: 150_000,
@@ -59,8 +60,8 @@ impl LimitArgs {
         Watch::new(self.limits())
     }
 
-    /// A watch over slicing. It stops work of which next to nothing comes,
-    /// unless a time was asked for.
+    /// A watch over slicing. It stops work that makes hardly any progress,
+    /// unless the user has set a time limit.
     pub(super) fn slicing_watch(&self) -> Watch {
         let slow = self.time_limit.is_none().then_some(SLOW);
         Watch::new(Limits {
@@ -88,7 +89,7 @@ pub(super) fn watched<T>(
     watch.last_resort(
         GRACE,
         &|stopped| {
-            // From here on nothing is written.
+            // From here on no file is written.
             let _pending = output::discard_all();
             terminal::report_error(&stopped.clone().into());
             exit(1);
@@ -97,8 +98,8 @@ pub(super) fn watched<T>(
     )?
 }
 
-/// Threads that work under this thread's watch; as many as the machine has if
-/// not given.
+/// Threads that work under this thread's watch. Their number is that of the
+/// machine if none is given.
 pub(super) fn workers(threads: Option<u16>) -> anyhow::Result<ThreadPool> {
     let watch = Watch::current();
     rayon::ThreadPoolBuilder::new()

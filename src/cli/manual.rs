@@ -1,5 +1,5 @@
-//! `isoslice completions` and `isoslice man`: makes scripts for shells and
-//! manual pages of the command line's description.
+//! `isoslice completions` and `isoslice man`: scripts for shells and manual
+//! pages, made of the command line's description.
 
 use super::Cli;
 use super::output::{Output, print};

@@ -2,13 +2,14 @@
 //!
 //! The outlines, grids and sweeps of a large layer take megabytes, and come and
 //! go on every thread. At first the GNU C library's allocator asks the system
-//! for each such block. After the first ones are freed it takes blocks of up to
-//! 32 MB from its heaps. Blocks in use between them then keep the heaps from
+//! for each such block. After it has freed the first ones it takes blocks of up
+//! to 32 MB from its heaps. Blocks in use between them then keep the heaps from
 //! shrinking. On layers of 300 mm this took about a third of all memory, and
-//! gained no time.
+//! saved no time.
 //!
 //! Smaller blocks come and go with every slab. Heaps keep some room for them,
-//! so that the system is not asked for the same pages again and again.
+//! so that the program does not ask the system for the same pages again and
+//! again.
 
 /// Least size of a block that comes from the system and goes back to it, bytes.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]

@@ -42,7 +42,7 @@ impl Template {
         }
     }
 
-    /// The settings without which it is not what it is meant to be.
+    /// The settings that the script needs to be what it is meant to be.
     fn settings(self) -> &'static str {
         match self {
             Template::Vase => {
@@ -96,7 +96,7 @@ pub(super) struct NewArgs {
 
 pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
     let given = args.name.display();
-    // The name of the script means the part of that name.
+    // The script's own file name is taken for the part's name.
     let base = match args.name.extension() {
         Some(extension) if extension == "rhai" => args.name.with_extension(""),
         _ => args.name.clone(),
@@ -130,7 +130,7 @@ pub(super) fn run(args: &NewArgs) -> anyhow::Result<()> {
     for (k, output) in outputs.into_iter().enumerate() {
         if let Err(error) = output.finish() {
             for (ours, _) in &texts[..k] {
-                // This run has written that file a moment ago.
+                // This run wrote that file a moment ago.
                 let _ = fs::remove_file(ours);
             }
             return Err(error).with_context(|| cannot(texts[k].0));

@@ -36,7 +36,7 @@ fn pending() -> MutexGuard<'static, Vec<PathBuf>> {
 pub(super) fn discard_all() -> MutexGuard<'static, Vec<PathBuf>> {
     let mut pending = pending();
     for path in pending.drain(..) {
-        // Nobody can be told of a failure any more.
+        // Nobody can be told of a failure here.
         let _ = fs::remove_file(path);
     }
     pending
@@ -48,7 +48,7 @@ pub(super) enum Output {
     Pending {
         writer: BufWriter<NamedTempFile>,
         destination: PathBuf,
-        /// Whether it replaces a file at the destination.
+        /// True if the file replaces another one at the destination.
         replaces: bool,
     },
     /// A stream that is written to directly.
@@ -172,8 +172,8 @@ impl Output {
                 replaces,
             } => {
                 let file = writer.into_inner().map_err(|e| e.into_error())?;
-                // Some systems tell only now that the disk is full. Also, the
-                // contents must be on the disk before the name.
+                // Some systems report a full disk only now. The contents must
+                // also be on the disk before the name is.
                 file.as_file().sync_all()?;
                 let mut pending = pending();
                 let path = file.path().to_owned();

@@ -75,19 +75,19 @@ pub(crate) fn parse() -> Cli {
     if error.use_stderr() && std::env::args_os().any(obeyed) {
         eprint!("{}", plain::lines(&error.render().to_string()));
     } else {
-        // Where even the message cannot be shown, nobody can be told so.
+        // If even the message cannot be shown, nobody can be told.
         drop(error.print());
     }
     exit(code)
 }
 
-/// Adds what to write for an option that names a setting, and for a model in a
-/// command's place.
+/// Adds what to write instead of an option that names a setting, or of a model
+/// in a command's place.
 fn suggest_setting(error: &mut clap::Error) {
     let kind = match error.kind() {
         ErrorKind::UnknownArgument => ContextKind::InvalidArg,
         ErrorKind::InvalidSubcommand => ContextKind::InvalidSubcommand,
-        // What stands where a further model may be.
+        // The argument stands where a further model may stand.
         ErrorKind::ValueValidation if is_more(error) => {
             ContextKind::InvalidValue
         }
@@ -110,7 +110,7 @@ fn suggest_setting(error: &mut clap::Error) {
     let Some(tip) = tip else {
         return;
     };
-    // clap's suggestions would be alike by chance only.
+    // clap's suggestions would resemble the argument by chance only.
     for kind in [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand] {
         error.remove(kind);
     }

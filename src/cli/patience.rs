@@ -1,5 +1,5 @@
-//! Tells those who wait what a long run is doing, how long it will take, and
-//! how to make it shorter.
+//! Tells the user who waits for a long run what the run is doing, how long it
+//! will take, and how to make it shorter.
 //!
 //! The message comes on the error stream after 10 seconds, and then at ever
 //! longer intervals, unless a bar shows the progress. The time left is
@@ -13,14 +13,14 @@ use std::time::{Duration, Instant};
 
 /// Time of the first message.
 const FIRST: Duration = Duration::from_secs(10);
-/// Time of each further message, as a multiple of the last one's.
+/// Ratio of the times of two messages in a row.
 const NEXT: u32 = 3;
 /// Time between looks.
 const EVERY: Duration = Duration::from_millis(250);
 
-/// Writes such messages until it is dropped.
+/// Writes messages until it is dropped.
 pub(super) struct Patience {
-    /// Nothing is ever sent. The thread ends when the sender is dropped.
+    /// The thread ends when this sender is dropped. Nothing is ever sent.
     _alive: Option<Sender<()>>,
 }
 
@@ -58,7 +58,7 @@ impl Patience {
     }
 }
 
-/// How long the remaining layers will take, if those since `before` took
+/// How long the remaining layers will take, if the layers since `before` took
 /// `time`.
 fn left(
     activity: &Activity,
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(estimate, Some(Duration::from_secs(150)));
         let text = word(ten, &activity, estimate);
         assert!(text.contains("30 of 330 layers done, about 2 min to go"));
-        // No layer was done since.
+        // No layer was finished since then.
         assert_eq!(left(&activity, ten, 30), None);
     }
 }

@@ -8,7 +8,7 @@ use isoslice::plate::{MOST_PARTS, Plate, PlateFile, Wanted};
 use isoslice::settings::Settings;
 use std::path::{Path, PathBuf};
 
-/// More models than one.
+/// The models beyond the first, and copies.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(super) struct PlateArgs {
     /// More models for the same plate; MODEL may also be a plate file (.toml),
@@ -67,7 +67,7 @@ impl PlateArgs {
         !self.more.is_empty() || self.copies.is_some_and(|n| n > 1)
     }
 
-    /// Where the G-code goes if nobody says so.
+    /// Where the G-code goes unless the user says.
     pub(super) fn output(&self, model: &Path) -> PathBuf {
         match self.more.is_empty() {
             true => model.with_extension("gcode"),
@@ -128,7 +128,7 @@ fn model_file(given: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// The name of a plate of these models: theirs, if they are few.
+/// The name of a plate of these models, made of their names if they are few.
 fn name_of(all: &[Wanted]) -> String {
     use isoslice::model::Source;
     const MOST: usize = 3;

@@ -239,7 +239,7 @@ impl Sliced {
                 file.display()
             );
         }
-        // These are the arguments if only the file is given.
+        // The command line has these words if only the file is given.
         let words = [OsStr::new("preview"), "--".as_ref(), file.as_os_str()];
         let plain = Sliced::from_arg_matches(
             &Sliced::augment_args(clap::Command::new("preview"))
@@ -294,7 +294,7 @@ fn read_as<R: Read>(reader: Reader<R>, name: &str) -> anyhow::Result<Toolpath> {
 }
 
 /// Diameter of the filament. Some slicers write it only at the end of the file,
-/// behind the beads.
+/// after the beads.
 fn said_diameter(file: &mut File) -> io::Result<Option<f64>> {
     const TAIL: u64 = 1 << 17;
     let metadata = file.metadata()?;

@@ -18,7 +18,7 @@ Examples:
   isoslice printers test workshop
   isoslice send part.gcode --to workshop";
 
-/// Bytes of a key at most.
+/// Greatest length of a key, bytes.
 const LONGEST_KEY: u64 = 4096;
 
 /// Arguments of `isoslice printers`.
@@ -103,7 +103,7 @@ struct AddArgs {
 /// Programs that run printers.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum HostName {
-    // `octoprint`, and not `octo-print`.
+    // The word is `octoprint`, and not `octo-print`.
     #[value(name = "octoprint")]
     OctoPrint,
     Moonraker,
@@ -201,8 +201,8 @@ fn add(args: &AddArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads a key. It is no argument, which others could see, and which shells
-/// remember.
+/// Reads a key from standard input. An argument would be seen by others, and
+/// remembered by shells.
 fn read_key(kind: HostKind) -> anyhow::Result<Key> {
     let text = if stdin().is_terminal() {
         plain::print(&format!("Key of {} (it is shown): ", kind.name()))?;

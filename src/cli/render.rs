@@ -149,7 +149,7 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
     output.finish().with_context(no_picture)
 }
 
-/// False for a name that promises another kind of file.
+/// False if a name promises another kind of file.
 fn path_is_png(path: &Path) -> bool {
     let end = path.extension().and_then(|end| end.to_str());
     is_stream(path) || end.is_none_or(|end| end.eq_ignore_ascii_case("png"))

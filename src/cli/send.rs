@@ -153,8 +153,8 @@ fn said_model(file: &mut File) -> std::io::Result<Option<String>> {
         let said = text.lines().find_map(|line| {
             let line = line.trim_start_matches(['\0', ';', ' ']);
             let (before, value) = line.split_once("printer_model")?;
-            // In a binary file its header stands before it; in other lines it
-            // is a word of a condition.
+            // In a binary file a header comes before the word. In other lines
+            // the word is part of a condition.
             if !before.is_empty() && !before.ends_with(char::is_control) {
                 return None;
             }

@@ -144,7 +144,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let report = args.report_output(&path, &inputs)?;
     let job = args.plate.job(&args.model, file, &gathered.settings)?;
     let (plate, settings) = (&job.plate, &job.plate.settings);
-    // What may be wrong with the models may be why they cannot be sliced.
+    // These warnings may explain why the models cannot be sliced.
     let told = job.warnings.iter().cloned();
     let before: Vec<String> = told
         .filter(|warning| !gathered.warnings.contains(warning))
@@ -232,7 +232,8 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
 }
 
 impl SliceArgs {
-    /// The printer to send the file to. A name that is not known costs no time.
+    /// The printer to send the file to. It is looked up before the work, so
+    /// that an unknown name costs no time.
     fn printer(&self) -> anyhow::Result<Option<Printer>> {
         let Some(name) = &self.send else {
             return Ok(None);

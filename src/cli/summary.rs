@@ -24,7 +24,7 @@ pub(super) struct Sums<'a> {
     pub(super) settings: &'a Settings,
     pub(super) summary: &'a Summary,
     pub(super) took: Duration,
-    /// Whether to tell where the processor time went.
+    /// True if the summary tells where the processor time went.
     pub(super) timings: bool,
 }
 
@@ -305,7 +305,7 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
         let settings = sums.settings;
         let sums = of.iter().filter_map(|role| summary.roles.get(role));
         let time: f64 = sums.map(|sum| sum.time_s).sum();
-        // A raft is counted as supports are.
+        // A raft counts as a support.
         let any = settings.has_supports();
         let (title, with) = match (summary.raft_layers, any) {
             (0, _) => ("supports    ", ""),
@@ -357,8 +357,8 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     if let Some(verdict) = &summary.verdict {
         let moves = verdict.moves;
         writeln!(text, "  checked     {moves} moves, safe for this printer")?;
-        // The line is for islands beyond those of the part, which the lines
-        // above tell of: tips, and bits of infill.
+        // The line counts islands beyond those of the part, which the lines
+        // above tell of, such as tips and bits of infill.
         if let Some((count, first)) = in_the_air(verdict)
             && count > summary.hanging.begins.count as u64
         {

@@ -30,10 +30,10 @@ const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
 
 const NOTE: Style = AnsiColor::Cyan.on_default().effects(Effects::BOLD);
 
-/// How much to show: 0 is as usual, less is quieter.
+/// How much is shown: 0 is usual, less is quieter.
 static LEVEL: AtomicI8 = AtomicI8::new(0);
 
-/// Whether a bar shows how far the run has come.
+/// True if a bar shows how far the run has come.
 static BAR: AtomicBool = AtomicBool::new(false);
 
 /// How much is shown.
@@ -65,7 +65,8 @@ impl Verbosity {
     }
 }
 
-/// How much to show: without summary from -1 down, with notes from 1 up.
+/// How much is shown: from -1 down there is no summary, from 1 up there are
+/// notes.
 fn level() -> i8 {
     LEVEL.load(Ordering::Relaxed)
 }
@@ -75,7 +76,7 @@ pub(super) fn is_quiet() -> bool {
     level() < 0
 }
 
-/// True if the user asked where the time went.
+/// True if the user asks where the time went.
 pub(super) fn wants_timings() -> bool {
     level() > 1
 }
@@ -166,7 +167,7 @@ pub(super) fn layer_progress(quiet: bool, watch: &Watch) -> ProgressBar {
         };
         bar.set_style(style.with_key("doing", doing));
     }
-    // The bar goes away also when the work is stopped half-way.
+    // The bar also goes away when the work is stopped half-way.
     let bar = bar.with_finish(ProgressFinish::AndClear);
     bar.enable_steady_tick(EVERY);
     BAR.store(true, Ordering::Relaxed);

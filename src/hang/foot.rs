@@ -1,25 +1,25 @@
 //! Whether a part stands firmly enough on the bed for its height.
 //!
 //! ```text
-//!      ← pull      the nozzle drags at the top of what is printed; the moment
-//!      ┌┐          of that about the foot, pull × height, must be borne by
-//!      ││          what sticks to the bed
+//!      ← pull      The nozzle drags at the top of what is printed. The moment
+//!      ┌┐          of this about the foot, pull × height, must be borne by what
+//!      ││          sticks to the bed.
 //!     ─┴┴─ foot
 //! ```
 //!
-//! Of a foot that bends like the root of a beam, the edge comes off first.
-//! It bears a moment of bond × W, where W is the section modulus of what lies
-//! on the bed (its second moment of area about the axis through its middle,
-//! over the distance of its farthest edge), about the axis that has the least.
-//! For a square of side b that is b³/(6·√2), over its corners: twice as wide
-//! holds eight times as high.
+//! A foot bends like the root of a beam, so its edge comes off first. It bears
+//! a moment of bond × W, where W is the least section modulus of what lies on
+//! the bed: the second moment of area about an axis through the middle, over
+//! the distance of the farthest edge from that axis. For a square of side b
+//! that is b³/(6·√2), over its corners: twice as wide holds eight times as
+//! high.
 //!
 //! In: the outline of the first layer, and its brim. Out: its [`Foot`].
 //!
-//! Not known: the bed, the material, and how strongly the nozzle pulls. The
-//! figures taken for them are round ones; a height beyond them is a reason for
-//! a brim, not a proof that the part falls. Bodies that stand apart are taken as
-//! one.
+//! Not known: the bed, the material, and how strongly the nozzle pulls. This
+//! module takes round figures for them. A part that is higher than they allow
+//! has a reason for a brim, which is no proof that it falls. Bodies that stand
+//! apart count as one.
 
 use crate::adhesion::brim;
 use crate::plane::{Area, edges};
@@ -40,7 +40,7 @@ const AXES: u32 = 36;
 pub struct Foot {
     /// Content of what lies on the bed, brim included.
     pub area: Mm2,
-    /// Greatest height that it holds.
+    /// Greatest height that the foot holds.
     pub holds: Mm,
 }
 
@@ -55,14 +55,14 @@ struct Moments {
 }
 
 impl Moments {
-    /// Of the triangle from the origin to `a` and `b`, signed.
+    /// Adds the triangle from the origin to `a` and `b`, signed.
     fn triangle(&mut self, a: DVec2, b: DVec2) {
         let twice = a.perp_dot(b);
         self.content += 0.5 * twice;
         self.first += twice / 6.0 * (a + b);
         let second = |p: DVec2| (p.x * p.x, p.x * p.y, p.y * p.y);
-        // The mean of a square over a triangle is that over its corners and
-        // their sum, by twelve.
+        // The mean of a square over a triangle is a twelfth of the sum of the
+        // squares of its corners and of their sum.
         for (xx, xy, yy) in [second(a), second(b), second(a + b)] {
             self.xx += twice / 24.0 * xx;
             self.xy += twice / 24.0 * xy;
@@ -70,7 +70,7 @@ impl Moments {
         }
     }
 
-    /// Of a piece of bead as if it were in one place.
+    /// Adds a piece of bead as if it were in one place.
     fn point(&mut self, p: DVec2, content: f64) {
         self.content += content;
         self.first += p * content;
@@ -79,7 +79,7 @@ impl Moments {
         self.yy += content * p.y * p.y;
     }
 
-    /// The second moment of distances from an axis through the middle; `n`
+    /// The second moment of the distances from an axis through the middle. `n`
     /// is at right angles to the axis.
     fn about(&self, middle: DVec2, n: DVec2) -> f64 {
         let all = n.x * n.x * self.xx
@@ -149,11 +149,11 @@ mod tests {
     #[test]
     fn a_foot_holds_by_its_section_modulus() {
         let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-9, "{a}");
-        // b³/(6·√2) of a square, wherever it is: over a corner.
+        // A square, wherever it is, has b³/(6·√2), over a corner.
         let square = |b: f64| 2.5 * b.powi(3) / 6.0 / 2.0_f64.sqrt();
         near(holds(&rect(0.0, 0.0, 3.0, 3.0)), square(3.0));
         near(holds(&rect(70.0, 90.0, 76.0, 96.0)), square(6.0));
-        // b·h²/6 of a strip, if it falls straight to its side.
+        // A strip that falls straight to its side has b·h²/6.
         let strip = 2.5 * 40.0 * 4.0 / 6.0;
         let found = holds(&rect(0.0, 0.0, 40.0, 2.0));
         assert!((0.5 * strip..=1.001 * strip).contains(&found), "{found}");
@@ -188,7 +188,7 @@ mod tests {
             ..Settings::default()
         };
         let foot = Foot::new(&pin, 0.2, &wide).unwrap();
-        // A brim of 5 mm makes 13 mm of 3, round at the corners.
+        // A brim of 5 mm makes 13 mm of 3 mm, round at the corners.
         let square = 2.5 * 13.0_f64.powi(3) / 6.0;
         assert!((0.4..1.05).contains(&(foot.holds / square)), "{foot:?}");
     }

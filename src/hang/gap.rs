@@ -1,7 +1,7 @@
 //! What sticks out by more than a lip in one layer: ledges, lids, bridges.
 //!
-//! In: boxes of a layer in which something does, and the layer below. Out: the
-//! gaps below it, and what hangs over each.
+//! In: boxes of a layer in which something sticks out, and the layer below.
+//! Out: the gaps below the layer, and what hangs over each.
 
 use super::reach::Limits;
 use crate::plane::clip::{crop, difference, intersection};
@@ -17,27 +17,28 @@ use glam::DVec2;
 /// What hangs over a gap.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gap {
-    /// Where it is, without what the layer below holds.
+    /// Where the gap is, without what the layer below holds.
     pub area: Area,
-    /// Content of what is not held at two ends, and how far it reaches.
+    /// Content of what is not held at two ends, and its greatest distance from
+    /// what holds it.
     pub leans: Mm2,
     pub reach: Mm,
-    /// Its farthest point.
+    /// The place at that distance.
     pub at: DVec2,
-    /// Content of the bridges that are too long, and the longest.
+    /// Content of the bridges that are too long, and the length of the longest.
     pub bridges: Mm2,
     pub span: Mm,
-    /// The middle of that.
+    /// The middle of the longest bridge.
     pub middle: DVec2,
 }
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.02;
-/// What is smaller is not worth a look, mm².
+/// Least content of a gap, mm².
 const SPECK: Mm2 = 0.05;
-/// Points of a gap at which its reach is measured, about.
+/// About how many points of a gap its reach is measured at.
 const POINTS: f64 = 2000.0;
-/// Boxes that are worth being kept apart.
+/// Greatest number of boxes that are kept apart.
 const BOXES: usize = 200;
 
 /// The gaps in some boxes of a layer.
@@ -76,14 +77,14 @@ pub(super) fn gaps(
         .collect()
 }
 
-/// Boxes none of which meet.
+/// Boxes that cover the given ones, and of which no two meet.
 fn merged(mut boxes: Vec<Rect>) -> Vec<Rect> {
     if boxes.len() > BOXES {
         return vec![boxes.iter().fold(Rect::EMPTY, |r, b| r.union(*b))];
     }
     let mut done: Vec<Rect> = Vec::new();
     while let Some(mut rect) = boxes.pop() {
-        // What it grew by may meet those that it did not meet before.
+        // The grown box may meet boxes that it did not meet before.
         loop {
             let met: Vec<Rect> =
                 done.extract_if(.., |d| d.meets(rect)).collect();

@@ -1,10 +1,10 @@
 //! A layer over the one below: how far its rim sticks out, and where it has
 //! a ledge, a lid or a bridge.
 //!
-//! Most of a layer lies right over the layer below. So only places on the
-//! rims are looked at, a small way apart: those of the layer, which are near
-//! to the rim below nearly everywhere, and those of the layer below, which
-//! may lie under a lid. Areas are made only where these tell of a ledge.
+//! Most of a layer lies right over the layer below. So only places on the two
+//! rims are looked at, a small way apart. Those of the layer itself are near
+//! the rim below nearly everywhere; those of the layer below may lie under a
+//! lid. Areas are made only where these places tell of a ledge.
 
 use super::gap::{Gap, gaps};
 use super::reach::Limits;
@@ -28,48 +28,51 @@ pub(crate) struct Look {
     pub(super) gaps: Vec<Gap>,
     /// Places on the rim, ring by ring.
     pub(super) rim: Vec<Place>,
-    /// True if some of them stick out by more than the layer below holds.
+    /// True if some of these places stick out by more than the layer below
+    /// holds.
     pub(super) leans: bool,
 }
 
-/// A place on the rim of a layer. Places on rings are edges' numbers, as a
-/// grid has them, and parts of edges.
+/// A place on the rim of a layer. A place on rings is an edge's number, as a
+/// grid has it, plus a share of the edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub at: DVec2,
-    /// Where on the rings.
+    /// The place on the layer's rings.
     pub on: f64,
-    /// The same of its ring's beginning and its end.
+    /// The places of its ring's beginning and end.
     pub ring: (f64, f64),
-    /// Length of the rim that goes with it.
+    /// Length of the rim that the place stands for.
     pub length: Mm,
-    /// Where on the rings of the layer below it is nearest to, if that is
-    /// known; what is far inside does not need it.
+    /// The nearest place on the rings of the layer below, if it is known. A
+    /// place far inside does not need it.
     pub foot: Option<f64>,
-    /// How far it sticks out over the layer below; negative if it is inside
-    /// that, and no number if nothing is known but that it is.
+    /// How far the place sticks out over the layer below; negative if it is
+    /// inside that layer, and NaN if it is so far inside that the distance is
+    /// unknown.
     pub beyond: Mm,
     /// Content of what sticks out around it.
     pub strip: Mm2,
-    /// What becomes of a ledge that it is at the rim of.
+    /// What becomes of the ledge at whose rim the place is.
     pub ledge: Ledge,
 }
 
-/// What a place at the rim has to do with ledges.
+/// What a place on the rim has to do with ledges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Ledge {
-    /// Nothing.
+    /// The place is not at a ledge.
     No,
-    /// It is at the rim of one, with this content.
+    /// The place is at the rim of a ledge with this content.
     Free(Mm2),
-    /// It is, and a bridge, or something near, holds it.
+    /// The place is at the rim of a ledge that a bridge, or something near,
+    /// holds.
     Held,
 }
 
 /// How far apart places are on a curved rim, and on a straight one, mm.
 const STEP: Mm = 0.5;
 const STRAIGHT: Mm = 1.0;
-/// How far apart they are on the rim of the layer below: lids are wide, mm.
+/// How far apart places are on the rim of the layer below, mm: lids are wide.
 const WIDE_STEP: Mm = 2.0;
 
 impl Look {
@@ -167,7 +170,7 @@ impl Look {
         }
     }
 
-    /// Tells the places on ledges what holds these.
+    /// Finds out for places on ledges what holds the ledges.
     fn settle_ledges(&mut self) {
         let bounds: Vec<Rect> =
             self.gaps.iter().map(|gap| gap.area.bounds()).collect();
@@ -176,10 +179,11 @@ impl Look {
             if place.ledge == Ledge::No {
                 continue;
             }
-            // A little inside: the gap has the rim in common.
+            // The point lies a little inside, since the gap has the rim in
+            // common.
             let next = match self.rim.get(i + 1) {
                 Some(next) if next.ring == place.ring => next.at,
-                // The last one of a ring is followed by its first.
+                // The last place of a ring is followed by the ring's first.
                 _ => {
                     let from = place.ring.0;
                     let first = self.rim.partition_point(|p| p.on < from);
@@ -202,13 +206,13 @@ impl Look {
 /// What names a ring: its first point, to the last bit.
 pub(super) type Name = [u64; 2];
 
-/// The name of the ring that begins here.
+/// The name of the ring that begins at `first`.
 pub(super) fn name(first: DVec2) -> Name {
     first.to_array().map(f64::to_bits)
 }
 
 /// Finds out how far the places of a ring stick out, and adds boxes around
-/// ledges; true if some do by more than what is held.
+/// ledges. True if some places stick out by more than what is held.
 fn over(
     places: &mut [Place],
     below: &EdgeGrid,
@@ -262,16 +266,16 @@ fn over(
     true
 }
 
-/// What of the layer below is nearest to a place.
+/// The place of the layer below that is nearest to a place.
 struct Foot {
     at: DVec2,
     on: Option<f64>,
     beyond: Mm,
 }
 
-/// Looks for it; deep inside, nothing is to be known.
+/// Looks for the nearest place. Deep inside, the result is unknown.
 fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
-    /// Nearer than this a place is on the rim, mm.
+    /// Within this distance a place is on the rim, mm.
     const ON: Mm = 1e-3;
     let close = below.nearest_edge(p, near);
     let inside = close.is_none() && below.contains(p);
@@ -317,7 +321,7 @@ fn under_lids(
     boxes: &mut Vec<Rect>,
 ) {
     let depth = limits.held + limits.lip;
-    // As far as the next place, and what hangs there.
+    // The box reaches to the next place, and around what hangs there.
     let margin = WIDE_STEP + 2.0 * depth;
     let all = Rect {
         min: DVec2::splat(-margin),
@@ -367,7 +371,7 @@ mod tests {
         let mut below = rect(0.0, 0.0, 10.0, 10.0);
         below.rings.extend(rect(20.0, 0.0, 30.0, 10.0).rings);
         let at = |x: f64, y: f64| DVec2::new(x, y);
-        // It begins in the middle of the gap.
+        // The island begins in the middle of the gap.
         let ring =
             vec![at(15.0, 0.0), at(30.0, 0.0), at(30.0, 10.0), at(0.0, 10.0)];
         let ring = [ring, vec![at(0.0, 0.0)]].concat();

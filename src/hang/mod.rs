@@ -3,9 +3,9 @@
 //!
 //! ```text
 //!        ┌──────────────────────┐
-//!        └───────┐  ┌───────────┘   the underside of a plate on a post; its
+//!        └───────┐  ┌───────────┘   The underside of a plate on a post. Its
 //!          reach │  │├── reach ─┤   reach is how far it gets from what holds
-//!                │  │
+//!                │  │               it.
 //! ```
 //!
 //! In: the outline of a layer and that of the layer below. Out: what hangs, by
@@ -17,15 +17,16 @@
 //! | leans | a face that leans by more than `support.angle` from the vertical, up to a ledge |
 //! | bridges | skin held at both ends, farther apart than `bridge_max` |
 //!
-//! Each layer holds h·tan(`support.angle`) of the one above, h being its
-//! height. What sticks out farther adds up from layer to layer: the rim of a
-//! wall that leans by 60° is 0.06 mm farther from what holds it with every
-//! layer of 0.2 mm, if 55° hold themselves, and comes back to it as slowly once
-//! the wall is upright again ([`Tracker`]). Up to two lines' width hang
-//! without harm: a bead laid beside one that is held sticks to it, and so
-//! does the next. So lips, small holes and the undersides of most lattices
-//! carry themselves and are not told of. Neither are the tips of a lattice that
-//! begin on nothing and soon grow together with it (`tip`).
+//! Each layer holds h·tan(`support.angle`) of the layer above, where h is that
+//! layer's height. What sticks out farther adds up from layer to layer
+//! ([`Tracker`]). For example, if faces that lean by 55° hold themselves, the
+//! rim of a wall that leans by 60° gets 0.06 mm farther from what holds it with
+//! every layer of 0.2 mm. It comes back as slowly once the wall is upright
+//! again. Up to two lines' width hang without harm: a bead laid beside one that
+//! is held sticks to it, and so does the next. So lips, small holes and the
+//! undersides of most lattices carry themselves and are not reported. The tips
+//! of a lattice that begin on nothing and soon grow together with it are not
+//! reported, either (`tip`).
 //!
 //! Bridges are those that the skin's lines make: straight lines across a gap,
 //! in the direction that the [`skin`](crate::skin) has for them, held at both
@@ -33,10 +34,10 @@
 //!
 //! Whether the whole part stands firmly is another matter: [`foot`].
 //!
-//! Not guaranteed: a reach that adds up over more layers than the pipeline
-//! takes in one block may be counted in part, because what a run of a range
-//! tells of a layer must not depend on every layer below it. Nothing is known
-//! of the material, either: the settings say how far a bridge or a slope holds.
+//! Not guaranteed: that a reach is counted in full if it adds up over more
+//! layers than the pipeline takes in one block, because what a run of a range
+//! reports about a layer must not depend on every layer below it. The material
+//! is unknown, too: the settings say how far a bridge or a slope holds.
 
 pub(crate) mod foot;
 mod gap;
@@ -68,21 +69,21 @@ pub enum Kind {
 /// What hangs in some layers, of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sum {
-    /// How many there are: islands, or gaps. Slopes have no number.
+    /// Number of islands, or of gaps. Slopes have no number.
     pub count: usize,
-    /// Their undersides, seen from below.
+    /// Content of the undersides, seen from below.
     pub area: Mm2,
-    /// The largest of them, about, where they are connected.
+    /// Content of the largest connected underside, about.
     pub largest: Mm2,
-    /// The widest: of slopes the distance from what holds them, of bridges
-    /// their length; 0 of islands.
+    /// Greatest reach: of slopes the distance from what holds them, of bridges
+    /// their length; 0 for islands.
     pub reach: Mm,
-    /// Where the first of them is, on the bed: the lowest one.
+    /// Place of the first, which is the lowest, on the bed.
     pub first: Option<DVec3>,
 }
 
 impl Sum {
-    /// Adds `area`, which belongs to a place of `all`.
+    /// Adds `area`, which belongs to a place with the content `all`.
     fn add(&mut self, area: Mm2, all: Mm2, reach: Mm, at: DVec3) {
         self.count += 1;
         self.area += area;
@@ -98,7 +99,7 @@ impl Sum {
 }
 
 impl Sum {
-    /// Adds what hangs in each of some equal parts.
+    /// Adds what hangs in each of several equal parts.
     fn add_parts(&mut self, other: &Sum, copies: usize) {
         self.count += copies * other.count;
         self.area += copies as f64 * other.area;
@@ -110,8 +111,8 @@ impl Sum {
 }
 
 impl Hanging {
-    /// Adds what hangs in each of some equal parts. Of two feet that are too
-    /// small the one stays that holds less.
+    /// Adds what hangs in each of several equal parts. Of two feet that are too
+    /// small the one that holds less stays.
     pub(crate) fn add(&mut self, other: &Hanging, copies: usize) {
         self.begins.add_parts(&other.begins, copies);
         self.in_cavity.add_parts(&other.in_cavity, copies);
@@ -129,12 +130,12 @@ impl Hanging {
 pub struct Hanging {
     /// Islands that begin on nothing.
     pub begins: Sum,
-    /// Those of them that are inside the part, in a cavity.
+    /// Islands among these that are inside the part, in a cavity.
     pub in_cavity: Sum,
     /// Faces that lean too far.
     pub leans: Sum,
     /// Bridges that are too long.
     pub bridges: Sum,
-    /// What the whole part stands on, if that is too small for its height.
+    /// The foot of the whole part, if it is too small for the part's height.
     pub foot: Option<foot::Foot>,
 }

@@ -1,20 +1,19 @@
-//! What hangs as places: what is found layer by layer, put together where it is
-//! connected.
+//! What hangs as places: the findings of all layers, put together where they
+//! are connected.
 //!
 //! In: what a [`Tracker`](super::Tracker) finds. Out: places, from the bed up.
 //! What leans in one layer belongs to what leans in the layer below if their
-//! boxes come near to each other, so a slope is one place, over all of its
-//! height.
+//! boxes come near each other, so a slope is one place, over all of its height.
 
 use super::Kind;
 use crate::plane::Rect;
 use crate::units::{Mm, Mm2};
 use glam::DVec3;
 
-/// Boxes nearer to each other than this belong together, mm.
+/// Boxes that are nearer to each other belong together, mm.
 const NEAR: Mm = 1.0;
-/// So many places are kept, and at least one of each kind; lattices may have
-/// more, whose area counts.
+/// Greatest number of places that are kept, besides at least one of each kind.
+/// Lattices may have more, and their area still counts.
 const MOST: usize = 10_000;
 
 /// A place of a part that would need a support.
@@ -23,45 +22,45 @@ const MOST: usize = 10_000;
 pub struct Place {
     /// What hangs there.
     pub kind: Kind,
-    /// Its underside, seen from below.
+    /// Content of the underside, seen from below.
     pub area: Mm2,
-    /// From where to where it hangs: heights of undersides above the bed.
+    /// Height above the bed at which the underside begins.
     pub from: Mm,
-    /// The greater of the two.
+    /// Height above the bed at which the underside ends.
     pub to: Mm,
-    /// How far it gets from what holds it; of bridges the longest, and 0 of
-    /// islands that begin on nothing.
+    /// How far the place gets from what holds it; for bridges the greatest
+    /// length, and 0 for islands that begin on nothing.
     pub reach: Mm,
-    /// Its farthest point on the bed.
+    /// The place's farthest point, on the bed.
     pub at: DVec3,
 }
 
-/// What is found of one kind in one layer.
+/// What was found of one kind in one layer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     pub kind: Kind,
     pub area: Mm2,
     pub reach: Mm,
-    /// On the bed.
+    /// The farthest point, on the bed.
     pub at: DVec3,
-    /// Around it in the plane.
+    /// The box around it in the plane.
     pub around: Rect,
 }
 
-/// Places as they are found.
+/// The places found so far.
 #[derive(Debug, Default)]
 pub(super) struct Places {
     all: Vec<Place>,
-    /// The last one of each kind.
+    /// The number of the last place of each kind.
     last: Vec<(Kind, usize)>,
-    /// The slopes of the layer below, and of this one: numbers of places and
+    /// The slopes of the layer below, and of this layer: numbers of places, and
     /// boxes.
     below: Vec<(usize, Rect)>,
     here: Vec<(usize, Rect)>,
 }
 
 impl Places {
-    /// Goes up a layer.
+    /// Goes up by a layer.
     pub(super) fn next_layer(&mut self) {
         self.below = std::mem::take(&mut self.here);
     }
@@ -79,7 +78,8 @@ impl Places {
         let known = self.below.iter().chain(&self.here);
         let mut known = known.filter(|(_, rect)| rect.meets(near));
         let known = known.next().filter(|_| kind == Kind::Leans);
-        // So many that new ones go with the last one of their kind.
+        // If there are too many places, new ones go with the last one of their
+        // kind.
         let full = self.all.len() >= MOST;
         let of_kind = self.last.iter().filter(|(of, _)| full && *of == kind);
         let last = of_kind.map(|(_, number)| *number).next();
@@ -172,7 +172,7 @@ mod tests {
             places.add(found(1.0 + at, 0.2 * f64::from(k), Kind::Leans));
             places.add(found(50.0 - at, 0.2 * f64::from(k), Kind::Leans));
         }
-        // After a layer without any it is another one.
+        // After a layer without a slope the next slope is another place.
         places.next_layer();
         places.next_layer();
         places.add(found(6.0, 2.4, Kind::Leans));

@@ -3,22 +3,22 @@
 use crate::settings::Settings;
 use crate::units::Mm;
 
-/// Lip that hangs without harm, in widths of the outer wall.
+/// Width of a lip that hangs without harm, as a multiple of the outer wall's.
 const LIP: f64 = 2.0;
-/// Rims are known so well, mm.
+/// Accuracy of rims, mm.
 const SLACK: Mm = 0.01;
 
 /// How far a layer may stick out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// What the layer below holds beyond its rim.
+    /// How far beyond its rim the layer below holds something.
     pub held: Mm,
-    /// What hangs beyond that without harm.
+    /// Width of what hangs beyond that without harm.
     pub lip: Mm,
 }
 
 impl Limits {
-    /// Of a layer of this height.
+    /// The limits of a layer of this height.
     pub(super) fn new(height: Mm, settings: &Settings) -> Limits {
         Limits {
             held: height * settings.support.angle.to_radians().tan() + SLACK,

@@ -2,14 +2,14 @@
 //!
 //! ```text
 //!      ▒▒▒▒▒▒▒▒▒▒
-//!      ▒▒▒▒  ▒▒▒▒     a tip begins in the air and is soon one with what
-//!      ▒▒▒    ▒▒      stands beside it: what is laid there is dragged along a
-//!      ▒▒             little, and caught
+//!      ▒▒▒▒  ▒▒▒▒     A tip begins in the air and is soon one with what
+//!      ▒▒▒    ▒▒      stands beside it. What is laid there is dragged along
+//!      ▒▒             a little, and caught.
 //! ```
 //!
 //! A lattice that a slanted surface cuts has tips all over, and they print well
-//! enough. So an island is told of only if it is large, if it gets high before
-//! it meets what stands on the bed, or if it never does.
+//! enough. So an island counts only if it is large, if it gets high before it
+//! meets what stands on the bed, or if it never does.
 //!
 //! In: the rims of layers, from below. Out: the islands that count.
 
@@ -21,9 +21,9 @@ use crate::units::{Mm, Mm2};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// From here on an island is no tip, mm².
+/// Content from which on an island is no tip, mm².
 const LARGE: Mm2 = 10.0;
-/// Nor is it from this height on, mm.
+/// Height from which on an island is no tip, mm.
 const HIGH: Mm = 3.0;
 
 /// An island that began on nothing.
@@ -32,23 +32,24 @@ pub(super) struct Island {
     /// Its content where it begins, and a point of it there.
     pub area: Mm2,
     pub at: DVec3,
-    /// Whether it hangs inside the part.
+    /// True if the island hangs inside the part.
     pub in_cavity: bool,
-    /// How high it is by now, and how large it was at most.
+    /// Height of the island so far, and its greatest content.
     height: Mm,
     most: Mm2,
-    /// Its ring in the layer below the next one: the numbers of its edges,
-    /// and a point.
+    /// The island's ring in the last layer: the numbers of its edges, and a
+    /// point.
     ring: (f64, f64),
     now: DVec2,
 }
 
-/// The islands of which it is not known yet.
+/// The islands that may still be tips.
 #[derive(Debug, Default)]
 pub(super) struct Tips(Vec<Island>);
 
 impl Tips {
-    /// Takes the next layer, `here`; gives the islands that count from now on.
+    /// Takes the next layer, `here`. Returns the islands that count from now
+    /// on.
     pub(super) fn layer(
         &mut self,
         look: &Look,
@@ -73,9 +74,9 @@ impl Tips {
                     self.keep(island, rings[k], look, &mut counts);
                 }
                 Above::Nothing => {
-                    // No rim is near, or none that stands on it. If there is
-                    // solid above or beside it, that has caught it; if there
-                    // is none, it ends here, and nothing ever held it.
+                    // No ring lies on the island. If there is solid above or
+                    // beside it, this has caught the island. If there is none,
+                    // the island ends here, and nothing ever held it.
                     let (p, lip) = (island.now, look.limits.lip);
                     let caught =
                         here.contains(p) || here.nearest_edge(p, lip).is_some();
@@ -105,18 +106,19 @@ impl Tips {
             };
             self.keep(island, ring, look, &mut counts);
         }
-        // By place, for the next layer to find them.
+        // The islands are sorted by place, so that the next layer finds them.
         self.0.sort_by(|a, b| a.ring.0.total_cmp(&b.ring.0));
         counts
     }
 
-    /// A layer of this height that is the same as the one below.
+    /// Takes a layer of this height whose outline equals that of the layer
+    /// below.
     pub(super) fn same(&mut self, height: Mm, limits: Limits) -> Vec<Island> {
         self.0.iter_mut().for_each(|i| i.height += height);
         self.0.extract_if(.., |i| i.counts(limits)).collect()
     }
 
-    /// Those of which nothing more will be known.
+    /// Returns the islands of which nothing more will be known.
     pub(super) fn rest(&mut self, limits: Limits) -> Vec<Island> {
         let mut rest = std::mem::take(&mut self.0);
         rest.retain(|i| i.most >= speck(limits));
@@ -140,31 +142,31 @@ impl Tips {
     }
 }
 
-/// What is smaller than the square of a line's width becomes no bead.
+/// Least content of what becomes a bead: the square of a line's width.
 fn speck(limits: Limits) -> Mm2 {
     (0.5 * limits.lip).powi(2)
 }
 
 impl Island {
-    /// True if it is no tip.
+    /// True if the island is no tip.
     fn counts(&self, limits: Limits) -> bool {
         let high = self.height >= HIGH && self.most >= speck(limits);
         high || self.most >= LARGE
     }
 }
 
-/// What lies on an island.
+/// What lies on an island in the next layer.
 #[derive(Clone, Copy, Debug)]
 enum Above {
-    /// No rim that is near to its own.
+    /// No ring whose places are near the island's.
     Nothing,
-    /// The ring of this number, and that on nothing else that stands.
+    /// The ring of this number, which lies on nothing else that stands.
     Hangs(usize),
-    /// A ring that stands on something else as well.
+    /// A ring that also lies on something that stands.
     Stands,
 }
 
-/// What lies on each of some islands, which are in the order of their rings.
+/// What lies on each of several islands, which are in the order of their rings.
 fn ringed(islands: &[Island], rings: &[&[Place]]) -> Vec<Above> {
     let find = |on: f64| {
         let next = islands.partition_point(|i| i.ring.0 <= on);
@@ -175,7 +177,7 @@ fn ringed(islands: &[Island], rings: &[&[Place]]) -> Vec<Above> {
     for (r, ring) in rings.iter().enumerate() {
         let feet = ring.iter().filter_map(|p| p.foot);
         let on: Vec<Option<usize>> = feet.map(find).collect();
-        // Two islands that meet still stand on nothing.
+        // A ring on two islands still stands on nothing.
         let stands = on.contains(&None);
         for k in on.into_iter().flatten() {
             match (stands, above[k]) {
@@ -186,7 +188,7 @@ fn ringed(islands: &[Island], rings: &[&[Place]]) -> Vec<Above> {
             }
         }
     }
-    // Islands that have met share a ring, and what becomes of it.
+    // Islands that have met share a ring, and so what lies on it.
     for k in (1..islands.len()).rev() {
         if islands[k - 1].ring == islands[k].ring {
             above[k - 1] = above[k];

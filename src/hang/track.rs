@@ -11,43 +11,45 @@ use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 use glam::{DVec2, DVec3};
 
-/// Follows the rims up the part.
+/// Follows the rims of the layers up the part.
 #[derive(Debug, Default)]
 pub(crate) struct Tracker {
-    /// What is known of the layer below, place by place; nothing, if all of
-    /// it is held.
+    /// What is known of the rim below, place by place; empty if all of it is
+    /// held.
     rim: Vec<(Place, State)>,
     /// Islands that have begun on nothing.
     tips: Tips,
     sums: Hanging,
-    /// Where it is, if that is asked for.
+    /// The places, if they are asked for.
     places: Option<Places>,
 }
 
 /// What is known of a place on a rim.
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
-    /// How far it is beyond what holds itself.
+    /// How far the place is beyond what holds itself.
     excess: Mm,
-    /// Length of the underside from there on that has not been counted yet.
+    /// Length of the underside, from the place on, that has not been counted
+    /// yet.
     under: Mm,
-    /// Content of the slope that it belongs to, as far as it was counted.
+    /// Content of the slope that the place belongs to, as far as it was
+    /// counted.
     slope: Mm2,
 }
 
 /// What leans along a part of a layer's rim.
 struct Slope {
-    /// Content of what is new in this layer, and of all of the slope so far.
+    /// Content of what is new in this layer, and of the whole slope so far.
     area: Mm2,
     all: Mm2,
-    /// The farthest place.
+    /// The greatest reach, and the place that has it.
     reach: Mm,
     at: DVec2,
     around: Rect,
 }
 
 impl Tracker {
-    /// A tracker that also says where it is.
+    /// A tracker that also collects places.
     pub(crate) fn with_places() -> Tracker {
         Tracker {
             places: Some(Places::default()),
@@ -55,15 +57,15 @@ impl Tracker {
         }
     }
 
-    /// Notes a place, if that is asked for.
+    /// Adds a place, if places are asked for.
     fn note(&mut self, found: Found) {
         if let Some(places) = &mut self.places {
             places.add(found);
         }
     }
 
-    /// Forgets all layers so far: what follows is taken to be held. If `count`
-    /// says so, islands count that have not met anything yet.
+    /// Forgets all layers so far: what follows counts as held. With `count`,
+    /// islands that have not met anything yet are counted.
     pub(crate) fn restart(&mut self, count: bool, settings: &Settings) {
         let limits = Limits::new(settings.thickest_layer(), settings);
         let begins = self.tips.rest(limits);
@@ -73,8 +75,8 @@ impl Tracker {
         self.rim.clear();
     }
 
-    /// Takes the next layer, `here`. Counts what hangs in it if `count` says
-    /// so; `place` turns a point of the layer into one on the bed.
+    /// Takes the next layer, `here`. With `count` it counts what hangs in the
+    /// layer. `place` turns a point of the layer into a point on the bed.
     pub(crate) fn layer(
         &mut self,
         look: &Look,
@@ -129,7 +131,7 @@ impl Tracker {
         }
     }
 
-    /// Follows the rim; gives what leans beyond a lip.
+    /// Follows the rim. Returns what leans beyond a lip.
     fn follow(&mut self, look: &Look) -> Vec<Slope> {
         if self.rim.is_empty() && !look.leans {
             return Vec::new();
@@ -145,7 +147,7 @@ impl Tracker {
         let hangs = |state: &State| state.excess > limits.lip;
         let mut found = Vec::new();
         let mut from = 0;
-        // Places that follow one another belong to one slope.
+        // Neighbouring places that hang belong to one slope.
         let same = |a: &(Place, State), b: &(Place, State)| {
             a.0.ring == b.0.ring && hangs(&a.1) == hangs(&b.1)
         };
@@ -184,7 +186,7 @@ impl Tracker {
     }
 
     /// What becomes of a place over the rim below, and the content of what
-    /// leans there, if it is beyond a lip.
+    /// leans there, if that is beyond a lip.
     fn over(&self, place: &Place, limits: Limits) -> (State, Mm2) {
         let below = place.foot.map_or(State::default(), |on| self.at(on));
         let moved = match place.beyond.is_finite() {
@@ -199,7 +201,7 @@ impl Tracker {
             return (State::default(), 0.0);
         }
         if let Ledge::Free(content) = place.ledge {
-            // Its gap is counted.
+            // The gap of the ledge is counted already.
             state.under = 0.0;
             state.slope = content;
         } else if place.beyond > limits.held && moved > limits.lip {
@@ -211,14 +213,15 @@ impl Tracker {
         (state, 0.0)
     }
 
-    /// What is known of a place on the rim below.
+    /// What is known of a place on the rim below, from the places on both
+    /// sides.
     fn at(&self, on: f64) -> State {
         let next = self.rim.partition_point(|(place, _)| place.on <= on);
         let Some((before, state)) = next.checked_sub(1).map(|i| self.rim[i])
         else {
             return State::default();
         };
-        // The last one of a ring is followed by its first.
+        // The last place of a ring is followed by the ring's first.
         let (from, end) = before.ring;
         let (after, end) = match self.rim.get(next) {
             Some((place, state)) if place.ring == before.ring => {
@@ -265,8 +268,8 @@ impl Tracker {
         }
     }
 
-    /// Takes a layer of this height that is the same as the one below: what
-    /// hung there comes nearer to being held.
+    /// Takes a layer of this height whose outline equals that of the layer
+    /// below: what hung there comes nearer to being held.
     pub(crate) fn same(
         &mut self,
         height: Mm,
@@ -290,7 +293,7 @@ impl Tracker {
         }
     }
 
-    /// What hangs in the layers that were counted, and where, if that was
+    /// What hangs in the layers that were counted, and the places, if they were
     /// asked for.
     pub(crate) fn finish(self) -> (Hanging, Vec<places::Place>) {
         let places = self.places.map(Places::finish);

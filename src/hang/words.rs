@@ -4,13 +4,13 @@ use super::{Hanging, Sum};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 
-/// Faces that lean are told of if one is as large as this, mm², or gets as far
-/// away from what holds it, mm: smaller ones sag by a layer or two, which is a
+/// Faces that lean are reported if one is as large as this, mm², or gets as far
+/// away from what holds it, mm. Smaller ones sag by a layer or two, which is a
 /// blemish, and lattices are full of them.
 const LARGE: Mm2 = 10.0;
 const FAR: Mm = 5.0;
 
-/// Where the first one is.
+/// The place of the first finding, in words.
 fn place(sum: &Sum) -> String {
     let Some(p) = sum.first else {
         return String::new();
@@ -18,7 +18,7 @@ fn place(sum: &Sum) -> String {
     format!("x = {:.1}, y = {:.1}, z = {:.1} on the bed", p.x, p.y, p.z)
 }
 
-/// How many there are besides the first.
+/// The number of findings besides the first, in words.
 fn others(count: usize) -> String {
     match count {
         0 | 1 => String::new(),
@@ -27,7 +27,7 @@ fn others(count: usize) -> String {
 }
 
 impl Hanging {
-    /// What the user should know; `height` is that of the part.
+    /// What the user should know. `height` is the part's.
     pub fn warnings(&self, height: Mm, settings: &Settings) -> Vec<String> {
         let mut all = Vec::new();
         let inside = &self.in_cavity;

@@ -1,15 +1,15 @@
 //! The greatest layer height that is allowed at each height.
 //!
-//! A polyline over the height, no steeper than [`SLOPE`]: that bounds how much
-//! neighbouring layers differ.
+//! The limit is a polyline over the height, no steeper than [`SLOPE`]. So
+//! neighbouring layers differ little.
 
 use crate::units::Mm;
 
-/// How much the limit changes from one height to another, per millimetre.
-/// Neighbouring layers between two level faces differ by that share at most.
+/// Greatest change of the limit, per length of height. Neighbouring layers
+/// between two level faces differ by that share at most.
 pub(super) const SLOPE: f64 = 0.25;
 
-/// Limits at equal distances; those of the ends hold beyond them.
+/// Limits at equal distances. Beyond the ends, those at the ends hold.
 #[derive(Clone, Debug)]
 pub(super) struct Limit {
     bottom: Mm,
@@ -18,8 +18,8 @@ pub(super) struct Limit {
 }
 
 impl Limit {
-    /// Of the limits in bins of the height `step`, the first of which begins at
-    /// `bottom`.
+    /// A limit from limits in bins of the height `step`, the first of which
+    /// begins at `bottom`.
     pub(super) fn new(bottom: Mm, step: Mm, bins: &[Mm]) -> Limit {
         let of = |i: usize| bins.get(i).copied().unwrap_or(Mm::INFINITY);
         let at = (0..=bins.len())
@@ -30,7 +30,7 @@ impl Limit {
         limit
     }
 
-    /// Lowers it where it is too steep.
+    /// Lowers the limit until it is nowhere too steep.
     fn smooth(&mut self) {
         let rise = SLOPE * self.step;
         for i in 1..self.at.len() {
@@ -41,8 +41,8 @@ impl Limit {
         }
     }
 
-    /// Lowers it to a share of itself within each of some spans, and smooths
-    /// it.
+    /// Lowers the limit to a share of itself within each of some spans, and
+    /// smooths it.
     pub(super) fn lower(&mut self, spans: &[(Mm, Mm, f64)]) {
         let last = self.at.len() - 1;
         let shares = spans.iter().map(|&(lo, hi, share)| {
@@ -70,8 +70,8 @@ impl Limit {
         self.at[i] + t * (next - self.at[i])
     }
 
-    /// Where a layer from `z` on ends that is as high as `share` of the least
-    /// limit within it.
+    /// Where a layer ends that begins at `z` and is as high as `share` of the
+    /// least limit within it.
     pub(super) fn end(&self, z: Mm, share: f64) -> Mm {
         let mut least = self.value(z);
         let (mut from, mut at_from) = (z, least);

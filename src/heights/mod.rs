@@ -3,25 +3,26 @@
 //! In: a placed model and the settings. Out: the part's layers, and what their
 //! heights amount to.
 //!
-//! With `layer_heights = "uniform"` these are the layers of [`plan()`]. Else a
-//! layer may be as high as its surface allows: layers of the height h make steps
-//! of h·|n_z| on a surface with the unit normal n, measured across it (the cusp
-//! of Dolenc and Mäkelä, "Slicing procedures for layered manufacturing
-//! techniques", 1994). `isocontour::lean` bounds |n_z| on all of the surface at
-//! each height, so no layer makes a step greater than `step_error`, whether or
-//! not anybody sampled the place. An expression gives the heights instead.
+//! With `layer_heights = "uniform"` these are the layers of [`plan()`].
+//! Otherwise a layer may be as high as its surface allows. On a surface with
+//! the unit normal n, layers of the height h make steps of h·|n_z|, measured
+//! across the surface (the cusp of Dolenc and Mäkelä, "Slicing procedures for
+//! layered manufacturing techniques", 1994). `isocontour::lean` bounds |n_z| on
+//! all of the surface at each height, so no layer makes a step greater than
+//! `step_error`, whether or not any sample lies there. An expression gives the
+//! heights instead.
 //!
 //! A level face (|n_z| = 1) would ask for thin layers all around it, and still
 //! be missed. So layers end exactly at level faces and at the part's top
 //! (`stack`), and these faces make no step.
 //!
-//! Guarantees: deterministic, the same plan for every range of layers. Each
-//! layer above the first is within its limit. Neighbouring layers differ little
-//! (`limit`). A layer may be thinner than `layer_height_min` by up to a half,
-//! where that is the only way to hit a level face.
+//! Guarantees: the plan is deterministic, and equal for every range of layers.
+//! Each layer above the first is within its limit. Neighbouring layers differ
+//! little (`limit`). A layer may be down to half as thick as
+//! `layer_height_min`, where that is the only way to hit a level face.
 //!
-//! Not guaranteed: the first layer has its own height, whatever its steps are.
-//! If `step_error` is less than `layer_height_min`, steps may be as great as the
+//! Not guaranteed: steps of the first layer, which has its own height. If
+//! `step_error` is less than `layer_height_min`, steps may be as great as the
 //! latter; [`Steps`] says how great they are.
 
 mod limit;
@@ -41,8 +42,8 @@ use limit::Limit;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// What heights are multiples of: the last digit of G-code. A layer is then as
-/// high as its move says.
+/// Unit of heights: the last digit of G-code. A layer is then exactly as high
+/// as its move says.
 const DIGIT: Mm = 1e-3;
 
 /// The setting's name.
@@ -51,9 +52,9 @@ const KEY: &str = "layer_heights";
 /// A part's layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heights {
-    /// From the bed up.
+    /// The layers, from the bed up.
     pub spans: Vec<LayerSpan>,
-    /// What comes of heights that differ; nothing for uniform layers.
+    /// What heights that differ amount to; none for uniform layers.
     pub steps: Option<Steps>,
 }
 
@@ -61,20 +62,19 @@ pub struct Heights {
 /// layer and level faces at which layers end do not count.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Steps {
-    /// No step is greater, mm.
+    /// The greatest step, mm.
     pub step_max_mm: Mm,
-    /// In 99 % of the layers no step is greater, mm.
+    /// The step that 99 % of the layers do not exceed, mm.
     pub step_p99_mm: Mm,
     /// Height of the thinnest layer above the first, mm.
     pub thinnest_mm: Mm,
     /// Height of the thickest layer above the first, mm.
     pub thickest_mm: Mm,
-    /// How many layers of one height there would be, whose greatest step is the
-    /// same.
+    /// Number of layers of one height that would have the same greatest step.
     pub uniform_layers: usize,
-    /// How many level faces layers end at.
+    /// Number of level faces at which layers end.
     pub level_faces: usize,
-    /// How many level faces lie too close to another border.
+    /// Number of level faces that lie too close to another border.
     pub missed_faces: usize,
     /// Height of the part in which too little was proved, so that its layers
     /// may be thinner than they need to be, mm.
@@ -85,7 +85,7 @@ pub struct Steps {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeightsError {
-    /// They cannot, whatever their heights.
+    /// The part cannot be divided into layers, whatever their heights.
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// The expression has no value somewhere.
@@ -96,12 +96,12 @@ pub enum HeightsError {
     Lean(#[source] LeanError),
 }
 
-/// The layers of a placed model, those of its raft included; with a raft the
+/// The layers of a placed model, those of its raft included. With a raft the
 /// model has to be raised ([`Model::raised`]).
 ///
 /// # Errors
-/// If there are none, or too many, or an expression for their heights has no
-/// value.
+/// If there are no layers, or too many, or an expression for their heights has
+/// no value.
 pub fn heights(
     model: &Model,
     settings: &Settings,
@@ -177,7 +177,7 @@ fn heights_above(
     let mut level = lean.most_level;
     let bin_of = |z: Mm| ((z - bottom) / lean.bin).max(0.0);
     for z in &missed {
-        // Unless it is hit it makes a step like any other place.
+        // A face at which no layer ends makes a step like any other place.
         let nearest = bin_of(*z).round() as usize;
         for k in [nearest.wrapping_sub(1), nearest] {
             if let Some(level) = level.get_mut(k) {
@@ -197,7 +197,7 @@ fn heights_above(
         }
     });
     let bins: Vec<Mm> = bins.collect::<Result<_, VaryError>>()?;
-    // Room for rounding.
+    // The limits are lower by a digit, which leaves room for rounding.
     let bins: Vec<Mm> = bins.iter().map(|height| height - DIGIT).collect();
     let limit = Limit::new(bottom, lean.bin, &bins);
     let tops = stack::stack(&borders, limit)?;
@@ -213,7 +213,7 @@ fn heights_above(
         spans.push(LayerSpan { index, bottom, top });
     }
     let of_layer = |span: &LayerSpan| {
-        // Bins that a layer only touches are none of its own.
+        // A bin that a layer only touches does not belong to the layer.
         let touch = DIGIT / lean.bin;
         let last = level.len() - 1;
         let from = (bin_of(span.bottom) + touch) as usize;
@@ -240,7 +240,7 @@ fn heights_above(
     })
 }
 
-/// What may be chosen from.
+/// The bounds of what may be chosen.
 struct Range {
     least: Mm,
     most: Mm,
@@ -268,11 +268,11 @@ fn surface(
     settings: &Settings,
     range: &Range,
 ) -> Result<Lean, HeightsError> {
-    /// Bins of the thinnest layer.
+    /// Number of bins in the thinnest layer.
     const BINS: f64 = 8.0;
-    /// Three seconds of one processor; simple parts need a tenth of a second.
+    /// Three seconds of one processor. Simple parts need 0.1 s.
     const MOST_WORK: u64 = 40_000_000;
-    /// The part is looked at in so many pieces, on all threads.
+    /// Number of pieces in which the part is looked at, on all threads.
     const PIECES: usize = 32;
     let bin = range.least / BINS;
     let count = Lean::count(&model.bounds, bin);
@@ -291,7 +291,7 @@ fn surface(
     let look = |i| lean(&model.tree, &model.bounds, &options(i), &cancel);
     let found: Vec<Result<Lean, LeanError>> =
         (0..pieces).into_par_iter().map(look).collect();
-    // Work that was stopped unwinds here.
+    // Work that was stopped unwinds from here.
     limits::check();
     let found: Vec<Lean> = found
         .into_iter()
@@ -307,19 +307,21 @@ fn surface(
     }))
 }
 
-/// Where layers have to end, from the first layer's top (`first`, after its
-/// bottom) to the part's; the faces
-/// at which none ends, as they lie too close to another border; and the part's
-/// top, which is a level face if there is one near it.
+/// Three results: where layers have to end, from the first layer's top
+/// (`first`, after its bottom) to the part's; the faces at which no layer ends,
+/// because they lie too close to another border; and the part's top, which is a
+/// level face if there is one near it.
 fn borders(
     [bottom, first]: [Mm; 2],
     top: Mm,
     faces: &[Mm],
     least: Mm,
 ) -> (Vec<Mm>, Vec<Mm>, Mm) {
-    /// Layers may be so much thinner than the thinnest ones to hit a border.
+    /// How much thinner than the thinnest layers a layer may be to hit a
+    /// border, as a share.
     const THINNER: f64 = 0.5;
-    /// The part's bounds are known so well; a face is hit that is so near.
+    /// Accuracy of the part's bounds, mm. A face that is as near to a border
+    /// counts as hit.
     const BOUNDS: Mm = 5e-4;
     let near_top = faces.iter().find(|z| (**z - top).abs() <= BOUNDS);
     let top = near_top.copied().unwrap_or(top);

@@ -9,15 +9,16 @@ use super::limit::Limit;
 use crate::layers::{MAX_LAYERS, PlanError};
 use crate::units::Mm;
 
-/// Neighbouring layers above the first that differ by more are made more alike.
+/// Greatest ratio of neighbouring layers above the first. Layers that differ by
+/// more are made more alike.
 const RATIO: f64 = 1.5;
-/// How often that is tried.
+/// Greatest number of rounds in which layers are made more alike.
 const ROUNDS: usize = 12;
-/// A layer that is less short of a border needs no other layer.
+/// A gap to a border that is smaller than this needs no further layer, mm.
 const ARRIVED: Mm = 1e-6;
 
-/// The tops of the layers above the first border: each layer within the limit,
-/// a top at each border.
+/// The tops of the layers above the first border. Each layer is within the
+/// limit, and there is a top at each border.
 ///
 /// # Errors
 /// If the layers are too many.

@@ -1,4 +1,4 @@
-//! Heights of layers against what is known of the surfaces.
+//! Heights of layers, compared with what is known of the surfaces.
 
 use super::*;
 use crate::model::{BuildVolume, Placement, Source, SourceKind, load, place};
@@ -24,8 +24,8 @@ fn adaptive() -> Settings {
     }
 }
 
-/// The layers of a part that is `level(z)` level at the height z above the bed,
-/// after they have been looked at.
+/// The layers of a part whose levelness at the height z above the bed is
+/// `level(z)`, after they have been judged.
 fn judged(
     formula: &str,
     settings: &Settings,
@@ -57,7 +57,7 @@ fn judged(
     found
 }
 
-/// A quarter of the layers is saved, or more.
+/// Tests that at least a quarter of the layers is saved.
 fn saves(found: &Heights) {
     let steps = found.steps.unwrap();
     let share = found.spans.len() as f64 / steps.uniform_layers as f64;
@@ -73,7 +73,7 @@ fn a_dome_gets_thin_layers_where_it_is_level() {
     let spans = &found.spans;
     assert!(spans[5].height() > 0.28);
     assert!(spans[spans.len() - 2].height() < 0.11);
-    // The limit is made use of: h = 0.1 · 20 / z.
+    // The limit is used up: h = 0.1 · 20 / z.
     let middle = spans.iter().find(|s| s.bottom > 14.0).unwrap();
     assert!(middle.height() > 0.92 * 2.0 / middle.top, "{middle:?}");
 }
@@ -91,7 +91,8 @@ fn an_ellipsoid_that_is_no_distance() {
 
 #[test]
 fn a_screw_has_thin_layers_at_its_thread_only() {
-    // A shank of 20 mm, a thread of 12 mm with flanks of up to 2π·0.6/3.
+    // The part has a shank of 20 mm and a thread of 12 mm with flanks of up to
+    // 2π·0.6/3.
     let screw = "max(max(sqrt(x^2 + y^2) - 5 - max(0, min(1, (20 - z)*1000)) \
                  - 0.6*sin(2*pi*z/3 - atan2(y, x))*max(0, min(1, (z - 20) \
                  * 1000)), -z), z - 32)";
@@ -99,7 +100,7 @@ fn a_screw_has_thin_layers_at_its_thread_only() {
     let found = heights(&model, &adaptive()).unwrap();
     let of = |z: Mm| found.spans.iter().find(|s| s.top > z).unwrap().height();
     assert!(of(10.0) > 0.28, "{}", of(10.0));
-    // tan = 1.257, so |n_z| = 0.78 at least.
+    // tan is 1.257, so |n_z| is 0.78 at least.
     assert!(of(26.0) <= 0.1 / 0.78);
 }
 

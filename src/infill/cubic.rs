@@ -2,12 +2,12 @@
 //! each other, all equally steep, cut by the layer.
 //!
 //! ```text
-//!    ╲  ╱ ╲  ╱       lines in three directions, as of triangles, which move
-//!   ──╲╱───╲╱──      sideways from layer to layer; so the closed cells are
-//!     ╱╲   ╱╲        closed upwards as well
+//!    ╲  ╱ ╲  ╱       Lines in three directions, like those of triangles, which
+//!   ──╲╱───╲╱──      move sideways from layer to layer. So the cells are
+//!     ╱╲   ╱╲        closed upwards as well.
 //! ```
 //!
-//! A plane whose normal is √⅔ across and √⅓ up moves across by √½ of the
+//! A plane whose normal has √⅔ across and √⅓ up moves across by √½ of the
 //! height.
 
 use super::families::{Family, lines};
@@ -20,8 +20,8 @@ pub(super) struct Cubic;
 
 impl Pattern for Cubic {
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece> {
-        // The normals point three ways, 120° apart: to move all of them alike
-        // is to move the cubes upwards.
+        // The normals point in three directions, 120° apart: moving all lines
+        // along them by one length moves the cubes upwards.
         let families = [0.0, 120.0, 240.0].map(|turn| Family {
             turn,
             of: 3.0,

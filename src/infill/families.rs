@@ -2,11 +2,11 @@
 //!
 //! Where the density varies, the lines of a family keep the places that they
 //! have in solid fill. Line i is there where the share to be filled is more
-//! than a threshold of its own, 0.b₀b₁b₂… in binary where …b₂b₁b₀ are the
-//! digits of i (van der Corput 1935). Any share p then takes the share p of
-//! the lines, in gaps of which the widest is twice the narrowest; and as the
-//! share grows, lines are added between those that are there, each where its
-//! threshold is passed: nothing moves, and there are no steps.
+//! than the line's threshold, 0.b₀b₁b₂… in binary where …b₂b₁b₀ are the digits
+//! of i (van der Corput 1935). Any share p then takes the share p of the lines,
+//! in gaps of which the widest is twice the narrowest. As the share grows, each
+//! line begins where its threshold is passed. No line moves, so there are no
+//! steps.
 //!
 //! ```text
 //!   0 ────────────────────────     share   ▁▁▂▂▃▃▄▄▅▅▆▆▇▇██
@@ -24,20 +24,22 @@ use crate::plane::hatch::{Lines, hatch_border};
 use crate::units::{Degrees, Mm};
 use glam::DVec2;
 
-/// Parallel lines.
+/// Parallel lines. At an even share of the plane their spacing is `of` ·
+/// `layer.solid` / share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Family {
-    /// Their direction, from that of the pattern.
+    /// Direction of the lines, from the pattern's direction.
     pub turn: Degrees,
     /// Number of families among which the layer's lines are divided.
     pub of: f64,
-    /// Way across the lines by which they are moved.
+    /// How far the lines are moved across their direction, to the left.
     pub shift: Mm,
-    /// Share of the pattern's phase by which they are moved as well.
+    /// How many times the setting `infill_phase` moves the lines: 1 for once, 0
+    /// for not at all.
     pub phase: f64,
 }
 
-/// The pieces of families of lines in a layer.
+/// The pieces of families of lines in a layer, for any density.
 pub(super) fn lines(layer: &Layer<'_>, families: &[Family]) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for family in families {

@@ -1,7 +1,8 @@
 //! A density that varies over a layer.
 //!
-//! The expression is evaluated on a lattice over the area, and in between by
-//! the two directions' linear interpolation: it varies over millimetres.
+//! The expression is evaluated on a lattice over the area, and interpolated
+//! linearly in x and y between the nodes, since a density varies over
+//! millimetres.
 
 use crate::plane::Rect;
 use crate::plane::border::Piece;
@@ -25,11 +26,11 @@ const SIDE: (f64, f64) = (40.0, 1024.0);
 const FINEST: Mm = 0.2;
 
 impl Grading {
-    /// The shares within `bounds`, of which `eval` gives the percentage at
-    /// some points.
+    /// The shares within `bounds`. `eval` gives their percentage at some
+    /// points.
     ///
     /// # Errors
-    /// Those of `eval`.
+    /// The errors of `eval`.
     pub(super) fn new<E>(
         bounds: Rect,
         eval: impl FnOnce(&[DVec2], &mut Vec<f64>) -> Result<(), E>,
@@ -101,8 +102,8 @@ impl Grading {
         limit: f64,
         pieces: &mut Vec<Piece>,
     ) {
-        // The ring with points close enough to each other for the share to be
-        // read at them.
+        // Points are added to the ring until they are close enough for the
+        // share to be read at them.
         let mut points: Vec<DVec2> = Vec::new();
         for (a, b) in crate::plane::edges(ring) {
             let count = (a.distance(b) / self.step).ceil().max(1.0);

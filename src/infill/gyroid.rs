@@ -1,6 +1,6 @@
 //! The gyroid: a surface without straight lines or mirror planes that parts
-//! space into two equal labyrinths (Schoen 1970). Equally stiff in all
-//! directions, no lines that cross, and every layer is a set of long waves.
+//! space into two equal labyrinths (Schoen 1970). It is equally stiff in all
+//! directions, its lines do not cross, and every layer is a set of long waves.
 //!
 //! ```text
 //!   ∿∿∿∿∿∿∿∿     sin x·cos y + sin y·cos z + sin z·cos x = 0:

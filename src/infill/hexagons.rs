@@ -1,10 +1,10 @@
-//! A honeycomb, the same in every layer: hexagonal tubes.
+//! A honeycomb: hexagonal tubes, at equal places in every layer.
 //!
 //! ```text
-//!   ╲__╱  ╲__╱  ╲      each line zigzags between its neighbours and shares
-//!   ╱‾‾╲__╱‾‾╲__╱      its level sides with them, where two beads lie side by
-//!   ╲__╱‾‾╲__╱‾‾╲      side; so no bead crosses another, and a line is as
-//!                      long as the area is wide
+//!   ╲__╱  ╲__╱  ╲      Each line zigzags between its neighbours and shares its
+//!   ╱‾‾╲__╱‾‾╲__╱      level sides with them: two beads lie side by side there.
+//!   ╲__╱‾‾╲__╱‾‾╲      So no bead crosses another, and a line is as long as the
+//!                      area is wide.
 //! ```
 
 use super::{Layer, Pattern};
@@ -35,7 +35,7 @@ impl Pattern for Hexagons {
         let right = ((bounds.max.x - shift) / period).ceil() as i64 + 1;
         let mut cutter = Cutter::new(layer.border);
         for row in first..=last {
-            // Neighbours mirror each other.
+            // Neighbouring lines mirror each other.
             let high = if row.rem_euclid(2) == 0 { 0.5 } else { -0.5 };
             let middle = row as f64 * pitch;
             cutter.end();

@@ -7,10 +7,10 @@
 //! ```
 //!
 //! In: the pieces of a layer's pattern, which know where on the area's border
-//! they end. Two ends that follow each other on a ring of the border are
-//! joined along it, unless that is farther than it is worth, or would make a
-//! path return to itself. What joins add is material beside the wall, not
-//! part of the density, which is that of the pattern.
+//! they end. Two ends that follow each other on a ring of the border are joined
+//! along it, unless the way is longer than it is worth, or would make a path
+//! return to itself. Joins add material beside the wall. It does not count for
+//! the density, which is the pattern's.
 
 use crate::plane::border::{Border, Foot, Piece};
 use crate::units::Mm;
@@ -19,8 +19,8 @@ use crate::units::Mm;
 #[derive(Clone, Copy, Debug)]
 struct End {
     foot: Foot,
-    /// Twice the piece's number for its first point, and one more for its last
-    /// point.
+    /// For a piece's first point, twice the piece's number; for its last point,
+    /// one more.
     number: usize,
 }
 
@@ -53,7 +53,8 @@ pub(super) fn join(
     let mut links: Vec<Option<Link>> = vec![None; 2 * pieces.len()];
     let mut paths = Paths::new(pieces.len());
     for ring in ends.chunk_by(|a, b| a.foot.ring == b.foot.ring) {
-        // Short ways first: a long one must not take an end away from them.
+        // Short joins come first, so that a long join does not take an end away
+        // from them.
         for limit in [0.4 * limit, limit] {
             for (i, a) in ring.iter().enumerate() {
                 let b = &ring[(i + 1) % ring.len()];
@@ -74,7 +75,7 @@ pub(super) fn join(
     walk(pieces, &links, border)
 }
 
-/// Follows the links from every end that has none.
+/// Follows the links from every end that has no link.
 fn walk(
     pieces: Vec<Piece>,
     links: &[Option<Link>],
@@ -146,7 +147,7 @@ impl Paths {
         i
     }
 
-    /// Makes two paths one; false if they are one already.
+    /// Makes two paths one; false if they are one path already.
     fn unite(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a] = b;

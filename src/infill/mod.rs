@@ -1,16 +1,19 @@
 //! Sparse infill: a pattern's lines inside the covered areas.
 //!
-//! Each pattern has a file and is a `Pattern`. A pattern's place depends only
-//! on the settings, on the layer's height and on where the part stands, so that
-//! layers stand on each other and islands continue each other's lines.
+//! Each pattern has a file and is a `Pattern`. The place of its lines depends
+//! only on the settings, on the layer's height and on where the part stands, so
+//! that layers stand on each other and islands continue each other's lines.
 //!
 //! ```text
 //!   pattern ──► pieces inside the area ──join──► long paths ──► beads
 //! ```
 //!
-//! **Density** is the pattern's: the volume of its beads over the volume they
-//! are in. The joins along the area's border come on top of it; they belong
-//! to the wall they follow, and are as long as half of it.
+//! The **density** is the pattern's: the volume of its beads over the volume of
+//! the area. The joins along the area's border are not part of it: they belong
+//! to the wall that they follow, and are as long as half of it.
+//!
+//! The private trait `Pattern` says what a pattern has to do. CONTRIBUTING.md
+//! lists the other files that a new pattern touches.
 
 mod concentric;
 mod cubic;
@@ -50,11 +53,11 @@ use sheet::Sheet;
 /// Which layer is to be filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Place {
-    /// Its number, from 0.
+    /// Number of the layer, from 0.
     pub number: usize,
-    /// Height of its sample plane above the bed.
+    /// Height of the layer's sample plane above the bed.
     pub z: Mm,
-    /// Its own height.
+    /// Height of the layer itself.
     pub height: Mm,
 }
 
@@ -68,7 +71,7 @@ enum Density<'a> {
 }
 
 impl Density<'_> {
-    /// The mean share of the area; a least value stands for next to nothing.
+    /// The mean share of the area, 0.01 at least if it varies.
     fn mean(&self) -> f64 {
         match self {
             Density::Even(share) => *share,
@@ -80,16 +83,16 @@ impl Density<'_> {
 /// What a pattern needs to know.
 #[derive(Clone, Copy, Debug)]
 struct Layer<'a> {
-    /// Border of the area that the lines end at.
+    /// Border of the area at which the lines end.
     border: &'a Border<'a>,
-    /// How far that border is inside the area to be filled.
+    /// How far the border is inside the area to be filled; negative if outside.
     margin: Mm,
     /// Number of the layer.
     number: usize,
-    /// Height of its sample plane above the bed.
+    /// Height of the layer's sample plane above the bed.
     z: Mm,
     density: Density<'a>,
-    /// Distance of parallel lines that would fill the plane.
+    /// Spacing of parallel lines that would fill the plane.
     solid: Mm,
     /// The point that the pattern is laid out from.
     origin: DVec2,
@@ -114,12 +117,12 @@ impl Frame {
         self.origin + self.along.rotate(p)
     }
 
-    /// A way in the pattern as one in the plane.
+    /// A direction in the pattern as a direction in the plane.
     fn along(&self, way: DVec2) -> DVec2 {
         self.along.rotate(way)
     }
 
-    /// The box in the pattern around one in the plane.
+    /// The box in the pattern around a box in the plane.
     fn bounds(&self, rect: Rect) -> Rect {
         let (a, b) = (rect.min, rect.max);
         let corners = [a, DVec2::new(b.x, a.y), b, DVec2::new(a.x, b.y)];
@@ -138,12 +141,18 @@ impl Layer<'_> {
     }
 }
 
-/// A way to fill an area with lines.
+/// A way to fill an area with lines. Its lines have places in the plane,
+/// whatever the area is; `layer.origin`, `layer.angle` and `layer.phase` move
+/// them.
 trait Pattern: Send + Sync {
-    /// The pattern's centre lines inside the area.
+    /// The pattern's centre lines, cut at `layer.border`. [`families::lines`]
+    /// makes and cuts straight lines; a
+    /// [`Cutter`](crate::plane::border::Cutter) cuts any lines. The volume of
+    /// the beads per area has to be `layer.density`, in the mean over layers.
     fn pieces(&self, layer: &Layer<'_>) -> Vec<Piece>;
 
-    /// The longest way along the border over which two pieces are joined.
+    /// The longest way along the border over which two pieces are joined. The
+    /// default is four times the mean spacing of parallel lines.
     fn reach(&self, layer: &Layer<'_>) -> Mm {
         4.0 * layer.solid / layer.density.mean()
     }
@@ -168,7 +177,7 @@ pub enum InfillError {
         /// What is wrong with it.
         error: Box<LoadError>,
     },
-    /// It cannot be evaluated.
+    /// The expression cannot be evaluated.
     #[error("infill: {}{}", .0, remedy(.0))]
     Field(#[from] FieldError),
     /// The pattern has one density only.
@@ -178,7 +187,7 @@ pub enum InfillError {
          patterns, such as gyroid or rectilinear"
     )]
     NotGraded {
-        /// The pattern's name.
+        /// The pattern's word.
         pattern: &'static str,
     },
     /// The density's text is not an expression, or the expression has no value
@@ -242,8 +251,9 @@ pub(crate) struct Infill<'a> {
 impl<'a> Infill<'a> {
     /// The infill that the settings ask for.
     ///
-    /// # Errors If a text is not an expression, if a script cannot be run, or
-    /// if the pattern cannot have the density.
+    /// # Errors
+    /// If a text is not an expression, if a script cannot be run, or if the
+    /// pattern cannot have the density.
     pub(crate) fn new(
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
@@ -287,7 +297,7 @@ impl<'a> Infill<'a> {
     /// makes distances from the surface exact near it.
     ///
     /// Lines reach into the walls around the area by `infill_overlap` of their
-    /// width: their round ends overlap the wall's bead by that much.
+    /// width, so their round ends overlap the wall's bead.
     ///
     /// # Errors
     /// If the density has no value somewhere, or an expression cannot be
@@ -382,11 +392,11 @@ impl<'a> Infill<'a> {
 /// Tolerance of the offset that lines end at, mm.
 const TOLERANCE: Mm = 0.02;
 
-/// Lines of an expression are joined over ways of this many widths: nobody
-/// knows how far apart they lie.
+/// Lines of an expression are joined over ways of this many widths, since their
+/// spacing is not known.
 const SHAPE_REACH: f64 = 20.0;
 
-/// The pattern of that name.
+/// The pattern of a word.
 fn pattern(kind: InfillPattern, graded: bool) -> Box<dyn Pattern> {
     match kind {
         InfillPattern::Rectilinear => Box::new(rectilinear::Rectilinear),

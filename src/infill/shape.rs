@@ -41,10 +41,10 @@ pub(super) enum Shape {
 
 /// Distance of the lattice's nodes, as a share of the line's width.
 const STEP: f64 = 0.5;
-/// Lines may be off by this, mm; nobody sees them.
+/// Greatest error of lines, mm; nobody sees it.
 const CHORD: Mm = 0.05;
-/// A field's box is larger than the part's by this, mm: the sides that close
-/// its outlines there are outside of every layer.
+/// How much larger a field's box is than the part's, mm. The sides that close
+/// the field's outlines lie there, outside of every layer.
 const MARGIN: Mm = 1.0;
 /// Tolerance of the offsets of a solid, mm.
 const TOLERANCE: Mm = 0.01;
@@ -151,7 +151,7 @@ impl Shape {
                     for (points, closed) in lines {
                         cutter.line(&points, closed);
                     }
-                    // Its lattice reaches into the next one's box.
+                    // A cluster's lattice reaches into the next cluster's box.
                     let own = |p: &Piece| {
                         p.points.first().is_some_and(|&p| cluster.has(p))
                     };
@@ -238,8 +238,8 @@ fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
         accuracy: CHORD,
         smallest: STEP * width,
     };
-    // No time is noted here: it belongs to the infill, not to the part's
-    // outlines.
+    // These timings are dropped: the time belongs to the infill, not to the
+    // part's outlines.
     let timings = Timings::default();
     let found = outlines(field, &[z], detail, &timings)?;
     Ok(found.into_iter().next().map_or(Area::EMPTY, |o| o.area))

@@ -1,18 +1,18 @@
 //! Surfaces that repeat in all three directions, cut by the layer.
 //!
-//! A [`Surface`] is the zero set of a function of the sines and cosines of
-//! x, y and z, one period to a cell. As it repeats, one cell's lines are
-//! found, thinned, and copied: lines that wind around the cell go on from
-//! copy to copy, and only copies near the area's border are cut.
+//! A [`Surface`] is the zero set of a function of the sines and cosines of x, y
+//! and z, one period to a cell. Since it repeats, the lines of one cell are
+//! found, thinned, and copied. Lines that wind around the cell go on from copy
+//! to copy, and only copies near the area's border are cut.
 //!
-//! **Density.** The length of the lines per area is c/cell, where c, a
-//! property of the surface, is measured when the pattern is made: over heights
+//! **Density.** The length of the lines per area is c/cell. The constant c is a
+//! property of the surface, measured when the pattern is made, over heights
 //! spread through a period. So the mean of a period's layers has the density,
-//! and single ones have more or less.
+//! and single layers have more or less.
 //!
 //! **Where the density varies**, so does the size of the cells, in octaves:
-//! each place lies between a surface and the one with cells twice as large, and
-//! gets the zero set of a mixture of their functions. How much of each is
+//! each place lies between a surface and the surface with cells twice as large,
+//! and gets the zero set of a mixture of their functions. How much of each is
 //! needed follows from the length of the mixtures' lines, which is measured as
 //! well. A mixture that changes slowly has a zero set without ends or steps.
 
@@ -67,8 +67,8 @@ pub(super) struct Sheet<S> {
     surface: S,
     /// Length of the lines per area, times the size of the cells.
     length: f64,
-    /// For densities from one octave's to the next's half, in even steps of
-    /// the logarithm: how much of the coarser surface gives it.
+    /// How much of the coarser surface gives a density, for densities from an
+    /// octave's to half of it, in even steps of the logarithm.
     mixtures: Vec<f64>,
     /// The nodes' angles.
     turns: Vec<Turn>,
@@ -80,20 +80,20 @@ const NODES: usize = 32;
 const HEIGHTS: usize = 96;
 /// Mixtures that are measured.
 const MIXTURES: usize = 16;
-/// Chords may be off the line by this, mm, and by this share of a cell.
+/// How far chords may be off the line, mm, and as a share of a cell.
 const CHORD: (Mm, f64) = (0.05, 0.01);
 /// Distance of the nodes of a layer whose cells vary, as a share of the mean
 /// distance of its lines where they are densest.
 const FINE: f64 = 0.25;
-/// Nodes of its lattice at most.
+/// Greatest number of nodes of a lattice for a layer whose cells vary.
 const MOST: f64 = 2e6;
-/// Nodes along the side of a block: where cells are large, the function is
-/// evaluated at the corners of blocks, and interpolated between them.
+/// Nodes along the side of a block. Where cells are large, the function is
+/// evaluated at the corners of blocks only, and interpolated between them.
 const BLOCK: usize = 4;
-/// Cells are large where their share of the greatest share is less: they have
-/// as many blocks as the smallest ones have nodes.
+/// Cells are large where their share of the greatest share is less than this:
+/// they have as many blocks as the smallest cells have nodes.
 const MANY: f64 = 1.0 / BLOCK as f64;
-/// Shares of the plane below this are empty where the density varies.
+/// Where the density varies, a share of the plane below this is left empty.
 const LEAST: f64 = 0.01;
 
 impl<S: Surface> Sheet<S> {
@@ -144,7 +144,7 @@ impl<S: Surface> Sheet<S> {
     }
 
     /// The function with `coarse` of the surface with cells twice as large,
-    /// at angles of that.
+    /// whose angles are `wide`.
     fn mixture(&self, coarse: f64, wide: Angles) -> f64 {
         let fine = Angles {
             x: wide.x.double(),
@@ -155,8 +155,8 @@ impl<S: Surface> Sheet<S> {
             + coarse * self.surface.value(wide)
     }
 
-    /// For each density of an octave, the share of the coarser surface whose
-    /// mixture has lines of that length.
+    /// For each density of an octave, the share of the coarser surface that
+    /// gives a mixture with lines of the density's length.
     fn measure_mixtures(&self) -> Vec<f64> {
         const SIDE: usize = 2 * NODES;
         let lattice = Lattice {
@@ -188,8 +188,8 @@ impl<S: Surface> Sheet<S> {
         let found: Vec<f64> = (0..=MIXTURES)
             .map(|k| length(k as f64 / MIXTURES as f64))
             .collect();
-        // How far the logarithm of the length has gone from the finer to the
-        // coarser surface; it never goes back.
+        // How far the logarithm of the length has come on the way from the
+        // finer surface to the coarser one, made to rise all the way.
         let (first, last) = (found[0], found[MIXTURES]);
         let mut so_far: f64 = 0.0;
         let way: Vec<f64> = found
@@ -213,7 +213,7 @@ impl<S: Surface> Sheet<S> {
             .collect()
     }
 
-    /// How much of the coarser surface is mixed in, this part of the way to it.
+    /// How much of the coarser surface is mixed in at a share of the way to it.
     fn coarse(&self, way: f64) -> f64 {
         let last = self.mixtures.len() - 1;
         let at = way.clamp(0.0, 1.0) * last as f64;
@@ -240,7 +240,7 @@ impl<S: Surface> Sheet<S> {
             let high = ((bounds.max - extent.min) / cell).floor();
             let line: Vec<DVec2> = one.iter().map(|&p| frame.out(p)).collect();
             let extent = Rect::around(&line);
-            // Copies that continue each other, one after the other.
+            // Copies that continue each other are drawn one after the other.
             let strand = Strand::new(curve.winding);
             let mut copies: Vec<(i64, i64, DVec2)> = Vec::new();
             for j in low.y as i64..=high.y as i64 {
@@ -297,8 +297,8 @@ impl<S: Surface> Sheet<S> {
             return Vec::new();
         }
         let finest = self.length * layer.solid;
-        // Octaves count upwards from the finest cells. The area needs those
-        // from `first` on.
+        // Octaves count upwards from the finest cells. The area needs the
+        // octaves from `first` on.
         let octave = |share: f64| -share.clamp(LEAST, 1.0).log2();
         let first = octave(most).floor();
         let shift = DVec2::X * layer.phase * finest / most;
@@ -413,8 +413,9 @@ impl<S: Surface> Pattern for Sheet<S> {
     }
 }
 
-/// A function's values at the nodes of a lattice of whole blocks, exact at
-/// their corners and in those that have a corner where `fine` says so.
+/// A function's values at the nodes of a lattice of whole blocks. They are
+/// exact at the blocks' corners, and in blocks that have a corner where `fine`
+/// is true.
 fn sample(
     [nx, ny]: [usize; 2],
     value: &impl Fn(usize, usize) -> f64,
@@ -467,8 +468,8 @@ fn sample(
     values
 }
 
-/// A closed curve's points with its end, which is its first point some periods
-/// away.
+/// A closed curve's points with its end: its first point, moved by as many
+/// periods as the curve winds.
 fn unrolled(curve: &Curve) -> Vec<DVec2> {
     let mut points = curve.points.clone();
     let [x, y] = curve.winding.map(f64::from);
@@ -499,7 +500,8 @@ impl Strand {
         }
     }
 
-    /// The strand of the copy at (i, j), and its number along it.
+    /// The number of the strand of the copy at (i, j), and the copy's number
+    /// along the strand.
     fn place(&self, i: i64, j: i64) -> (i64, i64) {
         let ([x, y], [u, v]) = (self.winding, self.aside);
         let det = x * v - y * u;
@@ -558,8 +560,8 @@ mod tests {
         check(|| diamond::Diamond);
         check(|| neovius::Neovius);
         check(|| lidinoid::Lidinoid);
-        // Known: the gyroid has an area of 3.09 per cell; if it faced all
-        // ways alike, planes would cut it in π/4 of that.
+        // The gyroid is known to have an area of 3.09 per cell. If it faced all
+        // directions alike, planes would cut it in lines of π/4 of that.
         let gyroid = Sheet::new(Gyroid, false).length;
         let expected = std::f64::consts::FRAC_PI_4 * 3.09;
         assert!((gyroid / expected - 1.0).abs() < 0.02, "{gyroid}");

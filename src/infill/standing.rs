@@ -8,14 +8,15 @@
 //! ```
 //!
 //! In: layers from below, as they are printed. Out: their infill without the
-//! beads that nothing holds; a bubble is left out until it meets something
-//! that stands. Where cells blend, there are also rings and lines hardly longer
-//! than they are wide: each would be a dot beside its travel, so one that
-//! touches nothing in its layer is left out, even if something is below it.
-//! Dots of a pattern that is somebody's own are kept: they may be meant.
+//! beads that nothing holds. A bubble is left out up to the layer where it
+//! meets something that stands. Where cells blend, there are also rings and
+//! lines hardly longer than they are wide. Each would be a dot beside its
+//! travel, so a dot that touches nothing in its layer is left out, even if
+//! something is below it. Dots of a user's own pattern are kept: they may be
+//! meant.
 //!
 //! Patterns of one density have no such places. Patterns whose density varies,
-//! and people's own patterns, may have them.
+//! and users' own patterns, may have them.
 
 use crate::bead::Bead;
 use crate::plane::grid::EdgeGrid;
@@ -35,7 +36,7 @@ pub(crate) struct Standing {
     below: Option<EdgeGrid>,
     /// Beads that have been left out.
     left_out: usize,
-    /// Whether the pattern is one of people's own.
+    /// True if the pattern is a user's own.
     own: bool,
 }
 
@@ -52,14 +53,14 @@ impl Standing {
         })
     }
 
-    /// Forgets the layer below: everything stands on the next one.
+    /// Forgets the layer below: everything in the next layer stands.
     pub(crate) fn forget(&mut self) {
         self.below = None;
     }
 
-    /// Takes the next layer, and leaves out what of its infill stands on
-    /// nothing. `others` are its other beads; `counts` tells whether it is to
-    /// be counted.
+    /// Takes the next layer, and leaves out the infill that stands on nothing.
+    /// `others` are the layer's other beads; `counts` is true if what is left
+    /// out is to be counted.
     pub(crate) fn kept<'a>(
         &mut self,
         mut infill: Vec<Bead>,
@@ -83,7 +84,7 @@ impl Standing {
         let mut stays: Vec<bool> = infill.iter().map(stands).collect();
         kept.extend(infill.iter().zip(&stays).filter(|b| *b.1).map(|b| b.0));
         let mut here = grid(&kept);
-        // A bead that touches one that stands is held by it, and may hold more
+        // A bead that touches a standing bead is held by it, and may hold more
         // beads.
         loop {
             let mut found = false;
@@ -107,8 +108,8 @@ impl Standing {
         infill
     }
 
-    /// The warning about beads that were left out of people's own patterns. Of
-    /// the shipped patterns nobody needs to know.
+    /// The warning about beads that were left out of a user's own pattern.
+    /// Nobody needs to know of those left out of the shipped patterns.
     pub(crate) fn warning(&self) -> Option<String> {
         (self.own && self.left_out > 0).then(|| {
             format!(
@@ -162,7 +163,7 @@ mod tests {
         // not stand, either.
         assert_eq!(layer(&[ring(15.0, 1.2), ring(7.0, 0.3)]), 1);
         assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 0.6)]), 1);
-        // It stands once it meets the line.
+        // The ring stands once it meets the line.
         assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 4.8)]), 2);
         assert_eq!(layer(&[ring(15.0, 1.4), ring(7.0, 4.9)]), 2);
         // A bead that begins at a wall is held by the wall, and holds what it
@@ -203,7 +204,7 @@ mod tests {
             standing.kept(vec![line.clone()], [].into_iter(), true);
             let kept = standing.kept(dots.clone(), [].into_iter(), true);
             assert_eq!(kept.len(), left);
-            // Beside a longer one, the short one is not alone.
+            // Beside a longer line, the short one is not alone.
             let beside = bead(&[(15.0, 4.0), (15.0, 6.0)]);
             let near = bead(&[(15.3, 4.9), (15.3, 5.5)]);
             let both = vec![beside, near];

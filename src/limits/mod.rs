@@ -14,14 +14,15 @@
 //! would end instead.
 //!
 //! Guarantees: a watch can prevent a result, but never change it. A limit is
-//! overrun by a fraction of a second: `EVERY`, and the time of one step of a
-//! stage. If work does not end some seconds after it was stopped,
+//! overrun by a fraction of a second at most: by `EVERY`, and by the time of
+//! one step of a stage. If work does not end some seconds after it was stopped,
 //! [`Watch::last_resort`] does what its caller wants.
 //!
-//! Not guaranteed: the memory is that of the whole process, and it is not
-//! bounded where the system does not tell it. A single allocation that the
-//! system refuses ends the process; where the system bounds the address space,
-//! the work is stopped shortly before (`space`).
+//! Not guaranteed: that only this work's memory counts, since it is the memory
+//! of the whole process; and that memory is bounded where the system does not
+//! tell it. A single allocation that the system refuses ends the process. Where
+//! the system bounds the address space, the work is stopped shortly before
+//! (`space`).
 
 mod space;
 mod stopped;
@@ -44,19 +45,19 @@ const EVERY: Duration = Duration::from_millis(20);
 /// How much a run may use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Wall time; nothing for no limit.
+    /// Wall time; none for no limit.
     pub time: Option<Duration>,
-    /// Memory of the whole process, bytes; nothing for no limit.
+    /// Memory of the whole process, bytes; none for no limit.
     pub memory_bytes: Option<u64>,
-    /// The least that has to come out; nothing for any.
+    /// The least that has to come out; none for no such limit.
     pub slow: Option<Slow>,
 }
 
 /// Work that makes fewer points of outlines and paths than these in some time
-/// is too slow to go on without being asked for.
+/// is too slow to go on, unless the user asks for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slow {
-    /// The time, which is measured again and again.
+    /// The time. It is measured again and again.
     pub within: Duration,
     /// Least number of points in that time.
     pub points: usize,
@@ -110,7 +111,7 @@ thread_local! {
 /// What unwinds from [`check`] to [`Watch::run`].
 struct Unwinding;
 
-/// What to do when stopped work does not end; most likely the program ends.
+/// What to do when stopped work does not end. Most likely it ends the program.
 type LastResort<'a> = &'a (dyn Fn(&Stopped) + Sync);
 
 impl Watch {
@@ -126,7 +127,7 @@ impl Watch {
         }))
     }
 
-    /// The watch of this thread, to hand it to other threads.
+    /// The watch of this thread, for handing it to other threads.
     pub fn current() -> Option<Watch> {
         CURRENT.with(|current| current.borrow().clone().map(Watch))
     }
@@ -155,8 +156,8 @@ impl Watch {
         self.last_resort(Duration::MAX, &|_| {}, work)
     }
 
-    /// As [`Watch::run`]; but calls `resort` if the work has not ended `grace`
-    /// after it was stopped.
+    /// Does what [`Watch::run`] does, and calls `resort` if the work has not
+    /// ended `grace` after it was stopped.
     ///
     /// # Errors
     /// If the work was stopped.
@@ -258,7 +259,7 @@ impl Shared {
         }
     }
 
-    /// Whether too few points were made in the time that has just ended.
+    /// True if too few points were made in the time that has just ended.
     fn is_slower_than(&self, slow: Slow) -> bool {
         let state = &mut *self.lock();
         let (since, before) = *state.before.get_or_insert((self.started, 0));
@@ -318,7 +319,7 @@ impl Shared {
     }
 }
 
-/// Whether this thread's watch says that its work is to stop.
+/// True if this thread's watch says that its work is to stop.
 #[inline]
 fn is_stopped() -> bool {
     CURRENT.with(|current| {
@@ -328,8 +329,8 @@ fn is_stopped() -> bool {
     })
 }
 
-/// Ends this thread's work if its watch says so. To be called in every loop
-/// that may take longer than some tenths of a second; it costs a few
+/// Ends this thread's work if its watch says so. Every loop that may take
+/// longer than some tenths of a second has to call this. A call takes a few
 /// nanoseconds.
 #[inline]
 pub(crate) fn check() {
@@ -339,8 +340,8 @@ pub(crate) fn check() {
     }
 }
 
-/// For a library that is not to be unwound through: stops its work when the
-/// watch of the thread that works says so.
+/// A cancel hook for a library that must not be unwound through. It stops the
+/// library's work when the watch of the working thread says so.
 pub(crate) fn cancel() -> Cancel {
     Cancel::when(is_stopped)
 }
@@ -357,7 +358,7 @@ impl<T, E> Watched for Result<T, E> {
     }
 }
 
-/// A stage that this thread is in until this is dropped.
+/// A stage that this thread is in until the value is dropped.
 #[derive(Debug)]
 pub(crate) struct Doing(
     Option<(Arc<Shared>, &'static str, Option<&'static str>)>,
@@ -365,7 +366,7 @@ pub(crate) struct Doing(
 
 impl Drop for Doing {
     fn drop(&mut self) {
-        // This also happens while unwinding.
+        // The drop may also happen while unwinding.
         if let Some((shared, stage, outer)) = &self.0 {
             shared.moves(Some(stage), *outer);
             STAGE.set(*outer);
@@ -402,7 +403,7 @@ pub(crate) fn layers_done(done: usize, all: usize) {
 }
 
 /// Tells the watch of points of outlines or paths that were made. Work that
-/// makes hardly any may be stopped for it ([`Slow`]).
+/// makes hardly any points may be stopped for it ([`Slow`]).
 pub(crate) fn made(points: usize) {
     CURRENT.with(|current| {
         if let Some(shared) = &*current.borrow() {

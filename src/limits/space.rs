@@ -1,7 +1,7 @@
 //! The address space that the system allows the process (`ulimit -v`).
 //!
 //! If an allocation fails for lack of address space, the process is aborted at
-//! once. So the space is checked beforehand.
+//! once. So the space is checked before that can happen.
 
 use std::fs;
 use std::sync::OnceLock;
@@ -31,7 +31,7 @@ pub struct TooLittleSpace {
 /// Checks that there is enough address space to begin.
 ///
 /// # Errors
-/// If there is not.
+/// If there is too little.
 pub fn enough_space() -> Result<(), TooLittleSpace> {
     match allowed() {
         Some(allowed) if allowed < NEEDED => Err(TooLittleSpace { allowed }),

@@ -12,7 +12,7 @@ pub enum Reason {
     Memory,
     /// Nearly all the address space that the system allows was taken.
     Space,
-    /// Next to nothing came of the time that it took ([`Limits::slow`]).
+    /// Hardly anything came of the time that it took ([`Limits::slow`]).
     Slow,
     /// Somebody called [`Watch::cancel`](super::Watch::cancel).
     Cancelled,
@@ -46,14 +46,14 @@ pub struct Activity {
     /// The stages by name, with their shares of the time so far, the largest
     /// first.
     pub shares: Vec<(&'static str, f64)>,
-    /// The stage that most threads are in.
+    /// The stage in which most threads are.
     pub now: Option<&'static str>,
     /// Number of layers written, and of all layers, once that is known.
     pub layers: Option<(usize, usize)>,
 }
 
 impl Activity {
-    /// What makes the stage cheaper that took most of the time.
+    /// How to make the stage cheaper that took most of the time.
     pub fn remedy(&self) -> &'static str {
         remedy(self.shares.first().map(|(name, _)| *name))
     }
@@ -66,7 +66,7 @@ pub struct Stopped {
     pub reason: Reason,
     /// The limits of the work.
     pub limits: Limits,
-    /// How far the work had come; boxed, for results should be small.
+    /// How far the work had come. It is boxed, since results should be small.
     pub activity: Box<Activity>,
 }
 
@@ -127,7 +127,7 @@ impl fmt::Display for Stopped {
     }
 }
 
-/// What makes a stage cheaper.
+/// How to make a stage cheaper.
 fn remedy(stage: Option<&str>) -> &'static str {
     match stage {
         Some("script") => "Build fewer parts in loops",

@@ -19,7 +19,7 @@ fn within(milliseconds: u64) -> Watch {
 #[test]
 fn work_that_is_done_in_time_has_its_result() {
     assert_eq!(within(60_000).run(|| 7), Ok(7));
-    // Nothing is left of the watch.
+    // The watch is gone.
     check();
     assert!(Watch::current().is_none());
 }
@@ -56,7 +56,7 @@ fn work_of_which_nothing_comes_is_stopped() {
             slow: Some(slow),
         })
     };
-    // Busy at first, and then no more.
+    // The work is busy at first, and then idle.
     let stopped = watch(Duration::from_secs(60)).run(|| {
         made(1000);
         doing("contour", endless);
@@ -66,7 +66,7 @@ fn work_of_which_nothing_comes_is_stopped() {
     let text = stopped.to_string();
     assert!(text.contains("of the last 0.2 s"), "{text}");
     assert!(text.contains("--time-limit 1h"), "{text}");
-    // Enough of it in every 200 ms.
+    // The work makes enough points in every 200 ms.
     let busy = watch(Duration::from_secs(1)).run(|| {
         loop {
             made(5);
@@ -129,7 +129,7 @@ fn the_last_resort_comes_when_nothing_looks() {
     let resort = |stopped: &Stopped| {
         sender.lock().unwrap().send(stopped.reason).unwrap();
     };
-    // Waits for the resort without ever looking.
+    // The work waits for the resort without ever looking.
     let result =
         within(50).last_resort(Duration::from_millis(50), &resort, || {
             receiver.recv_timeout(Duration::from_secs(60))

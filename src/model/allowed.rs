@@ -1,17 +1,17 @@
 //! What a parameter of a script may be set to.
 //!
-//! In: what the script says of it, `#{ min: 2, max: 20, step: 0.5 }` or
-//! `#{ choices: [3, 4, 6] }`. Out: whether a value is allowed, and the words
-//! and numbers for those who ask for one. The step is that of a slider; it does
-//! not bind values that are typed.
+//! In: what the script says of the parameter, `#{ min: 2, max: 20, step: 0.5 }`
+//! or `#{ choices: [3, 4, 6] }`. Out: whether a value is allowed, and the
+//! bounds in words and numbers for a user interface. The step is that of a
+//! slider, and does not bind values that are typed.
 
 use super::value::Value;
 use std::fmt;
 
-/// Choices of a parameter at most: more than a person would read.
+/// Greatest number of choices of a parameter: more than a person would read.
 const MAX_CHOICES: usize = 100;
 
-/// What a parameter may be set to. Without any bound, anything of its type.
+/// What a parameter may be set to. Without any bound, every value of its type.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Allowed {
     /// Least value.
@@ -20,7 +20,7 @@ pub struct Allowed {
     pub max: Option<f64>,
     /// Step of a slider.
     pub step: Option<f64>,
-    /// The only values, as they are written; empty if there are others.
+    /// The only values, as they are written; empty if others are allowed.
     pub choices: Vec<String>,
 }
 
@@ -29,7 +29,7 @@ impl Allowed {
     /// default is `default`.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// What is wrong with the bound.
     pub(super) fn say(
         &mut self,
         name: &str,
@@ -80,10 +80,10 @@ impl Allowed {
         Ok(())
     }
 
-    /// Whether the bounds fit together and with the default.
+    /// Tells whether the bounds fit together, and fit the default.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// What is wrong with the bounds.
     pub(super) fn check(&self, default: Value) -> Result<(), String> {
         let bounds = self.min.is_some() || self.max.is_some();
         if !self.choices.is_empty() && (bounds || self.step.is_some()) {
@@ -117,7 +117,7 @@ impl Allowed {
     }
 }
 
-/// What a script says: a value, or several.
+/// What a script says under a name: a value, or several.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Said {
     One(Value),

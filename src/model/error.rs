@@ -7,7 +7,7 @@ use super::vm::VmError;
 use crate::encoding::NotText;
 use isocontour::{BoundsError, ExpandError};
 
-/// Why a model cannot be loaded. All are the user's to mend, except
+/// Why a model cannot be loaded. The user can mend all of them, except
 /// `ScriptError::Bug`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -23,7 +23,7 @@ pub enum LoadError {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// The file is not a model's size.
+    /// The file is too large for a model.
     #[error(
         "{file} is larger than {limit_mb} MB; is it a model (.rhai or .vm)?"
     )]
@@ -41,17 +41,17 @@ pub enum LoadError {
     NoModel {
         /// File.
         file: String,
-        /// What it is instead.
+        /// What the file is instead.
         found: String,
         /// What to do.
         advice: String,
     },
-    /// Not text.
+    /// The file is not text.
     #[error("{file}: {error}")]
     NotText {
         /// File.
         file: String,
-        /// What it is.
+        /// What the file is instead.
         error: NotText,
     },
     /// A malformed `.vm` file.

@@ -3,13 +3,13 @@
 //! In: a formula of x, y, z and d, or of x, y, z and curvature, in the models'
 //! language, or the field of a shape. Out: its values at many places at a time.
 //!
-//! x and y are the model's coordinates, z the height above the bed, both in
-//! millimetres as printed, whatever unit the model was written in; d is the
-//! distance to the nearest surface, positive inside the part; curvature is that
-//! of an outline, one over its radius in millimetres, negative in holes.
+//! x and y are the model's coordinates and z is the height above the bed, both
+//! in millimetres as printed, whatever unit the model was written in. d is the
+//! distance to the nearest surface, positive inside the part. curvature is an
+//! outline's, one over its radius in millimetres, negative in holes.
 //!
-//! Evaluated in f32 by fidget's interpreter, on any machine and thread with
-//! the same result.
+//! Expressions are evaluated in f32 by fidget's interpreter, with equal results
+//! on any machine and thread.
 
 use super::formula::{FormulaError, Name, parse_with};
 use fidget::context::Tree;
@@ -24,12 +24,12 @@ use isocontour::{ExpandError, expand_with};
 pub struct Place {
     /// The point: the model's x and y, and the height above the bed.
     pub at: DVec3,
-    /// The fourth variable: the distance to the nearest surface, positive
-    /// inside, or the outline's curvature.
+    /// The value of the fourth variable: the distance to the nearest surface,
+    /// positive inside, or the outline's curvature.
     pub depth: f64,
 }
 
-/// Why a text is no expression.
+/// Why a text is not an expression.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
 pub enum ExpressionError {
@@ -59,7 +59,7 @@ impl Expression {
     /// Compiles a formula of x, y, z and d.
     ///
     /// # Errors
-    /// If it is not one.
+    /// If the text is not such a formula, or is too large.
     pub fn parse(text: &str) -> Result<Expression, ExpressionError> {
         Self::with(text, Name::Depth)
     }
@@ -67,7 +67,7 @@ impl Expression {
     /// Compiles a formula of x, y, z and curvature.
     ///
     /// # Errors
-    /// If it is not one.
+    /// If the text is not such a formula, or is too large.
     pub fn of_outline(text: &str) -> Result<Expression, ExpressionError> {
         Self::with(text, Name::Curvature)
     }
@@ -100,12 +100,12 @@ impl Expression {
         Ok(Expression { tape, arguments })
     }
 
-    /// True if it depends on d.
+    /// True if the expression depends on d.
     pub fn uses_depth(&self) -> bool {
         self.arguments[3].is_some()
     }
 
-    /// True if it has the same value everywhere in a layer.
+    /// True if the expression has one value all over a layer.
     pub fn is_level(&self) -> bool {
         let [x, y, _, d] = self.arguments;
         x.or(y).or(d).is_none()
@@ -149,7 +149,7 @@ impl Expression {
         value.first().copied().unwrap_or(f64::NAN)
     }
 
-    /// Value of an expression without arguments; NaN of any other.
+    /// Value of an expression without arguments; NaN if it has some.
     fn constant(&self) -> f64 {
         use fidget::eval::TracingEvaluator;
         let none: [f32; 0] = [];
@@ -164,7 +164,8 @@ mod tests {
     use super::*;
 
     fn places() -> Vec<Place> {
-        // More than a batch, and not a multiple of anything.
+        // There are more places than a batch has, and no whole number of
+        // batches.
         (0..2345)
             .map(|i| {
                 let t = f64::from(i);
@@ -200,8 +201,8 @@ mod tests {
         let mut many = Vec::new();
         e("7").evaluate(&places(), &mut many);
         assert_eq!(many, vec![7.0; 2345]);
-        // What cancels out is not depended on, and where it has no value,
-        // it says so.
+        // A variable that cancels out does not count. Where the expression has
+        // no value, the result is NaN.
         assert!(e("ln(0 - z*z)").at(places()[9]).is_nan());
     }
 

@@ -4,16 +4,22 @@
 //! Source ──load──► Loaded ──place──► Model
 //! ```
 //!
-//! - `source`: which format, reading; `script` (rhai, sandboxed), `vm`
-//!   (fidget's text), `formula` (one expression), `expression` (of settings), `param` (`-D name=value`)
-//! - `placement`: scale, rotation, position, in the box that
-//!   [`isocontour::find_bounds`] finds; `together`, several models as one;
-//!   `written`, a model as words
+//! | file | what it does |
+//! |---|---|
+//! | `source` | reads a model, in whichever format |
+//! | `script` | runs rhai scripts in a sandbox |
+//! | `vm` | reads fidget's text |
+//! | `formula` | reads one formula |
+//! | `expression` | evaluates expressions of settings |
+//! | `param` | parameters of scripts, `-D name=value` |
+//! | `placement` | scale, rotation and place, by the box that [`isocontour::find_bounds`] finds |
+//! | `together` | makes one model of several |
+//! | `written` | writes a model as words |
 //!
-//! Guarantees: whatever the input, an error or a model within bounded time
-//! and memory, without panics and without recursion on the caller's stack;
-//! the same input always gives the same model (a time limit can only turn it
-//! into an error).
+//! Guarantees: whatever the input, there is an error or a model within bounded
+//! time and memory, without panics and without recursion on the caller's stack.
+//! Equal input gives the same model (a time limit can only turn it into an
+//! error).
 //!
 //! Not guaranteed: that the model is printable, or one body.
 

@@ -1,9 +1,9 @@
 //! Parameters of a script: `param(name, default, description, bounds)` in the
 //! script, `-D name=value` on the command line.
 //!
-//! In: the definitions given by the user and the calls made by the script.
+//! In: the definitions given by the user, and the calls made by the script.
 //! Out: the value of each call, the list of parameters, and an error for a
-//! definition that no call asked for. A value has the type of its default.
+//! definition that no call has asked for. A value has the type of its default.
 
 use super::allowed::{Allowed, Said};
 use super::value::Value;
@@ -19,7 +19,7 @@ pub struct Parameter {
     pub value: String,
     /// The script's description; empty if it gives none.
     pub description: String,
-    /// What it may be set to.
+    /// What the parameter may be set to.
     pub allowed: Allowed,
 }
 
@@ -37,7 +37,7 @@ pub enum ParamError {
         name: String,
         /// The text given.
         value: String,
-        /// What it should be.
+        /// What the value should be.
         expected: &'static str,
         /// The default.
         default: String,
@@ -60,7 +60,7 @@ pub enum ParamError {
         /// What is wrong with its bounds.
         what: String,
     },
-    /// Declared twice, differently.
+    /// The parameter is declared twice, with different defaults.
     #[error(
         "the parameter `{name}` is declared twice, with the defaults {first} \
          and {second}; declare it once and keep its value in a variable"
@@ -73,13 +73,13 @@ pub enum ParamError {
         /// Default of the second.
         second: String,
     },
-    /// Not a usable name.
+    /// The name is not usable.
     #[error("`{name}` cannot be a parameter's name; use letters, digits and _")]
     BadName {
         /// The name.
         name: String,
     },
-    /// More than any person could set.
+    /// There are more parameters than anybody could set.
     #[error("the script declares more than {limit} parameters")]
     TooMany {
         /// The limit.
@@ -105,7 +105,7 @@ pub enum ParamError {
     },
 }
 
-/// Parameters a script may declare at most.
+/// Greatest number of parameters that a script may declare.
 const MAX_PARAMETERS: usize = 1000;
 
 /// The parameters of one run of a script.
@@ -226,7 +226,7 @@ fn unknown(name: &str, parameters: &[Parameter]) -> ParamError {
     }
 }
 
-/// Refuses definitions for a model that has no parameters.
+/// Refuses definitions for a model without parameters.
 pub(super) fn none_wanted(
     defines: &[(String, String)],
 ) -> Result<(), ParamError> {

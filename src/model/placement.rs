@@ -4,18 +4,19 @@
 //! `Model`, whose `offset` takes its frame to the printer's (origin at the
 //! front left corner of the bed, z = 0 on the bed, millimetres).
 //!
-//! Scale and rotation become part of the expression, and the field is scaled
-//! with the model (g(p) = s·f(p/s)), so that a distance stays a distance.
-//! Translation does not: f32 accuracy is best near the origin that the author
-//! chose, and a plane at x = 10 stays exactly that. Only a part that was drawn
-//! a metre or more away has its origin moved (`shift`). Without scale,
-//! rotation and bounds the expression is the user's own, untouched.
+//! Scale and rotation become part of the expression. The field's values are
+//! scaled with the model (g(p) = s·f(p/s)), so that a distance stays a
+//! distance. Translation does not become part of it: f32 is most accurate near
+//! the origin that the author chose, and a plane at x = 10 stays there exactly.
+//! Only a part that was drawn a metre or more away has its origin moved
+//! (`shift`). Without scale, rotation and bounds the expression is exactly the
+//! user's own.
 //!
 //! By default the part rests on the bed with its lowest point at z = 0 and is
 //! centred in x and y. With `keep_position` model coordinates are printer
-//! coordinates; what then lies below z = 0 is not printed (the part is cut by
-//! the bed), which is a warning and not an error, because sinking a part is
-//! how one flattens its foot.
+//! coordinates. Then whatever lies below z = 0 is not printed: the part is cut
+//! by the bed. This is a warning and not an error, because sinking a part is a
+//! way to flatten its foot.
 
 use super::param::Parameter;
 use super::source::Loaded;
@@ -67,15 +68,15 @@ pub struct Placement {
     pub at: Option<(f64, f64)>,
     /// Take the model's coordinates as the printer's. Default value: false.
     pub keep_position: bool,
-    /// Cut the model with this box, in its own coordinates (before scale and
-    /// rotation). Default value: none, the bounds are found.
+    /// A box that cuts the model, in the model's own coordinates (before scale
+    /// and rotation). Default value: none, the bounds are found.
     pub bounds: Option<Bounds>,
-    /// Height of the part, mm, for a model that does not depend on z: it is a
-    /// drawing, of which `size` is then the larger side, and is raised before
-    /// it is turned. Default value: none.
+    /// Height of the part, mm, for a model that does not depend on z. Such a
+    /// model is a drawing. `size` is then its larger side, and it is raised
+    /// before it is turned. Default value: none.
     pub height: Option<f64>,
-    /// How far what is printed reaches beyond the part to all sides in the
-    /// plane, mm: it needs room on the bed. Default value: 0.
+    /// How far what is printed reaches beyond the part on all sides in the
+    /// plane, mm. It needs room on the bed. Default value: 0.
     pub margin: f64,
 }
 
@@ -91,12 +92,12 @@ pub struct Model {
     pub bounds: Bounds,
     /// Printer coordinates = coordinates of the model's frame + offset, mm.
     pub offset: DVec3,
-    /// How much of the offset's height is a raft's and that of the air above
-    /// it, mm: what lies below that much is cut off.
+    /// How much of the offset's height belongs to a raft and to the air above
+    /// it, mm. Whatever lies below it is cut off.
     pub lift: f64,
-    /// Where in the coordinates in which the model was drawn (and turned and
-    /// scaled) the frame's origin is, mm: 0, but for models that were drawn so
-    /// far out that f32 has too few digits left there.
+    /// Place of the frame's origin in the coordinates in which the model was
+    /// drawn (and turned and scaled), mm. It is 0, except for models that were
+    /// drawn so far out that f32 has too few digits there.
     pub origin: DVec3,
     /// Parameters the script declares.
     pub parameters: Vec<Parameter>,
@@ -123,8 +124,8 @@ impl Model {
         raised
     }
 
-    /// Height in the model's frame below which it is cut off, mm: that of the
-    /// bed, or of the air above a raft.
+    /// Height in the model's frame below which the model is cut off, mm: the
+    /// bed, or the air above a raft.
     pub fn foot(&self) -> f64 {
         self.lift - self.offset.z
     }
@@ -161,18 +162,18 @@ pub enum PlaceError {
     /// Two options that contradict each other.
     #[error("{first} and {second} cannot be given together; drop one of them")]
     Conflict {
-        /// One.
+        /// One option.
         first: &'static str,
-        /// The other.
+        /// The other option.
         second: &'static str,
     },
-    /// A height for a model that has one.
+    /// A height is given for a model that depends on z.
     #[error(
         "--height: the model depends on z, so it has a height of its own; \
          leave the option out, or make the model larger with --size or --scale"
     )]
     HasHeight,
-    /// Larger than the printer.
+    /// The part is larger than the printer.
     #[error(
         "the part does not fit the printer: {size} mm, the printer has \
          {volume} mm ({excess}); make it smaller with --size or --scale, \
@@ -186,7 +187,7 @@ pub enum PlaceError {
         /// Axes and by how much they are exceeded.
         excess: String,
     },
-    /// Small enough, but not on the bed.
+    /// The part is small enough, but not on the bed.
     #[error(
         "the part would reach beyond the printer ({excess}); choose another \
          --at x,y, or leave --at and --keep-position out to have it centred"
@@ -195,7 +196,7 @@ pub enum PlaceError {
         /// Sides and by how much they are exceeded.
         excess: String,
     },
-    /// Nothing above the bed.
+    /// Nothing of the part is above the bed.
     #[error(
         "with --keep-position all of the part lies below the bed (its top is \
          at z = {top_mm:.3} mm); leave the option out, or move the part up"
@@ -206,11 +207,11 @@ pub enum PlaceError {
     },
 }
 
-/// How far a part may reach over the edge before it counts: found bounds are
-/// conservative by less than this.
+/// How far a part may reach over the bed's edge. Bounds that were found may be
+/// larger than the part by less than this.
 const FIT_TOLERANCE_MM: f64 = 1e-3;
 
-/// Bounds less sure than this are worth a warning: a twentieth of a usual
+/// Bounds that may be off by more than this get a warning, mm: 0.05 of a usual
 /// layer.
 const SLACK_WARNING_MM: f64 = 0.01;
 
@@ -236,7 +237,8 @@ pub fn place(
     }
     let mut warnings = Vec::new();
 
-    // The largest side is that of the turned part, so: turn, measure, scale.
+    // The size is that of the turned part, so the part is turned, then
+    // measured, then scaled.
     let turned = placement.rotate.iter().any(|a| a % 360.0 != 0.0);
     let rotation = rotation(placement.rotate);
     let clipped = match &placement.bounds {
@@ -340,17 +342,17 @@ fn find_bounds(
     })
 }
 
-/// Moves the origin of a part that was drawn far from it, if that gives f32
-/// the digits it lacks; warns if they are still too few. `None` if the part
+/// Moves the origin of a part that was drawn far from it, if that gives f32 the
+/// digits that it lacks. Warns if there are still too few. `None` if the part
 /// can stay as it is.
 fn far_out(
     tree: &Tree,
     bounds: &Bounds,
     warnings: &mut Vec<String>,
 ) -> Result<Option<(Tree, DVec3)>, PlaceError> {
-    /// Nearer than this f32 tells 10⁻⁴ mm apart.
+    /// Within this distance f32 tells 10⁻⁴ mm apart.
     const FAR_MM: f64 = 1000.0;
-    /// As good as the outlines are by default.
+    /// The default accuracy of outlines, mm.
     const GOOD_MM: f64 = 0.005;
     let cancel = limits::cancel();
     let far = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -381,7 +383,7 @@ fn far_out(
     Ok(gains.then_some((near, origin)))
 }
 
-/// A drawing with its height, and the scale at which that is right.
+/// A drawing raised to its height, and the scale at which the height is right.
 fn raised(
     loaded: &Loaded,
     placement: &Placement,
@@ -583,7 +585,7 @@ mod tests {
         assert_eq!(m * DVec3::Z, DVec3::X);
         let m = rotation([0.0, 0.0, -270.0]);
         assert_eq!(m * DVec3::X, DVec3::Y);
-        // x first, then z.
+        // The rotation about x comes first, then that about z.
         let m = rotation([90.0, 0.0, 90.0]);
         assert_eq!(m * DVec3::Y, DVec3::Z);
         assert_eq!(m * DVec3::X, DVec3::Y);
@@ -596,7 +598,8 @@ mod tests {
         let turned = mapped(&tree, rotation([0.0, 0.0, 90.0]), 1.0);
         let plain = expand(&tree).unwrap().0.len();
         let size = expand(&turned).unwrap().0.len();
-        // The zeros vanish on import; at most a few constants and one sign.
+        // The zeros vanish on import. What is left is at most a few constants
+        // and one sign.
         assert!(size <= plain + 4, "{size} from {plain}");
     }
 }

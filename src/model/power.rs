@@ -2,14 +2,15 @@
 
 use fidget::context::Tree;
 
-/// Largest whole exponent that is multiplied out; above it (and for all other
-/// exponents) the power is exp(b·ln a), which is NaN for negative bases.
+/// Largest whole exponent that is multiplied out. Above it, and for exponents
+/// that are not whole, the power is exp(b·ln a), which is NaN for negative
+/// bases.
 const MAX_MULTIPLIED: f64 = 1024.0;
 
 /// `base` to the power of a constant.
 ///
-/// Whole exponents are repeated multiplications and work for negative bases;
-/// halves (0.5, 1.5, -0.5) use the square root.
+/// Whole exponents are repeated multiplications and work for negative bases.
+/// Halves (0.5, 1.5, -0.5) use the square root.
 pub(super) fn power(base: &Tree, exponent: f64) -> Tree {
     let whole = exponent.trunc();
     let rest = exponent - whole;

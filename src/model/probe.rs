@@ -1,10 +1,10 @@
 //! Measures how far a point is from f = 0 by asking the field directly.
 //!
 //! In: points of a layer's plane with a direction each. Out: signed distances
-//! along the directions, found by bisection. Nothing is shared with the stages
-//! that make the outline: fidget's interpreter evaluates the whole expression,
-//! which is neither simplified nor hoisted. So a fault of those stages shows
-//! here. Inside is f < 0; NaN is outside.
+//! along the directions, found by bisection. The probe shares nothing with the
+//! stages that make the outline: fidget's interpreter evaluates the whole
+//! expression, which is neither simplified nor hoisted. So a fault of those
+//! stages shows here. Inside is f < 0; NaN is outside.
 //!
 //! Not guaranteed: that no border lies nearer in another direction. A distance
 //! is never less than the true one by more than [`FINEST`].
@@ -50,11 +50,11 @@ pub(crate) struct Spot {
 /// The search from one point.
 struct Search {
     spot: Spot,
-    /// Height of its plane in the model's frame, mm.
+    /// Height of the point's plane in the model's frame, mm.
     z: Mm,
     inside: bool,
     /// Signed distances between which the sign changes. At the first one the
-    /// field has the sign that it has at the point.
+    /// field has the sign that it has at the point itself.
     bracket: Option<(Mm, Mm)>,
 }
 
@@ -111,7 +111,7 @@ impl Probe {
     /// How far each spot of the plane at height `z`, in the model's frame, lies
     /// outside the part; negative inside. It is the distance to the nearest
     /// change of the field's sign along the spot's direction, forwards or
-    /// backwards; nothing if there is none within 1 mm.
+    /// backwards; none if there is no change within 1 mm.
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
@@ -130,7 +130,7 @@ impl Probe {
 
     /// The way from each spot, at a height of its own, to the nearest change of
     /// the field's sign along its direction; negative against the direction,
-    /// nothing if there is none within 1 mm.
+    /// none if there is no change within 1 mm.
     ///
     /// # Errors
     /// If the evaluator fails, which is a bug.
@@ -180,8 +180,8 @@ impl Probe {
             for ((i, plus), minus) in open.into_iter().zip(plus).zip(minus) {
                 let s = &mut all[i];
                 let (plus, minus) = (plus < 0.0, minus < 0.0);
-                // An inside point is expected to have the border outwards, so
-                // the search begins there.
+                // A point inside is expected to have the border outwards, so
+                // the search begins on that side.
                 let sides = if s.inside {
                     [(1.0, plus), (-1.0, minus)]
                 } else {
@@ -270,7 +270,7 @@ mod tests {
 
     #[test]
     fn jumps_and_what_is_no_number_are_borders() {
-        // The root of a negative number beyond x = 2.
+        // The field is the root of a negative number beyond x = 2.
         let f = (2.0 - Tree::x()).sqrt() - 100.0 + 0.0 * Tree::y();
         let probe = Probe::new(&f).unwrap();
         let spot = Spot {

@@ -18,8 +18,7 @@ use std::path::{Path, PathBuf};
 /// Largest file that is read. A .vm file of 10⁶ lines has about 20 MB.
 const MAX_BYTES: u64 = 64 << 20;
 
-/// Largest script or formula: the parsed form of a script of 4 MB has several
-/// hundred.
+/// Largest script or formula. A parsed script of 4 MB takes several hundred.
 const MAX_SCRIPT_BYTES: u64 = 2 << 20;
 
 /// The ways to write a model down.
@@ -163,7 +162,8 @@ fn kind_of(path: &Path) -> Result<SourceKind, LoadError> {
     }
 }
 
-/// What a path with another name than a model's is, and what to do with it.
+/// The error for a path with another extension than a model's: what the file
+/// is, and what to do with it.
 fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
     let file = path.display().to_string();
     let script = path.with_extension("rhai");

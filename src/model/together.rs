@@ -6,13 +6,13 @@ use fidget::context::Tree;
 use glam::{DVec2, DVec3};
 use isocontour::Bounds;
 
-/// Greatest size of the models' expressions together. Larger ones take longer
-/// to take apart than a picture is worth.
+/// Greatest number of operations of all models. The picture of a larger one is
+/// not worth the time.
 const MOST: usize = 300_000;
 
-/// Models as they stand on the bed, each moved in the plane, as one model in the
-/// printer's coordinates. There is none of no models, or if their expressions
-/// are too large together.
+/// Models as they stand on the bed, each moved in the plane, as one model in
+/// the printer's coordinates. None if there are no models, or if their
+/// expressions are too large together.
 pub(crate) fn together<'a>(
     name: &str,
     models: impl IntoIterator<Item = (&'a Model, DVec2)>,
@@ -22,12 +22,13 @@ pub(crate) fn together<'a>(
     let mut size = 0;
     let mut lift: f64 = 0.0;
     for (model, shift) in models {
-        // The models' own operations, those that move them, and one minimum.
+        // The sum counts the models' own operations, those that move them, and
+        // one minimum each.
         size += model.expression_size + 4;
         if size > MOST {
             return None;
         }
-        // All of a plate stand on the same raft, or on none.
+        // All parts of a plate stand on one raft, or on none.
         lift = lift.max(model.lift);
         let by = model.offset + shift.extend(0.0);
         let (x, y, z) = Tree::axes();
@@ -42,7 +43,7 @@ pub(crate) fn together<'a>(
             None => Bounds { min, max },
         });
     }
-    // In pairs, so that the expression is not deep.
+    // Models are joined in pairs, so that the expression is not deep.
     while trees.len() > 1 {
         let pairs = trees.chunks(2).map(|pair| match pair {
             [a, b] => a.min(b.clone()),

@@ -14,7 +14,8 @@ impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Int(v) => write!(f, "{v}"),
-            // With its point: the type shows, and that 2.5 is allowed.
+            // The number has its point, which shows its type, and that 2.5 is
+            // allowed.
             Self::Float(v) => write!(f, "{v:?}"),
             Self::Bool(v) => write!(f, "{v}"),
         }
@@ -22,7 +23,7 @@ impl fmt::Display for Value {
 }
 
 impl Value {
-    /// The text as a value of this one's type.
+    /// The text as a value of the type of `self`.
     pub(super) fn parse_like(self, text: &str) -> Result<Self, &'static str> {
         let text = text.trim();
         match self {
@@ -41,7 +42,7 @@ impl Value {
         }
     }
 
-    /// The value as a number, if it is one that can be compared.
+    /// The value as a number, if it can be compared.
     pub(super) fn number(self) -> Option<f64> {
         match self {
             Self::Int(v) => Some(v as f64),
@@ -50,8 +51,8 @@ impl Value {
         }
     }
 
-    /// The value as one of the type of `default`: whole numbers may stand for
-    /// others.
+    /// The value as a value of the type of `default`. Whole numbers may stand
+    /// for other numbers.
     pub(super) fn like(self, default: Self) -> Option<Self> {
         match (self, default) {
             (Self::Int(v), Self::Float(_)) => Some(Self::Float(v as f64)),

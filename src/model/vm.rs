@@ -7,10 +7,10 @@
 //! _2 sub _1 _0
 //! ```
 //!
-//! In: the bytes of a `.vm` file. Out: an expression tree, or an error with
-//! the line. Accepts what `fidget::Context::from_text` accepts, without its
-//! panics; stricter than it in that a name may be given only once, a line may
-//! not have left-over words, and a constant may not be NaN.
+//! In: the bytes of a `.vm` file. Out: an expression tree, or an error with the
+//! line. The parser accepts what `fidget::Context::from_text` accepts, without
+//! its panics, with three exceptions: a name may be given only once, a line may
+//! have no left-over words, and a constant may not be NaN.
 
 use fidget::context::Tree;
 use std::collections::HashMap;
@@ -101,8 +101,8 @@ pub fn parse_vm(bytes: &[u8]) -> Result<Tree, VmError> {
                 shown(opcode)
             )));
         };
-        // One more than any operation takes: enough to count a line wrong
-        // without collecting a line of a million words.
+        // This is one word more than any operation takes, so that a wrong
+        // number shows without collecting a line of a million words.
         let operands: Vec<&str> = words.by_ref().take(3).collect();
         if operands.len() != *wants {
             return Err(error(format!(
@@ -222,7 +222,7 @@ fn build(opcode: &str, operands: &[Tree]) -> Tree {
                 _ => a.mix(b),
             }
         }
-        // The operands were counted against `OPCODES`.
+        // The number of operands was checked against `OPCODES`.
         _ => Tree::constant(f32::NAN),
     }
 }

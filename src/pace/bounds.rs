@@ -6,8 +6,8 @@ use crate::layers::LayerSpan;
 use crate::settings::Settings;
 use crate::units::{MICRON, MmPerSec, MmPerSec2};
 
-/// Greatest speed of a bead whatever its role: that of the first layer, and
-/// that of small walls.
+/// Greatest speed of a bead whatever its role: the limits of the first layer
+/// and of small walls.
 pub(super) fn speed_limit(
     bead: &Bead,
     span: &LayerSpan,
@@ -25,8 +25,8 @@ pub(super) fn speed_limit(
     }
 }
 
-/// Speed of a bead before cooling: the least of what its rates ask for, what
-/// the filament's flow allows, and what the printer can do.
+/// Speed of a bead before cooling: the least of the speed that its rates ask
+/// for, the speed that the filament's flow allows, and the printer's greatest.
 pub(super) fn print_speed(
     settings: &Settings,
     bead: &Bead,

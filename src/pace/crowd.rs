@@ -25,8 +25,8 @@ const STEP: f64 = 0.1;
 #[derive(Clone, Debug)]
 pub(super) struct Rated {
     pub bead: Bead,
-    /// For each segment of the bead's path the arc in place of it; empty if
-    /// there are none.
+    /// For each segment of the bead's path the arc in its place; empty if the
+    /// bead has no arcs.
     pub turns: Vec<Option<Turn>>,
     pub rates: Rates,
 }
@@ -40,7 +40,7 @@ impl Rated {
         })
     }
 
-    /// The part of the bead that moves `from` to `to` make up, at a speed.
+    /// The part of the bead that the moves `from` to `to` make up, at a speed.
     pub(super) fn part(
         &self,
         from: usize,
@@ -66,7 +66,7 @@ impl Rated {
         }
     }
 
-    /// A single move, cut after a share of its way.
+    /// The bead, which is a single move, cut after a share of its way.
     pub(super) fn halves(&self, share: f64) -> (Rated, Rated) {
         let turn = self.turns.first().copied().flatten();
         let Some(turn) = turn else {
@@ -96,7 +96,7 @@ impl Rated {
         )
     }
 
-    /// Adds what follows it at the same speed.
+    /// Adds a bead that follows at the same speed.
     pub(super) fn append(&mut self, next: Rated) {
         let stroke = &mut self.bead.stroke;
         stroke.points.extend(next.bead.points.iter().skip(1));

@@ -12,30 +12,30 @@
 //! In: the beads of a stroke, one after another without a break. Out: the same
 //! beads, cut where their speed changes; none is faster than before.
 //!
-//! Guaranteed: between two moves in a row the flow changes by at most the
-//! limit times the duration of the move with the lesser flow, or times [`TAU`]
-//! if that is shorter. Not guaranteed: that cooling keeps to it, if it slows
-//! some beads down to `cooling.min_speed` and others not so far.
+//! Guaranteed: from one move to the next the flow changes by at most the limit
+//! times the duration of the move with the lesser flow, or times [`TAU`] if
+//! that is shorter. Not guaranteed: that the limit is kept after cooling, which
+//! slows some beads down to `cooling.min_speed` and others less.
 
 use super::crowd::Rated;
 use crate::units::{Mm, Mm2, Mm3PerSec, Mm3PerSec2, MmPerSec, Seconds};
 
-/// Duration of a step, s: at usual speeds it is a millimetre or two long.
+/// Duration of a step, s: at usual speeds a step is 1 to 2 mm long.
 const TAU: Seconds = 0.02;
 
-/// No step is shorter, mm.
+/// Least length of a step, mm.
 const SHORTEST: Mm = 0.2;
 
-/// No step is slower, mm/s.
+/// Least speed of a step, mm/s.
 const SLOWEST: MmPerSec = 1.0;
 
 /// One move of a bead.
 struct One {
-    /// Which bead of the stroke it is part of.
+    /// Number of the bead of the stroke that the move is part of.
     of: usize,
     rated: Rated,
     length: Mm,
-    /// Plastic for each length of the way.
+    /// Plastic per length of the way.
     area: Mm2,
 }
 
@@ -48,8 +48,8 @@ impl One {
         self.length / self.rated.rates.speed
     }
 
-    /// Its first `way`, and the rest; or its last, if the way is gone
-    /// backwards. The first runs at a speed of its own.
+    /// The move's first `way` and the rest, or its last `way` if moves are gone
+    /// through backwards. The first part runs at a speed of its own.
     fn cut(
         self,
         way: Mm,
@@ -80,8 +80,8 @@ impl One {
     }
 }
 
-/// The beads at speeds at which the flow changes by at most `most` in a
-/// second. Nothing is changed if `most` is 0.
+/// The beads at speeds at which the flow changes by at most `most` in a second.
+/// If `most` is 0, nothing changes.
 pub(super) fn evened(chain: Vec<Rated>, most: Mm3PerSec2) -> Vec<Rated> {
     if most <= 0.0 {
         return chain;
@@ -116,8 +116,8 @@ pub(super) fn evened(chain: Vec<Rated>, most: Mm3PerSec2) -> Vec<Rated> {
     joined(moves)
 }
 
-/// The moves, of which none has a flow too far above that of the one before;
-/// or of the one after, if they are gone through backwards.
+/// The moves at speeds at which no flow is too far above the flow of the move
+/// before, or of the move after if they are gone through backwards.
 fn climbing(moves: Vec<One>, most: Mm3PerSec2, backwards: bool) -> Vec<One> {
     let mut out: Vec<One> = Vec::with_capacity(moves.len());
     let mut moves: Box<dyn Iterator<Item = One>> = match backwards {
@@ -148,7 +148,8 @@ fn climbing(moves: Vec<One>, most: Mm3PerSec2, backwards: bool) -> Vec<One> {
     out
 }
 
-/// Moves of one bead and one speed in one piece again.
+/// The beads made of the moves: moves of one bead and one speed are one piece
+/// again.
 fn joined(moves: Vec<One>) -> Vec<Rated> {
     let mut out: Vec<(usize, Rated)> = Vec::new();
     for One { of, rated, .. } in moves {
@@ -233,8 +234,8 @@ mod tests {
         ];
         for most in [20.0, 100.0, 500.0] {
             let after = check(&before, most);
-            // A ramp of Δq takes Δq / most: of that long, and no longer, the
-            // plastic comes more slowly.
+            // A ramp of Δq takes the time Δq / most. Only during this time does
+            // the plastic come more slowly.
             let time = |c: &[Rated]| moves(c).iter().map(|m| m.1).sum::<f64>();
             let extra = time(&after) - time(&before);
             let q = |v: f64, w: f64| {
@@ -242,8 +243,8 @@ mod tests {
             };
             let (a, b, c, d) =
                 (q(20.0, 0.4), q(80.0, 0.4), q(30.0, 0.4), q(60.0, 0.6));
-            // While the flow climbs from a to b in the time T, what is laid
-            // is (b - a) T / 2 less than at b, and is laid at b later.
+            // While the flow climbs from a to b in the time T, (b - a) T / 2
+            // less is laid than at b, and is laid at b later.
             let late =
                 |low: f64, high: f64| 0.5 * (high - low).powi(2) / most / high;
             let exact = late(a, b) + late(c, b) + late(c, d);

@@ -64,7 +64,7 @@ mod tests {
         assert_eq!(at(30.0, 20.0), 50.0);
         assert_eq!(at(30.0, 10.0), 70.0);
         assert_eq!(at(30.0, 5.0), 70.0);
-        // Never less than was asked for.
+        // The speed is never less than was asked for.
         assert_eq!(at(90.0, 5.0), 90.0);
         settings.cooling.long_layer_time = 10.0;
         assert_eq!(fan_speed(30.0, 9, 10.0, &settings), 30.0);

@@ -27,10 +27,11 @@
 //! heating, homing and the start and end templates.
 //!
 //! Times come from the [motion model](motion), for the points as they are
-//! written, in micrometres: firmware sees the corners of those. A layer starts
-//! and ends at rest, so its time does not depend on its neighbours. This costs
-//! some milliseconds a layer, since the change of z between layers is slow
-//! anyway. The `clock` reads the time of everything else from the text.
+//! written, in micrometres, since these are the corners that firmware sees. A
+//! layer starts and ends at rest, so its time does not depend on its
+//! neighbours. This costs some milliseconds a layer, since the change of z
+//! between layers is slow anyway. The `clock` reads the time of everything else
+//! from the text.
 
 mod bounds;
 pub(crate) mod clock;
@@ -70,7 +71,7 @@ use std::ops::Range;
 /// template left it, mm. It clears what start templates leave on the bed.
 const APPROACH: Mm = 2.0;
 
-/// Distance below which two points are the same place: 0.1 of what the G-code
+/// Distance below which two points are one place: 0.1 of what the G-code
 /// resolves.
 const SAME_PLACE: Mm = 0.1 * MICRON;
 
@@ -81,23 +82,25 @@ const WIPE_SPEED: f64 = 0.8;
 /// Moves of a layer that belong together: those of a part, or of what stands
 /// round all parts.
 pub(crate) struct Stretch<'a, 'r> {
-    /// Which of the plate's places the part has; nothing if it is no part.
+    /// Which of the plate's places the part has; none if the stretch is no
+    /// part.
     pub place: Option<usize>,
     /// The moves, in print coordinates.
     pub moves: Vec<Move>,
-    /// The rates of its beads. Its settings hold for the stretch.
+    /// The rates of the stretch's beads. The rater's settings hold for the
+    /// stretch.
     pub rater: &'r Rater<'a>,
-    /// Where it is.
+    /// Where the part is.
     pub site: Site<'r>,
 }
 
 /// Gives speeds to one layer after another. Between two layers it knows where
 /// the head stands.
 pub(crate) struct Pacer<'a> {
-    /// Those of what is being paced.
+    /// The settings of the stretch that is being paced.
     settings: &'a Settings,
     motion: Motion,
-    /// Where the head is; nothing before the first move.
+    /// Where the head is; none before the first move.
     xy: Option<DVec2>,
     z: Option<Mm>,
     retracted: bool,
@@ -139,9 +142,9 @@ impl<'a> Pacer<'a> {
         }
     }
 
-    /// Forgets where the head is in the plane, but for what `xy` tells. It is at
-    /// height `z`. The way to the next layer's first point is in no layer's
-    /// time.
+    /// Forgets where the head is in the plane, and takes `xy` if that is known.
+    /// The head is at height `z`. The way to the next layer's first point
+    /// counts for no layer's time.
     pub(crate) fn restart(&mut self, xy: Option<DVec2>, z: Mm) {
         self.xy = xy;
         self.z = Some(z);
@@ -251,7 +254,7 @@ impl<'a> Pacer<'a> {
             moves, rater, site, ..
         } = stretch;
         self.settings = rater.settings();
-        // Beads without a travel between them.
+        // Beads that follow each other without a travel.
         let mut chain = Vec::new();
         let (mut printing, mut slow) = (0, 0);
         for step in moves {
@@ -380,8 +383,8 @@ impl<'a> Pacer<'a> {
             return;
         }
         if self.xy.is_none_or(|at| at.distance(start) > SAME_PLACE) {
-            // The travel stage should have left a travel here. A straight one
-            // is better than a bead drawn from somewhere else.
+            // The travel stage should have left a travel here. A straight travel
+            // is better than a bead drawn from the wrong place.
             self.travel(span, Travel::straight(start, false), out);
         }
         self.lifted = false;
@@ -469,7 +472,7 @@ impl<'a> Pacer<'a> {
             return;
         }
         let rest = retract.length - first;
-        // The wipe is no faster than the filament may go back.
+        // The wipe is no faster than the filament may be pulled back.
         let speed = (WIPE_SPEED * self.settings.travel_speed())
             .min(retract.speed * way / rest);
         let acceleration = self.settings.travel_acceleration();

@@ -56,8 +56,8 @@ pub(crate) enum PacedMove {
     Print {
         /// The bead.
         bead: Bead,
-        /// For each segment of its path the arc in place of it; empty if there
-        /// are none.
+        /// For each segment of the bead's path the arc in its place; empty if
+        /// the bead has no arcs.
         turns: Vec<Option<Turn>>,
         /// Speed of the head.
         speed: MmPerSec,
@@ -77,14 +77,15 @@ pub(crate) struct Amount {
     pub length: Mm,
     /// Length of filament.
     pub filament: Mm,
-    /// How long it takes to print them, travels aside.
+    /// How long it takes to print the beads, without travels.
     pub time: Seconds,
 }
 
 /// Moves of a layer that belong to one part.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct OfPart {
-    /// Which of the plate's places the part has; nothing if it is no part.
+    /// Which of the plate's places the part has; none if the moves belong to no
+    /// part.
     pub place: Option<usize>,
     /// The moves, by their numbers.
     pub moves: Range<usize>,
@@ -97,7 +98,7 @@ pub(crate) struct PacedLayer {
     pub span: LayerSpan,
     /// The layer's moves in order.
     pub moves: Vec<PacedMove>,
-    /// Which of them belong to which part, in order.
+    /// Which moves belong to which part, in order.
     pub parts: Vec<OfPart>,
     /// Speed of the part's fan at the layer's beginning.
     pub fan: Percent,
@@ -105,8 +106,8 @@ pub(crate) struct PacedLayer {
     pub nozzle_temperature: Celsius,
     /// How long the layer takes.
     pub time: Seconds,
-    /// Moves that print, and how many of them are slower than asked for, since
-    /// the printer takes only so many in a second.
+    /// The number of moves that print, and how many of them are slower than
+    /// asked for, since the printer takes only so many in a second.
     pub printing: usize,
     pub slowed: usize,
     /// What the beads of each role amount to.

@@ -1,11 +1,10 @@
 //! The rates that beads are printed at: speed, flow, width and fan, which may
 //! change along a bead.
-//!
 //! In: a bead. Out: the bead, or pieces of it that follow each other without a
 //! break, each with its rates. A setting that is an expression is evaluated
 //! along the bead every `STEP`, and the bead is cut where the value changes
-//! noticeably. So are walls whose speed or fan depends on how far they reach
-//! beyond the layer below.
+//! noticeably. Walls whose speed or fan depends on how far they reach beyond
+//! the layer below are cut in the same way.
 
 use crate::bead::{Bead, Level, Role, Stroke};
 use crate::layers::LayerSpan;
@@ -27,20 +26,21 @@ const CHANGE: f64 = 0.01;
 /// Distance between the points of a wall at which its reach is measured.
 const REACH_STEP: Mm = 0.25;
 
-/// Stretches shorter than this that reach farther, or less far, than what is on
-/// both sides of them do not count, mm: the head hardly changes its speed there.
+/// Stretches shorter than this, mm, do not count if they reach farther, or less
+/// far, than what is on both sides of them: the head hardly changes its speed
+/// there.
 const REACH_SHORT: Mm = 1.0;
 
-/// Share of itself by which the speed has to change for a wall to be cut for its
-/// reach, and change of the fan's speed: the steps do not show.
+/// Changes for which a wall is cut for its reach: of its speed, as a share of
+/// it, and of the fan's speed. Smaller steps do not show.
 const REACH_CHANGE: (f64, Percent) = (0.05, 5.0);
 
 /// What is known of the place of a layer's beads, in the model's coordinates.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Site<'a> {
-    /// The layer's outline, for settings that depend on the depth.
+    /// The layer's outline, for settings that depend on the depth below it.
     pub solid: Option<&'a EdgeGrid>,
-    /// What holds the layer, if that is not the same everywhere.
+    /// What holds the layer; none if everything is held alike.
     pub reach: Option<Reach<'a>>,
     /// How far the part is from where the model was placed.
     pub shift: DVec2,
@@ -61,8 +61,7 @@ pub(crate) struct Rates {
 /// The rates of a run's beads.
 pub(crate) struct Rater<'a> {
     settings: &'a Settings,
-    /// What expressions know of the model; nothing if all settings are
-    /// constant.
+    /// What expressions know of the model; none if all settings are constant.
     around: Option<(&'a Surroundings<'a>, DVec2)>,
     /// The speeds of the roles, in the order of [`Role::ALL`].
     speeds: Vec<Quantity>,
@@ -109,7 +108,7 @@ impl<'a> Rater<'a> {
     /// offset.
     ///
     /// # Errors
-    /// If a setting is no expression.
+    /// If a setting is no valid expression.
     pub(crate) fn new(
         settings: &'a Settings,
         model: &Model,
@@ -122,7 +121,7 @@ impl<'a> Rater<'a> {
     /// in it.
     ///
     /// # Errors
-    /// If a setting is no expression.
+    /// If a setting is no valid expression.
     #[cfg(test)]
     pub(crate) fn constant(
         settings: &'a Settings,
@@ -165,7 +164,7 @@ impl<'a> Rater<'a> {
         })
     }
 
-    /// The settings of what it rates.
+    /// The settings by which beads are rated.
     pub(crate) fn settings(&self) -> &'a Settings {
         self.settings
     }
@@ -199,8 +198,7 @@ impl<'a> Rater<'a> {
         Ok(self.temperature.at_height(span.top, range)?.round())
     }
 
-    /// Speed of the fan at a layer's beginning; nothing if the first bead sets
-    /// it.
+    /// Speed of the fan at a layer's beginning; none if the first bead sets it.
     pub(crate) fn fan(&self, span: &LayerSpan) -> Option<Percent> {
         if span.index < self.settings.cooling.fan_off_layers as usize {
             Some(0.0)
@@ -263,7 +261,7 @@ impl<'a> Rater<'a> {
         Ok(out)
     }
 
-    /// What of a bead depends on its reach.
+    /// What changes along a bead with its reach.
     fn by_reach(&self, bead: &Bead) -> ByReach {
         let wall = matches!(
             bead.role,
@@ -277,7 +275,7 @@ impl<'a> Rater<'a> {
     }
 
     /// The stretches of a piece, and how much of its width reaches beyond the
-    /// layer below in each, %; no shares if that does not matter.
+    /// layer below in each, %. There are no shares if that does not matter.
     fn reaching(
         &self,
         piece: &Bead,
@@ -306,7 +304,7 @@ impl<'a> Rater<'a> {
         match bead.role {
             Role::Bridge => 0.01 * self.settings.bridge_flow,
             Role::InternalBridge => 0.01 * self.settings.internal_bridge_flow,
-            // The layer that is ironed is full except for this share.
+            // The skin that is ironed is full except for this share.
             Role::Ironing => {
                 let full = bead.width * bead.height;
                 0.01 * self.settings.ironing_flow * full / bead.area()
@@ -325,7 +323,8 @@ impl<'a> Rater<'a> {
         if let Some((around, offset)) = self.around {
             let offset = offset + site.shift;
             let middles = steps.iter().map(|s| 0.5 * (s.from + s.to) - offset);
-            // Halfway up the layer, where its outline is that of the part.
+            // The sample height is halfway up the layer, where its outline is
+            // the part's.
             let z = span.sample_z();
             around.places(
                 middles,
@@ -407,8 +406,8 @@ impl ByReach {
     }
 }
 
-/// Shares of some stretches of a bead without those that are greater, or less,
-/// than what is on both sides of them for less than [`REACH_SHORT`].
+/// Shares of some stretches of a bead. Where a share is greater, or less, than
+/// those on both sides for less than [`REACH_SHORT`], it is evened out.
 fn without_short(steps: &[Step], shares: Vec<Percent>) -> Vec<Percent> {
     let mut at = 0.0;
     let places: Vec<Mm> = steps
@@ -476,8 +475,8 @@ fn steps(bead: &Bead, longest: Mm) -> Vec<Step> {
     steps
 }
 
-/// Stretches that follow each other with about the same values. `reaches` tells
-/// whether speed and fan depend on how far they reach.
+/// Stretches that follow each other with about equal values. `reaches` is true
+/// if speed and fan depend on how far the stretches reach.
 fn runs(
     count: usize,
     at: impl Fn(usize) -> [f64; 4],
@@ -548,7 +547,7 @@ mod tests {
         assert!(steps.windows(2).all(|w| w[0].to == w[1].from));
         let longest = steps.iter().map(|s| s.from.distance(s.to));
         assert!(longest.fold(0.0, f64::max) <= STEP);
-        // Put together again, the bead has no points but the corners.
+        // Put together again, the bead has its corners and no other points.
         let whole = part(&square, &steps);
         assert_eq!(whole.points.len(), 5);
         assert_eq!(whole.length(), square.length());

@@ -8,7 +8,7 @@ use crate::settings::Cooling;
 use crate::units::{MmPerSec, Seconds};
 
 /// How near a slowed layer's time comes to `cooling.min_layer_time`, as a share
-/// of it.
+/// of that time.
 pub(super) const LAYER_TIME_TOLERANCE: f64 = 1e-3;
 
 /// Greatest number of trials. Four are usual, and each is a pass over the

@@ -115,7 +115,7 @@ fn walls_round_small_things_are_slower() {
     let mut s = Settings::default();
     s.cooling.min_layer_time = 0.0;
     let of = |s: &Settings, small| {
-        // Cut open as well: it is still what it was.
+        // A wall that is cut open is still a small wall.
         let mut bead = square(Role::OuterWall, 4.9);
         (bead.small, bead.closed) = (small, false);
         speeds(&Pacer::plain(s).paced(layer(1, vec![bead])))[0]
@@ -177,7 +177,7 @@ fn roles_have_their_accelerations() {
 fn travels_have_theirs_and_z_its_own() {
     let mut s = Settings::default();
     s.retract.length = 0.0;
-    // From rest to rest, as in RepRapFirmware in any case.
+    // The move goes from rest to rest, as RepRapFirmware does in any case.
     s.gcode.flavour = Flavour::Rrf;
     let travel = |s: &Settings, to: f64| {
         let mut pacer = Pacer::plain(s);
@@ -194,7 +194,7 @@ fn travels_have_theirs_and_z_its_own() {
     s.printer.max_acceleration_z = 100.0;
     let along = 60.0 / 150.0 + 150.0 / 600.0;
     assert!((travel(&s, 60.0) - along - up(100.0)).abs() < 1e-9);
-    // No more than that of other moves.
+    // The acceleration is no more than that of other moves.
     s.printer.max_acceleration_z = 5000.0;
     let quicker = 0.2 / 10.0 + 10.0 / 600.0;
     assert!((travel(&s, 60.0) - along - quicker).abs() < 1e-9);
@@ -236,7 +236,7 @@ fn bridges_have_their_own_speed_flow_and_fan() {
             .collect()
     };
     assert_eq!((l.fan, fans(&l)), (40.0, vec![100.0]));
-    // Back for what comes after, and never on layers without a fan.
+    // The fan comes back for what follows, but never on layers without a fan.
     let mut back = beads.clone();
     back.rotate_left(1);
     assert_eq!(fans(&pacer.paced(layer(2, back))), [100.0, 40.0]);
@@ -271,7 +271,7 @@ fn a_short_layer_is_slowed_to_the_minimum_time() {
                 "{} {target}",
                 l.time
             );
-            // Slowed alike, as far as the floor lets them.
+            // All are slowed alike, as far as the floor lets them.
             let v = speeds(&l);
             assert!((v[1] / v[0] - 2.0).abs() < 1e-9);
         }
@@ -447,10 +447,10 @@ fn a_wipe_takes_the_rest_of_the_retraction() {
         assert_eq!(first + length, back);
         speed
     });
-    // A short one is as slow as the filament needs it.
+    // A short wipe is as slow as the filament needs.
     assert_eq!(speeds[0], WIPE_SPEED * s.speed.travel);
     assert!((speeds[1] - 0.3 * 35.0 / 0.6).abs() < 1e-9);
-    // Nothing is pulled back where nothing is to be.
+    // Nothing is pulled back if the length is 0.
     s.retract.length = 0.0;
     assert!(matches!(
         between(&s, wipe(1.0))[..],

@@ -1,4 +1,4 @@
-//! Estimates of time against Klipper's own planner.
+//! Tests of the estimate of time against Klipper's own planner.
 //!
 //! The times were taken from Klipper itself, by its batch mode, at its commit
 //! 84104bb of August 2026, for a cartesian printer with `max_velocity: 300`,
@@ -17,7 +17,7 @@ use std::fmt::Write;
 /// What the printer does before each case.
 const HEAD: &str = "G28\nG90\nM83\n";
 
-/// The printer above.
+/// The printer of the module's head.
 fn klipper() -> Settings {
     let mut settings = Settings::default();
     settings.gcode.flavour = Flavour::Klipper;

@@ -1,10 +1,11 @@
-//! What is done in order for the whole plate: from the parts' paths to the text.
+//! The stages that run in order for the whole plate: from the parts' paths to
+//! the text.
 //!
-//! In: layers of all parts from below. Out: their G-code and pictures. The parts
-//! of a layer are printed one after the other, on a short way that begins where
-//! the layer below has ended. A part that stands in several places has one path,
-//! which is moved to each of them. What one layer hands to the next is forgotten
-//! at the beginning of every block: see [`Exit::restart`].
+//! In: layers of all parts from below. Out: their G-code and pictures. The
+//! parts of a layer are printed one after the other, on a short way that begins
+//! where the layer below has ended. A part that stands in several places has
+//! one path, which is moved to each place. What one layer passes to the next is
+//! forgotten at the beginning of every block: see [`Exit::restart`].
 
 use super::part::{PartDone, PartExit, Passed};
 use super::supply::OnPlate;
@@ -30,28 +31,28 @@ use std::ops::Range;
 
 /// The stages that run in order.
 pub(super) struct Exit<'a, 'w> {
-    /// Those of the whole plate.
+    /// The settings of the whole plate.
     settings: &'a Settings,
     options: &'a Options<'a>,
     pictures: Option<Pictures>,
     parts: Vec<PartExit<'a>>,
-    /// Rates of the parts, and of what belongs to none.
+    /// Rates of the parts, and of what belongs to no part.
     raters: &'a [Rater<'a>],
     rater: &'a Rater<'a>,
-    /// For each place on the plate its part, and how far it is from where the
-    /// model was placed.
+    /// For each place on the plate the part that stands there, and how far it
+    /// is from where the model was placed.
     places: Vec<(usize, DVec2)>,
-    /// The skirt round several parts; a single one has its own.
+    /// The skirt round several parts; a single part has its own.
     skirt: Option<Skirt>,
-    /// The place printed last; nothing if that is forgotten.
+    /// The place printed last; none if that is forgotten.
     last: Option<usize>,
-    /// Where the head is, on the bed; nothing if that is forgotten.
+    /// Where the head is, on the bed; none if that is forgotten.
     at: Option<DVec2>,
     pacer: Pacer<'a>,
     writer: Writer<'a, &'w mut dyn io::Write>,
     /// The layers to be written.
     layers: Range<usize>,
-    /// The one that comes next.
+    /// The layer that comes next.
     next: usize,
     timings: &'a Timings,
     printing: usize,
@@ -64,11 +65,11 @@ pub(super) struct Exit<'a, 'w> {
     figures: report::RunFigures,
 }
 
-/// What came of it.
+/// The results of a plate.
 pub(super) struct Done {
-    /// What came of each part.
+    /// The results of each part.
     pub parts: Vec<PartDone>,
-    /// Moves that print, and how many of them had to be slowed.
+    /// The number of moves that print, and how many of them had to be slowed.
     pub printing: usize,
     pub slowed: usize,
     /// Volume extruded at each place.
@@ -77,15 +78,15 @@ pub(super) struct Done {
     pub roles: BTreeMap<&'static str, RoleSum>,
     /// What the user should know.
     pub warnings: Vec<String>,
-    /// What the print takes.
+    /// What the print takes: time and filament.
     pub totals: Totals,
-    /// How far it is off.
+    /// The measured accuracy.
     pub figures: report::RunFigures,
 }
 
 impl<'a, 'w> Exit<'a, 'w> {
-    /// For writing `layers` of a plate; those of the same block before them have
-    /// to be given, too.
+    /// An exit for writing `layers` of a plate. The layers of the same block
+    /// before them have to be given, too.
     #[expect(
         clippy::too_many_arguments,
         reason = "each is a part that the caller has made, and is used once"
@@ -202,8 +203,8 @@ impl<'a, 'w> Exit<'a, 'w> {
                 site: Site::default(),
             });
         }
-        // Places where nothing is printed are not gone to. A single part's
-        // moves are taken as they are.
+        // The head does not go to places where nothing is printed. A single
+        // part's moves are taken as they are.
         let alone = self.places.len() == 1;
         let mut there = Vec::new();
         let mut ways = Vec::new();
@@ -221,7 +222,8 @@ impl<'a, 'w> Exit<'a, 'w> {
         for k in in_turn(&ways, self.at) {
             let (place, part, shift, passed) = there[k];
             let mut moves = passed.path.moved(shift);
-            // A part goes on where it was left, but not from another one.
+            // A part goes on where it ended, but not if another part was
+            // printed last.
             let goes_on = match &self.last {
                 Some(last) => *last == place,
                 None => self.at.is_none(),
@@ -265,7 +267,7 @@ impl<'a, 'w> Exit<'a, 'w> {
             let travel = match (self.at, moves.is_empty()) {
                 (None, _) => Travel::straight(to, span.index >= BLOCK),
                 (Some(_), true) => between_parts(to, self.settings),
-                // From loop to loop it is a line's width.
+                // From loop to loop the way is a line's width.
                 (Some(_), false) => Travel::straight(to, false),
             };
             moves.push(Move::Travel(travel));
@@ -285,8 +287,9 @@ impl<'a, 'w> Exit<'a, 'w> {
         }
     }
 
-    /// Forgets what the layers below have left, so that what follows depends
-    /// on nothing but the plate. It costs a travel from wherever the head is.
+    /// Forgets what the layers below have passed on, so that what follows
+    /// depends on nothing but the plate. This costs a travel from wherever the
+    /// head is.
     fn restart(&mut self, span: &LayerSpan) {
         let heads = self.parts.iter_mut().map(|part| part.restart(span));
         let heads: Vec<Option<DVec2>> = heads.collect();

@@ -1,5 +1,5 @@
-//! What hangs in a part: followed up its layers, while they are written or for
-//! its own sake.
+//! Follows what hangs up the layers of a part, while the layers are written or
+//! in a survey.
 
 use super::SliceError;
 use super::layer::Layer;
@@ -21,17 +21,17 @@ use std::collections::VecDeque;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Survey {
-    /// By kind, as a run's summary has it.
+    /// What hangs, by kind, as a run's summary has it.
     pub hanging: Hanging,
-    /// Place by place, from the bed up.
+    /// The places that would need a support, from the bed up.
     pub places: Vec<Place>,
     /// Height of the part.
     pub height: Mm,
 }
 
 /// Looks at a placed model for what would need supports, whether or not the
-/// settings ask for any. No bead is laid. Uses so many threads, or all of the
-/// machine's.
+/// settings ask for any. No bead is laid. The survey uses `threads` threads, or
+/// all of the machine's.
 ///
 /// # Errors
 /// If there are no layers, or they cannot be evaluated.
@@ -56,7 +56,8 @@ pub fn survey(
         let made = slabs.map(|slab| stages.layers(slab, &(0..usize::MAX)));
         let made: Vec<Result<Vec<Layer>, SliceError>> =
             pool.install(|| made.collect());
-        // Of what was before, the last layer is looked at once more.
+        // The last layer of the slab before is kept, since the next layer is
+        // compared with it.
         window.drain(..window.len().saturating_sub(1));
         let first = window.len();
         for slab in made {
@@ -92,18 +93,18 @@ pub fn survey(
 
 /// How layers are followed.
 pub(super) struct Follow<'a> {
-    /// From the model's coordinates to the bed's.
+    /// Way from the model's coordinates to the bed's.
     pub offset: DVec2,
-    /// How many layers the part has.
+    /// Number of the part's layers.
     pub count: usize,
-    /// Whether what hangs in this layer counts.
+    /// True if what hangs in this layer counts.
     pub written: bool,
     pub settings: &'a Settings,
 }
 
 impl Follow<'_> {
-    /// Follows what hangs to the next layer; `look` compares it with the one
-    /// below, unless they are the same.
+    /// Follows what hangs to the next layer. `look` compares the layer with the
+    /// one below, unless their outlines are equal.
     pub(super) fn layer(
         self,
         tracker: &mut Tracker,
@@ -119,7 +120,7 @@ impl Follow<'_> {
             }
             None => tracker.same(span.height(), written, self.settings),
         }
-        // With the block, or with the part.
+        // The tracker restarts with every block, and ends with the part.
         let next = span.index + 1;
         if next.is_multiple_of(BLOCK) || next == self.count {
             tracker.restart(written, self.settings);

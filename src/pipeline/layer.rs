@@ -13,11 +13,11 @@ use crate::units::{Mm, Mm2};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Heights that differ by less are the same, mm: they are rounded to twice that.
+/// Heights that differ by less are equal, mm: they are rounded to twice that.
 const SAME_HEIGHT: Mm = 0.5e-9;
 
-/// A layer whose outline is known. Layers that are the same as the one below,
-/// as those of a prism are, share all of it.
+/// A layer whose outline is known. A layer whose outlines equal those of the
+/// layer below, as in a prism, shares them all.
 #[derive(Clone)]
 pub(super) struct Layer {
     pub span: LayerSpan,
@@ -27,19 +27,20 @@ pub(super) struct Layer {
     pub outline: Arc<Solid<'static>>,
     /// The outline to print, as exact as skin needs it.
     pub rough: Arc<Solid<'static>>,
-    /// The outlines of the offset fields, if walls are made of these.
+    /// The outlines of the offset fields, if walls are made of these fields.
     pub offsets: Arc<Vec<Area>>,
-    /// What the layer above stands on, if that is not the outline: where an
-    /// elephant's foot was taken from it, the plastic goes there again.
+    /// What the layer above stands on, if that is not the outline. Where an
+    /// elephant's foot was taken from the outline, the plastic spreads out
+    /// again.
     pub squeezed: Option<Arc<Solid<'static>>>,
-    /// What is inside, as long as a layer above may be the same.
+    /// The layer's inside, as long as a layer above may have an equal one.
     pub inside: Option<Arc<Inside>>,
 }
 
 /// What a layer's outline encloses.
 pub(super) struct Inside {
     pub walls: Walls,
-    /// What sparse infill fits into.
+    /// The area that has room for sparse infill.
     pub roomy: Area,
 }
 
@@ -49,7 +50,7 @@ impl Layer {
         self.outline.area()
     }
 
-    /// As a neighbour of skin.
+    /// The layer as a neighbour of skin.
     fn face(&self) -> Face<'_> {
         Face {
             outline: &self.outline,
@@ -62,7 +63,7 @@ impl Layer {
         self.squeezed.as_ref().unwrap_or(&self.outline)
     }
 
-    /// Shares with the layer below what is the same.
+    /// Shares with the layer below whatever equals it.
     pub(super) fn share(&mut self, below: &Layer) {
         if below.area() == self.area() {
             self.outline = below.outline.clone();
@@ -70,12 +71,12 @@ impl Layer {
         }
     }
 
-    /// True if the layer below has the same outline.
+    /// True if the layer below has an equal outline.
     pub(super) fn same_outline(&self, below: &Layer) -> bool {
         self.outline.is(&below.outline)
     }
 
-    /// True if the layer below has the same walls.
+    /// True if the layer below has equal walls.
     pub(super) fn same(&self, below: &Layer) -> bool {
         let dh = below.span.height() - self.span.height();
         dh.abs() < SAME_HEIGHT
@@ -84,7 +85,7 @@ impl Layer {
     }
 }
 
-/// Layer `i` of some and those around it, as skin looks at them.
+/// Layer `i` and the layers around it, as the skin stage looks at them.
 pub(super) fn window(layers: &VecDeque<Layer>, i: usize) -> Window<'_> {
     Window {
         number: layers[i].span.index,
@@ -95,7 +96,7 @@ pub(super) fn window(layers: &VecDeque<Layer>, i: usize) -> Window<'_> {
     }
 }
 
-/// The layers right above and below layer `i` of some.
+/// The layers right above and below layer `i`.
 pub(super) fn faces(layers: &VecDeque<Layer>, i: usize) -> Faces<'_> {
     Faces {
         above: layers.get(i + 1).map(Layer::face),
@@ -112,15 +113,15 @@ pub(super) struct Filled {
     pub areas: Option<FillAreas>,
     /// Where there are supports, if there are any.
     pub support: Option<Solid<'static>>,
-    /// Height of their tops above the layer's, mm; negative below.
+    /// Height of the supports' tops above the layer's, mm; negative below.
     pub support_rise: Mm,
-    /// Where supports hold it, if that matters for its walls.
+    /// Where supports hold the layer, if that matters for its walls.
     pub held: Option<Solid<'static>>,
     /// Area of gaps that nothing fills.
     pub gap: Mm2,
-    /// How it lies over the layer below, if that is not the same.
+    /// How the layer lies over the layer below, if their outlines differ.
     pub look: Option<Look>,
-    /// How far it is off, if it was measured.
+    /// The layer's accuracy, if it was measured.
     pub figures: Option<LayerFigures>,
 }
 

@@ -6,19 +6,19 @@
 //!                                    (needs neighbours)       pace, G-code
 //! ```
 //!
-//! While some layers are ordered and written, the next ones are made. What is
-//! kept is the window and nothing of what has been written, so memory does not
-//! grow with the part's height, unless it has supports: these are planned from
-//! the top down, for which all layers' outlines are kept. The result does not depend on the number of
-//! threads: every layer is computed the same way whoever does it, and
-//! everything that passes from layer to layer (the head's place, seams,
-//! filament) does so in the ordered stages.
+//! While some layers are ordered and written, the next ones are made. Only the
+//! window is kept, and nothing of what has been written, so memory does not
+//! grow with the part's height. A part with supports is an exception: they are
+//! planned from the top down, and their plan has coarse areas for all layers.
+//! The result does not depend on the number of threads: every layer is computed
+//! in one way whoever does it, and everything that passes from layer to layer
+//! (the head's place, seams, filament) does so in the ordered stages.
 //!
-//! Nor does a layer's text depend on which layers a run is asked for: what
-//! passes from layer to layer is forgotten at the beginning of every block of
-//! slabs, so that a run which begins in the middle of a part gets to the same
-//! state by rehearsing, at most, the layers of one block. Parts too large for one
-//! machine are sliced in ranges of layers whose texts are then joined.
+//! A layer's text does not depend on which layers a run is asked for, either.
+//! What passes from layer to layer is forgotten at the beginning of every block
+//! of slabs. So a run that begins in the middle of a part gets to the right
+//! state if it rehearses the layers of one block at most. Parts too large for
+//! one machine are sliced in ranges of layers whose texts are then joined.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -26,13 +26,13 @@
 //! | `raft` | layers between the bed and the part |
 //! | `sound` | notices early that next to nothing can be printed |
 //! | `stages` | what can be done for many layers at a time |
-//! | `supply` | does that, a window of layers ahead of who writes them |
+//! | `supply` | runs `stages` for a window of layers ahead of those that are written |
 //! | `part` | what is done in order for each part |
-//! | `hanging` | follows what hangs, also without laying a bead |
+//! | `hanging` | follows what hangs, also when no bead is laid |
 //! | `exit` | what is done in order for all parts |
 //! | `split` | divides layers into ranges of about equal cost |
 //! | `fingerprint` | what files of ranges of one print have in common |
-//! | `tally` | counts over all layers, and warnings that follow from them |
+//! | `tally` | counts over all layers, and warnings that follow from the counts |
 
 #[cfg(test)]
 mod estimates;
@@ -94,7 +94,7 @@ use supported::Fills;
 
 /// How a run is made, as opposed to what is printed.
 pub struct Options<'a> {
-    /// Threads to use; all of the machine's if not given.
+    /// Number of threads; none for as many as the machine has.
     pub threads: Option<usize>,
     /// Which of the part's layers to write.
     pub layers: LayerRange,
@@ -102,20 +102,20 @@ pub struct Options<'a> {
     pub svg_dir: Option<&'a Path>,
     /// Measure everything, for a report, and not only a few points.
     pub report: bool,
-    /// When the file is written, for its first line, which otherwise says
-    /// nothing of it.
+    /// When the file is written, for its first line. Without it that line has
+    /// no time.
     pub timestamp: Option<SystemTime>,
-    /// What the file is written as.
+    /// Format of the file.
     pub format: Format,
-    /// Check the G-code while it is written; what could hurt the printer is
+    /// Check the G-code while it is written. Whatever could hurt the printer is
     /// then an error.
     pub check: bool,
-    /// Told about progress: layers written, layers in all.
+    /// Called with the number of layers written, and that of all layers.
     pub on_layer: &'a (dyn Fn(usize, usize) + Sync),
 }
 
 impl Default for Options<'_> {
-    /// The whole part on all of the machine, and nothing besides.
+    /// The whole part on all of the machine's threads, and nothing else.
     fn default() -> Self {
         Options {
             threads: None,
@@ -130,7 +130,7 @@ impl Default for Options<'_> {
     }
 }
 
-/// What came of a run.
+/// The results of a run.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Summary {
@@ -140,9 +140,9 @@ pub struct Summary {
     pub layers: Range<usize>,
     /// How many layers the part has.
     pub layer_count: usize,
-    /// How many of these, the lowest, are a raft's.
+    /// Number of the lowest layers that are a raft's.
     pub raft_layers: usize,
-    /// What layers of different heights amount to; nothing for uniform ones.
+    /// What layers of different heights amount to; none for uniform layers.
     pub steps: Option<Steps>,
     /// Estimated print time, without heating and homing.
     pub time: Seconds,
@@ -150,35 +150,36 @@ pub struct Summary {
     pub filament_length: Mm,
     /// Filament used, grams.
     pub filament_mass_g: f64,
-    /// How much of it is for supports.
+    /// Filament used for supports.
     pub support_length: Mm,
-    /// What the beads of each role amount to, by its name; nothing of roles
-    /// without any.
+    /// What the beads of each role amount to, by the role's name. Roles without
+    /// beads are left out.
     pub roles: BTreeMap<&'static str, RoleSum>,
     /// Area of gaps between walls that nothing fills, all layers together.
     pub unfilled_area: Mm2,
     /// Area of all layers' outlines together.
     pub solid_area: Mm2,
-    /// Moves that print.
+    /// Number of moves that print.
     pub printing_moves: usize,
-    /// How many of them are slower than asked for, because the printer takes no
-    /// more in a second.
+    /// Number of moves that are slower than asked for, because the printer
+    /// takes only so many in a second.
     pub slowed_moves: usize,
     /// Islands and holes left out because they are smaller than a quarter of
     /// the outer wall's width.
     pub dropped_rings: usize,
     /// What nothing holds while it is printed.
     pub hanging: Hanging,
-    /// Distance of the outlines from f = 0, µm, if there are any; of a few
-    /// points, unless there is a report.
+    /// Distance of the outlines from f = 0, µm, if there are outlines. Without
+    /// a report it is measured at a few points.
     pub outline_error: Option<Figures>,
     /// Distance of the outer beads' edges from the outline, µm.
     pub wall_error: Option<Figures>,
     /// The report, if it was asked for.
     pub report: Option<Report>,
-    /// What came of each part: equal ones count as copies of one.
+    /// The results of each part. Equal parts count as copies of one.
     pub parts: Vec<PartSummary>,
-    /// What the check of the G-code found, if there was one: no faults.
+    /// The verdict of the check of the G-code, if there was a check. It has no
+    /// faults.
     pub verdict: Option<Verdict>,
     /// What the user should know.
     pub warnings: Vec<String>,
@@ -186,19 +187,19 @@ pub struct Summary {
     pub timings: Vec<(Stage, Seconds)>,
 }
 
-/// What came of a part of a plate.
+/// The results of a part of a plate.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct PartSummary {
-    /// Name of its model.
+    /// Name of the part's model.
     pub name: String,
-    /// In how many places it stands.
+    /// Number of places in which the part stands.
     pub copies: usize,
-    /// Its extent.
+    /// Extent of the part.
     pub size: DVec3,
-    /// How many layers it has.
+    /// Number of the part's layers.
     pub layer_count: usize,
-    /// Filament that one of the copies takes, with its supports and its brim.
+    /// Filament that each copy takes, with its supports and its brim.
     pub filament_length: Mm,
 }
 
@@ -254,7 +255,7 @@ pub enum SliceError {
         /// Width of the outer wall, mm.
         line: Mm,
     },
-    /// Next to nothing of the part is as thick as a line.
+    /// Hardly any of the part is as thick as a line.
     #[error(
         "next to nothing to print: in {looked} places looked at, all over the \
          part, {share:.0} % of its area is thinner than any line ({line:.2} mm, \
@@ -262,7 +263,7 @@ pub enum SliceError {
          with --size or --scale, or lower thin_min or outer_wall_width"
     )]
     TooThin {
-        /// In how many of the places looked at there was something.
+        /// Number of the places looked at that had something in them.
         looked: usize,
         /// The share that is too thin, %.
         share: f64,
@@ -272,9 +273,9 @@ pub enum SliceError {
     /// One part of several cannot be sliced.
     #[error("{name}: {error}")]
     OfPart {
-        /// Name of its model.
+        /// Name of the part's model.
         name: String,
-        /// Why not.
+        /// The part's error.
         error: Box<SliceError>,
     },
     /// There is nothing on the plate.
@@ -286,7 +287,8 @@ pub enum SliceError {
          leave it out, or slice the parts one by one for their reports"
     )]
     ReportOfSeveral,
-    /// Heights of layers cannot follow the surfaces of so much.
+    /// The parts are too many or too large for layers whose heights follow the
+    /// surfaces.
     #[error(
         "layer_heights: the parts' expressions are too large together for \
          layers that follow all of their surfaces; set it to \"uniform\", or \
@@ -314,13 +316,13 @@ pub enum SliceError {
          system allows (ulimit -v, ulimit -u)"
     )]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// Nor the one that hands them their work.
+    /// The thread that hands out work to the threads cannot be started.
     #[error(
         "cannot start the worker threads; try --threads 1, or raise what the \
          system allows (ulimit -v, ulimit -u)"
     )]
     LayersThread(#[source] io::Error),
-    /// Nor the one that checks.
+    /// The thread that checks the G-code cannot be started.
     #[error("cannot start a thread to check the G-code; try --no-check")]
     CheckThread(#[source] io::Error),
     /// The G-code cannot be read back.
@@ -337,15 +339,15 @@ pub enum SliceError {
     Unsafe(Vec<String>),
 }
 
-/// Layers whose seams and travels hang together. At a block's beginning seams
-/// may jump and there is a travel from anywhere, so blocks should be few; a
-/// run of a range has to rehearse up to a block.
+/// Number of layers whose seams and travels depend on each other. At a block's
+/// beginning seams may jump, and there is a travel from anywhere, so blocks
+/// should be few. A run of a range has to rehearse up to a whole block.
 const BLOCK: usize = 4 * SLAB;
 
-/// Heights may be known so well, mm.
+/// Accuracy of heights, mm.
 const FIT: Mm = 1e-3;
 
-/// Heights closer than this differ by rounding only, mm.
+/// Heights that differ by less do so by rounding only, mm.
 const ROUNDED: Mm = 1e-6;
 
 /// Slices a placed model and writes its G-code.
@@ -365,8 +367,8 @@ pub fn slice(
 /// Slices all parts of a plate and writes their G-code.
 ///
 /// # Errors
-/// As [`slice()`], or if something is asked for that a plate of several parts
-/// does not have.
+/// Those of [`slice()`], and an error if the options ask for something that a
+/// plate of several parts does not have.
 pub fn slice_plate(
     plate: &Plate,
     options: &Options<'_>,
@@ -385,7 +387,7 @@ pub fn slice_plate(
     let mut checker = None;
     if options.check {
         let rules = Rules {
-            // A range of layers goes on with what other files have printed.
+            // A range of layers continues what other files have printed.
             base: all.get(layers.start).map_or(0.0, |span| span.bottom),
             ..Rules::new(&plate.settings)
         };
@@ -422,9 +424,9 @@ pub fn slice_plate(
     if let Some((_, seconds)) = check {
         *seconds += time;
     }
-    // Islands in the air are for the summary to tell, printers that heat in
-    // their macros are as they should be, who calls a macro knows what it is,
-    // and who wrote a template has been told of it by its lines.
+    // The summary tells of islands in the air. Printers that heat in their
+    // macros are as they should be. Whoever calls a macro knows what it is, and
+    // whoever wrote a template was told of its lines.
     let told = |kind: Kind| {
         kind.severity() == Severity::Warning
             && !matches!(
@@ -440,7 +442,8 @@ pub fn slice_plate(
     Ok(summary)
 }
 
-/// So many threads, or all of the machine's, under the watch of this one.
+/// A pool of so many threads, or as many as the machine has, under the watch of
+/// this thread.
 fn pool(
     threads: Option<usize>,
 ) -> Result<ThreadPool, rayon::ThreadPoolBuildError> {
@@ -451,8 +454,8 @@ fn pool(
         .build()
 }
 
-/// The layers of each part, from the bed. Those of one height are the same
-/// layers; if heights follow the surface, they follow that of all parts.
+/// The layers of each part, from the bed. Parts of uniform layers share them.
+/// If heights follow the surface, they follow the surfaces of all parts.
 fn layers_of(
     plate: &Plate,
 ) -> Result<(Vec<Vec<LayerSpan>>, Option<Steps>), SliceError> {
@@ -482,7 +485,7 @@ fn layers_of(
 }
 
 impl Plate {
-    /// The plate with its parts on their rafts, if they are to have any.
+    /// The plate with its parts on their rafts, if they have any.
     fn raised(&self) -> Result<Plate, SliceError> {
         let lift = self.settings.raft_height();
         let mut raised = self.clone();
@@ -512,7 +515,7 @@ impl Plate {
         }
     }
 
-    /// What is told of a part, with its name if there are several.
+    /// A warning about a part, with the part's name if there are several.
     fn told(&self, part: &Part, warning: String) -> String {
         match self.parts.len() {
             1 => warning,
@@ -521,7 +524,7 @@ impl Plate {
     }
 }
 
-/// What is to be done.
+/// What a run has to do.
 struct Run<'a> {
     plate: &'a Plate,
     /// The plate without rafts, for pictures.
@@ -530,11 +533,11 @@ struct Run<'a> {
     pool: &'a ThreadPool,
     /// All layers of each part.
     spans: &'a [Vec<LayerSpan>],
-    /// Which of them are asked for.
+    /// The layers to be written.
     layers: Range<usize>,
 }
 
-/// What the stages of a part are made of.
+/// What the stages of a part need.
 struct Base<'a> {
     part: &'a Part,
     spans: &'a [LayerSpan],
@@ -543,7 +546,7 @@ struct Base<'a> {
     raft_fills: raft::Fills,
 }
 
-/// Slices and writes; `copy` gets the text as it is composed.
+/// Slices and writes. `copy` gets the text as it is composed.
 fn write(
     run: &Run<'_>,
     out: &mut dyn io::Write,
@@ -572,7 +575,7 @@ fn write(
         let make = || stages_of(base, layers, options, pool);
         all.push(make().map_err(|e| plate.named(base.part, e))?);
     }
-    // As many layers as there is something to print in.
+    // There are as many layers as the highest part has.
     let count = all.iter().map(|(_, spans)| spans.len()).max().unwrap_or(0);
     let layers = options.layers.indices(count)?;
     for ((stages, spans), base) in all.iter_mut().zip(&bases) {
@@ -589,7 +592,7 @@ fn write(
         return Err(SliceError::NoParts);
     };
     let rater = rater_of(settings, first)?;
-    // Before hours of work, not after them.
+    // The check comes before hours of work, not after them.
     let tallest = all.iter().map(|(_, spans)| *spans);
     let spans = tallest.max_by_key(|spans| spans.len()).unwrap_or(&[]);
     for span in &spans[layers.clone()] {
@@ -641,7 +644,7 @@ fn write(
         .transpose()?;
     let writer = Writer::new(out, settings, &header, copy)?;
     let mut of_templates = writer.warnings().to_vec();
-    // Their lines may be wider than those of the plate's settings.
+    // The parts' lines may be wider than those of the plate's settings.
     let of_parts = plate.parts.iter().filter_map(|p| thick_beads(&p.settings));
     for warning in of_parts {
         if !of_templates.contains(&warning) {
@@ -761,7 +764,7 @@ fn write(
     Ok(summary)
 }
 
-/// The rates of a part, or of the plate, by their settings.
+/// The rates of a part, or of the plate, by its settings.
 fn rater_of<'a>(
     settings: &'a Settings,
     base: &'a Base<'a>,
@@ -796,7 +799,7 @@ fn stages_of<'a>(
     Ok((stages, &spans[..printed]))
 }
 
-/// Plans what needs all of a part: its climbing wall and its supports.
+/// Plans what needs all of a part at once: its climbing wall and its supports.
 fn plan<'a>(
     stages: &mut Stages<'a>,
     spans: &'a [LayerSpan],
@@ -824,13 +827,13 @@ fn plan<'a>(
     Ok(())
 }
 
-/// How many layers have the draft shield.
+/// Number of layers that have the draft shield.
 fn shielded(spans: &[LayerSpan], settings: &Settings) -> usize {
     let height = settings.draft_shield.height();
     spans.partition_point(|span| span.top <= height + ROUNDED)
 }
 
-/// The skirt or the draft shield round several parts, if there is to be one.
+/// The skirt or the draft shield round several parts, if there is one.
 fn skirt_round(
     plate: &Plate,
     all: &[(Stages<'_>, &[LayerSpan])],
@@ -852,7 +855,7 @@ fn skirt_round(
             }
             false => stages.beside(spans, skirt.layers as usize)?,
         };
-        // The hull of the hulls is that of all.
+        // The hull of the parts' hulls is the hull of them all.
         let hulls: Vec<Ring> = beside.iter().map(hull).collect();
         for place in &part.places {
             let by = part.model.offset.truncate() + place.shift;
@@ -861,7 +864,7 @@ fn skirt_round(
             areas.push(Area { rings });
         }
     }
-    // Round the widest brim.
+    // The skirt goes round the widest brim.
     let mut widest = settings.clone();
     let brims = plate.parts.iter().map(|part| &part.settings);
     let brims = brims.max_by(|a, b| brim_reach(a).total_cmp(&brim_reach(b)));
@@ -900,8 +903,8 @@ fn standing(
     Ok(all)
 }
 
-/// Adds what came of a part to the summary, and tells what the user should know
-/// of it.
+/// Adds the results of a part to the summary, with what the user should know of
+/// it.
 fn summed(
     stages: &Stages<'_>,
     spans: &[LayerSpan],
@@ -918,7 +921,8 @@ fn summed(
     warnings.extend(done.warnings);
     let mut hanging = done.hanging;
     if let Some(supported) = stages.support() {
-        // The plan has seen to what hangs, and tells what it could not hold.
+        // The plan of the supports has seen to what hangs, and says what it
+        // could not hold.
         hanging = Hanging::default();
         let first = part.places.first().map_or(DVec2::ZERO, |p| p.shift);
         let offset = part.model.offset.truncate() + first;
@@ -937,10 +941,9 @@ fn summed(
     warnings
 }
 
-/// A convex ring around what is printed, which reaches that far beyond the
-/// part.
+/// A convex ring around what is printed, which reaches `reach` beyond the part.
 fn outline_of(model: &Model, reach: Mm) -> Result<Vec<DVec2>, PictureError> {
-    /// How far its round corners may be off, mm.
+    /// Tolerance of the ring's round corners, mm.
     const TOLERANCE: Mm = 0.02;
     let ring = outline_from_above(model)?;
     if reach <= 0.0 {

@@ -1,8 +1,9 @@
-//! What is done in order for each part: from a layer's beads to its path.
+//! The stages that run in order for each part: from a layer's beads to its
+//! path.
 //!
-//! In: layers of a part from below. Out: their paths, as if the part stood alone
-//! where its model was placed. What one layer of the part hands to the next
-//! passes through here, and is forgotten at the beginning of every block: see
+//! In: layers of a part from below. Out: their paths, as if the part stood
+//! alone where its model was placed. What one layer of the part passes to the
+//! next is kept here, and forgotten at the beginning of every block: see
 //! [`PartExit::restart`].
 
 use super::hanging::Follow;
@@ -36,45 +37,45 @@ use std::sync::Arc;
 pub(super) struct PartExit<'a> {
     part: &'a Part,
     settings: &'a Settings,
-    /// From the model's coordinates to the bed's.
+    /// Way from the model's coordinates to the bed's.
     offset: DVec2,
     /// The climbing wall, if there is one.
     spiral: Option<&'a Spiral<'a>>,
-    /// What lets beads follow the surface, if they are to.
+    /// What lets beads follow the surface, if they have to.
     relief: Option<Relief<'a>>,
     head: Head,
-    /// For infill that may stand on nothing.
+    /// The check of infill that may stand on nothing.
     standing: Option<Standing>,
     /// The layers to be written.
     layers: Range<usize>,
-    /// How many the part has.
+    /// Number of the part's layers.
     layer_count: usize,
     timings: &'a Timings,
     beads: usize,
     tally: Tally,
     warnings: Vec<String>,
     hanging: hang::Tracker,
-    /// What the part stands on, if the first layer is written.
+    /// What the part stands on, if its first layer is written.
     foot: Option<Foot>,
 }
 
-/// A layer of a part on its way.
+/// A layer of a part after these stages.
 pub(super) struct Passed {
-    /// Its moves, where the model was placed.
+    /// The layer's moves, where the model was placed.
     pub path: LayerPath,
     /// The outline to print.
     pub outline: Arc<Solid<'static>>,
-    /// What holds the layer, if that matters: the one below, where it is not the
-    /// same, and supports.
+    /// What holds the layer, if that matters: the layer below, if its outline
+    /// differs, and supports.
     below: Option<Arc<Solid<'static>>>,
     held: Option<Solid<'static>>,
-    /// How far it is off, if it was measured.
+    /// The layer's accuracy, if it was measured.
     pub figures: Option<LayerFigures>,
 }
 
 impl Passed {
-    /// Where the layer's beads are in a place, `shift` away from where the model
-    /// was placed.
+    /// Where the layer's beads are in a place that is `shift` away from where
+    /// the model was placed.
     pub(super) fn site(&self, shift: DVec2) -> rates::Site<'_> {
         let held = self.held.as_ref().map(Solid::grid);
         let below = self.below.as_ref();
@@ -86,22 +87,23 @@ impl Passed {
     }
 }
 
-/// What came of a part.
+/// The results of a part.
 pub(super) struct PartDone {
-    /// Beads of the part printed: a skirt alone is nothing.
+    /// Number of the part's beads. A skirt alone has none.
     pub beads: usize,
     /// What was counted.
     pub tally: Tally,
     /// What the user should know.
     pub warnings: Vec<String>,
-    /// What hangs.
+    /// What hangs in the part.
     pub hanging: Hanging,
-    /// What the part stands on, if that is written.
+    /// What the part stands on, if its first layer is written.
     pub foot: Option<Foot>,
 }
 
 impl<'a> PartExit<'a> {
-    /// For a part of `layer_count` layers, of which `layers` are written.
+    /// The stages for a part of `layer_count` layers, of which `layers` are
+    /// written.
     pub(super) fn new(
         part: &'a Part,
         timings: &'a Timings,
@@ -149,7 +151,8 @@ impl<'a> PartExit<'a> {
             let without = without_ears(&beads.skirt, self.settings);
             self.warnings.extend(without);
         }
-        // Equal parts stay equal, wherever they are.
+        // A loop that leaves the bed in one place is left out in all, so that
+        // equal parts stay equal.
         for place in &self.part.places {
             if beads.skirt.is_empty() {
                 break;
@@ -166,7 +169,8 @@ impl<'a> PartExit<'a> {
         if let Some(standing) = &mut self.standing {
             let infill = std::mem::take(&mut beads.infill);
             if index == self.settings.raft_layers() {
-                // It stands on what is below it, whatever that is.
+                // All infill of the layer counts as standing on what is below
+                // it.
                 standing.forget();
             }
             beads.infill = self.timings.time(Stage::Infill, || {
@@ -178,8 +182,7 @@ impl<'a> PartExit<'a> {
         let solid = layer.outline.grid();
         let turn = beads.turn.take();
         let turns = turn.is_some();
-        // A climbing wall leans on the turn below, and a raft holds what is
-        // on it.
+        // A climbing wall leans on the turn below. A raft holds what is on it.
         let on_raft = index == self.settings.raft_layers();
         let below = below.filter(|_| !turns && !on_raft);
         let below = below.filter(|below| !layer.same_outline(below));
@@ -253,7 +256,7 @@ impl<'a> PartExit<'a> {
                 self.offset,
                 self.settings,
             );
-            // From an unknown place the way may lead over anything.
+            // If the head's place is unknown, the way may lead over anything.
             if from.is_none()
                 && index >= BLOCK
                 && let Some(Move::Travel(travel)) = path.moves.first_mut()
@@ -272,7 +275,7 @@ impl<'a> PartExit<'a> {
         })
     }
 
-    /// A layer's beads, walls that are to lie lower in their places.
+    /// A layer's beads. Walls that lie half a layer lower are in their places.
     fn interlocked(
         &self,
         beads: Vec<Ended>,
@@ -304,7 +307,8 @@ impl<'a> PartExit<'a> {
         out
     }
 
-    /// A layer's beads on the surface above them, if they are to follow it.
+    /// A layer's beads, moved onto the surface above them if they have to
+    /// follow it.
     fn on_surface(
         &self,
         beads: Vec<Ended>,
@@ -322,7 +326,7 @@ impl<'a> PartExit<'a> {
         Ok(relief.apply(beads, site)?)
     }
 
-    /// Follows what hangs.
+    /// Follows what hangs to this layer.
     fn follow_hanging(
         &mut self,
         layer: &Layer,
@@ -345,11 +349,11 @@ impl<'a> PartExit<'a> {
         }
     }
 
-    /// Forgets what the layers below have left, so that what follows depends
-    /// on nothing but the part. Tells where its head is all the same, on the
-    /// bed.
+    /// Forgets what the layers below have passed on, so that what follows
+    /// depends on nothing but the part. Returns where the head is, on the bed,
+    /// if the part knows it all the same.
     pub(super) fn restart(&mut self, span: &LayerSpan) -> Option<DVec2> {
-        // A climbing wall goes on where the turn below ends.
+        // A climbing wall begins where the turn below ends.
         let at = self.spiral.and_then(|spiral| spiral.start(span.index));
         self.head = Head {
             at,
@@ -359,7 +363,7 @@ impl<'a> PartExit<'a> {
         at.map(|at| at + self.offset)
     }
 
-    /// What came of the part.
+    /// The results of the part.
     pub(super) fn finish(mut self) -> PartDone {
         let standing = self.standing.as_ref();
         self.warnings.extend(standing.and_then(Standing::warning));

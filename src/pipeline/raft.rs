@@ -4,13 +4,13 @@
 //!          █████████         part
 //!          ┄┄┄┄┄┄┄┄┄         raft.gap
 //!        ▓▓▓▓▓▓▓▓▓▓▓▓▓       solid layers, from the second on
-//!        ░ ░ ░ ░ ░ ░ ░       a thick one of wide lines, with air between
+//!        ░ ░ ░ ░ ░ ░ ░       a thick layer of wide lines, with air between them
 //!   ─────────────────────
 //! ```
 //!
-//! In: what the part and its supports have in the first layers above it. Out:
-//! the beads of the raft's layers. They count as layers of the print from the
-//! bed up, in which the part has no outline.
+//! In: what the part and its supports have in the first layers above the raft.
+//! Out: the beads of the raft's layers. They count as layers of the print from
+//! the bed up, in which the part has no outline.
 
 use super::supported::{SupportFill, filled_by};
 use crate::bead::{Bead, Role};
@@ -25,7 +25,7 @@ use crate::vary::Surroundings;
 
 /// Share of the first layer that is printed.
 const SPARSE: Percent = 50.0;
-/// Tolerance of its border, mm.
+/// Tolerance of the raft's border, mm.
 const TOLERANCE: Mm = 0.02;
 /// Gaps in the raft narrower than this are closed, mm.
 const CLOSED: Mm = 4.0;
@@ -37,7 +37,7 @@ pub(super) struct Fills {
 }
 
 impl Fills {
-    /// Of a run with these settings.
+    /// The fills of a run with these settings.
     pub(super) fn new(settings: &Settings) -> Fills {
         Fills {
             base: filled_by(settings.raft_line_width(), SPARSE, settings),
@@ -48,7 +48,7 @@ impl Fills {
 
 /// The raft of a print.
 pub(super) struct Raft<'a> {
-    /// Where it is.
+    /// Where the raft is.
     pub area: Area,
     base: SupportFill<'a>,
     solid: SupportFill<'a>,
@@ -67,7 +67,7 @@ impl<'a> Raft<'a> {
         let reach = settings.raft.expansion + 0.5 * CLOSED;
         let wide = offset(under, reach, TOLERANCE);
         let area = offset(&wide, -0.5 * CLOSED, TOLERANCE);
-        // It leaves the bed no more than supports do.
+        // The raft keeps to the part of the bed that supports may use.
         let area = unite(&crop(&area.rings, bed));
         let fill =
             |settings, role| SupportFill::new(settings, role, around, site);
@@ -78,7 +78,7 @@ impl<'a> Raft<'a> {
         })
     }
 
-    /// The beads of one of its layers.
+    /// The beads of one of the raft's layers.
     pub(super) fn beads(
         &self,
         span: &LayerSpan,

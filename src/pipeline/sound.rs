@@ -1,21 +1,21 @@
-//! Notices a part of which next to nothing can be printed.
+//! Notices a part of which hardly anything can be printed.
 //!
-//! In: a part of whose highest layer more than half is thinner than any line.
-//! Out: an error if nearly all of a sample of the part is. To find all outlines
-//! of sheets that are thinner than a line can take many minutes, and what would
-//! be printed in the end are the scraps where they lie flat.
+//! In: a part in whose highest layer more than half is thinner than any line.
+//! Out: an error if nearly all of a sample of the part is thinner than any
+//! line. Finding all outlines of such sheets can take many minutes, and in the
+//! end only scraps would be printed where the sheets lie flat.
 //!
 //! ```text
-//!   ┌─────────┐   The sample is some windows, each a piece of one layer, from
-//!   │ □     □ │   the bottom to the top and all over the part's box. The middle
-//!   │    □    │   comes first: it is all that a part with a pointed top costs,
-//!   │  □    □ │   if it is thick there.
+//!   ┌─────────┐   The sample consists of windows, each a piece of one layer,
+//!   │ □     □ │   from the bottom to the top and all over the part's box. The
+//!   │    □    │   window in the middle comes first: no other is needed for a
+//!   │  □    □ │   part with a pointed top that is thick in the middle.
 //!   └─────────┘
 //! ```
 //!
 //! Guaranteed: the verdict depends on the part and on the settings only. A part
-//! is not refused if most of its sample can be printed, or if there is next to
-//! nothing in the sample.
+//! is not refused if most of its sample can be printed, or if its sample is
+//! nearly empty.
 
 use super::SliceError;
 use crate::layers::LayerSpan;
@@ -28,12 +28,13 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
-/// Share of a layer's area that has to be thinner than any line for the rest to
-/// be looked at.
+/// Share of a layer's area that has to be thinner than any line for the sample
+/// to be looked at.
 const SUSPICIOUS: f64 = 0.5;
 /// Share of the sample's area that has to be thinner than any line.
 const MOST: f64 = 0.9;
-/// Number of windows, of which so many must have something in them.
+/// Number of windows that are tried, and number of windows that must have
+/// something in them.
 const WINDOWS: usize = 16;
 const ENOUGH: usize = 4;
 /// Greatest side of a window.
@@ -46,7 +47,7 @@ const STEPS: [f64; 3] = [0.754_877_666, 0.569_840_291, 0.618_033_989];
 /// What a nozzle can make of some of a part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Found {
-    /// Its area, and how much of that is thinner than any line.
+    /// Area of the piece, and how much of it is thinner than any line.
     solid: Mm2,
     gap: Mm2,
     /// Islands and holes that are smaller than anything that can be printed.
@@ -54,7 +55,8 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Of a layer of that area, `dropped` of whose rings were left out.
+    /// What was found in a layer of that area, of which `dropped` rings were
+    /// left out.
     pub(super) fn new(solid: Mm2, dropped: usize, walls: &Walls) -> Found {
         Found {
             solid,
@@ -67,12 +69,12 @@ impl Found {
         self.solid <= 0.0 && self.dropped == 0
     }
 
-    /// True if more than a share of it is thinner than any line.
+    /// True if more than a share of the area is thinner than any line.
     fn is_thinner(&self, share: f64) -> bool {
         !self.is_blank() && self.gap >= share * self.solid
     }
 
-    /// True if it is worth looking at the rest of the part.
+    /// True if the rest of the part is worth a look.
     pub(super) fn is_suspicious(&self) -> bool {
         self.is_thinner(SUSPICIOUS)
     }
@@ -96,12 +98,12 @@ fn window(k: usize, part: Rect) -> (f64, Rect) {
     (share(2), Rect { min, max })
 }
 
-/// Looks at a sample of a part, of layers `spans`, in the box `part`; `found_in`
-/// tells what is in a window of a layer, and `line` is the width of the thinnest
-/// line.
+/// Looks at a sample of a part with the layers `spans` in the box `part`.
+/// `found_in` tells what is in a window of a layer, and `line` is the width of
+/// the thinnest line.
 ///
 /// # Errors
-/// If next to nothing of it can be printed; those of `found_in`.
+/// If hardly any of the sample can be printed, and the errors of `found_in`.
 pub(super) fn sample(
     pool: &ThreadPool,
     part: Rect,

@@ -1,8 +1,8 @@
-//! What is done for many layers at a time, on any thread.
+//! The stages that run for many layers at a time, on any thread.
 //!
 //! In: a slab's spans. Out: the outlines of its layers, and, once a layer's
-//! neighbours are known, its beads. Nothing here depends on the order in
-//! which layers are worked on.
+//! neighbours are known, its beads. Nothing here depends on the order in which
+//! layers are worked on.
 
 use super::layer::{Inside, Layer, faces, window};
 use super::raft::{self, Raft};
@@ -50,19 +50,20 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Extent below which an island or a hole is left out, as a share of the
-/// outer wall's width.
+/// Extent below which an island or a hole is left out, as a share of the outer
+/// wall's width.
 const PRINTABLE: f64 = 0.25;
 
-/// A high skirt stands round the outlines of so many layers, about: it keeps
-/// a distance that what is between them will not bridge.
+/// About how many layers' outlines a high skirt is laid round. It keeps a
+/// distance from the part, which the layers in between do not exceed.
 const SKIRT_SAMPLES: usize = 64;
 
 /// Number of points of the outlines that are kept from planning supports to
-/// printing, which take about 100 bytes each. Others are found a second time.
+/// printing. They take about 100 bytes each. Outlines beyond that are found a
+/// second time.
 const KNOWN: usize = 2_000_000;
 
-/// What the layers have in common.
+/// What the stages of all layers have in common.
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
     model: &'a Model,
@@ -74,7 +75,7 @@ pub(super) struct Stages<'a> {
     wall_fields: Vec<(Mm, Field)>,
     seams: Seams<'a>,
     fuzzy: Option<Fuzzy<'a>>,
-    /// The skirt, if it is not of the first layer alone.
+    /// The skirt, if more layers than the first have it.
     skirt: Option<Skirt>,
     /// The supports, once they are planned.
     support: Option<Supported<'a>>,
@@ -85,7 +86,7 @@ pub(super) struct Stages<'a> {
     raft_layers: usize,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
-    /// The climbing wall, if there is to be one.
+    /// The climbing wall, if there is one.
     pub spiral: Option<Spiral<'a>>,
     /// How far outlines grow, if that differs from place to place.
     growth: Option<Growth>,
@@ -159,16 +160,16 @@ impl<'a> Stages<'a> {
         Ok(stages)
     }
 
-    /// The skirt round all layers that stand beside it, or, if it is high,
-    /// some of them.
+    /// The skirt round all layers that stand beside it, or round some of them
+    /// if it is high.
     fn skirt_round(&self, spans: &[LayerSpan]) -> Result<Skirt, SliceError> {
         let layers = self.settings.skirt.layers as usize;
         let areas = self.beside(spans, layers)?;
         Ok(Skirt::new(&areas, self.settings))
     }
 
-    /// What of the part and its supports stands in the lowest `layers`, or, if
-    /// they are many, in some of them.
+    /// What stands of the part and its supports in the lowest `layers`, or in
+    /// some of them if they are many.
     pub(super) fn beside(
         &self,
         spans: &[LayerSpan],
@@ -191,8 +192,8 @@ impl<'a> Stages<'a> {
     }
 
     /// Plans the supports of the whole part, `spans`. `fills` are the settings
-    /// by which supports and their dense tops are filled. `room` is where on the
-    /// bed there may be supports.
+    /// by which supports and their dense tops are filled. `room` is the part of
+    /// the bed that supports may use.
     ///
     /// # Errors
     /// If the part's outlines cannot be found, or `support.where` has no value
@@ -210,7 +211,7 @@ impl<'a> Stages<'a> {
             wishes: wishes.as_ref(),
             settings: self.settings,
         };
-        // The plan knows nothing of a raft: it is its bed.
+        // The plan does not know the raft, which serves as its bed.
         let raft = (self.raft_layers, self.settings.raft_height());
         let above = spans.iter().skip(self.raft_layers);
         let above = above.map(|span| without_raft(*span, raft)).collect();
@@ -251,8 +252,8 @@ impl<'a> Stages<'a> {
         Ok(())
     }
 
-    /// The part at half the height of what supports have of each layer, if that
-    /// is not half the height of the layer.
+    /// The part at half the height of each layer's supports, where that is not
+    /// half the height of the layer.
     fn sections(
         &self,
         pool: &ThreadPool,
@@ -286,11 +287,12 @@ impl<'a> Stages<'a> {
     }
 
     /// Plans the raft of the whole part, `spans`, after its supports, if there
-    /// is to be one. It carries the layers up to the lowest in which a line of
-    /// the part has room: those below are empty, or nearly so.
+    /// is a raft. The raft carries the layers up to the lowest one in which a
+    /// line of the part has room, since the layers below that are empty, or
+    /// nearly so.
     ///
     /// # Errors
-    /// If the outlines above it cannot be found.
+    /// If the outlines above the raft cannot be found.
     pub(super) fn plan_raft(
         &mut self,
         spans: &[LayerSpan],
@@ -329,8 +331,8 @@ impl<'a> Stages<'a> {
         Ok(())
     }
 
-    /// What of the part and its supports is seen from above. `part` lies around
-    /// the part, on the bed.
+    /// The part and its supports as seen from above. `part` lies around the
+    /// part, on the bed.
     pub(super) fn seen_from_above(
         &self,
         spans: &[LayerSpan],
@@ -363,7 +365,7 @@ impl<'a> Stages<'a> {
         }
     }
 
-    /// What fillings of supports are laid out from.
+    /// The site from which fillings of supports are laid out.
     fn site(&self) -> infill::Site {
         let printer = &self.settings.printer;
         let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
@@ -393,7 +395,7 @@ impl<'a> Stages<'a> {
         }
     }
 
-    /// Height of the tops of a layer's supports above its own, mm.
+    /// Height of the tops of a layer's supports above the layer's own top, mm.
     pub(super) fn support_rise(&self, span: &LayerSpan) -> Mm {
         self.support().map_or(0.0, |support| support.rise(span))
     }
@@ -404,9 +406,9 @@ impl<'a> Stages<'a> {
         self.support().filter(|_| by_reach)?.under(layer)
     }
 
-    /// Plans the climbing wall of the layers to be printed, if there is to be
-    /// one. It takes all of their outlines, one slab after another, since each
-    /// turn begins where the one below ends.
+    /// Plans the climbing wall of the layers to be printed, if there is one. It
+    /// takes all of their outlines, one slab after another, since each turn
+    /// begins where the turn below ends.
     pub(super) fn plan_spiral(
         &mut self,
         pool: &ThreadPool,
@@ -420,7 +422,7 @@ impl<'a> Stages<'a> {
         let all = last_flat..spans.len();
         for slab in spans.chunks(self.slab_layers()) {
             limits::check();
-            // Offset fields are not asked for.
+            // Outlines of the wall fields are not needed.
             let made = || self.layers_of(&self.field, &[], slab, &all);
             for layer in pool.install(made)? {
                 spiral.add(&layer.span, layer.area())?;
@@ -451,30 +453,30 @@ impl<'a> Stages<'a> {
         self.spiral.as_ref().filter(|spiral| spiral.has(layer))
     }
 
-    /// Layers whose field is walked at a time.
+    /// Number of layers whose field is walked at a time.
     pub(super) fn slab_layers(&self) -> usize {
         self.field.slab_layers()
     }
 
-    /// The layers whose outlines a run needs that writes `layers` of `count`:
-    /// those to be rehearsed, and the neighbours of all of these.
+    /// The layers whose outlines are needed to write `layers` of `count`: these
+    /// layers, those to be rehearsed, and the neighbours of all of them.
     pub(super) fn needed(
         &self,
         layers: &Range<usize>,
         count: usize,
     ) -> Range<usize> {
         let first = layers.start - layers.start % BLOCK;
-        // A part may end below all of them.
+        // The part may end below all of these.
         let below = first.saturating_sub(self.reach_below()).min(count);
         below..(layers.end + self.reach_above()).clamp(below, count)
     }
 
-    /// How many layers above a layer it has to know.
+    /// Number of layers above a layer that it depends on.
     pub(super) fn reach_above(&self) -> usize {
         self.exposure.reach_above()
     }
 
-    /// How many layers below a layer it has to know.
+    /// Number of layers below a layer that it depends on.
     pub(super) fn reach_below(&self) -> usize {
         // A turn lies on a layer that has to be known.
         let below = usize::from(self.settings.spiral);
@@ -508,8 +510,8 @@ impl<'a> Stages<'a> {
         self.growth.as_ref()
     }
 
-    /// As [`Stages::layers`], of a field and those of its walls, if walls are
-    /// offsets of the expression.
+    /// Does what [`Stages::layers`] does, for a field and the fields of its
+    /// walls, if walls are offsets of the expression.
     fn layers_of(
         &self,
         field: &Field,
@@ -537,7 +539,8 @@ impl<'a> Stages<'a> {
             Ok::<_, FieldError>(all)
         };
         let outlines_of_slab = make(field)?;
-        // For walls that are offsets of the expression: by depth, by layer.
+        // Outlines for walls that are offsets of the expression, by depth, then
+        // by layer.
         let mut offset_outlines = wall_fields
             .iter()
             .map(|(depth, f)| Ok((*depth, make(f)?.into_iter())))
@@ -599,8 +602,8 @@ impl<'a> Stages<'a> {
         Ok(layers)
     }
 
-    /// True if layer `i` of the window has walls of its own, for it is seen
-    /// from above, and a top has fewer of them.
+    /// True if layer `i` of the window needs walls of its own: it is seen from
+    /// above, and tops have fewer walls.
     pub(super) fn divides(&self, layers: &VecDeque<Layer>, i: usize) -> bool {
         let covered = |above: &Layer| above.same_outline(&layers[i]);
         self.settings.top_walls() < self.settings.walls
@@ -615,7 +618,7 @@ impl<'a> Stages<'a> {
         self.inside_below(&layers[i], above)
     }
 
-    /// A layer's walls and what they leave, with fewer of them around what
+    /// A layer's walls and what they leave. There are fewer walls around what
     /// the outline `above` leaves open.
     fn inside_below(&self, layer: &Layer, above: Option<&Area>) -> Inside {
         if self.spiral_at(layer.span.index).is_some() {
@@ -643,14 +646,16 @@ impl<'a> Stages<'a> {
         Inside { walls, roomy }
     }
 
-    /// How far the `k`th layer of the run is off, if it is to be measured.
+    /// The accuracy of the `k`th layer of the run, if the layer is to be
+    /// measured.
     pub(super) fn figures(
         &self,
         layer: &Layer,
         walls: &Walls,
         k: usize,
     ) -> Result<Option<LayerFigures>, ReportError> {
-        // A turn is nowhere at the height of its layer's outline.
+        // A turn of a climbing wall is nowhere at the height of its layer's
+        // outline.
         let number = layer.span.index;
         if self.spiral_at(number).is_some() || number < self.raft_layers {
             return Ok(None);
@@ -674,8 +679,8 @@ impl<'a> Stages<'a> {
             .time(Stage::Report, || self.gauge.layer(parts, k))
     }
 
-    /// How layer `i` of the window lies over the one below, unless they are
-    /// the same or it is the first.
+    /// How layer `i` of the window lies over the layer below. None if their
+    /// outlines are equal, or if layer `i` is the first.
     pub(super) fn look(
         &self,
         layers: &VecDeque<Layer>,
@@ -683,7 +688,7 @@ impl<'a> Stages<'a> {
     ) -> Option<Look> {
         let (here, below) = (&layers[i], layers.get(i.checked_sub(1)?)?);
         let span = here.span;
-        // A raft holds all of what is on it.
+        // A raft holds all that is on it.
         if here.same_outline(below) || self.is_on_raft(span.index) {
             return None;
         }
@@ -743,7 +748,7 @@ impl<'a> Stages<'a> {
             (areas, skin)
         });
         if self.is_on_raft(number) {
-            // Its underside lies over the air above the raft.
+            // The skin's underside lies over the air above the raft.
             let down = of_skin(&mut skin);
             for bead in down.filter(|b| b.role == Role::BottomSkin) {
                 bead.role = Role::Bridge;
@@ -808,7 +813,7 @@ impl<'a> Stages<'a> {
             })
     }
 
-    /// Thins beads to what their roles permit.
+    /// Thins beads as far as their roles permit.
     fn thin<'b>(&self, beads: impl Iterator<Item = &'b mut Bead>) {
         for bead in beads {
             let role = bead.role;
@@ -822,7 +827,7 @@ impl<'a> Stages<'a> {
     }
 
     /// Layer `i` of the window with internal bridges over the infill of the
-    /// layer below, if it has any; `areas` are its own.
+    /// layer below, if it has any. `areas` are those of layer `i`.
     pub(super) fn over_infill(
         &self,
         layers: &VecDeque<Layer>,
@@ -865,18 +870,19 @@ impl<'a> Stages<'a> {
         }))
     }
 
-    /// How many of the part's layers there are up to the highest one that
-    /// has something to print. The bounds may reach higher than the part, and
-    /// what is thinner than any line is left out.
+    /// Number of the part's layers up to the highest one that has something to
+    /// print. The bounds may reach higher than the part, and what is thinner
+    /// than any line is left out.
     ///
     /// # Errors
-    /// If next to nothing of the part can be printed: see [`super::sound`].
+    /// If hardly any of the part can be printed: see [`super::sound`].
     pub(super) fn printed(
         &self,
         pool: &ThreadPool,
         spans: &[LayerSpan],
     ) -> Result<usize, SliceError> {
-        // Mostly it is the last one. If it is not, slab by slab.
+        // Mostly the last layer is the highest that prints. If it does not
+        // print, the others are looked at slab by slab.
         let (below, last) = spans.split_at(spans.len().saturating_sub(1));
         let slabs = below.rchunks(self.slab_layers());
         let mut sampled = false;
@@ -923,7 +929,7 @@ impl<'a> Stages<'a> {
     /// What a nozzle can make of a window of a layer.
     ///
     /// # Errors
-    /// As [`Stages::layers`].
+    /// Those of [`Stages::layers`].
     fn found_in(
         &self,
         window: Rect,
@@ -945,7 +951,7 @@ impl<'a> Stages<'a> {
     }
 }
 
-/// A layer's heights above the raft, counted from there.
+/// A layer's number and heights without the raft's.
 fn without_raft(span: LayerSpan, (layers, height): (usize, Mm)) -> LayerSpan {
     LayerSpan {
         index: span.index - layers,
@@ -954,8 +960,8 @@ fn without_raft(span: LayerSpan, (layers, height): (usize, Mm)) -> LayerSpan {
     }
 }
 
-/// True if layers may be kept: of the number of points that are `left` theirs
-/// are taken then.
+/// True if layers may be kept. Then the number of their points is taken from
+/// `left`.
 fn keep(layers: &[Layer], left: &AtomicUsize) -> bool {
     let mut points = 0;
     for (k, layer) in layers.iter().enumerate() {
@@ -978,16 +984,16 @@ fn of_skin(skin: &mut [Patch]) -> impl Iterator<Item = &mut Bead> {
     })
 }
 
-/// What a layer with internal bridges has in place of what it had.
+/// What replaces parts of a layer that has internal bridges.
 pub(super) struct OverInfill {
     pub skin: Vec<Patch>,
     pub infill: Vec<Bead>,
     pub sparse: Area,
 }
 
-/// What is known of a layer that was looked at alone.
+/// What is known of a layer that was looked at without its neighbours.
 struct Looked {
-    /// There is something to print.
+    /// True if there is something to print.
     prints: bool,
     found: Found,
 }

@@ -1,9 +1,9 @@
-//! Filled layers from below, made ahead of those who write them.
+//! Filled layers from below, made ahead of whoever writes them.
 //!
 //! In: the slabs of a part. Out: its layers in order, a few at a time, each
-//! with the neighbours it looks at. What is kept is the window of layers that
-//! later ones look at, so memory does not grow with the part's height; with
-//! supports the outlines of all layers are kept elsewhere, for their plan.
+//! with the neighbours on which it depends. Only the window of layers on which
+//! later layers depend is kept. So memory grows with the part's height only if it
+//! has supports, whose plan is kept elsewhere.
 
 use super::layer::{Filled, Inside, Layer, Ready};
 use super::stages::Stages;
@@ -23,32 +23,33 @@ use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::thread;
 
-/// Layers are filled until their outlines have so many points, and then
-/// handed over: their beads take several times the memory of their outlines.
+/// Number of points of the outlines of layers that are filled together. Then
+/// the layers are handed over, since their beads take several times the memory
+/// of their outlines.
 const BATCH_POINTS: usize = 50_000;
 
 /// The layers of a run, in order.
 pub(super) struct Supply<'a> {
     stages: &'a Stages<'a>,
     pool: &'a ThreadPool,
-    /// What is still to be sampled, slab by slab.
+    /// The slabs that have not been sampled yet.
     slabs: VecDeque<&'a [LayerSpan]>,
     /// Layers whose outlines are needed.
     needed: Range<usize>,
     /// The layers to be written.
     layers: Range<usize>,
-    /// Layers that are still looked at.
+    /// Layers on which later layers depend.
     window: VecDeque<Layer>,
     /// Index of the layer that is filled next.
     next: usize,
-    /// The first one that is handed over.
+    /// Index of the first layer that is handed over.
     first: usize,
-    /// What the last layer that was filled has of infill, if internal bridges
-    /// may lie on it.
+    /// The infill of the layer that was filled last, if internal bridges may
+    /// lie on it.
     under: Option<Infilled>,
 }
 
-/// A layer's sparse infill, as something to lie on.
+/// A layer's sparse infill, on which beads may lie.
 struct Infilled {
     sparse: Solid<'static>,
     lines: EdgeGrid,
@@ -74,8 +75,8 @@ impl Infilled {
 }
 
 impl<'a> Supply<'a> {
-    /// Of the part's `spans`, `layers`, and those of the same block before
-    /// them.
+    /// A supply of `layers` of the part's `spans`, and of the layers of the
+    /// same block before them.
     pub(super) fn new(
         stages: &'a Stages<'a>,
         pool: &'a ThreadPool,
@@ -89,7 +90,8 @@ impl<'a> Supply<'a> {
         let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
         let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
         let first = layers.start - layers.start % BLOCK;
-        // Internal bridges of the first layer lie on infill of the one below.
+        // Internal bridges of the first layer lie on the infill of the layer
+        // below.
         let below = usize::from(stages.bridges_infill());
         Supply {
             stages,
@@ -107,7 +109,7 @@ impl<'a> Supply<'a> {
     /// The window's layers that can be filled: as few at a time as keep all
     /// threads at work.
     fn ready(&self) -> Range<usize> {
-        // Roles look at the next layer, whatever the skin's thickness.
+        // Roles depend on the next layer, whatever the skin's thickness.
         let hidden = match self.slabs.is_empty() {
             true => 0,
             false => self.stages.reach_above(),
@@ -142,7 +144,7 @@ impl<'a> Supply<'a> {
             slabs.map(|s| stages.layers(s, needed)).collect()
         });
         for mut layer in all_or_first(made)?.into_iter().flatten() {
-            // Also where one slab ends and the next begins.
+            // Layers also share where one slab ends and the next begins.
             if let Some(below) = self.window.back() {
                 layer.share(below);
             }
@@ -151,8 +153,8 @@ impl<'a> Supply<'a> {
         Ok(())
     }
 
-    /// Fills some layers of the window, and drops those that no later layer
-    /// looks at.
+    /// Fills some layers of the window, and drops layers on which no later
+    /// layer depends.
     fn fill(&mut self, which: Range<usize>) -> Batch {
         let mut batch = Vec::with_capacity(which.len());
         let filled = self.filled(which.clone())?;
@@ -191,7 +193,7 @@ impl<'a> Supply<'a> {
         which: Range<usize>,
     ) -> Result<Vec<Filled>, SliceError> {
         let (stages, layers) = (self.stages, &self.window);
-        // Layers that are the same, together.
+        // Layers with equal outlines are filled together.
         let mut groups: Vec<Range<usize>> = Vec::new();
         for i in which.clone() {
             match groups.last_mut() {
@@ -231,7 +233,7 @@ impl<'a> Supply<'a> {
                 .map(|k| &layers[k])
                 .filter(|below| layers[first].same(below))
                 .and_then(|below| below.inside.clone());
-            // The highest of layers that are the same may be a top.
+            // The highest of several equal layers may be a top.
             let alike =
                 group.end - usize::from(stages.divides(layers, group.end - 1));
             let inside = below.or_else(|| {
@@ -265,15 +267,16 @@ impl<'a> Supply<'a> {
     }
 
     /// Lays internal bridges in some layers, the first of which is layer
-    /// `start` of the window. One after the other, since what bridges take of a
-    /// layer's infill holds the next layer otherwise.
+    /// `start` of the window. They come one after the other: where bridges
+    /// replace a layer's infill, the next layer lies on the bridges.
     fn bridge(
         &mut self,
         start: usize,
         all: &mut [Filled],
     ) -> Result<(), SliceError> {
         for (k, filled) in all.iter_mut().enumerate() {
-            // At a block's beginning nothing but the infill is known below.
+            // At a block's beginning only the infill of the layer below is
+            // known.
             let next = self.window[start + k].span.index + 1;
             let early =
                 next.is_multiple_of(BLOCK).then(|| Infilled::new(filled));
@@ -298,7 +301,7 @@ impl<'a> Supply<'a> {
     }
 }
 
-/// All results, or the lowest layer's error: not that of the fastest thread.
+/// All results, or the lowest layer's error, whichever thread is the fastest.
 fn all_or_first<T>(
     results: Vec<Result<T, SliceError>>,
 ) -> Result<Vec<T>, SliceError> {
@@ -318,18 +321,18 @@ pub(super) struct Supplies<'a> {
 /// The layers of one part.
 struct OfPart<'a> {
     supply: Supply<'a>,
-    /// Those that wait for other parts.
+    /// The layers that wait for other parts.
     waiting: VecDeque<Ready>,
-    /// The part has layers up to this one.
+    /// Index after the part's last layer.
     end: usize,
 }
 
-/// A layer of some of the plate's parts: each with the part's number.
+/// One layer of several of the plate's parts, each with the part's number.
 pub(super) type OnPlate = Vec<(usize, Ready)>;
 
 impl<'a> Supplies<'a> {
-    /// The layers of parts that each have `spans`; of all of them `layers`, and
-    /// those of the same block before them.
+    /// The supplies of parts that each have their `spans`: `layers` of all of
+    /// them, and the layers of the same block before these.
     pub(super) fn new(
         parts: impl IntoIterator<Item = (&'a Stages<'a>, &'a [LayerSpan])>,
         pool: &'a ThreadPool,
@@ -351,11 +354,11 @@ impl<'a> Supplies<'a> {
         }
     }
 
-    /// Lets `write` have the layers: while it is at some of them, the next
-    /// ones are made, unless all is to be done by one thread.
+    /// Passes the layers to `write`. While it works on some layers the next
+    /// ones are made, unless one thread has to do everything.
     ///
     /// # Errors
-    /// The first one of either.
+    /// The first error of the supplies or of `write`.
     pub(super) fn each(
         self,
         pool: &ThreadPool,
@@ -373,7 +376,7 @@ impl<'a> Supplies<'a> {
         }
         let watch = limits::Watch::current();
         thread::scope(|scope| {
-            // As many as are written wait meanwhile, and no more.
+            // Only as many layers wait as are being written.
             let (hand, batches) = sync_channel(0);
             let supply = thread::Builder::new().name("layers".into());
             let supply = supply
@@ -381,7 +384,7 @@ impl<'a> Supplies<'a> {
                     limits::Watch::adopt(watch.as_ref());
                     for batch in self {
                         let failed = batch.is_err();
-                        // Nobody takes it where writing has failed.
+                        // Nobody takes the batch if writing has failed.
                         if hand.send(batch).is_err() || failed {
                             break;
                         }
@@ -396,7 +399,7 @@ impl<'a> Supplies<'a> {
         })
     }
 
-    /// Lets every part that goes on have a layer waiting.
+    /// Makes sure that every part that goes on has a layer waiting.
     fn fetch(&mut self) -> Result<(), SliceError> {
         for part in &mut self.parts {
             while part.end > self.next && part.waiting.is_empty() {
@@ -409,7 +412,7 @@ impl<'a> Supplies<'a> {
         Ok(())
     }
 
-    /// The next layer, if every part that goes on has it.
+    /// The next layer, if every part that goes on has it waiting.
     fn take(&mut self) -> Option<OnPlate> {
         let next = self.next;
         let on = self.parts.iter().filter(|part| part.end > next);

@@ -15,7 +15,7 @@ use crate::vary::Surroundings;
 use crate::walls;
 use glam::DVec2;
 
-/// What hangs without a support is told of from this area on, mm².
+/// Area from which on something that hangs without a support is reported, mm².
 const UNHELD: Mm2 = 1.0;
 
 /// The supports of a part.
@@ -27,12 +27,13 @@ pub(super) struct Supported<'a> {
     raft: usize,
     /// Height of the raft and of the air above it.
     lift: Mm,
-    /// That air, which the first layer of supports fills.
+    /// Height of the air above the raft, which the first layer of supports
+    /// fills.
     gap: Mm,
 }
 
 impl<'a> Supported<'a> {
-    /// Those of a plan, filled by `fills`.
+    /// The supports of a plan, filled by `fills`.
     pub(super) fn new(
         plan: Plan,
         fills: &'a Fills,
@@ -56,7 +57,7 @@ impl<'a> Supported<'a> {
         })
     }
 
-    /// What the user should know of the plan; `offset` leads from the model's
+    /// What the user should know of the plan. `offset` leads from the model's
     /// coordinates to the bed's.
     pub(super) fn warnings(
         &self,
@@ -133,14 +134,15 @@ impl<'a> Supported<'a> {
         self.slice(layer).map(Slice::area)
     }
 
-    /// Where the supports are that hold a layer: their tops are a gap below.
+    /// The area of the supports that hold a layer. Their tops are a gap below
+    /// it.
     pub(super) fn under(&self, layer: usize) -> Option<Area> {
         let layer = layer.checked_sub(self.raft)?;
         let below = self.plan.heights.below(layer)?;
         self.plan.slice(below).map(Slice::area)
     }
 
-    /// From where to where the supports of a layer reach, if it can have some.
+    /// The span of a layer's supports, if the layer can have some.
     fn span(&self, span: &LayerSpan) -> Option<LayerSpan> {
         let layer = span.index.checked_sub(self.raft)?;
         let heights = &self.plan.heights;
@@ -156,8 +158,8 @@ impl<'a> Supported<'a> {
         })
     }
 
-    /// Height of the tops of a layer's supports above its own, mm; negative
-    /// below.
+    /// Height of the tops of a layer's supports above the layer's own top, mm;
+    /// negative below.
     pub(super) fn rise(&self, span: &LayerSpan) -> Mm {
         self.span(span).map_or(0.0, |own| own.top - span.top)
     }
@@ -187,8 +189,8 @@ impl<'a> Supported<'a> {
                 false => 0.0,
             };
             if deeper > 0.0 {
-                // Lines of the usual width are wide enough for that; those
-                // that fit into a thin place may not be.
+                // Lines of the usual width are wide enough for that height.
+                // Lines that fit into a thin place may not be.
                 let most = Settings::FLAT * bead.width;
                 bead.height = (bead.height + deeper).min(most);
             }
@@ -197,7 +199,7 @@ impl<'a> Supported<'a> {
     }
 }
 
-/// Distance of the lines of supports that lie side by side.
+/// Spacing of lines of supports that lie side by side.
 fn side_by_side(settings: &Settings) -> Mm {
     let width = settings.infill_width();
     spacing(width, width, settings.layer_height())
@@ -210,7 +212,7 @@ pub(super) struct Fills {
 }
 
 impl Fills {
-    /// Of a run with these settings.
+    /// The fills of a run with these settings.
     pub(super) fn new(settings: &Settings) -> Fills {
         let width = settings.infill_width();
         let of = |density| filled_by(width, density, settings);
@@ -262,7 +264,7 @@ pub(super) struct SupportFill<'a> {
 }
 
 impl<'a> SupportFill<'a> {
-    /// By some settings, for beads of a role.
+    /// A fill by some settings, for beads of a role.
     pub(super) fn new(
         settings: &'a Settings,
         role: Role,

@@ -13,18 +13,18 @@ pub(super) struct Tally {
     nan_samples: usize,
     nan_layers: usize,
     forced_rings: usize,
-    /// Islands and holes left out as too small.
+    /// Islands and holes left out because they are too small.
     pub dropped_rings: usize,
-    /// Layers seen, those without anything in them since the last one that
-    /// had, and those that something comes after.
+    /// Number of layers seen, of empty layers since the last one that was not
+    /// empty, and of empty layers that something comes after.
     layers: usize,
     empty: usize,
     bridged: usize,
 }
 
 impl Tally {
-    /// Counts a layer with gaps of this area; `empty` if nothing of the part
-    /// is printed in it.
+    /// Counts a layer with gaps of this area. `empty` is true if nothing of the
+    /// part is printed in it.
     pub(super) fn add(&mut self, layer: &Layer, gap: Mm2, empty: bool) {
         let outline = &layer.found;
         self.gap += gap;

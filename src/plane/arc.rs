@@ -7,15 +7,15 @@
 //! points, and the middle of each of its segments, is within the tolerance of
 //! the way; no arc turns by more than 149° or has a radius of more than 2 m.
 //!
-//! Not guaranteed: that there are as few arcs as possible. Each is as long as
-//! it can be from where the one before ends.
+//! Not guaranteed: that there are as few arcs as possible. Each arc is as long
+//! as it can be from the end of the arc before it.
 
 use super::simplify::longest;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Greatest half of an arc's angle, in radians: firmware tells an arc's way
-/// round from its ends, and near half a circle rounding would decide.
+/// Greatest half of an arc's angle, in radians. Firmware tells from an arc's
+/// ends which way round it goes, and near half a circle rounding would decide.
 const WIDEST: f64 = 1.3;
 
 /// Greatest radius, mm: what is flatter is straight to any printer.
@@ -41,8 +41,8 @@ impl Turn {
         self.radius(from) * self.angle.abs()
     }
 
-    /// The arc that begins at a point, cut after a share of its way: where, and
-    /// both parts.
+    /// The arc that begins at a point, cut after a share of its way: the place
+    /// of the cut, and both parts.
     pub(crate) fn halves(self, from: DVec2, share: f64) -> (DVec2, [Turn; 2]) {
         let part = |share: f64| Turn {
             angle: share * self.angle,
@@ -112,7 +112,7 @@ pub(crate) fn flat(
 }
 
 /// How a single piece of the way leads along the points: straight, or along an
-/// arc; nothing if neither comes near enough to them.
+/// arc. None if neither comes near enough to them.
 fn way(piece: &[DVec2], tolerance: Mm) -> Option<Option<Turn>> {
     let (&a, &b) = (piece.first()?, piece.last()?);
     let chord = b - a;
@@ -120,8 +120,8 @@ fn way(piece: &[DVec2], tolerance: Mm) -> Option<Option<Turn>> {
     if length <= tolerance {
         return None;
     }
-    // From every place on an arc the chord is seen under the same angle, so
-    // each sample says which angles bring the arc near enough to it.
+    // From every place on an arc the chord is seen under one angle. So each
+    // sample says which angles bring the arc near enough to it.
     let (mut low, mut high) = (-WIDEST, WIDEST);
     for q in samples(piece) {
         let (u, v) = (q - a, b - q);
@@ -177,8 +177,8 @@ mod tests {
     use super::*;
     use std::f64::consts::{PI, TAU};
 
-    /// Greatest distance of a way's arcs from a curve, which tells how far a
-    /// point is from it.
+    /// Greatest distance of a way's arcs from a curve. `from` tells how far a
+    /// point is from the curve.
     fn off(line: &[DVec2], tolerance: Mm, from: impl Fn(DVec2) -> Mm) -> Mm {
         let (points, turns) = fit(line, tolerance);
         assert_eq!(points.len(), turns.len() + 1);
@@ -217,7 +217,7 @@ mod tests {
             let line: Vec<DVec2> = (0..=n)
                 .map(|i| DVec2::new(a * at(i).cos(), sign * b * at(i).sin()))
                 .collect();
-            // The first order of the distance.
+            // The distance, to first order.
             let far = |p: DVec2| {
                 let f = (p.x / a).powi(2) + (p.y / b).powi(2) - 1.0;
                 f / (2.0 * DVec2::new(p.x / a / a, p.y / b / b).length())
@@ -240,7 +240,7 @@ mod tests {
             (0..100).map(|i| DVec2::X * (0.1 * i as f64)).collect();
         let (points, turns) = fit(&many, 0.005);
         assert_eq!((points.len(), turns), (2, vec![None]));
-        // There and back again.
+        // The line goes there and back again.
         let back: Vec<DVec2> =
             many.iter().chain(many.iter().rev()).copied().collect();
         let (points, _) = fit(&back, 0.005);

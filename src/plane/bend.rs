@@ -19,8 +19,8 @@ const REACH: Mm = 1.0;
 /// Greatest distance of two places along a ring.
 const STEP: Mm = 0.25;
 
-/// Sharp corners move no farther than so many times the distance by which
-/// their sides move.
+/// Greatest way of a sharp corner, as a multiple of the distance by which its
+/// sides move.
 const MITRE: f64 = 2.0;
 
 /// A place on a ring.
@@ -28,8 +28,8 @@ const MITRE: f64 = 2.0;
 pub(crate) struct Bend {
     /// Where it is.
     pub at: DVec2,
-    /// Out of the area. It is longer than 1 at a corner: the sides move by 1 if
-    /// the corner moves so far.
+    /// The way out of the area. It is longer than 1 at a corner: if the sides
+    /// move by 1, the corner moves by its length.
     pub out: DVec2,
     /// One over the radius: positive where the area is convex, negative in
     /// holes and notches, 0 where the ring is straight.
@@ -43,7 +43,7 @@ pub(crate) fn bends(ring: &Ring) -> Vec<Bend> {
         return Vec::new();
     };
     let turned = Turned::new(&corners, length);
-    // All of a small ring counts, and none of it twice.
+    // Of a small ring, all counts, and no part of it twice.
     let reach = REACH.min(0.5 * length);
     let mut out = Vec::new();
     let mut from = 0.0;
@@ -128,7 +128,8 @@ struct Corner {
     before: Mm,
     /// By how much the ring turns to the left there, in radians.
     angle: f64,
-    /// Out of the area, at the side before it and at the corner.
+    /// The ways out of the area, at the side before the corner and at the
+    /// corner.
     side: DVec2,
     out: DVec2,
 }

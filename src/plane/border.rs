@@ -2,10 +2,10 @@
 //! to the next.
 //!
 //! ```text
-//!        ───┼────────────┼──      a line is cut where it crosses the border;
-//!       ╭───●────────────●───╮    a piece knows where its ends (●) are on
-//!       │                    │    it, and so what lies between them and
-//!       ╰────────────────────╯    those of its neighbours
+//!        ───┼────────────┼──      A line is cut where it crosses the border.
+//!       ╭───●────────────●───╮    A piece knows where its ends (●) are on the
+//!       │                    │    border. So the border between them and the
+//!       ╰────────────────────╯    ends of its neighbours is known.
 //! ```
 
 use super::grid::EdgeGrid;
@@ -28,11 +28,12 @@ pub(crate) struct Foot {
 pub(crate) struct Piece {
     /// Its points; the first is not repeated at the end of a closed one.
     pub points: Vec<DVec2>,
-    /// The whole of a line that returns to its first point.
+    /// True if the piece is the whole of a line that returns to its first
+    /// point.
     pub closed: bool,
-    /// Where its first point is on the border, if it is.
+    /// Where the first point is on the border, if it is there.
     pub from: Option<Foot>,
-    /// Where its last point is.
+    /// Where the last point is on the border, if it is there.
     pub to: Option<Foot>,
 }
 
@@ -104,7 +105,7 @@ impl<'a> Border<'a> {
     pub(crate) fn between(&self, from: Foot, to: Foot) -> Vec<DVec2> {
         let ring = &self.area.rings[from.ring];
         let before = self.places.of_ring(from.ring);
-        // The first points behind the two places.
+        // The first points after the two places.
         let next = before.partition_point(|&w| w <= from.at);
         let end = before.partition_point(|&w| w < to.at);
         let end = match to.at < from.at {
@@ -122,7 +123,7 @@ pub(crate) struct Cutter<'b, 'a> {
     pieces: Vec<Piece>,
     /// The end of the line so far, if one has begun.
     at: Option<DVec2>,
-    /// That is inside.
+    /// True if that end is inside.
     inside: bool,
     /// What has been inside since the last crossing.
     run: Vec<DVec2>,
@@ -172,7 +173,8 @@ impl<'b, 'a> Cutter<'b, 'a> {
         }
         self.to(start);
         self.end();
-        // What begins and ends at the line's first point is one.
+        // A piece that begins and one that ends at the line's first point are
+        // one.
         let Some(last) = self.pieces.len().checked_sub(1) else {
             return;
         };
@@ -281,8 +283,9 @@ impl Border<'_> {
     /// The crossings of a segment with the border, in order.
     fn hits(&self, a: DVec2, b: DVec2, hits: &mut Vec<Hit>) {
         hits.clear();
-        // A point on a line counts as right of it, wherever it is met: so a
-        // line through a vertex crosses one of its edges, or both, or none.
+        // A point on a line counts as right of the line in every test. So a
+        // line through a vertex crosses one of the vertex's edges, or both, or
+        // none.
         let left = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p) > 0.0;
         self.grid.visit_box(a.min(b), a.max(b), |edge| {
             let (c, d) = self.grid.edge(edge);
@@ -304,7 +307,7 @@ impl Border<'_> {
             p.t.total_cmp(&q.t).then(p.edge.cmp(&q.edge))
         });
         hits.dedup_by_key(|h| h.edge);
-        // In and out at the same place is neither.
+        // A crossing inwards and one outwards at one place cancel.
         let mut i = 0;
         while i + 1 < hits.len() {
             let (p, q) = (hits[i], hits[i + 1]);
@@ -343,7 +346,7 @@ mod tests {
         assert_eq!((foot.ring, foot.at), (0, 15.5));
         let hole = pieces[0].to.unwrap();
         assert_eq!(hole.ring, 1);
-        // Through the vertices and along the edges: nothing gets lost.
+        // Lines through the vertices and along the edges: nothing gets lost.
         for y in [-5.0, -2.0, 2.0, 5.0] {
             let mut cutter = Cutter::new(&border);
             cutter.line(&[DVec2::new(-9.0, y), DVec2::new(9.0, y)], false);

@@ -48,8 +48,8 @@ pub(crate) fn intersection(a: &Area, b: &Area) -> Area {
 
 /// What is in `a` but not in all of `covers`: the part of `a` that at least
 /// one of them leaves open. One sweep for any number of covers, unless they
-/// have so many edges that it is cut into parts: islands of the result may
-/// then touch each other along the cuts.
+/// have so many edges that it is cut into parts. Then islands of the result may
+/// touch each other along the cuts.
 pub(crate) fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
     if a.is_empty() || covers.is_empty() {
         return Area::EMPTY;
@@ -76,15 +76,15 @@ pub(crate) fn not_covered_by_all(a: &Area, covers: &[&Area]) -> Area {
     Area { rings }
 }
 
-/// Edges beyond which a sweep is cut into two: the library takes some 300
-/// bytes for each.
+/// Edges beyond which a sweep is cut into two. The library takes some 300 bytes
+/// for each edge.
 const SWEEP_EDGES: usize = 80_000;
 
 /// The lower and the upper half of a box, cut across its longer side.
 fn halves(all: Rect) -> [Rect; 2] {
     let (mut low, mut high) = (all, all);
     let (size, middle) = (all.max - all.min, all.min.midpoint(all.max));
-    // On the grid, so that both sides round the cut alike.
+    // The middle is put on the grid, so that both sides round the cut alike.
     let middle = (middle * GRID).round() / GRID;
     match size.x > size.y {
         true => (low.max.x, high.min.x) = (middle.x, middle.x),
@@ -119,9 +119,9 @@ fn open(a: &Area, covers: &[&Area]) -> Area {
     from_shapes(overlay.overlay(OverlayRule::Intersect, FillRule::NonZero))
 }
 
-/// What some rings have within a box, up to its border: rings that leave the box run
-/// along its sides, perhaps to and fro, with the same winding inside. Much
-/// cheaper than an intersection. (Sutherland and Hodgman 1974.)
+/// What some rings have within a box, up to its border. Rings that leave the
+/// box run along its sides, perhaps to and fro, with the same winding inside.
+/// This is much cheaper than an intersection (Sutherland and Hodgman 1974).
 pub(crate) fn crop<'a>(
     all: impl IntoIterator<Item = &'a Ring>,
     to: Rect,
@@ -173,8 +173,8 @@ pub(crate) fn unite(area: &Area) -> Area {
     sweep(area, FillRule::NonZero)
 }
 
-/// What rings that overlap wind around more often to the left than to the
-/// right: how the loops of an offset border cancel.
+/// The places around which overlapping rings wind more often to the left than
+/// to the right. So the loops of an offset border cancel.
 pub(super) fn positive(area: &Area) -> Area {
     sweep(area, FillRule::Positive)
 }
@@ -205,8 +205,8 @@ fn add(overlay: &mut Overlay<i32>, area: &Area, kind: ShapeType) {
 }
 
 fn to_contour(ring: &[DVec2]) -> Contour {
-    // Beyond the grid a coordinate sticks to its end: parts that large are
-    // refused long before.
+    // Beyond the grid a coordinate sticks to the grid's end. Parts that large
+    // are refused long before.
     ring.iter()
         .map(|p| {
             let q = (*p * GRID).round();
@@ -274,7 +274,7 @@ mod tests {
         let open = not_covered_by_all(&a, &[&cover, &a]);
         let exact = f64::from(N * N) * 0.2 * 0.6;
         assert!((open.content() - exact).abs() < 1e-3, "{}", open.content());
-        // What is cut is in two islands, and all else in one.
+        // What the cut divides is in two islands, and all else in one.
         let islands = open.islands();
         assert!(islands.len() >= (N * N) as usize);
         assert!(islands.iter().all(|i| i.content() < 0.2 * 0.6 + 1e-6));

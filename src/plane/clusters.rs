@@ -1,10 +1,10 @@
 //! Parts of an area whose boxes keep apart.
 //!
 //! ```text
-//!   ┌─────────────┐ ┌───┐    what is sampled on a lattice over a box is
+//!   ┌─────────────┐ ┌───┐    What is sampled on a lattice over a box is
 //!   │╭───────────╮│ │ ╱ │    sampled once, however many islands lie within
-//!   ││ ╭──╮ ╭──╮ ││ │╱  │    each other's boxes; and where there is nothing
-//!   ││ ╰──╯ ╰──╯ ││ └───┘    between them, there is no lattice
+//!   ││ ╭──╮ ╭──╮ ││ │╱  │    each other's boxes. Where there is nothing
+//!   ││ ╰──╯ ╰──╯ ││ └───┘    between boxes, there is no lattice.
 //!   │╰───────────╯│
 //!   └─────────────┘
 //! ```
@@ -15,7 +15,7 @@ use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, Envelope};
 
-/// Islands whose boxes meet, directly or by way of others'.
+/// Islands whose boxes meet, directly or through the boxes of others.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Cluster {
     /// The islands.
@@ -30,7 +30,7 @@ const GAP: Mm = 0.01;
 impl Cluster {
     /// True if a point of the area belongs to this cluster.
     pub(crate) fn has(&self, p: glam::DVec2) -> bool {
-        // Points meant to be on the border are off it by rounding.
+        // Rounding moves points off the border that are meant to be on it.
         self.bounds.grown(0.25 * GAP).contains(p)
     }
 }

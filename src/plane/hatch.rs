@@ -45,8 +45,8 @@ pub(crate) fn hatch(area: &Area, lines: Lines, shortest: Mm) -> Vec<Segment> {
     pieces.map(|(from, to)| lines.segment(from, to)).collect()
 }
 
-/// The same, as pieces that know where on the border they end, each with the
-/// number of its row.
+/// The pieces of the lines inside the area, each with the number of its row.
+/// The pieces know where on the border they end.
 pub(crate) fn hatch_border(
     border: &Border<'_>,
     lines: Lines,

@@ -1,12 +1,23 @@
 //! Geometry of one layer's plane: rings, areas, and what is done to them.
 //!
-//! An [`Area`] is a set of closed rings, outer ones counter-clockwise and
-//! holes clockwise, in millimetres. [`clip`] combines areas, [`offset`]
-//! grows and shrinks them, [`simplify`] thins their rings within a tolerance,
-//! [`arc`] puts arcs in the place of segments, [`bend`] tells how rings bend, [`hatch`] draws parallel lines across them, [`border`] cuts any lines,
-//! [`zero`] finds where a function is zero near an area, [`clusters`] are boxes of islands,
-//! [`grid`] answers what is where and [`nest`] which ring is around a point;
-//! a [`Solid`] is an area with its grid.
+//! An [`Area`] is a set of closed rings, outer ones counter-clockwise and holes
+//! clockwise, in millimetres.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`clip`] | combines areas |
+//! | [`offset`] | grows and shrinks areas; [`trim`] helps it |
+//! | [`simplify`] | thins rings within a tolerance |
+//! | [`arc`] | puts arcs in the place of segments |
+//! | [`bend`] | tells how rings bend |
+//! | [`hatch`] | draws parallel lines across an area |
+//! | [`border`] | cuts any lines at an area, and follows its border |
+//! | [`zero`] | finds where a function is zero near an area |
+//! | [`clusters`] | puts islands whose boxes meet together |
+//! | [`grid`] | answers which edges are near a place; [`places`] counts along rings |
+//! | [`nest`] | tells which ring is around a point |
+//!
+//! A [`Solid`] is an area with its grid.
 
 pub(crate) mod arc;
 pub(crate) mod bend;

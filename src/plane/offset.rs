@@ -1,12 +1,12 @@
 //! Offsets of areas: level sets of the distance to their border.
 //!
-//! Every edge is moved along its normal and the gaps at the corners are
-//! closed: with the corner's own angle where the border moves into it, with
-//! an arc where it moves away. What comes of that is the answer wherever no
-//! other part of the border is nearer than the distance, as a grid of the
-//! border's edges tells: on most layers, and for all of a smooth part's outer
-//! walls. Only where rings come too near, because the area is thinner there
-//! than twice the distance, do they go through a sweep that removes what
+//! Every edge is moved along its normal, and the gaps at the corners are
+//! closed: with the corner's own angle where the border moves into it, with an
+//! arc where it moves away. The moved border is the answer wherever no other
+//! part of the border is nearer than the distance, as a grid of the border's
+//! edges tells. This is so on most layers, and for the outer walls of all
+//! smooth parts. Where the area is thinner than twice the distance, its rings
+//! come too near to each other. Only these go through a sweep that removes
 //! overlaps (positive winding), which costs several times as much.
 //!
 //! Guarantee: the result is within `tolerance` of the true level set.
@@ -26,26 +26,27 @@ pub(crate) fn offset(area: &Area, distance: Mm, tolerance: Mm) -> Area {
     offset_within(&solid, None, distance, tolerance)
 }
 
-/// How far an area's edges can move inwards until they meet what is opposite:
-/// for each of them, numbered as in a grid, from where to where that is. An
-/// edge that nothing is known of has it from 0 to infinity.
+/// How far an area's edges can move inwards until they meet what is opposite.
+/// Each edge, numbered as in a grid, has a least and a greatest distance, since
+/// the room changes along it. An edge of which nothing is known has 0 and
+/// infinity.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Room {
-    /// The least along the edge and those beside it.
+    /// The least room along an edge and its neighbours.
     pub least: Vec<Mm>,
-    /// The most.
+    /// The greatest room along an edge and its neighbours.
     pub most: Vec<Mm>,
-    /// The number of an edge that each of them may meet, if it is one.
+    /// For each edge, the number of an edge that it may meet, if there is one.
     pub opposite: Vec<u32>,
 }
 
 impl Room {
     /// What becomes of an edge that moves by `distance`, if that is certain.
-    /// Room is known at places some tenths of a millimetre apart, between
-    /// which it may be a little less.
+    /// The room is known at places some tenths of a millimetre apart, and may
+    /// be a little less between them.
     fn state(&self, edge: usize, distance: Mm) -> Option<State> {
         let margin = 0.03 + 0.05 * distance;
-        // Between opposite sides room grows by less than 0.6 of the way.
+        // Between opposite sides the room grows by less than 0.6 of the way.
         let steep = 0.06;
         match (self.least.get(edge)?, self.most.get(edge)?) {
             (least, _) if *least > distance + margin => Some(State::Clear),
@@ -55,7 +56,7 @@ impl Room {
     }
 }
 
-/// [`offset`] where it may be known how far the edges can move inwards.
+/// [`offset`], given how far the edges can move inwards, if that is known.
 pub(crate) fn offset_within(
     solid: &Solid<'_>,
     room: Option<&Room>,
@@ -70,9 +71,9 @@ pub(crate) fn offset_within(
     // Arcs are cut short by the tolerance, and coordinates are rounded.
     let slack = 1.02 * tolerance + 1e-6;
     let clearance = (distance.abs() - slack).max(0.0);
-    // A ring no wider than twice the distance vanishes when its inside
-    // shrinks, one hardly wider all but does. Turned inside out, or shrunk to
-    // a point, all its edges would cross all others.
+    // A ring no wider than twice the distance vanishes when its inside shrinks,
+    // and of a hardly wider one next to nothing is left. Turned inside out, or
+    // shrunk to a point, all its edges would cross all others.
     let vanishes = |ring: &Ring| {
         let bounds = Rect::around(ring);
         let inside_shrinks = (signed_area(ring) > 0.0) == (distance < 0.0);
@@ -134,19 +135,21 @@ pub(crate) fn offset_within(
     };
     match left.trim() {
         Some(rings) => Area { rings },
-        // A hole's loops cancel against the ring around it: all or none.
+        // A hole's loops cancel against the ring around it, so either all rings
+        // go through the sweep or none.
         None => positive(&Area { rings }),
     }
 }
 
-/// Turn of a corner, in radians, up to which what is known of its edges holds
-/// for the arc around it.
+/// Greatest turn of a corner, in radians, at which the room of its edges also
+/// holds for the arc around it.
 const SMALL_TURN: f64 = 0.35;
 
-/// The ring with every edge moved to its left by `by`. Not yet free of
-/// overlaps: where an edge is too short for the corners at its ends, the ring
-/// runs back to the corner itself, so that what overlaps winds negatively.
-/// `origins` gets the edge of which each of the new edges comes, if it is one.
+/// The ring with every edge moved to its left by `by`, which may overlap
+/// itself. Where an edge is too short for the corners at its ends, the ring
+/// runs back to the corner itself, so that the overlap winds negatively.
+/// `origins` gets, for each new edge, the edge from which it comes, if there is
+/// one.
 pub(super) fn moved(
     ring: &[DVec2],
     by: f64,
@@ -185,15 +188,15 @@ pub(super) fn moved(
         let reach = 1.0 / (1.0 + cosine);
         let excess = by.abs() * ((2.0 * reach).sqrt() - 1.0);
         if excess <= tolerance {
-            // Both normals' sum has the bisector's direction; scaled by this
-            // it reaches the point where the moved edges' lines meet.
+            // The sum of both normals has the bisector's direction. Scaled by
+            // `reach` it leads to the point where the moved edges' lines meet.
             out.push(p + (nu + nv) * (by * reach));
             origins.push(Some(side.edge));
             continue;
         }
         let turn = sine.atan2(cosine);
         let turn = match turn == 0.0 || turn * by > 0.0 {
-            // Straight back on itself: around the outside.
+            // The ring turns straight back: the arc goes around the outside.
             true => -std::f64::consts::PI * by.signum(),
             false => turn,
         };
@@ -217,28 +220,28 @@ struct Side {
     from: DVec2,
     along: DVec2,
     length: Mm,
-    /// Its neighbours, as long as they have not gone.
+    /// The numbers of its neighbours among those that have not vanished.
     before: u32,
     after: u32,
-    /// Shrunk to nothing between its neighbours.
+    /// True if it has shrunk to nothing between its neighbours.
     gone: bool,
-    /// Where it meets the one before when both have moved, if the border
+    /// Where it meets the side before it when both have moved, if the border
     /// moves into the corner between them.
     corner: Option<DVec2>,
-    /// From where to where along it it reaches then.
+    /// The stretch along the side that is left when it has moved.
     start: Mm,
     end: Mm,
 }
 
 impl Side {
-    /// How long it is when it has moved; negative if its ends have passed each
-    /// other.
+    /// Length of the side when it has moved; negative if its ends have passed
+    /// each other.
     fn room(&self) -> Mm {
         self.end - self.start
     }
 }
 
-/// A ring's edges, those left out that vanish on the way.
+/// A ring's edges without those that vanish on the way.
 struct Sides {
     all: Vec<Side>,
     by: f64,
@@ -282,7 +285,7 @@ impl Sides {
     fn meet(&self, i: usize, j: usize) -> Option<DVec2> {
         let (a, b) = (&self.all[i], &self.all[j]);
         let (sine, cosine) = (a.along.perp_dot(b.along), a.along.dot(b.along));
-        // Nearly straight back, they meet nowhere near.
+        // Sides that turn nearly straight back meet far away.
         if sine * self.by <= 0.0 || cosine < -0.999 {
             return None;
         }
@@ -334,8 +337,9 @@ impl Sides {
         }
     }
 
-    /// Brings sides back where their neighbours have no room either: their
-    /// lines meet anywhere, and only a sweep can tell what is left.
+    /// Brings sides back where their neighbours have no room either: the
+    /// neighbours' lines may meet anywhere, and only a sweep can tell what is
+    /// left.
     fn restore_crowded(&mut self) {
         let n = self.all.len();
         let mut crowded = true;
@@ -400,7 +404,7 @@ mod tests {
         // The hole closes when the frame grows.
         let grown = offset(&frame, 4.0, 1e-3);
         assert_eq!(grown.rings.len(), 1);
-        // As it does where less than the tolerance is left of it.
+        // The hole also closes where less than the tolerance is left of it.
         let grown = offset(&frame, 3.4997, 1e-3);
         assert_eq!(grown.rings.len(), 1);
         assert_eq!(offset(&frame, 3.499, 1e-3).rings.len(), 2);

@@ -1,11 +1,11 @@
 //! Areas put together and moved, judged by other libraries on random areas.
 //!
-//! `geo` says what booleans make of them, whether the rings are valid, what is
-//! inside and how far a point is from them. i_overlay's outline says how much
-//! an offset has. The contents are not quite an independent judgement: the
-//! booleans of `geo` are an older i_overlay, on a grid of its own, and both
-//! this folder's offset and the outline may end in i_overlay's sweep. What
-//! `geo` says of points and of validity shares no code with this folder.
+//! `geo` judges what booleans give, whether the rings are valid, what is inside
+//! and how far a point is from them. i_overlay's outline tells the content of
+//! an offset. The contents are not quite an independent judgement: the booleans
+//! of `geo` are an older i_overlay, on a grid of its own, and both this
+//! folder's offset and the outline may end in i_overlay's sweep. What `geo`
+//! says of points and of validity shares no code with this folder.
 
 use super::clip::{difference, intersection, union, unite};
 use super::offset::offset;
@@ -26,9 +26,9 @@ const STEP: f64 = 1e-5;
 /// The finest arcs that i_overlay's outline draws: a chord for each 1.8°.
 const FINEST_ARC: f64 = 0.01 * PI;
 
-/// A ring around a point that each ray from there meets once. Between two of
-/// its corners the ray turns by 108° at most, so all of the ring is more than
-/// 0.58 of `least` away.
+/// A ring around a point, star-shaped as seen from there. Between two of its
+/// corners the direction turns by 108° at most, so all of the ring is more than
+/// 0.58 of `least` away from the point.
 fn star(rng: &mut Rng, centre: DVec2, least: f64, most: f64) -> Ring {
     let corners = rng.usize(6..24);
     (0..corners)
@@ -57,7 +57,7 @@ fn stars(rng: &mut Rng) -> Vec<Area> {
     (0..count).map(star).collect()
 }
 
-/// All of the stars' rings, as they overlap.
+/// All rings of the stars, overlaps included.
 fn together(stars: Vec<Area>) -> Area {
     Area {
         rings: stars.into_iter().flat_map(|s| s.rings).collect(),
@@ -74,7 +74,7 @@ fn line(ring: &Ring, scale: f64) -> LineString {
     LineString(points)
 }
 
-/// An area as `geo` has them.
+/// An area as polygons of `geo`.
 fn polygons(area: &Area, scale: f64) -> MultiPolygon {
     let island = |island: &Area| {
         let mut lines = island.rings.iter().map(|r| line(r, scale));
@@ -84,8 +84,8 @@ fn polygons(area: &Area, scale: f64) -> MultiPolygon {
     MultiPolygon(area.islands().iter().map(island).collect())
 }
 
-/// Why `geo` finds rings on the grid invalid, if it does. In grid steps, where
-/// a corner that lies on another ring's edge lies there exactly.
+/// Why `geo` finds rings on the grid invalid, if it does. The unit is the
+/// grid's step, so that a corner on another ring's edge lies there exactly.
 fn invalid(area: &Area) -> Option<String> {
     let mut exact = area.clone();
     for p in exact.rings.iter_mut().flatten() {
@@ -115,11 +115,11 @@ fn booleans_of_random_areas_are_those_of_geo() {
             let all = stars.iter().map(|s| polygons(s, 1.0));
             all.flatten().collect::<Vec<Polygon>>()
         });
-        // geo is given each operand united, ours is given what overlaps.
+        // geo gets each operand united; ours gets what overlaps.
         let judged = [&in_a, &in_b].map(unary_union);
         let [a, b] = [a, b].map(together);
-        // Corners are rounded to the grid, which moves an edge by less than
-        // a step: on both sides, since geo has a grid of its own.
+        // Rounding to the grid moves an edge by less than a step: on both
+        // sides, since geo has a grid of its own.
         let tolerance = 2.0 * STEP * (a.perimeter() + b.perimeter());
         type Rule = fn(bool, bool) -> bool;
         let all: [(&str, Area, MultiPolygon, Rule); 3] = [
@@ -192,18 +192,18 @@ fn offsets_of_random_areas_are_those_of_i_overlay_and_geo() {
         for distance in [-size, size] {
             let ours = offset(&area, distance, TOLERANCE);
             let theirs = outline(&area, distance);
-            // Ours is within its tolerance of the true border, all along it.
-            // Theirs cuts arcs short by a chord's height and rounds to a grid
-            // of its own.
+            // Our offset is within its tolerance of the true border, all along
+            // it. The outline cuts arcs short by a chord's height and rounds to
+            // a grid of its own.
             let height = size * (1.0 - (0.5 * FINEST_ARC).cos());
             let length = ours.perimeter().max(theirs.perimeter());
             let bound = (TOLERANCE + height + 2.0 * STEP) * length;
             let off = (ours.content() - theirs.content()).abs();
             assert!(off <= bound, "{case} by {distance}: {off} > {bound}");
             compared += usize::from(!ours.is_empty());
-            // An offset is defined by the distance from the area, or from
-            // what is around it, so that geo is the judge of points. Those
-            // are left out that the tolerance may put on either side.
+            // An offset is defined by the distance from the area, or from what
+            // is around it, so geo is the judge of points. Points that the
+            // tolerance may put on either side are left out.
             for _ in 0..40 {
                 let p = point(&mut rng, 14.0);
                 let away = clearance(&area, p);

@@ -1,5 +1,5 @@
 //! Places on an area's rings, by the numbers that an [`EdgeGrid`] gives to
-//! their edges: one more for each ring than it has edges.
+//! their edges. Each ring has one number more than it has edges.
 //!
 //! [`EdgeGrid`]: super::grid::EdgeGrid
 
@@ -16,7 +16,7 @@ pub(crate) struct Places {
 }
 
 impl Places {
-    /// Of an area's rings.
+    /// The places on an area's rings.
     pub(crate) fn new(area: &Area) -> Places {
         let mut first = vec![0];
         let mut before = Vec::new();

@@ -15,12 +15,12 @@ pub(crate) struct Solid<'a> {
     grid: OnceLock<EdgeGrid>,
 }
 
-/// Size of a grid's cells where nothing else is asked for, mm: those of a
-/// smooth outline have a few edges each.
+/// Size of a grid's cells where the caller asks for no other, mm. A cell has a
+/// few edges of a smooth outline.
 const CELL: Mm = 1.0;
 
 impl<'a> Solid<'a> {
-    /// A solid of its own.
+    /// A solid that owns its area.
     pub(crate) fn new(area: Area) -> Solid<'static> {
         Solid {
             area: Cow::Owned(area),
@@ -29,8 +29,7 @@ impl<'a> Solid<'a> {
         }
     }
 
-    /// A solid of an area that is elsewhere, for questions about the distance
-    /// `reach`.
+    /// A solid that borrows its area, for questions about the distance `reach`.
     pub(crate) fn of(area: &'a Area, reach: Mm) -> Solid<'a> {
         Solid {
             area: Cow::Borrowed(area),
@@ -50,8 +49,8 @@ impl<'a> Solid<'a> {
             .get_or_init(|| EdgeGrid::new(&self.area, self.cell))
     }
 
-    /// True if both are one solid. Layers with the same outline share theirs,
-    /// so this tells at once whether two of them are the same.
+    /// True if both are one solid. Layers with equal outlines share one solid,
+    /// so this is a quick test.
     pub(crate) fn is(&self, other: &Solid<'_>) -> bool {
         std::ptr::eq(self.area(), other.area())
     }

@@ -2,44 +2,44 @@
 //!
 //! ```text
 //!   ────────╲   ╱────────   The border has been moved inwards from both
-//!            ╲ ╱            sides of a neck. Beyond where the two cross (×)
-//!   - - - - - × - - - - -   each is nearer than the distance to the other's
-//!            ╱ ╲            origin, and not part of the result; before it,
-//!   ────────╱   ╲────────   each goes on in the other.
+//!            ╲ ╱            sides of a neck. The two fronts cross (×). Beyond
+//!   - - - - - × - - - - -   the crossing each front is too near to the other's
+//!            ╱ ╲            origin, and not part of the result. Before the
+//!   ────────╱   ╲────────   crossing, each front goes on in the other.
 //! ```
 //!
-//! In: rings whose edges have been moved, and a grid of the edges they come
-//! from. Out: the same rings without what is nearer to these than it should
-//! be. Only the few edges of which a part is too near, and those beside them,
-//! are compared with each other: a sweep of all edges costs many times as
+//! In: rings whose edges have been moved, and a grid of their origins, the
+//! edges they come from. Out: the rings without what is nearer to the origins
+//! than it should be. Only edges that are too near in part, and those beside
+//! them, are compared with each other: a sweep of all edges costs many times as
 //! much.
 //!
-//! Where three fronts meet at one place, but for the tolerance, ends and
-//! beginnings of what is left are as near to each other, and are joined.
+//! Three fronts may meet at one place, to within the tolerance. There the ends
+//! and beginnings of what is left are as near to each other, and are joined.
 //!
 //! Fronts that graze each other may cross where no edge is too near by more
-//! than the tolerance. What is left does not close then; all edges around the
-//! loose ends are compared in a second round. Where that does not help either,
-//! nothing is returned at all, and the caller has to sweep.
+//! than the tolerance. Then what is left does not close, and all edges around
+//! the loose ends are compared in a second round. If that does not help either,
+//! nothing is returned, and the caller has to sweep.
 
 use super::grid::{EdgeGrid, nearest_on};
 use super::{Rect, Ring};
 use crate::units::Mm;
 use glam::DVec2;
 
-/// What is known of a moved edge.
+/// How near a moved edge is to the origins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum State {
     /// No origin is nearer than it should be.
     Clear,
-    /// A part of it may be too near to an origin.
+    /// A part of the edge may be too near to an origin.
     Mixed,
-    /// All of it is too near.
+    /// All of the edge is too near to an origin.
     Covered,
 }
 
-/// The state of the moved edge from `a` to `b`: `grid` has the edges that it
-/// and others come from, and none of them should be nearer than `clearance`.
+/// The state of the moved edge from `a` to `b`. `grid` has the origins of all
+/// moved edges, and no origin should be nearer than `clearance`.
 pub(super) fn state(
     a: DVec2,
     b: DVec2,
@@ -67,7 +67,7 @@ pub(super) fn covers(
     edge: u32,
     clearance: Mm,
 ) -> bool {
-    // The distance from a segment is convex: the ends tell of the rest.
+    // The distance from a segment is convex, so it is greatest at an end.
     grid.get(edge).is_some_and(|(c, d)| {
         let far = |p: DVec2| p.distance_squared(nearest_on(p, c, d));
         let limit = clearance * clearance;
@@ -75,23 +75,23 @@ pub(super) fn covers(
     })
 }
 
-/// Bend of fronts that may just touch, mm: it tells how far beside what is too
-/// near by more than the slack they may cross.
+/// Bend of fronts that may just touch, mm. It tells how far beside a place that
+/// is too near by more than the slack they may cross.
 const BEND: Mm = 2.0;
 
-/// How far around a loose end what it should go on in is looked for, mm.
+/// How far around a loose end its continuation is looked for, mm.
 const AROUND: Mm = 0.5;
 
-/// Edges shorter than this tell nothing: they may lie within the slack beside
-/// what is dropped, mm.
+/// Edges shorter than this tell nothing, mm: they may lie within the slack
+/// beside what is dropped.
 const SHORT: Mm = 0.02;
 
-/// By how many times the slack the end of a piece may be off the beginning of
-/// the one that follows.
+/// How far the end of a piece may be from the beginning of the next one, as a
+/// multiple of the slack.
 const GAP: f64 = 3.0;
 
-/// Share of the slack by which nothing is nearer to what is left than it
-/// should be: an edge is all of the slack away from its own origin.
+/// Share of the slack by which what is left may be too near to an origin. An
+/// edge is all of the slack away from its own origin.
 const FAR: f64 = 0.6;
 
 /// Points nearer to each other than this are one, mm.
@@ -101,25 +101,26 @@ const SAME: Mm = 1e-6;
 pub(super) struct Moved<'a> {
     /// The rings.
     pub rings: &'a [Ring],
-    /// Of all edges, ring by ring.
+    /// The states of all edges, ring by ring.
     pub states: Vec<State>,
-    /// The edges they come from.
+    /// The origins: the edges from which the moved edges come.
     pub grid: &'a EdgeGrid,
-    /// How near these must not be.
+    /// The least distance from the origins.
     pub clearance: Mm,
-    /// By how much that is less than the distance they have moved by.
+    /// By how much `clearance` is less than the distance that the edges have
+    /// moved.
     pub slack: Mm,
-    /// They have moved to their left.
+    /// True if the edges have moved to their left.
     pub left: bool,
-    /// By ring, whether it has been turned inside out.
+    /// True for each ring that has been turned inside out.
     pub turned: &'a [bool],
 }
 
 /// A place where two edges cross.
 struct Crossing {
     at: DVec2,
-    /// The event on the edge that ends here, and on that which begins, if it
-    /// is a place where the border goes on from one to the other.
+    /// The events on the edge that ends here and on the edge that begins here,
+    /// if the border goes on from one to the other.
     ends: usize,
     begins: usize,
 }
@@ -134,15 +135,15 @@ struct Event {
     /// Where on the edge, from 0 to 1.
     t: f64,
     crossing: usize,
-    /// The ring's next event. What lies between is called by the number of
-    /// the event it begins with.
+    /// The ring's next event. The stretch up to there has the number of the
+    /// event with which it begins.
     next: usize,
-    /// The one before.
+    /// The ring's event before this one.
     last: usize,
 }
 
 impl Moved<'_> {
-    /// What is left of the rings; nothing if that does not close.
+    /// What is left of the rings; none if that does not close.
     pub(super) fn trim(mut self) -> Option<Vec<Ring>> {
         let mut marked = self.marked();
         let loose = match self.cut_back(&marked) {
@@ -165,14 +166,17 @@ impl Moved<'_> {
         self.cut_back(&marked).ok()
     }
 
-    /// The same, if only marked edges cross; else the places where what is
-    /// left has a loose end.
+    /// What is left of the rings if only marked edges cross.
+    ///
+    /// # Errors
+    /// The places where what is left has a loose end.
     fn cut_back(&self, marked: &[bool]) -> Result<Vec<Ring>, Vec<DVec2>> {
         let (crossings, mut events) = self.crossings(marked);
         link(&mut events);
         let near: Vec<Option<DVec2>> =
             events.iter().map(|e| self.too_near(e, &events)).collect();
-        // Where the border goes on from one edge to the other.
+        // A crossing is live if the border goes on there from one edge to the
+        // other.
         let live = |c: &Crossing| {
             near[events[c.ends].last].is_none() && near[c.begins].is_none()
         };
@@ -182,7 +186,7 @@ impl Moved<'_> {
             gone[c.ends] = true;
             gone[events[c.begins].last] = true;
         }
-        // Of each piece that is left, the one that follows.
+        // For each piece that is left, the piece that follows it.
         let mut next: Vec<Option<usize>> = vec![None; events.len()];
         let mut entered = vec![false; events.len()];
         let mut loose = Vec::new();
@@ -208,7 +212,7 @@ impl Moved<'_> {
         let mut begins: Vec<usize> = (0..events.len())
             .filter(|&i| !gone[i] && !entered[i])
             .collect();
-        // Each of them is compared with each.
+        // Each end is compared with each beginning.
         let few = ends.len() <= 64;
         for (piece, follows) in ends {
             let end = events[piece].next;
@@ -221,8 +225,8 @@ impl Moved<'_> {
                 continue;
             }
             loose.push(at(end));
-            // What it should have crossed may be where the pieces that begin
-            // here become too near.
+            // The missed crossing may be where the pieces that begin here
+            // become too near.
             loose.extend(near[follows]);
             loose.extend(near[crossings[events[end].crossing].begins]);
         }
@@ -230,7 +234,8 @@ impl Moved<'_> {
             loose.push(at(i));
             loose.extend(near[events[i].last]);
         }
-        // What is dropped is too near all along, or a crossing was missed.
+        // A piece may be dropped only if it is too near all along. If it is
+        // not, a crossing was missed.
         let dropped = (0..events.len()).filter(|&i| next[i].is_none());
         loose.extend(dropped.filter_map(|i| self.far(&events[i], &events)));
         let mut out = match self.untouched(&events) {
@@ -262,7 +267,7 @@ impl Moved<'_> {
         let mut suspects: Vec<(usize, usize, usize)> = Vec::new();
         let mut first = 0;
         for (r, ring) in self.rings.iter().enumerate() {
-            // What is too near all along cannot cross what is left.
+            // Edges that are too near all along cannot cross what is left.
             let crossed = |&k: &usize| {
                 marked[first + k] && self.states[first + k] != State::Covered
             };
@@ -311,8 +316,9 @@ impl Moved<'_> {
                 };
                 events.push(event(own, t));
                 events.push(event(other, s));
-                // What lies ahead of both fronts is left: of the one that
-                // crosses towards where the other has come from, the end.
+                // What lies ahead of both fronts is left. The front that
+                // crosses towards the side from which the other has come ends
+                // here.
                 let left = (b - a).perp_dot(d - c) > 0.0;
                 let (ends, begins) = match left == self.left {
                     true => (number, number + 1),
@@ -325,7 +331,7 @@ impl Moved<'_> {
         (crossings, events)
     }
 
-    /// The edges that may be crossed where that matters.
+    /// The edges whose crossings matter.
     fn marked(&self) -> Vec<bool> {
         let beside = (2.0 * BEND * self.slack).sqrt();
         let mut marked = vec![false; self.states.len()];
@@ -342,7 +348,8 @@ impl Moved<'_> {
             let length = |k: usize| {
                 ring[k].distance(ring[if k + 1 == n { 0 } else { k + 1 }])
             };
-            // What is left of the way beside the last edge, and an edge.
+            // `left` is what is left of the way beside the last edge that is
+            // not clear.
             let mut pass = |left: Mm, k: usize| {
                 if states[k] == State::Clear && left <= 0.0 {
                     return left;
@@ -353,7 +360,8 @@ impl Moved<'_> {
                     _ => beside,
                 }
             };
-            // Both ways round, from an edge that is not clear.
+            // The ring is walked both ways round, from an edge that is not
+            // clear.
             (begin..n).chain(0..begin).fold(0.0, &mut pass);
             let back = (0..=begin).rev().chain((begin + 1..n).rev());
             back.fold(0.0, &mut pass);
@@ -416,9 +424,9 @@ impl Moved<'_> {
         out.extend((1..=count).map(|j| ring[(begin.edge + j) % n]));
     }
 
-    /// The rings that no other crosses and that are far enough from all
-    /// origins. What is much thinner than the distance may be turned inside
-    /// out, and is far enough on the wrong side.
+    /// The rings that no other ring crosses and that are far enough from all
+    /// origins. A ring that is much thinner than the distance may be turned
+    /// inside out; it is then far enough on the wrong side, and left out.
     ///
     /// # Errors
     /// Places of a ring that is too near to origins in part only: it should
@@ -490,8 +498,8 @@ fn link(events: &mut [Event]) {
 }
 
 /// Where two segments cross, from 0 to 1 along each. A point on a line counts
-/// as right of it, wherever it is met: so a line through a vertex crosses one
-/// of its edges, or both, or none.
+/// as right of the line in every test. So a line through a vertex crosses one
+/// of the vertex's edges, or both, or none.
 fn crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<(f64, f64)> {
     let left = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p) > 0.0;
     if left(a, b, c) == left(a, b, d) || left(c, d, a) == left(c, d, b) {
@@ -595,7 +603,7 @@ mod tests {
             let (a, b) = (DVec2::new(2.0, 1.4), DVec2::new(8.0, 1.4));
             covers(a, b, &grid, edge, 0.5)
         };
-        // The upper side, another one, and one that there is not.
+        // The upper side, another side, and a number without an edge.
         assert_eq!([2, 0, 77].map(near), [true, false, false]);
     }
 
@@ -653,8 +661,8 @@ mod tests {
         }
     }
 
-    /// Three fronts that meet at one place, nearly: what is between them
-    /// vanishes within the tolerance.
+    /// Three fronts meet nearly at one place: what is between them vanishes
+    /// within the tolerance.
     #[test]
     fn three_fronts_meet_at_one_place() {
         let side: f64 = 4.0;
@@ -697,8 +705,8 @@ mod tests {
         assert!((left.content() - exact).abs() < TOLERANCE * 2.0 * PI * 9.3);
     }
 
-    /// What is wrongly taken to be too near must not cost a wall: it closes all
-    /// the same, or there is nothing.
+    /// States that are wrong must not cost a wall: either the border closes all
+    /// the same, or the result is none.
     #[test]
     fn wrong_states_never_lose_a_wall() {
         let mut area = rect(-10.0, -10.0, 10.0, 10.0);

@@ -13,7 +13,8 @@ use crate::units::Mm;
 use glam::DVec2;
 use isocontour::level::{Lattice, thin, trace};
 
-/// Nodes of a lattice at most; beyond that they are farther apart.
+/// Greatest number of a lattice's nodes. Where there would be more, they are
+/// farther apart.
 const MOST: f64 = 4e6;
 /// Cells along the side of a block; a block is sampled whole, or not at all.
 const BLOCK: usize = 8;
@@ -33,10 +34,10 @@ pub(crate) struct Sampling {
 /// The zero lines of a function near the part of a border that lies in a box,
 /// and whether each is closed. There may be more lines elsewhere in the box.
 /// `whole` closes lines along the box's sides. `eval` appends the function's
-/// values at some points; lines end beside what is not a number.
+/// values at some points; lines end where a value is not a number.
 ///
 /// # Errors
-/// The first one of `eval`.
+/// The first error of `eval`.
 pub(crate) fn zero_lines<E>(
     border: &Border<'_>,
     bounds: Rect,
@@ -110,7 +111,7 @@ pub(crate) fn zero_lines<E>(
 /// of [`zero_lines`].
 ///
 /// # Errors
-/// The first one of `eval`.
+/// The first error of `eval`.
 pub(crate) fn negative<E>(
     area: &Area,
     sampling: Sampling,
@@ -134,8 +135,8 @@ pub(crate) fn negative<E>(
     Ok(Area { rings })
 }
 
-/// The numbers of the nodes that matter for what is within a border: those of
-/// the blocks of cells that come near to it.
+/// The numbers of the nodes that matter for what is within a border: the nodes
+/// of those blocks of cells that come near to it.
 fn nodes_near(lattice: &Lattice, border: &Border<'_>) -> Vec<u32> {
     let [nx, ny] = lattice.size;
     let mut near = vec![false; nx * ny];
@@ -144,8 +145,8 @@ fn nodes_near(lattice: &Lattice, border: &Border<'_>) -> Vec<u32> {
         for i in (0..nx).step_by(BLOCK) {
             let (right, top) =
                 ((i + BLOCK).min(nx - 1), (j + BLOCK).min(ny - 1));
-            // One step is added: lines end where no value is known, and such an
-            // end must not come into the area when the lines are thinned.
+            // One step is added, since lines end where no value is known. Such
+            // an end must not come into the area when the lines are thinned.
             let block = Rect {
                 min: lattice.node(i, j) - lattice.step,
                 max: lattice.node(right, top) + lattice.step,

@@ -31,8 +31,8 @@ pub(super) struct Arc {
 }
 
 impl Arc {
-    /// The arc from `from` to `to` round the centre at `from + offset`; nothing
-    /// if there is none.
+    /// The arc from `from` to `to` round the centre at `from + offset`; none if
+    /// there is no such arc.
     pub(super) fn around(
         from: DVec3,
         to: DVec3,

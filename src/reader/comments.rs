@@ -1,7 +1,7 @@
 //! What slicers say in comments.
 //!
-//! In: a comment's bytes, behind the semicolon. Out: a [`Tag`], if it is one
-//! that PrusaSlicer, OrcaSlicer, BambuStudio or Cura write for viewers.
+//! In: a comment's bytes, after the semicolon. Out: a [`Tag`], if it is a
+//! comment that PrusaSlicer, OrcaSlicer, BambuStudio or Cura write for viewers.
 
 use super::event::Heater;
 use super::role::Role;
@@ -20,11 +20,11 @@ pub(super) enum Tag {
     Height(Mm),
     /// True if the moves that follow wipe the nozzle.
     Wipe(bool),
-    /// E is a volume. For some flavours only a comment of Cura's says so.
+    /// E is a volume. For some flavours only one of Cura's comments says so.
     Volumetric,
     /// The printer homes, heats and cools by itself, as Ultimaker's do.
     OwnStart {
-        /// Whether E is a volume.
+        /// True if E is a volume.
         volumetric: bool,
     },
     /// The printer heats to this temperature before the first line (Griffin's
@@ -32,7 +32,7 @@ pub(super) enum Tag {
     Preheat(Heater, Celsius),
 }
 
-/// The tag that `comment` is.
+/// The tag that a comment is.
 pub(super) fn tag(comment: &[u8]) -> Option<Tag> {
     let comment = comment.trim_ascii();
     // All tags begin with one of these characters, and most comments do not.
@@ -67,7 +67,7 @@ pub(super) fn tag(comment: &[u8]) -> Option<Tag> {
     }
 }
 
-/// `0.INITIAL_TEMPERATURE:205`, in Griffin's header.
+/// The tag of `0.INITIAL_TEMPERATURE:205`, in Griffin's header.
 fn train(rest: &[u8]) -> Option<Tag> {
     let at = memchr::memchr(b'.', rest)?;
     let number = std::str::from_utf8(&rest[..at]).ok()?.parse().ok()?;
@@ -80,13 +80,13 @@ fn role(name: &[u8]) -> Tag {
     Tag::Role(Role::from_name(name))
 }
 
-/// Cura numbers the layers of a raft below zero.
+/// True for a whole number. Cura numbers the layers of a raft below zero.
 fn is_integer(text: &[u8]) -> bool {
     let digits = text.strip_prefix(b"-").unwrap_or(text);
     !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
 }
 
-/// The text behind `start`.
+/// The text after `start`.
 pub(super) fn after<'a>(text: &'a [u8], start: &str) -> Option<&'a [u8]> {
     text.strip_prefix(start.as_bytes())
 }

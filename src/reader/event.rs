@@ -39,7 +39,7 @@ pub enum Event {
         heater: Heater,
         /// The temperature; 0 turns the heater off.
         to: Celsius,
-        /// Whether the printer waits until it is reached.
+        /// True if the printer waits until the temperature is reached.
         wait: bool,
     },
     /// A fan's speed is set.
@@ -55,7 +55,7 @@ pub enum Event {
     WaitForHeat {
         /// Line, from 1.
         line: u64,
-        /// The heater waited for; nothing for all that have been set.
+        /// The heater waited for; none for all that have been set.
         heater: Option<Heater>,
         /// The least temperature waited for, if the command names one.
         least: Option<Celsius>,

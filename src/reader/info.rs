@@ -23,8 +23,8 @@ pub struct Info {
     pub filament_diameter: Option<Mm>,
     /// Density of the filament, g/cm³.
     pub filament_density: Option<f64>,
-    /// Whether the program's mark behind the last layer has come; nothing if
-    /// the program is not known to set one.
+    /// True once the program's mark after the last layer has come; none if the
+    /// program is not known to set one.
     pub ended: Option<bool>,
 }
 
@@ -65,8 +65,8 @@ impl Info {
             b"estimated printing time (normal mode)" => {
                 self.time = time(value).or(self.time);
             }
-            // Cura writes it; the last value counts, which is that of the whole
-            // print.
+            // Cura writes several such comments. The last one counts, which is
+            // the time of the whole print.
             b"TIME" => self.time = positive(value).or(self.time),
             b"filament used [mm]" | b"total filament length [mm]" => {
                 self.filament_length = sum(value).or(self.filament_length);
@@ -107,8 +107,9 @@ impl Info {
         self.generator.as_ref().is_some_and(ours)
     }
 
-    /// Takes in whether a comment is a mark behind the last layer. PrusaSlicer
-    /// writes figures and settings there, Orca and Bambu Studio a block.
+    /// Takes in a comment, which may be a mark after the last layer.
+    /// PrusaSlicer writes figures and settings there, Orca and Bambu Studio a
+    /// block.
     fn ending(&mut self, comment: &[u8]) {
         let ends = match comment {
             b"end of layers" => self.is_ours(),

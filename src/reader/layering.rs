@@ -26,7 +26,7 @@ pub(super) struct Layering {
     /// Number of the layer, from 1; 0 before the first.
     pub number: u32,
     marked: bool,
-    /// Height at which the layer was first printed; nothing before that.
+    /// Height at which the layer was first printed; none before that.
     z: Option<Mm>,
     /// Height of the layer before it.
     below: Mm,

@@ -13,8 +13,8 @@ use std::io::{self, Read};
 /// templates into single comment lines of some kilobytes.
 const LONGEST: usize = 1 << 18;
 
-/// Length of a line at which reading stops, bytes. No slicer writes one;
-/// devices and other kinds of files may have no end of a line.
+/// Length of a line at which reading stops, bytes. No slicer writes such a
+/// line, but devices and other kinds of files may have no end of a line.
 const ENDLESS: u64 = 1 << 26;
 
 /// Reads lines.
@@ -22,7 +22,7 @@ const ENDLESS: u64 = 1 << 26;
 pub(super) struct Lines<R> {
     input: Unpacked<R>,
     buffer: Vec<u8>,
-    /// Where the bytes that were not handed out begin and end.
+    /// Where the bytes that have not been handed out begin and end.
     start: usize,
     end: usize,
     number: u64,
@@ -30,10 +30,9 @@ pub(super) struct Lines<R> {
     read: u64,
     /// True while the rest of a line that was cut off is skipped.
     skipping: bool,
-    /// Bytes that were skipped of that line.
+    /// Number of bytes skipped of the line that was cut off.
     skipped: u64,
-    /// True behind a carriage return, to which a line feed belongs if it
-    /// follows.
+    /// True after a carriage return. A line feed that follows belongs to it.
     returned: bool,
     ended: bool,
 }
@@ -52,7 +51,7 @@ pub(super) struct Line<'a> {
 /// What ends a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LineEnd {
-    /// A line feed, alone or behind a carriage return; or the line is cut
+    /// A line feed, alone or after a carriage return. The line may also be cut
     /// off.
     Feed,
     /// A carriage return alone.
@@ -105,7 +104,7 @@ impl<R: Read> Lines<R> {
                 }
             }
             if let Some(i) = memchr::memchr2(b'\n', b'\r', fresh) {
-                // The byte behind a carriage return tells what ends the line.
+                // The byte after a carriage return tells what ends the line.
                 let alone = fresh[i] == b'\r'
                     && match fresh.get(i + 1) {
                         Some(&next) => next != b'\n',
@@ -249,7 +248,7 @@ mod tests {
                 assert_eq!(last, Some(expected.len() as u64), "{text:?}");
             }
         }
-        // What ends them is told apart.
+        // The ends of lines are told apart.
         let mut lines = Lines::new(Dripping(b"a\rb\r\nc\nd"));
         for end in
             [LineEnd::Return, LineEnd::Feed, LineEnd::Feed, LineEnd::File]

@@ -17,7 +17,7 @@ const REACH: Mm = 1e5;
 /// Millimetres in an inch (G20).
 const INCH: Mm = 25.4;
 
-/// What the commands so far have set; nothing for what no command has set.
+/// What the commands so far have set; none for what no command has set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineState {
     /// Where the head is, in the machine's coordinates, which G92 does not
@@ -53,7 +53,7 @@ pub(super) struct Machine {
     pub state: MachineState,
     /// Millimetres in a unit of the file.
     unit: Mm,
-    /// What G92 has made of the machine's zero.
+    /// Where G92 has put the machine's zero.
     offset: DVec3,
     /// The filament's position, as the file counts.
     e: Mm,
@@ -61,7 +61,7 @@ pub(super) struct Machine {
     e_mode_relative: bool,
     /// The filament's cross-section if E is a volume, mm³ (M200).
     volumetric: Option<Mm2>,
-    /// Share of F that moves are made at (M220), and the saved share (M220 B).
+    /// Share of F at which moves are made (M220), and the saved share (M220 B).
     speed_factor: [f64; 2],
     /// Share of E that each tool feeds (M221).
     flow_factors: [f64; FLOWS],
@@ -69,8 +69,8 @@ pub(super) struct Machine {
     gcode_offset: DVec3,
 }
 
-/// Number of tools with a share of E of their own; all others share the last
-/// one's.
+/// Number of tools with a share of E of their own. All others share that of the
+/// last one.
 const FLOWS: usize = 8;
 
 /// A tool's index among the shares of E.
@@ -148,15 +148,16 @@ impl Machine {
         }
     }
 
-    /// Takes in a move's feed rate, and tells where the move leads; nothing if
-    /// no machine reaches it. Then only the speed has changed.
+    /// Takes in a move's feed rate, and tells where the move leads. If no
+    /// machine reaches that place, the result is none, and only the speed has
+    /// changed.
     pub(super) fn aim(&mut self, words: &Words) -> Option<Target> {
         let (relative, offset) = (self.state.relative, self.offset);
         self.aim_from(words, relative, offset)
     }
 
-    /// As [`Machine::aim`], for a line that counts from the machine's own zero
-    /// (G53).
+    /// Does what [`Machine::aim`] does, for a line that counts from the
+    /// machine's own zero (G53).
     pub(super) fn aim_from_zero(&mut self, words: &Words) -> Option<Target> {
         self.aim_from(words, false, DVec3::ZERO)
     }

@@ -16,7 +16,7 @@
 //! one of the text.
 //!
 //! Guarantees:
-//! - any bytes can be read: a line that makes no sense is passed over, told of
+//! - any bytes can be read: a line that makes no sense is passed over, reported
 //!   ([`Event::Problem`]) and counted ([`Reader::problems`]);
 //! - every number is finite, and positions are within 300 m;
 //! - memory does not grow with the file, whatever is in it;
@@ -113,7 +113,7 @@ pub enum ReadError {
 }
 
 impl ReadError {
-    /// The error for input that fails behind a line.
+    /// The error for input that fails after a line.
     fn new(line: u64, source: io::Error) -> Self {
         let source = match source.downcast() {
             Ok(damaged) => return ReadError::Binary(damaged),
@@ -184,7 +184,7 @@ impl<R: Read> Reader<R> {
         &self.parser.problems
     }
 
-    /// How many lines are commands, and how many are none.
+    /// How many lines are commands, and how many are not.
     pub fn tally(&self) -> Tally {
         self.parser.tally
     }

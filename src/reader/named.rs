@@ -71,7 +71,7 @@ impl Named {
         self.cut
     }
 
-    /// True if anything may stand behind the name.
+    /// True if anything may stand after the name.
     fn is_free(&self) -> bool {
         self.text.first() == Some(&b'@')
             || META.iter().any(|m| self.name().eq_ignore_ascii_case(m))
@@ -100,7 +100,7 @@ impl Named {
         self.name().eq_ignore_ascii_case(name.as_bytes())
     }
 
-    /// The words behind the name, split at blanks outside of quotes.
+    /// The words after the name, split at blanks outside of quotes.
     fn words(&self) -> impl Iterator<Item = &[u8]> {
         let mut rest = &self.text[self.name..];
         std::iter::from_fn(move || {
@@ -112,7 +112,7 @@ impl Named {
         })
     }
 
-    /// The pairs of keys and values behind the name, without quotes.
+    /// The pairs of keys and values after the name, without quotes.
     pub fn pairs(&self) -> impl Iterator<Item = (&[u8], &[u8])> {
         self.words().filter_map(|word| {
             let at = memchr::memchr(b'=', word)?;
@@ -155,7 +155,8 @@ fn unquoted(text: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
     })
 }
 
-/// The value as a number; nothing if it is none, or too large to compute with.
+/// The value as a number; none if it is not a number, or too large to compute
+/// with.
 pub(crate) fn number(value: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(value.trim_ascii()).ok()?;
     text.parse::<f64>().ok().filter(|n| n.abs() < 1e9)

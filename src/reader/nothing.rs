@@ -3,15 +3,15 @@
 //! In: how many lines were commands so far. Out: why the file is no G-code.
 //!
 //! A file of G-code has thousands of commands before it has 10,000 lines that
-//! are none. Text that is no comment stands at its start or end, and moves come
-//! with each macro's name for an object or layer. A file that is refused here
-//! would also be refused at its end, which a stream may not have. Nor does a
-//! file have millions of commands in a row that leave the head where it is:
-//! what repeats one of them for ever is no print.
+//! are no commands: text that is no comment stands at its start or end, and
+//! where macros name an object or a layer there are moves as well. A file that
+//! is refused here would also be refused at its end, but a stream may have no
+//! end. A file also never has millions of commands in a row that leave the head
+//! where it is: whatever repeats such a command for ever is no print.
 
 use std::io;
 
-/// By how many a file's lines without a code may exceed those with one.
+/// By how many a file's lines without a command may exceed those with one.
 const LINES: u64 = 10_000;
 
 /// Bytes that a file may have before its first code. Pictures and settings in
@@ -21,8 +21,8 @@ const BYTES: u64 = 1 << 26;
 /// Commands in a row that may leave the head where it is.
 const IDLE: u64 = 2_000_000;
 
-/// How many lines are commands, and how many are none. Lines that are blank
-/// or a comment are neither.
+/// How many lines are commands, and how many are not. Lines that are blank or a
+/// comment count as neither.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// A letter with a number, as in G1.

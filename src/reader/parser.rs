@@ -36,8 +36,8 @@ pub(super) struct Parser {
     pending: VecDeque<Event>,
     /// True if arcs lie in the plane of x and y (G17).
     flat_arcs: bool,
-    /// The arc that is being walked along, and the filament of each of its
-    /// chords.
+    /// The arc that the events are walking along, and the filament of each of
+    /// its chords.
     arc: Option<(Arc, Mm)>,
 }
 
@@ -314,7 +314,7 @@ impl Parser {
                 self.machine.set_acceleration(&self.words);
                 other(line, letter, tenths)
             }
-            // With these numbers Bambu Lab's printers mean no tool.
+            // Bambu Lab's printers take these numbers to mean no tool.
             (b'T', 2550 | 10_000 | 10_010 | 11_000 | 652_790 | 655_350) => {
                 other(line, letter, tenths)
             }
@@ -339,7 +339,7 @@ impl Parser {
     }
 
     /// Adds a problem if something is wrong with a move. Firmware that takes
-    /// one command of a line passes over a second one.
+    /// one command from each line passes over a second one.
     fn check_move(&mut self, letters: &[u8], stray: bool) {
         self.check(letters, stray);
         if self.words.has(b'G') || self.words.has(b'M') {
@@ -489,7 +489,7 @@ impl Parser {
     }
 }
 
-/// A line without the byte-order mark that some editors begin a file with. The
+/// A line without the byte-order mark with which some editors begin a file. The
 /// mark stays if a command follows, since firmware stumbles over it.
 fn without_mark(line: &[u8]) -> &[u8] {
     match line.strip_prefix("\u{feff}".as_bytes()) {

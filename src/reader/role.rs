@@ -6,9 +6,9 @@
 /// What a line in a file is printed for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Role {
-    /// The wall one sees.
+    /// The wall that shows.
     OuterWall,
-    /// Walls behind it.
+    /// Walls inside the outer wall.
     InnerWall,
     /// Walls that hang over the layer below.
     Overhang,

@@ -36,7 +36,7 @@ fn moves_know_where_they_come_from() {
     assert_eq!((step.filament, step.speed), (1.5, 20.0));
     assert_eq!((step.length(), step.prints()), (5.0, true));
     assert!(!found[0].prints() && !found[2].prints());
-    // A filament of 1.75 mm, 1.5 mm of it over 5 mm.
+    // 1.5 mm of a filament of 1.75 mm are fed over 5 mm.
     assert!((step.area(1.75) - 0.3 * filament_area(1.75)).abs() < 1e-12);
 }
 
@@ -48,7 +48,7 @@ fn relative_and_absolute_places_and_filament() {
     let x: Vec<f64> = found.iter().map(|m| m.to.x).collect();
     let e: Vec<f64> = found.iter().map(|m| m.filament).collect();
     assert_eq!(x, [1.0, 2.0, 5.0, 6.0, 7.0, 8.0]);
-    // After two relative millimetres, E3 is one more.
+    // After two relative millimetres, E3 is one millimetre more.
     assert_eq!(e, [1.0, 1.0, 1.0, 1.0, 1.0, 0.5]);
 }
 
@@ -104,7 +104,7 @@ fn an_upright_arc_is_straight_and_said_so() {
 
 #[test]
 fn filament_may_be_a_volume() {
-    // 50 mm of 0.45 × 0.2 mm.
+    // The bead is 50 mm long, 0.45 mm wide and 0.2 mm high.
     let area = filament_area(1.75);
     for (head, volumes) in [
         ("M200 D1.75\n", [true, true]),
@@ -129,7 +129,8 @@ fn layers_and_roles_of_the_three_dialects() {
     let orca = "G1 X5 Z0.4 E1\n; CHANGE_LAYER\n; LAYER_HEIGHT: 0.2\nG1 Z0.2\n\
         ; FEATURE: Outer wall\n; LINE_WIDTH: 0.45\nG1 X9 E2\n\
         ; CHANGE_LAYER\n; LAYER_HEIGHT: 0.3\nG1 Z0.5\nG1 X1 E3\n";
-    // 1 mm of filament on 4 mm at 0.2 mm is wider than any bead; 0.15 is not.
+    // 1 mm of filament on 4 mm at 0.2 mm is wider than any bead. 0.15 mm is
+    // not.
     let cura = ";LAYER_COUNT:2\n;LAYER:0\nG0 X5 Z0.2\n;TYPE:WALL-OUTER\n\
         G1 X9 E0.15\n;LAYER:1\nG0 Z0.5\nG1 X1 E0.3\n";
     for (name, text) in [("prusa", prusa), ("orca", orca), ("cura", cura)] {
@@ -156,7 +157,8 @@ fn layers_and_roles_of_the_three_dialects() {
                 _ => None,
             })
             .collect();
-        // Where something is printed before the first mark, it counts anew.
+        // Where something is printed before the first mark, layers are counted
+        // anew.
         let expected: &[u32] =
             if name == "cura" { &[1, 2] } else { &[1, 1, 2] };
         assert_eq!(layers, expected, "{name}");
@@ -242,7 +244,7 @@ fn what_makes_no_sense_is_counted_with_its_line() {
         (Problem::Stray, 6, 1),
     ];
     assert_eq!(problems(text), expected);
-    // X1e300 is X1 E300, as firmware has it; what is out of reach is skipped.
+    // X1e300 is X1 E300, as in firmware. A place out of reach is skipped.
     let found = moves(text);
     assert_eq!(found[2].filament, 300.0);
     assert!(found.iter().all(|m| m.to.abs().max_element() < 301.0));

@@ -46,7 +46,7 @@ pub(super) enum Command {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Parsed {
     pub command: Command,
-    /// Where the comment begins, behind its semicolon.
+    /// Where the comment begins, after its semicolon.
     pub comment: Option<usize>,
     /// True if there are signs that are neither words nor a comment.
     pub stray: bool,
@@ -136,8 +136,8 @@ pub(super) fn parse(line: &[u8], words: &mut Words) -> Parsed {
                     Command::Blank => {
                         parsed.command = command(letter, number);
                         if parsed.command == Command::Text {
-                            // The line is no letter with a number, but may have
-                            // a comment.
+                            // The line is not a letter with a number, but may
+                            // have a comment.
                             let end = memchr::memchr(b';', &line[i..]);
                             i = end.map_or(line.len(), |end| i + end);
                         }
@@ -159,8 +159,8 @@ fn command(letter: u8, number: Option<f64>) -> Command {
     }
 }
 
-/// The number at the start of `text`, nothing if there is none or it is too
-/// large, and the bytes that it takes, with the blanks before it.
+/// The number at the start of `text`, and the bytes that it takes, with the
+/// blanks before it. None if there is no number or it is too large.
 fn number(text: &[u8]) -> (Option<f64>, usize) {
     // These powers of ten are exact as doubles.
     const POWERS: [f64; 20] = [
@@ -173,7 +173,7 @@ fn number(text: &[u8]) -> (Option<f64>, usize) {
     if matches!(at(i), b'-' | b'+') {
         i += 1;
     }
-    // Up to 18 digits fit. Further digits do not matter behind the point, and
+    // Up to 18 digits fit. Further digits do not matter after the point, and
     // make the number too large before it.
     let (mut digits, mut decimals, mut whole, mut any) = (0u64, 0, 0, false);
     while at(i).is_ascii_digit() {

@@ -10,10 +10,10 @@
 //!             wall 1  2
 //! ```
 //!
-//! Both are distances in the plane. For the outer wall the edge is measured, d
-//! − w/2: a small ring's bead is narrower than others and lies less deep. Beads
-//! whose width varies are counted apart, together with those along the middle
-//! of thin parts.
+//! Both are distances in the plane. For the outer wall the edge is measured, at
+//! depth d − w/2, since a small ring's bead is narrower than others and lies
+//! less deep. Beads whose width varies are counted apart, together with those
+//! along the middle of thin parts.
 
 use super::ReportError;
 use super::area::content;
@@ -34,7 +34,7 @@ use std::f64::consts::PI;
 const MICRONS: f64 = 1e3;
 /// Greatest distance of points that are measured on a line, mm.
 const STEP: Mm = 0.5;
-/// Two walls farther apart than this many spacings are no neighbours.
+/// Two walls that are farther apart than this many spacings are not neighbours.
 const NEIGHBOURS: f64 = 1.5;
 
 /// A layer as it will be printed.
@@ -137,7 +137,7 @@ pub(crate) fn measure(
     Ok(found)
 }
 
-/// Of `count` points every how many one is taken.
+/// Of `count` points one in so many is taken.
 fn stride(effort: Effort, count: usize) -> usize {
     match effort {
         Effort::Points(wanted) => count.div_ceil(wanted.max(1)).max(1),
@@ -197,14 +197,14 @@ fn outline(
 }
 
 /// How far the spots lie outside the part, measured along their directions.
-/// Where that is far, other directions are measured as well, since the border
-/// may turn there.
+/// Where a spot is far from the border, other directions are measured as well,
+/// since the border may turn there.
 fn nearest(
     spots: &[Spot],
     z: Mm,
     probe: &Probe,
 ) -> Result<Vec<Option<Mm>>, ReportError> {
-    /// Distance from which other directions are measured, mm.
+    /// Distance from which on other directions are measured, mm.
     const FAR: Mm = 0.006;
     /// Number of other directions.
     const LINES: usize = 11;
@@ -275,8 +275,8 @@ fn walls(layer: &LayerParts<'_>, effort: Effort, found: &mut LayerFigures) {
             found.varying.add(off)
         }
     }
-    // Walls that leave the outline for a top's border are at no distance from
-    // those before them.
+    // Walls that leave the outline for a top's border have no set distance from
+    // the walls before them.
     if matches!(effort, Effort::Points(_)) || layer.walls.divided {
         return;
     }
@@ -309,7 +309,7 @@ mod tests {
         Probe::new(&f).unwrap()
     }
 
-    /// A ring of 720 points, its chords within 0.05 µm.
+    /// A ring of 720 points, whose chords are within 0.05 µm of the circle.
     fn ring(centre: DVec2, radius: Mm) -> Area {
         let at = |k: i32| DVec2::from_angle(f64::from(k).to_radians() * 0.5);
         let ring = (0..720).map(|k| centre + radius * at(k)).collect();
@@ -370,7 +370,8 @@ mod tests {
         for effort in [FULL, Effort::Points(200)] {
             let found = figures(&area, &none, effort);
             let d = found.outline.figures().unwrap();
-            // 20 µm out at one side, 20 µm in at the other.
+            // The ring is 20 µm too far out on one side, and 20 µm too far in
+            // on the other.
             assert!((d.max - 20.0).abs() < 0.2, "{effort:?} {d:?}");
             assert!((d.min + 20.0).abs() < 0.2, "{effort:?} {d:?}");
             assert!(d.mean.abs() < 0.2 && d.p99 > 19.0, "{effort:?} {d:?}");
@@ -386,7 +387,7 @@ mod tests {
         let d = found.outline.figures().unwrap();
         assert!((d.mean - 30.0).abs() < 0.1, "{d:?}");
         let (by_field, error) = found.area_by_field.unwrap();
-        // Larger by 1.2 % than the field says.
+        // The outline is larger by 1.2 % than the field says.
         assert!(found.area - by_field > 0.8 + error, "{by_field} {error}");
         let far = figures(&ring(DVec2::ZERO, 9.0), &none, FULL);
         assert_eq!((far.lost, far.outline.figures()), (1440, None));
@@ -399,7 +400,8 @@ mod tests {
         let good = region::walls(&area, 0.2, &settings);
         let mut walls = good.clone();
         for p in &mut walls.lines[0][0].points {
-            // The outer wall 30 µm too far in: nearer to the next one.
+            // The outer wall is 30 µm too far in, and so nearer to the next
+            // one.
             *p *= 1.0 - 0.03 / p.length();
         }
         let found = figures(&area, &walls, FULL);
@@ -408,7 +410,7 @@ mod tests {
         assert!((outer.mean - 30.0).abs() < 1.0, "{outer:?}");
         assert!((next.mean + 30.0).abs() < 1.5, "{next:?}");
         assert_eq!(found.varying.figures(), None);
-        // The same line as one of varying width, 40 µm too wide.
+        // One line becomes a line of varying width, 40 µm too wide.
         let mut walls = good;
         let line = &mut walls.lines[0][0];
         line.widths = vec![line.width + 0.04; line.points.len()];
@@ -423,7 +425,7 @@ mod tests {
         let area = ring(DVec2::ZERO, 5.0);
         let mut walls = region::walls(&area, 0.2, &Settings::default());
         let line = &mut walls.lines[0][0];
-        // As a post's ring is: thinner, and by half of that further out.
+        // A post's ring is like this: thinner, and farther out by half of that.
         line.width -= 0.1;
         for p in &mut line.points {
             *p *= 1.0 + 0.05 / p.length();

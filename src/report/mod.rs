@@ -11,7 +11,7 @@
 //!
 //! The figures do not depend on the number of threads: each layer is measured
 //! alone, and the results are added up in order. Not measured: skin, infill,
-//! and what the G-code's rounding to a micrometre adds.
+//! and the error of rounding the G-code to a micrometre.
 
 mod area;
 mod layer;
@@ -58,13 +58,14 @@ pub(crate) struct Gauge<'a> {
     model: &'a Model,
     settings: &'a Settings,
     probe: Probe,
-    /// Layers of the run.
+    /// Number of the run's layers.
     count: usize,
     full: bool,
 }
 
 impl<'a> Gauge<'a> {
-    /// For a run of `count` layers. `full` if there will be a report.
+    /// A gauge for a run of `count` layers. `full` is true if there will be a
+    /// report.
     ///
     /// # Errors
     /// If fidget refuses the expression.
@@ -154,7 +155,8 @@ pub(crate) struct RunFigures {
 }
 
 impl RunFigures {
-    /// Takes in a layer's figures. `listed` if each layer is to be listed.
+    /// Takes in a layer's figures. `listed` is true if each layer is to be
+    /// listed.
     pub(crate) fn add(&mut self, found: &LayerFigures, listed: bool) {
         self.outline.merge(&found.outline);
         self.outer_wall.merge(&found.outer_wall);
@@ -306,18 +308,18 @@ pub struct Report {
     pub size_mm: [f64; 3],
     /// Layers of the whole part.
     pub part_layers: usize,
-    /// What layers of different heights amount to; nothing for uniform ones.
+    /// What layers of different heights amount to; none for uniform layers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps: Option<Steps>,
-    /// What the beads of each role amount to; nothing of roles without any.
+    /// What the beads of each role amount to. Roles without beads are left out.
     pub roles: BTreeMap<&'static str, RoleSum>,
     /// The settings that matter to accuracy, by their names.
     pub settings: Used,
     /// Distance of the outlines from f = 0 in the layers' planes, positive
     /// outside: at each vertex and at points between them.
     pub outline_um: Option<Figures>,
-    /// Points of the outlines that have no border within 1 mm. They are in no
-    /// other figure.
+    /// Number of points of the outlines that have no border within 1 mm. No
+    /// other figure counts them.
     pub outline_lost: u64,
     /// Depth of the outer wall's centre line below the outline, less half the
     /// wall's width. Beads whose width varies do not count.
@@ -332,9 +334,9 @@ pub struct Report {
     pub area: Option<Area>,
     /// Volumes of all layers of the run.
     pub volume: Volume,
-    /// Rings of all outlines.
+    /// Number of rings of all outlines.
     pub rings: usize,
-    /// Their vertices.
+    /// Number of vertices of these rings.
     pub vertices: usize,
     /// Samples at which the field was NaN.
     pub nan_samples: usize,
@@ -375,21 +377,21 @@ pub struct Area {
     pub field_mm2: Mm2,
     /// By how much the outlines' area is larger than the field's.
     pub excess_percent: f64,
-    /// How far the field's may be off: two standard errors.
+    /// How far the field's area may be off: two standard errors.
     pub uncertainty_percent: f64,
 }
 
 /// Volumes in a [`Report`].
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Volume {
-    /// Outlines times heights of their layers.
+    /// Sum of the outlines' areas times their layers' heights.
     pub layers_mm3: Mm3,
-    /// By the field itself, within the layers' heights.
+    /// Volume by the field itself, within the layers' heights.
     pub field_mm3: Mm3,
     /// By how much the layers' volume is larger than the field's, stairs
     /// included.
     pub excess_percent: f64,
-    /// How far the field's may be off: two standard errors.
+    /// How far the field's volume may be off: two standard errors.
     pub uncertainty_percent: f64,
     /// Volume of the filament, with the skirt.
     pub extruded_mm3: Mm3,
@@ -404,7 +406,7 @@ pub struct Layer {
     pub z_mm: f64,
     /// Distance of the layer's outline from f = 0.
     pub outline_um: Option<Figures>,
-    /// Where the distance is greatest.
+    /// The place where the distance is greatest.
     pub worst_at: Option<WorstPlace>,
     /// Area of the layer's outline.
     pub area_mm2: Mm2,
@@ -412,9 +414,9 @@ pub struct Layer {
     pub area_by_field_mm2: Option<Mm2>,
     /// How far the area by the field may be off.
     pub uncertainty_mm2: Option<Mm2>,
-    /// Rings of the layer's outline.
+    /// Number of rings of the layer's outline.
     pub rings: usize,
-    /// Their vertices.
+    /// Number of vertices of these rings.
     pub vertices: usize,
     /// Samples at which the field was NaN.
     pub nan_samples: usize,
@@ -429,9 +431,9 @@ pub struct Layer {
 pub struct WorstPlace {
     /// The deviation, µm.
     pub um: f64,
-    /// Where.
+    /// x of the place.
     pub x: f64,
-    /// Where.
+    /// y of the place.
     pub y: f64,
 }
 

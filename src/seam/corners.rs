@@ -6,8 +6,8 @@
 //! The turning of the ring is added up over a short way, weighted by the
 //! distance, and compared with that of a circle as long as the ring. So facets
 //! of a curve and small circles are no corners, and a corner that an offset has
-//! rounded is as sharp as it was. A corner lies at the weighted middle of its
-//! turning.
+//! rounded counts as being as sharp as before. A corner lies at the weighted
+//! middle of its turning.
 
 use crate::plane::path_length;
 use crate::units::Mm;
@@ -95,7 +95,7 @@ impl<'a> Corners<'a> {
             if turn < least {
                 continue;
             }
-            // The offset moves to the middle of the turning in some steps.
+            // In some steps the offset moves to the middle of the turning.
             let mut offset = 0.0;
             let mut turn = turn;
             for _ in 0..8 {
@@ -105,7 +105,7 @@ impl<'a> Corners<'a> {
             }
             let at = self.at(i, offset);
             let corner = Corner { at, turn };
-            // Several vertices lead to the same corner.
+            // Several vertices lead to one corner.
             let same = |c: &&mut (usize, Corner)| c.1.at.distance(at) < way;
             match found.iter_mut().rev().take(8).find(same) {
                 Some(other) if other.1.turn >= turn => {}
@@ -122,8 +122,8 @@ impl<'a> Corners<'a> {
         found.into_iter().map(|(_, c)| c).collect()
     }
 
-    /// The turning around the place `offset` behind vertex `i`, and its
-    /// weighted middle, as an offset.
+    /// The turning around the place `offset` after vertex `i`, and its weighted
+    /// middle, as an offset.
     fn sum(&self, i: usize, offset: Mm, sign: f64, way: Mm) -> (f64, Mm) {
         let n = self.ring.len();
         let (mut sum, mut moment) = (0.0, 0.0);
@@ -158,7 +158,7 @@ impl<'a> Corners<'a> {
         }
     }
 
-    /// The point `offset` behind vertex `i`.
+    /// The point `offset` after vertex `i`.
     fn at(&self, i: usize, offset: Mm) -> DVec2 {
         let n = self.ring.len();
         let step = if offset < 0.0 { n - 1 } else { 1 };

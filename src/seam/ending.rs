@@ -1,15 +1,15 @@
 //! How outer walls end where they began: with a gap, a scarf, a wipe inwards.
 //!
 //! ```text
-//!     ▁▂▃▄▅▆▇███████ … ███████      a scarf: the loop's first way is printed
+//!     ▁▂▃▄▅▆▇███████ … ███████      A scarf: the loop's first way is printed
 //!     ███▇▆▅▄▃▂▁                    twice, with a flow that grows at first
-//!     └─ scarf ─┘                   and shrinks on the second time round
+//!     └─ scarf ─┘                   and shrinks on the second time round.
 //! ```
 //!
 //! In: beads in print order; closed ones begin at their seam. Out: the beads
-//! with their ends, and where the nozzle goes after each without printing. A
-//! bead is as high as its layer, so a scarf changes only the width, unless it is
-//! to rise ([`scarf`](super::scarf)).
+//! with their ends, and where the nozzle goes after each bead without printing.
+//! A bead is as high as its layer, so a scarf changes only the width, unless
+//! the scarf is to rise ([`scarf`](super::scarf)).
 
 use super::scarf::{Scarf, risen};
 use crate::bead::{Bead, Role, Stroke, cross_section};
@@ -35,7 +35,7 @@ impl From<Bead> for Ended {
 }
 
 impl Ended {
-    /// Where the nozzle is afterwards.
+    /// Where the nozzle is after the bead.
     pub(crate) fn end(&self) -> Option<DVec2> {
         let end = if self.bead.closed {
             self.bead.points.first()
@@ -49,9 +49,9 @@ impl Ended {
 /// Number of points of a ramp, between which its width changes evenly.
 const STEPS: usize = 8;
 
-/// The beads with their ends. `solid` is the layer's outline; `first` tells
-/// that it is the part's first layer, on the bed or over the air above a raft,
-/// where nothing can rise from below.
+/// The beads with their ends. `solid` is the layer's outline. `first` is true
+/// for the part's first layer, on the bed or over the air above a raft, where
+/// nothing can rise from below.
 pub(crate) fn endings(
     beads: Vec<Bead>,
     solid: &EdgeGrid,
@@ -92,7 +92,7 @@ pub(crate) fn endings(
     beads.into_iter().flat_map(finish).collect()
 }
 
-/// The beads, walls cut where they begin or cease to hang over what holds
+/// The beads, with walls cut where they begin or cease to hang over what holds
 /// them.
 pub(crate) fn cut(all: Vec<Ended>, support: &Support<'_>) -> Vec<Ended> {
     let mut out = Vec::with_capacity(all.len());
@@ -136,9 +136,9 @@ fn with_ramps(bead: &Bead, length: Mm, scarf: Mm, gap: Mm) -> Bead {
 /// and by the width that the bead has there.
 type WidthAt<'a> = &'a dyn Fn(Mm, Mm) -> Mm;
 
-/// A closed bead as an open one that ends at a distance from its beginning,
-/// which may be up to twice its length. It gets points at the distances `more`,
-/// and other widths, if there are any.
+/// A closed bead as an open one that ends at a distance from its beginning. The
+/// distance may be up to twice its length. The bead gets points at the
+/// distances `more`, and other widths, if any are given.
 fn opened(
     bead: &Bead,
     end: Mm,
@@ -196,8 +196,8 @@ fn width_of(area: Mm2, height: Mm) -> Mm {
     }
 }
 
-/// A point that lies farther inside the part than the bead's end; nothing if
-/// there is none.
+/// A point farther inside the part than the bead's end; none if there is no
+/// such point.
 fn inwards(
     bead: &Bead,
     settings: &Settings,
@@ -226,7 +226,7 @@ fn inwards(
         if solid.contains(p) { d } else { -d }
     };
     let here = depth(end);
-    // Unless it has been turned round. That shows right at the end: farther
+    // The bead may have been turned round. This shows right at its end: farther
     // away the other side of a slot is inside, too.
     let near = 0.25 * bead.width * inward;
     let side = match settings.overhang_reverse {
@@ -241,7 +241,7 @@ fn inwards(
         .find(|&p| depth(p) > here)
 }
 
-/// Length of a path, with the parts that are printed twice.
+/// Length of a path. Parts that are printed twice count twice.
 #[cfg(test)]
 fn printed(bead: &Bead) -> f64 {
     let pieces = crate::resolution::pieces(bead.clone(), &Settings::default());
@@ -304,7 +304,8 @@ mod tests {
         for gap in [0.0, 0.1] {
             let mut wall = wall(9.775);
             let own = ended(wall.clone(), &settings(25.0, gap, 0.0)).bead;
-            // 25 mm: round the first corner and back onto the first side.
+            // 25 mm are the way round the first corner and back onto the first
+            // side.
             assert!((own.length() - (wall.length() + 25.0 - gap)).abs() < 1e-9);
             let whole = wall.area() * wall.length();
             let share = printed(&own) / whole;
@@ -345,7 +346,7 @@ mod tests {
             }
             let stroke = Stroke::new(points.clone(), true, 0.45);
             let bead = Bead::new(Role::OuterWall, stroke, 0.2);
-            // 0.24 mm inside the thin wall is no way to go.
+            // A place 0.24 mm inside the thin wall is no place to go.
             for wipe in [0.3, 0.55, 1.0] {
                 let mut settings = settings(0.0, 0.0, wipe);
                 settings.overhang_reverse = true;
@@ -393,7 +394,7 @@ mod tests {
         let own = endings(vec![hole], &grid, false, &settings(0.0, 0.0, 0.3));
         let wipe = own[0].wipe.unwrap();
         assert!(wipe.abs().min_element() > 2.2, "{wipe}");
-        // In a place too thin for a wipe there is none.
+        // A place that is too thin for a wipe gets no wipe.
         let thin = Area {
             rings: vec![square_ring(9.775 + 0.2), {
                 let mut ring = square_ring(9.775 - 0.2);

@@ -3,10 +3,10 @@
 //! In: a ring, whose vertices stand for a curve, and values at any points. Out:
 //! the point with the least value on a curve through the vertices. On the
 //! polygon itself a linear function is always least at a vertex, which may be
-//! half an edge away from the place on the curve.
+//! half an edge away from the lowest place of the curve.
 //!
-//! Values are taken at most 0.5 mm apart. Of two minima nearer to each other
-//! than that, one may be missed.
+//! Values are taken at most 0.5 mm apart. Of two minima that are nearer to each
+//! other, one may be missed.
 
 use super::BACK;
 use crate::units::Mm;
@@ -23,8 +23,9 @@ const NEAR: Mm = 0.01;
 /// value.
 const SAME: f64 = 3e-7;
 
-/// The point where the value is least, of a ring that lies within `accuracy` of
-/// the curve that it stands for; of several such points the one farthest back.
+/// The point where the value is least on a ring that lies within `accuracy` of
+/// the curve for which it stands. Of several such points it is the one farthest
+/// back.
 pub(super) fn lowest<E>(
     ring: &[DVec2],
     accuracy: Mm,
@@ -54,7 +55,7 @@ pub(super) fn lowest<E>(
     };
     let count = places.len();
     let mut at = places[i];
-    // Places before the first vertex are behind the last one.
+    // Places before the first vertex follow the last one.
     let mut from = match i {
         0 => places[count - 1] - n,
         _ => places[i - 1],
@@ -88,15 +89,15 @@ struct Curve<'a> {
     ends: Vec<(DVec2, DVec2)>,
 }
 
-/// Turn from which on a vertex is a corner, in radians (20°).
+/// Least turn at which a vertex is a corner, in radians (20°).
 const CORNER: f64 = 0.35;
 
 impl Curve<'_> {
     fn new(ring: &[DVec2], accuracy: Mm) -> Curve<'_> {
         let n = ring.len();
         let edge = |i: usize| ring[(i + 1) % n] - ring[i % n];
-        // The direction at the second of three vertices of the circle through
-        // them.
+        // The direction of the circle through three vertices, at the second
+        // one.
         let tangent = |i: usize| -> Option<DVec2> {
             let (a, b) = (edge(i + n - 1), edge(i));
             let (la, lb) = (a.length(), b.length());

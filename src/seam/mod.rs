@@ -2,19 +2,19 @@
 //!
 //! In: a layer's walls before any texture. Out: for each wall the places where
 //! its seam may be, as far as the layer alone tells ([`Site`]); the seam's
-//! place, given those of the layer below ([`follow`]); and how the wall begins
-//! and ends there ([`ending`]).
+//! place, given the seams of the layer below ([`follow`]); and how the wall
+//! begins and ends there ([`ending`]).
 //!
 //! ```text
-//!      ╭──────╮      aligned: in a concave corner (●), where it hides and
-//!      │   ╭──╯      stays from layer to layer; else at a convex one; else
-//!      │   ●         where the line from the middle to the back (+y) leaves
-//!      ╰───┴──╮      the ring
+//!      ╭──────╮      An aligned seam is in a concave corner (●), where it
+//!      │   ╭──╯      hides and stays from layer to layer; else in a convex
+//!      │   ●         one; else where the line from the middle to the back
+//!      ╰───┴──╮      (+y) leaves the ring.
 //! ```
 //!
-//! A wall's site depends on its ring only. So seams hardly jump where the
-//! layers below are not known: only where they have followed a corner that the
-//! layer would not choose by itself.
+//! A wall's site depends on its ring only. So where the layers below are not
+//! known, seams hardly jump. They jump only where they have followed a corner
+//! that the layer would not choose by itself.
 //!
 //! The walls are polygons that stand for curves. A seam lies on a smooth curve
 //! through the polygon's corners (`lowest`), so that it does not jump from one
@@ -39,10 +39,10 @@ use lowest::lowest;
 /// Where the seam of a wall may be.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Site {
-    /// Where the seam is if nothing is known of the layer below; nothing if it
-    /// may be anywhere.
+    /// Where the seam is if nothing is known of the layer below; none if it may
+    /// be anywhere.
     pub at: Option<DVec2>,
-    /// Whether it follows the seam of the layer below.
+    /// True if the seam follows the seam of the layer below.
     pub follows: bool,
     /// The corners that the seam may be in.
     pub corners: Vec<DVec2>,
@@ -153,8 +153,8 @@ fn aligned(ring: &[DVec2], accuracy: Mm) -> Site {
     if sharp.is_empty() {
         sharp = corners.convex();
     }
-    // Of the corners about as sharp as the sharpest the rearmost is taken, so
-    // that the next layer takes it, too.
+    // Of the corners about as sharp as the sharpest one, the rearmost is taken,
+    // so that the next layer takes it, too.
     const ALIKE: f64 = 0.8;
     let sharpest = sharp.iter().map(|c| c.turn).fold(0.0, f64::max);
     let rearmost = sharp
@@ -214,7 +214,7 @@ fn random(ring: &[DVec2], [layer, number]: [usize; 2]) -> Option<DVec2> {
     along(ring, share * path_length(ring, true))
 }
 
-/// The point of a ring at a length behind its first one.
+/// The point of a ring at a length after its first point.
 fn along(ring: &[DVec2], length: Mm) -> Option<DVec2> {
     let mut left = length;
     for (i, &a) in ring.iter().enumerate() {

@@ -1,19 +1,20 @@
 //! Scarfs that rise: a loop's first way as a ramp, and its end on top of it.
 //!
 //! ```text
-//!     ▁▂▃▄▅▆▇███████ … ███████      side view: the nozzle climbs from the
+//!     ▁▂▃▄▅▆▇███████ … ███████      Side view: the nozzle climbs from the
 //!     ████████████████████████      layer below while the bead grows, and
 //!     ▔▔▔▔▔▔▔                       stays level at the end, where the bead
-//!     └─ scarf ─┘                   fills what the ramp has left
+//!     └─ scarf ─┘                   fills what the ramp has left.
 //! ```
 //!
 //! In: a loop laid open, which goes on over its beginning. Out: its beads, one
 //! after the other: the ramp, the rest, and the way over the ramp. The points of
 //! the ramp and of the way over it have levels.
 //!
-//! Guarantees: the ramp is as high at each place as the nozzle is above the layer
-//! below. Ramp and way over it have together what the loop has elsewhere, within
-//! 0.1 % where the loop is one width. The nozzle never leaves the layer.
+//! Guarantees: the ramp is as high at each place as the nozzle is above the
+//! layer below. The ramp and the way over it have together what the loop has
+//! elsewhere, within 0.1 % where the loop is of one width. The nozzle never
+//! leaves the layer.
 
 use crate::bead::{Bead, Level, Stroke, cross_section, height_of};
 use crate::resolution::pieces;
@@ -21,8 +22,8 @@ use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// The way over a ramp has a point for each of so many parts of it: its height
-/// changes evenly between them, and its cross-section nearly does.
+/// Number of points along the way over a ramp. Between them its height changes
+/// evenly, and its cross-section nearly does.
 const STEPS: f64 = 8.0;
 
 /// A scarf of a loop.
@@ -121,8 +122,8 @@ mod tests {
     use super::*;
     use crate::bead::Role;
 
-    /// A straight line stands for a loop of 40 mm laid open: its last 10 mm lie
-    /// over its first ones.
+    /// A loop of 40 mm laid open, for which a straight line stands: its last 10
+    /// mm lie over its first ones.
     fn line(length: Mm, widths: &[Mm]) -> Bead {
         let n = widths.len().max(2);
         let at = |i: usize| length * i as f64 / (n - 1) as f64;
@@ -134,7 +135,7 @@ mod tests {
         Bead::new(Role::OuterWall, stroke, 0.2)
     }
 
-    /// What some beads lay between two distances from their beginning.
+    /// Volume that some beads lay between two distances from their beginning.
     fn laid(beads: &[Bead], from: Mm, to: Mm) -> f64 {
         let mut sum = 0.0;
         for bead in beads {
@@ -147,7 +148,7 @@ mod tests {
                     let t = (x - a.x) / (b.x - a.x);
                     bead.level(i).lerp(bead.level(i + 1), t)
                 };
-                // Fine enough for any curve.
+                // The steps are fine enough for any curve.
                 for k in 0..200 {
                     let x = low + (high - low) * (f64::from(k) + 0.5) / 200.0;
                     let height = bead.height + level(x).extra;
@@ -179,7 +180,7 @@ mod tests {
                 let share = both / (area * (to - from));
                 assert!((share - 1.0).abs() < 1e-3, "{start} {from}: {share}");
             }
-            // Each begins where the one before ends, in space as well.
+            // Each bead begins where the one before ends, in space as well.
             for pair in beads.windows(2) {
                 assert_eq!(pair[0].points.last(), Some(&pair[1].points[0]));
                 let end = pair[0].level(pair[0].points.len() - 1);
@@ -223,8 +224,9 @@ mod tests {
         };
         let ramps: Vec<Bead> =
             beads.into_iter().filter(|b| !b.levels.is_empty()).collect();
-        // The ramp takes its share of one way round, the way over it the rest
-        // of the next, which is as wide in a loop. Here it is not.
+        // The ramp takes its share of one way round, and the way over it takes
+        // the rest of the next. In a loop both are equally wide; here they are
+        // not.
         let is = laid(&ramps, 0.0, 10.0) + laid(&ramps, 40.0, 50.0);
         let (low, high) = (of_part(0.0, 10.0), of_part(40.0, 50.0));
         let (low, high) = (low.min(high), low.max(high));

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 const ACCURACY: f64 = 0.005;
 
-/// A circle whose facets are within `ACCURACY`, begun anywhere, uneven.
+/// A circle whose facets are within `ACCURACY`. They are uneven and begin
+/// anywhere.
 fn circle(centre: DVec2, radius: f64, begin: f64) -> Vec<DVec2> {
     let facet = (8.0 * ACCURACY / radius).sqrt();
     let mut angle = 0.0;
@@ -44,7 +45,7 @@ fn the_least_is_found_between_the_vertices() {
             let begin = f64::from(k) * 0.377;
             let ring = circle(DVec2::ZERO, radius, begin);
             let along = DVec2::from_angle(1.1);
-            // As exact as expressions are.
+            // The point is as exact as expressions are.
             let found = lowest(&ring, ACCURACY, |points, out| {
                 out.extend(
                     points.iter().map(|p| f64::from(along.dot(*p) as f32)),
@@ -55,7 +56,8 @@ fn the_least_is_found_between_the_vertices() {
             assert!(off < within, "{radius}: {off}");
         }
     }
-    // At a corner it is the corner, on a level side its end at the back.
+    // At a corner the point is the corner. On a level side it is the side's end
+    // at the back.
     let ring = ring(&[(0.0, -3.0), (4.0, 0.0), (4.0, 5.0), (-4.0, 5.0)]);
     let least = |f: fn(&DVec2) -> f64| {
         let found = lowest(&ring, ACCURACY, |points, out| {
@@ -73,7 +75,7 @@ fn the_least_is_found_between_the_vertices() {
 
 #[test]
 fn concave_corners_come_first_and_the_middle_of_round_ones() {
-    // An L whose inner corner is an arc of 0.225 mm, as walls have it.
+    // The inner corner of this L is an arc of 0.225 mm, as in walls.
     let mut l = ring(&[(0.0, 9.0), (0.0, 0.0), (9.0, 0.0), (9.0, 3.0)]);
     let centre = DVec2::new(3.3, 3.3);
     for k in 0..=5 {
@@ -86,7 +88,8 @@ fn concave_corners_come_first_and_the_middle_of_round_ones() {
     let wanted = centre - 0.3 / 2.0_f64.sqrt();
     assert!(site.corners[0].distance(wanted) < 0.02, "{site:?}");
     assert_eq!(site.at, Some(site.corners[0]));
-    // Without one, convex ones: the rearmost, to the right.
+    // Without a concave corner there are convex ones: the rearmost is taken, to
+    // the right.
     let square = ring(&[(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)]);
     let site = aligned(&square, ACCURACY);
     assert_eq!(site.corners.len(), 4);
@@ -99,7 +102,7 @@ fn seams_follow_their_corner_or_go_back_bit_by_bit() {
     let site = aligned(&square, ACCURACY);
     let near = DVec2::new(0.0, 0.7);
     assert!(follow(&site, &square, Some(near)).unwrap().length() < 1e-9);
-    // From the middle of a side it goes to the corner of its own.
+    // From the middle of a side the seam goes to a corner of its own layer.
     let far = DVec2::new(0.0, 4.0);
     assert_eq!(follow(&site, &square, Some(far)), site.at);
     let ring = circle(DVec2::ZERO, 10.0, 0.3);
@@ -108,12 +111,12 @@ fn seams_follow_their_corner_or_go_back_bit_by_bit() {
     let mut steps = 0;
     while at.distance(site.at.unwrap()) > 1e-9 {
         let next = follow(&site, &ring, Some(at)).unwrap();
-        // Up to the facets.
+        // The facets are the only error.
         assert!(next.distance(at) < PULL + 0.02 && next.y > at.y - 0.01);
         at = next;
         steps += 1;
     }
-    // A quarter of the circle.
+    // The steps cover a quarter of the circle.
     assert!((150..165).contains(&steps), "{steps}");
     assert_eq!(follow(&site, &ring, None), site.at);
     assert_eq!(follow(&Site::default(), &ring, Some(at)), Some(at));

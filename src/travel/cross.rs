@@ -59,7 +59,8 @@ mod tests {
         DVec2::new(x, y)
     }
 
-    /// The answer, which must not depend on how the segments are given.
+    /// True if the segments meet. The answer must not depend on the order in
+    /// which they are given.
     fn met(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
         let first = meet(a, b, c, d);
         for (p, q) in [(a, b), (b, a)] {
@@ -75,7 +76,7 @@ mod tests {
     fn crossing_touching_and_apart() {
         let (o, e) = (at(0.0, 0.0), at(4.0, 0.0));
         assert!(met(o, e, at(1.0, -1.0), at(2.0, 1.0)));
-        // An end on the other's middle, and on its end.
+        // An end on the other segment's middle, and on its end.
         assert!(met(o, e, at(1.0, 0.0), at(2.0, 1.0)));
         assert!(met(o, e, at(4.0, 0.0), at(5.0, 7.0)));
         assert!(!met(o, e, at(1.0, 1e-15), at(2.0, 1.0)));

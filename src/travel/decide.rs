@@ -4,24 +4,24 @@
 //! skin.
 //!
 //! ```text
-//!   wall ━━━━━━━━━━━━━━━━━━━━    what a way does near its ends, at the beads
-//!           ●                    that it leaves and reaches, does not count:
-//!   ┈┈┈┈┈┈┈┈╲┈┈┈┈┈┈┈┈┈┈┈┈┈┈┈    within half a line's width it may touch a
-//!    sparse  ╲                   wall, within a whole one be beside what
-//!    infill   ╲─────────● next   hides its ooze
+//!   wall ━━━━━━━━━━━━━━━━━━━━    What a way does near its ends, at the beads
+//!           ●                    that it leaves and reaches, does not count.
+//!   ┈┈┈┈┈┈┈┈╲┈┈┈┈┈┈┈┈┈┈┈┈┈┈┈    Within half a line's width it may touch a
+//!    sparse  ╲                   wall. Within a whole width it may be beside
+//!    infill   ╲─────────● next   what hides its ooze.
 //! ```
 //!
-//! The rules, in this order: does every part of a way lie over sparse infill
-//! ([`Obstacles::within_infill`]), and does it cross a wall
-//! ([`Obstacles::wall`])? A way that touches a wall, or comes nearer to its
+//! The first question is whether every part of a way lies over sparse infill
+//! ([`Obstacles::within_infill`]), the second whether the way crosses a wall
+//! ([`Obstacles::wall`]). A way that touches a wall, or comes nearer to its
 //! middle than half a line's width, crosses it. A gap between two islands is
-//! air, however thin. A looser rule, for layers with little sparse infill and
-//! where it is asked for, counts a way as hidden if it stays inside
-//! the part, behind the outer wall, and off top skin.
+//! air, however thin. A looser rule holds for layers with little sparse infill,
+//! and where a setting asks for it: a way is hidden if it stays inside the
+//! part, behind the outer wall, and off top skin.
 //!
 //! A layer's walls and sparse infill are put into grids when the first way asks
-//! for them. Only what shares a grid's cells and overlaps with a way's box is
-//! compared with it.
+//! for them. Only parts that share a grid's cells and overlap with a way's box
+//! are compared with the way.
 
 use super::Ground;
 use super::cross::meets;
@@ -37,8 +37,8 @@ use std::cell::OnceCell;
 pub(super) struct Obstacles<'a> {
     ground: Ground<'a>,
     beads: &'a [Bead],
-    /// Box around the sparse infill; nothing if there is none, or if it is
-    /// not printed.
+    /// Box around the sparse infill; none if there is no sparse infill, or if
+    /// it is not printed.
     infill: Option<Rect>,
     walls: OnceCell<EdgeGrid>,
     open: OnceCell<EdgeGrid>,
@@ -92,7 +92,8 @@ impl<'a> Obstacles<'a> {
         };
         let way = trimmed(points, self.inner_width);
         if way.is_empty() {
-            // A way this short has only ends, so its middle counts.
+            // A way this short consists of its ends alone, so its middle
+            // counts.
             return self.ground.sparse.grid().contains(0.5 * (*a + *b));
         }
         let sparse = || self.ground.sparse.grid();
@@ -101,9 +102,9 @@ impl<'a> Obstacles<'a> {
             && !meets(sparse(), &way)
     }
 
-    /// True if the way crosses a wall: if it meets one, except for half a
-    /// line's width at either end, or comes nearer to a wall's middle than half
-    /// a width, except for a whole width at either end.
+    /// True if the way crosses a wall. It does if it meets a wall, except for
+    /// half a line's width at either end, or if it comes nearer to a wall's
+    /// middle than half a width, except for a whole width at either end.
     pub(super) fn wall(&self, points: &[DVec2]) -> bool {
         let grid = self.walls.get_or_init(|| {
             self.grid(|b| {
@@ -118,8 +119,8 @@ impl<'a> Obstacles<'a> {
             || beside.windows(2).any(|p| !grid.clear(p[0], p[1], near))
     }
 
-    /// True for an outer wall, or a part of one, that hangs. Its role is then
-    /// overhang, but the outline is half its width away.
+    /// True for an outer wall that hangs, or for a part of one. Such a bead has
+    /// the role of an overhang, but the outline is half its width away.
     fn hangs_outside(&self, bead: &Bead) -> bool {
         let middle = bead.points.get(bead.points.len() / 2);
         bead.role == Role::Overhang
@@ -146,9 +147,9 @@ impl<'a> Obstacles<'a> {
     }
 
     /// True if the way crosses an outer wall or follows one: if it comes too
-    /// near to the outline, half a line's width inside which the walls lie. The
-    /// ways' ends may be on walls, but may not lead over them. `next` is the
-    /// number of the bead that the way leads to.
+    /// near to the outline, since the outer walls lie half a line's width
+    /// inside it. The way's ends may be on walls, but may not lead over them.
+    /// `next` is the number of the bead that the way leads to.
     pub(super) fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
         let middle = 0.5 * self.width;
         let near = middle + NEAR * self.width;
@@ -156,8 +157,8 @@ impl<'a> Obstacles<'a> {
         let follows = along
             .windows(2)
             .any(|p| !self.ground.outline.grid().clear(p[0], p[1], near));
-        // Beads of thin places reach into the part, where they go on as two
-        // beads. Walls that grow wider do so, too.
+        // Beads of thin places, and walls that grow wider, reach into the part,
+        // where they go on as two beads.
         let open = self.open.get_or_init(|| {
             self.grid(|b| {
                 (b.role == Role::OuterWall || self.hangs_outside(b))
@@ -185,7 +186,7 @@ impl<'a> Obstacles<'a> {
     }
 
     /// True if the beginning of a way comes nearer to the outline than the
-    /// middle of its wall, unless it begins there.
+    /// middle of the outline's wall, unless the way begins there.
     fn leads_over(
         &self,
         points: impl Iterator<Item = DVec2>,
@@ -219,8 +220,8 @@ impl<'a> Obstacles<'a> {
         false
     }
 
-    /// True if the way crosses an inner wall. Leaving a wall towards the fill,
-    /// or coming from there, is no crossing.
+    /// True if the way crosses an inner wall. A way that leaves a wall towards
+    /// the fill, or comes from the fill, does not cross it.
     pub(super) fn inner_wall(&self, points: &[DVec2]) -> bool {
         let grid = self.inner.get_or_init(|| {
             self.grid(|b| {
@@ -234,8 +235,8 @@ impl<'a> Obstacles<'a> {
             .any(|p| !grid.crossings(p[0], p[1]).is_empty())
     }
 
-    /// True if the way passes over a top skin printed before the `next`th
-    /// bead; the bead that it comes from does not count.
+    /// True if the way passes over a top skin printed before the `next`th bead.
+    /// The bead from which the way comes does not count.
     pub(super) fn top_skin(&self, points: &[DVec2], next: usize) -> bool {
         let grid = self
             .tops

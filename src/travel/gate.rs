@@ -1,15 +1,15 @@
 //! Ways from one island to another: through the air once.
 //!
 //! ```text
-//!     ╭────────╮       ╭────────╮
-//!     │ a──╮   │       │        │   to a place at the border inside, across
-//!     │    ╰───┿───────┿──╮     │   to the place opposite, and on inside:
-//!     ╰────────╯       ╰──┊─────╯   square to both borders, where they are
-//!                         b         nearest to each other there
+//!     ╭────────╮       ╭────────╮   The way leads inside to a place at the
+//!     │ a──╮   │       │        │   border, across to the place opposite, and on
+//!     │    ╰───┿───────┿──╮     │   inside. It crosses both borders at right
+//!     ╰────────╯       ╰──┊─────╯   angles, where they are nearest to each
+//!                         b         other.
 //! ```
 //!
 //! A straight way that crosses both borders once, and not at a slant, is as
-//! good. If other islands are between, there is no such way.
+//! good. If other islands are in between, there is no such way.
 
 use super::comb::{Comb, Stop};
 use crate::units::Mm;
@@ -23,8 +23,7 @@ const SQUARE: f64 = 0.82;
 /// island is looked for, mm.
 const REACH: Mm = 5.0;
 
-/// How often the nearest place on each border is looked for from the other
-/// border.
+/// How often the nearest place on each border is looked for from the other one.
 const ROUNDS: usize = 2;
 
 /// A place on the border of an island.
@@ -34,8 +33,8 @@ struct BorderPlace {
     edge: usize,
 }
 
-/// A way from `a` to `b` in different islands, with both points; nothing if the
-/// straight way is as good, or if there is none.
+/// A way from `a` to `b` in different islands, with both points. None if the
+/// straight way is as good, or if there is no such way.
 pub(super) fn way(
     comb: &Comb,
     a: DVec2,
@@ -89,7 +88,7 @@ pub(super) fn way(
     Some(way)
 }
 
-/// The place of an island's border nearest to `p`, or `known` if that is
+/// The place of an island's border nearest to `p`, or `known` if `known` is
 /// nearer.
 fn nearest(
     comb: &Comb,

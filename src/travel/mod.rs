@@ -1,4 +1,4 @@
-//! Finds the way from bead to bead, and whether to retract on it.
+//! Finds the ways from bead to bead, and decides where to retract.
 //!
 //! In: a layer's beads in print order, and what the layer is made of. Out: its
 //! moves in print coordinates.
@@ -52,8 +52,8 @@ pub(crate) struct Travel {
     pub retract: bool,
     /// Whether to lift the nozzle, if the travel retracts.
     pub hop: bool,
-    /// Filament to push forward at the end, to replace what oozed out without a
-    /// retraction, mm.
+    /// Filament to push forward at the end, mm. It replaces what oozed out on a
+    /// travel without a retraction.
     pub prime: Mm,
 }
 
@@ -82,8 +82,8 @@ impl LayerPath {
         self.moves.iter().map(moved).collect()
     }
 
-    /// Where the first bead begins, and where the head is in the end; nothing
-    /// if no bead is printed.
+    /// Where the first bead begins, and where the head is in the end; none if
+    /// no bead is printed.
     pub(crate) fn ends(&self) -> Option<(DVec2, DVec2)> {
         let begins = |step: &Move| match step {
             Move::Print(bead) => bead.points.first().copied(),
@@ -97,8 +97,8 @@ impl LayerPath {
     }
 }
 
-/// The travel from one part to another. There is no wipe: what is left out by
-/// the host is not gone over.
+/// The travel from one part to another. There is no wipe: if the host leaves
+/// out the part, the nozzle must not go over the place where it was.
 pub(crate) fn between_parts(to: DVec2, settings: &Settings) -> Travel {
     Travel {
         hop: settings.retract.z_hop > 0.0,
@@ -115,9 +115,9 @@ pub(crate) struct Ground<'a> {
     pub sparse: &'a Solid<'a>,
     /// Where the layer has supports; ooze does not matter there.
     pub support: Option<&'a Solid<'a>>,
-    /// Depth below the outline of what the walls leave.
+    /// Depth below the outline at which the walls end.
     pub border: Mm,
-    /// The border of the layer above, if there is one.
+    /// The outline of the layer above, if there is one.
     pub above: Option<&'a Area>,
 }
 

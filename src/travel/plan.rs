@@ -1,13 +1,13 @@
 //! Decides which way a travel takes.
 //!
-//! In: two points. Out: the way between them, and whether to retract on it. The
-//! first way of these that will do is taken:
+//! In: two points. Out: the way between them, and whether to retract on it.
+//! The first of these ways that will do is taken:
 //!
-//! 1. straight, if that is too short for a retraction, or hidden;
+//! 1. straight, if the way is too short for a retraction, or hidden;
 //! 2. from support to support, round the part;
-//! 3. over sparse infill, which hides it;
-//! 4. inside the island, round its holes and notches, if the straight way
-//!    leads over what shows;
+//! 3. over sparse infill, which hides the way;
+//! 4. inside the island, round its holes and notches, if the straight way leads
+//!    over what shows;
 //! 5. from one island to another, through the air once;
 //! 6. straight and retracted.
 
@@ -24,17 +24,17 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 
 /// How far ways over sparse infill keep from its border where they can, as a
-/// share of a line's width. It is enough to be surely inside.
+/// share of a line's width. At this distance they are surely inside.
 const OFF_BORDER: f64 = 0.25;
 
-/// Share of a layer's area from which on its sparse infill alone hides travels,
-/// if nothing else is asked for. Solid parts have more, lattices less: there
-/// nearly all travels lead through walls.
+/// Least share of a layer's area at which its sparse infill alone hides
+/// travels, unless a setting says otherwise. Solid parts have more infill,
+/// lattices less: in lattices nearly all travels lead through walls.
 const MUCH_INFILL: f64 = 0.25;
 
-/// How many times [`Retract::max_unretracted`] a travel between supports may be
-/// long: what oozes there is broken off with the supports, and what is then
-/// missing is missing in a support.
+/// How long a travel between supports may be, as a multiple of
+/// [`Retract::max_unretracted`]. What oozes there is broken off with the
+/// supports, and what is missing then is missing in a support.
 ///
 /// [`Retract::max_unretracted`]: crate::settings::Retract::max_unretracted
 const BETWEEN_SUPPORTS: f64 = 2.0;
@@ -77,8 +77,8 @@ pub(super) struct Planner<'a> {
     covered: OnceCell<Comb<'a>>,
     /// Ways beside the part.
     beside: OnceCell<Comb<'a>>,
-    /// How far travels keep from the outline where they can. It leads inside
-    /// all walls.
+    /// How far travels keep from the outline where they can. At this distance a
+    /// travel is inside all walls.
     clearance: Mm,
     cover: Cover,
     settings: &'a Settings,
@@ -106,7 +106,7 @@ impl<'a> Planner<'a> {
     }
 
     /// The travel from `a`, where the bead `before` has ended, to `b`, where
-    /// the `next`th one begins.
+    /// the `next`th bead begins.
     pub(super) fn travel(
         &self,
         a: DVec2,
@@ -125,7 +125,7 @@ impl<'a> Planner<'a> {
         }
         let wiped = before.and_then(|bead| wipe::path(bead, settings));
         if let Some((wipe, end)) = wiped {
-            // The way goes on from where the wipe has ended.
+            // The travel begins where the wipe has ended.
             travel = self.way(end, b, inside, next);
             travel.retract = true;
             travel.prime = 0.0;
@@ -165,8 +165,8 @@ impl<'a> Planner<'a> {
         if combing == Combing::WithinInfill {
             return straight();
         }
-        // A travel that is retracted goes straight, unless that leads over what
-        // shows.
+        // A travel that is retracted goes straight, unless the straight way
+        // leads over what shows.
         let in_the_way = self.shows(&direct, next);
         let may_hide =
             self.cover != Cover::Infill && self.settings.retract.when_crossing;
@@ -295,8 +295,8 @@ impl<'a> Planner<'a> {
         (path_length(&way, false) <= longest).then_some(way)
     }
 
-    /// Ways beside the part: inside a frame around the layer, the part being
-    /// holes in it.
+    /// Ways beside the part: inside a frame around the layer, in which the part
+    /// is a hole.
     fn air(&self) -> Comb<'a> {
         /// Room around the layer, mm.
         const MARGIN: Mm = 5.0;
@@ -321,7 +321,7 @@ impl<'a> Planner<'a> {
         Comb::new(Cow::Owned(air), self.clearance)
     }
 
-    /// True if the ooze on a way is hidden, and the way crosses nothing.
+    /// True if the ooze on a way is hidden, and the way crosses no wall.
     fn hidden(&self, way: &[DVec2], next: usize) -> bool {
         let retract = &self.settings.retract;
         let o = &self.obstacles;

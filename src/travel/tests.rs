@@ -63,7 +63,7 @@ impl Part {
         Part::new(&[[0.0, 0.0, 20.0, 20.0]])
     }
 
-    /// The same with a hole in the middle, and a wall around that.
+    /// The square with a hole in the middle, and a wall around the hole.
     fn ring() -> Part {
         let mut part = Part::square();
         let hole = |d: f64| {
@@ -191,7 +191,7 @@ fn between_supports_the_way_leads_round_the_part() {
         at = to;
     }
     assert_eq!(at, DVec2::new(right, y));
-    // A way that is too long retracts, and so does one where all travels do.
+    // A way that is too long retracts. So does each way where all travels do.
     let mut settings = part.settings.clone();
     settings.travel.max_detour = 1.0;
     assert!(way(&settings).retract);
@@ -209,9 +209,9 @@ fn inside_outside_and_across_the_border() {
         assert!(within(&[(2.0, 2.0), (9.0, 17.0), (18.0, 2.0)]));
         assert!(!within(&[(2.0, 2.0), (30.0, 2.0)]));
         assert!(!within(&[(30.0, 2.0), (40.0, 2.0)]));
-        // In and out again.
+        // The way leaves the infill and comes back.
         assert!(!within(&[(2.0, 2.0), (10.0, -1.0), (18.0, 2.0)]));
-        // Around, with the box of the infill in the way's box.
+        // The way leads around the infill, but its box holds the infill's box.
         assert!(!within(&[(-5.0, 10.0), (10.0, -15.0)]));
     });
 }
@@ -220,7 +220,8 @@ fn inside_outside_and_across_the_border() {
 fn the_beads_at_the_ends_are_left_and_reached() {
     let part = Part::square();
     part.ask(&part.walls, |o| {
-        // From the middle of the inner wall, and of the outer one.
+        // Ways from the middle of the inner wall, and from that of the outer
+        // wall.
         let inner = points(&[(0.6, 10.0), (10.0, 10.0)]);
         assert!(o.within_infill(&inner) && !o.wall(&inner));
         let outer = points(&[(0.225, 10.0), (10.0, 10.0)]);
@@ -235,21 +236,21 @@ fn to_touch_is_to_cross() {
     part.ask(&[wall], |o| {
         let crosses = |at: &[(f64, f64)]| o.wall(&points(at));
         assert!(crosses(&[(10.0, 5.0), (10.0, 15.0)]));
-        // Its end, a corner of the way on it, a stretch of it.
+        // A way's end is on the wall, then a corner, then a stretch.
         assert!(crosses(&[(5.0, 5.0), (5.0, 15.0)]));
         assert!(crosses(&[(5.0, 5.0), (10.0, 10.0), (15.0, 5.0)]));
         assert!(crosses(&[(2.0, 10.0), (8.0, 10.0)]));
         assert!(crosses(&[(2.0, 10.0), (18.0, 10.0)]));
-        // On the same line, but elsewhere.
+        // This way is on the wall's line, but elsewhere.
         assert!(!crosses(&[(2.0, 10.0), (4.0, 10.0)]));
-        // Nearer than half a line's width, and not.
+        // The first way is nearer than half a line's width, the second is not.
         assert!(crosses(&[(5.0, 9.9), (15.0, 9.9)]));
         assert!(!crosses(&[(5.0, 9.75), (15.0, 9.75)]));
-        // From where it ends, and to where it begins.
+        // Ways from where the wall ends, and to where it begins.
         assert!(!crosses(&[(15.0, 10.0), (15.0, 2.0)]));
         assert!(!crosses(&[(2.0, 2.0), (5.0, 10.0)]));
     });
-    // Along the border of the infill, and through its corner.
+    // Ways along the border of the infill, and through its corner.
     part.ask(&[], |o| {
         let within = |at: &[(f64, f64)]| o.within_infill(&points(at));
         assert!(!within(&[(0.8, 2.0), (0.8, 15.0)]));
@@ -345,7 +346,7 @@ fn walls_that_hang_are_still_inner_or_outer_ones() {
 
 #[test]
 fn what_hides_ooze_is_a_matter_of_settings() {
-    // No sparse infill at all.
+    // This layer has no sparse infill at all.
     let mut part = Part::square();
     part.sparse = Area::EMPTY;
     let lines = |role: Role| {
@@ -360,7 +361,7 @@ fn what_hides_ooze_is_a_matter_of_settings() {
     assert!(part.travels(skin.clone()).iter().all(|t| t.retract));
     let part = part.with(|s| s.retract.hidden = Hidden::Covered);
     assert!(part.travels(skin).iter().all(|t| !t.retract));
-    // On top, from the second line's end over the first one.
+    // The way leads over the first line from the second line's end.
     let mut top = lines(Role::TopSkin);
     top.swap(0, 1);
     assert!(part.travels(top).iter().any(|t| t.retract));
@@ -390,7 +391,7 @@ fn a_layer_with_little_infill_hides_travels_inside_its_outer_walls() {
     let (right, left, near) = ((15.0, 10.0), (5.0, 10.0), (10.0, 13.0));
     let mut part = Part::square();
     for [x1, y1] in [[0.0, 0.0], [9.0, 10.0]] {
-        // Less than a quarter of 400 mm², or nothing.
+        // The sparse infill has less than a quarter of 400 mm², or nothing.
         part.sparse = rect(0.0, 0.0, x1, y1);
         assert!(!retracts(&part, Hidden::Auto, right));
         assert!(retracts(&part, Hidden::Covered, right));
@@ -421,7 +422,8 @@ fn combing_goes_round_what_is_in_the_way() {
         let travel = at(combing);
         assert!(!travel.retract && travel.points.len() > 2, "{travel:?}");
     }
-    // Too narrow for infill: only inside the walls, which shows.
+    // This part is too narrow for infill: the way is inside the walls, which
+    // shows.
     let narrow = |combing: Combing| {
         let mut part = Part::ring().with(|s| s.travel.combing = combing);
         part.sparse = Area {
@@ -443,7 +445,8 @@ fn detours_have_a_limit() {
         let part = Part::ring().with(|s| s.travel.max_detour = max_detour);
         part.travel((4.0, 10.0), (16.0, 10.0))
     };
-    // Round the hole's end: 2·√(4² + 8²) + 4 = 21.9 mm and the clearance.
+    // The way round the hole's end has 2·√(4² + 8²) + 4 = 21.9 mm and the
+    // clearance.
     assert!(!at(12.0).retract);
     let straight = Travel::straight(DVec2::new(16.0, 10.0), true);
     assert_eq!(at(9.0), straight);
@@ -473,7 +476,8 @@ fn top_skins_are_passed_by() {
 
 #[test]
 fn islands_are_left_and_entered_squarely() {
-    // From the far end of one long island to that of another beside it.
+    // The way leads from the far end of one long island to the far end of
+    // another one beside it.
     let part = Part::new(&[[0.0, 0.0, 40.0, 8.0], [0.0, 10.0, 40.0, 18.0]]);
     let (from, to) = (DVec2::new(20.0, 4.0), DVec2::new(38.0, 14.0));
     let travel = part.travel((20.0, 4.0), (38.0, 14.0));
@@ -490,7 +494,7 @@ fn islands_are_left_and_entered_squarely() {
     };
     let direction = (air[1] - air[0]).normalize();
     assert!(direction.y > 0.99, "{way:?}");
-    // Straight across the gap it goes straight.
+    // Straight across the gap, the travel goes straight.
     let travel = part.travel((20.0, 4.0), (21.0, 14.0));
     assert_eq!(travel, Travel::straight(DVec2::new(21.0, 14.0), true));
 }
@@ -538,7 +542,7 @@ fn ways_begin_where_the_wipe_ends() {
     let travel = part.travels(lines).remove(0);
     assert_eq!(travel.wipe, [DVec2::new(5.0, 8.0)]);
     assert_eq!(travel.points, [DVec2::new(15.0, 10.0)]);
-    // What is hidden is not wiped.
+    // Travels that are hidden are not wiped.
     let part = part.with(|s| s.retract.when_crossing = true);
     assert!(part.travel((5.0, 5.0), (15.0, 5.0)).wipe.is_empty());
 }

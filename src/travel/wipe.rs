@@ -10,7 +10,7 @@ use crate::settings::Settings;
 use glam::DVec2;
 
 /// The way of the wipe after a bead, without the bead's end, and the way's last
-/// point; nothing if there is no wipe.
+/// point; none if there is no wipe.
 pub(super) fn path(
     bead: &Bead,
     settings: &Settings,

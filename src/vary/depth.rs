@@ -4,14 +4,14 @@
 //! interpolated between its nodes.
 //!
 //! The surface is known at its crossings with the lattice's edges, found by
-//! bisection, each with the plane that touches it there. Every node then learns
-//! its nearest crossing from its neighbours in sweeps over the lattice (P.-E.
-//! Danielsson, *Euclidean distance mapping*, 1980, in space). Only the sign and
-//! the direction of f are used, so f need not be a distance.
+//! bisection, each with its tangent plane. Every node then learns its nearest
+//! crossing from its neighbours in sweeps over the lattice (P.-E. Danielsson,
+//! *Euclidean distance mapping*, 1980, in space). Only the sign and the
+//! direction of f are used, so f need not be a distance.
 //!
 //! Distances are right to a few hundredths of the lattice's step near the
-//! surface, and elsewhere where one surface is clearly nearest. Details smaller
-//! than the step are missed.
+//! surface, and also where one surface is clearly nearest. Details smaller than
+//! the step are missed.
 
 use crate::model::{Expression, ExpressionError, Model, Place};
 use crate::units::Mm;
@@ -19,8 +19,7 @@ use fidget::context::Tree;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-/// Greatest number of nodes: 6 MB of distances, which take half a second to
-/// make.
+/// Greatest number of nodes. They take 6 MB of distances and half a second.
 const NODES: f64 = 1.5e6;
 
 /// Least step, mm. No setting needs a finer one.
@@ -47,8 +46,8 @@ struct Foot {
 }
 
 impl DepthMap {
-    /// Measures a model. Everything below the bed is outside, or below the air
-    /// above its raft.
+    /// Measures a model. What is below the bed, or below the air above a raft,
+    /// is outside.
     ///
     /// # Errors
     /// If the field cannot be evaluated.
@@ -223,8 +222,8 @@ impl DepthMap {
                 }
             }
         }
-        // Sweeps hand a foot on along the axes only. The nearest foot may be a
-        // diagonal neighbour's.
+        // Sweeps pass a foot on along the axes only, so a diagonal neighbour
+        // may have the nearest foot.
         self.depth = (0..inside.len())
             .into_par_iter()
             .map(|i| {
@@ -248,7 +247,7 @@ impl DepthMap {
             .collect();
     }
 
-    /// A node and its neighbours, also the diagonal ones.
+    /// A node and its neighbours, the diagonal ones included.
     fn around(
         &self,
         [x, y, z]: [usize; 3],
@@ -292,8 +291,8 @@ impl DepthMap {
 
 impl Foot {
     /// Distance of a point from the surface near this foot: from the foot's
-    /// plane if the point is roughly in front of it, from the foot itself if it
-    /// is farther to the side.
+    /// plane if the point is roughly in front of the foot, or else from the
+    /// foot itself.
     fn distance(&self, p: DVec3, step: Mm) -> Mm {
         /// Number of steps by which a node's foot may be farther than the
         /// nearest one.
@@ -302,7 +301,7 @@ impl Foot {
         let length = way.length();
         let off = way.dot(self.normal).abs();
         let along = (length * length - off * off).max(0.0).sqrt();
-        // A foot seen more from the side may be at the edge of a notch.
+        // A foot that is seen more from the side may be at the edge of a notch.
         let facing = along <= step || along <= off.min(REACH * step);
         if self.normal != DVec3::ZERO && facing {
             off
@@ -414,7 +413,7 @@ mod tests {
 
     #[test]
     fn a_ball_is_as_deep_as_its_radius() {
-        // This function is no distance, and badly scaled.
+        // This function is badly scaled, and no distance.
         let (_, map) = map("1e-3*(x^2 + y^2 + z^2 - 400)");
         for p in spread(DVec3::splat(20.0)) {
             let depth = 20.0 - p.length();

@@ -4,9 +4,9 @@
 //! setting as a [`Quantity`], whose value is asked for at many points at a
 //! time.
 //!
-//! A value outside the setting's range becomes the range's nearest end; only
-//! for a temperature it is an error. NaN is always an error. Both errors tell
-//! the place.
+//! A value outside the setting's range becomes the nearest end of the range.
+//! Only for a temperature it is an error. NaN is always an error. Both errors
+//! tell the place.
 
 pub(crate) mod depth;
 
@@ -56,7 +56,7 @@ pub enum VaryError {
         key: &'static str,
         /// The expression's text.
         text: String,
-        /// Where.
+        /// The place.
         at: DVec3,
         /// Name of the fourth variable of the expression.
         fourth: &'static str,
@@ -77,7 +77,7 @@ pub enum VaryError {
         text: String,
         /// The value.
         value: f64,
-        /// Where.
+        /// The height of the place.
         z: Mm,
         /// The range of values.
         range: Range,
@@ -118,8 +118,8 @@ impl Quantity {
         Self::with(key, value, Expression::parse)
     }
 
-    /// As [`Quantity::new`], for a setting of outlines, whose expressions know
-    /// the curvature in place of the depth.
+    /// Does what [`Quantity::new`] does, for a setting of outlines, whose
+    /// expressions know the curvature in place of the depth.
     ///
     /// # Errors
     /// If the setting is an expression with a mistake.
@@ -162,7 +162,8 @@ impl Quantity {
         })
     }
 
-    /// As [`Quantity::new`], for a setting that must not differ within a layer.
+    /// Does what [`Quantity::new`] does, for a setting that must not differ
+    /// within a layer.
     ///
     /// # Errors
     /// If the expression differs within a layer or has a mistake.
@@ -237,7 +238,7 @@ impl Quantity {
     /// layer. It must lie within `range` and the setting's own range.
     ///
     /// # Errors
-    /// If there is none.
+    /// If there is no such value.
     pub(crate) fn at_height(
         &self,
         z: Mm,
@@ -260,7 +261,7 @@ impl Quantity {
         expression.evaluate(&[place], &mut value);
         let value = value[0];
         if value.is_nan() {
-            // This returns the error.
+            // This call returns the error.
             return self.at(place);
         }
         if value < range.min || value > range.max {
@@ -278,7 +279,7 @@ impl Quantity {
     /// The value at one place.
     ///
     /// # Errors
-    /// If there is none.
+    /// If the place has no value.
     pub(crate) fn at(&self, place: Place) -> Result<f64, VaryError> {
         let mut value = Vec::with_capacity(1);
         self.evaluate(&[place], &mut value)?;
@@ -303,7 +304,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Makes places of points in the model's x and y at one height above the
-    /// bed. `measure` tells whether their depths matter. `solid` may give the
+    /// bed. `measure` is true if their depths matter. `solid` may give the
     /// outline at that height, which makes depths near it exact.
     ///
     /// # Errors

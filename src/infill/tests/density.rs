@@ -1,4 +1,4 @@
-//! Density: the same everywhere, or an expression.
+//! Density: even, or by an expression.
 
 use super::*;
 
@@ -8,13 +8,13 @@ fn density_is_the_share_of_the_volume_in_beads() {
     for kind in InfillPattern::ALL {
         for density in [10.0, 15.0, 25.0, 60.0] {
             let settings = settings(kind, density);
-            // Off the walls, where the joins are, and over several periods.
+            // Off the walls, where the joins are, and over several cells.
             let half = match kind {
                 InfillPattern::Concentric => 50.0,
                 _ => 43.0,
             };
-            // A window has no whole number of cells: they are laid out from
-            // places all over one.
+            // A window does not hold a whole number of cells. So the patterns
+            // are laid out from many different places in a cell.
             let layers: Vec<Vec<Bead>> = (0..16)
                 .flat_map(|k| {
                     let turn = |step: f64| (step * f64::from(k)).fract();
@@ -26,7 +26,8 @@ fn density_is_the_share_of_the_volume_in_beads() {
                         },
                         ..HERE
                     };
-                    // Both directions of alternating lines alike.
+                    // Both directions of alternating lines are there equally
+                    // often.
                     let places = (0..12).map(|i| spread(12 * k as usize + i));
                     lay(&settings, site, &area, places)
                 })
@@ -49,7 +50,7 @@ fn no_density_no_beads() {
     };
     assert!(!beads(5.0).is_empty());
     assert!(beads(0.0).is_empty());
-    // An expression has the density that it has.
+    // An expression gives its own density.
     for mode in [InfillMode::Surface, InfillMode::Solid] {
         let shape = |density: f64| {
             let settings = Settings {
@@ -72,7 +73,7 @@ fn a_varying_density_is_met_everywhere() {
     // From 10 % on the left to 60 % on the right.
     let density = |x: f64| 35.0 + 0.6 * x;
     let area = square(48.0);
-    // That of hexagons cannot vary.
+    // The density of hexagons cannot vary.
     let varied = |kind: &InfillPattern| *kind != InfillPattern::Hexagons;
     for kind in InfillPattern::ALL.into_iter().filter(varied) {
         let settings = graded(kind, "35 + 0.6*x");
@@ -83,7 +84,7 @@ fn a_varying_density_is_met_everywhere() {
             let half = DVec2::new(5.0, 26.0);
             let found = share_at(&layers, DVec2::new(x, 0.0), half);
             let off = found / density(x) - 1.0;
-            // A window has four rings or more, the same in every layer.
+            // A window has four rings or more, at equal places in every layer.
             let slack = match kind {
                 InfillPattern::Concentric => 0.5,
                 _ => 0.10,
@@ -102,10 +103,10 @@ fn a_varying_density_is_met_everywhere() {
 
 #[test]
 fn a_varying_density_has_no_steps() {
-    // Over a narrow range of densities the lines must not change at once:
-    // what there is in thin slices follows the density.
+    // Over a narrow range of densities the lines must not change at once: the
+    // length of lines in thin slices follows the density.
     let area = square(48.0);
-    // Straight lines are there or not, eight or so in a slice.
+    // Straight lines are there or not, about eight of them in a slice.
     for (kind, slack) in [
         (InfillPattern::Gyroid, 0.08),
         (InfillPattern::Rectilinear, 0.13),
@@ -125,7 +126,7 @@ fn a_varying_density_has_no_steps() {
 
 #[test]
 fn density_by_the_distance_from_the_surface() {
-    // The example of the documentation.
+    // This is the example of the documentation.
     let area = square(48.0);
     for kind in [InfillPattern::Gyroid, InfillPattern::Rectilinear] {
         let settings = graded(kind, "10 + 60*exp(-d/3)");

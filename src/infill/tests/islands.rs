@@ -19,7 +19,7 @@ fn nested() -> Area {
 #[test]
 fn islands_in_each_other_s_boxes_are_filled_once() {
     let area = nested();
-    // And islands that are apart.
+    // There are also islands that are apart.
     let aside = |x: f64, y: f64, half: f64| -> Vec<DVec2> {
         let ring = square(half).rings.remove(0);
         ring.into_iter().map(|p| p + DVec2::new(x, y)).collect()
@@ -38,7 +38,8 @@ fn islands_in_each_other_s_boxes_are_filled_once() {
     let text = "sin(1.5707963*x) + 1e-9*d";
     let surface = shape(text, InfillMode::Surface);
     let solid = shape(text, InfillMode::Solid);
-    // One that names d in vain is sampled just the same.
+    // An expression that names d without depending on it is sampled in the same
+    // way.
     let vain = shape("sin(1.5707963*x) + 0*d", InfillMode::Surface);
     let beads = |s: &Settings| lay(s, HERE, &area, [layer(7)]).remove(0);
     assert_eq!(beads(&vain).len(), beads(&surface).len());
@@ -48,17 +49,19 @@ fn islands_in_each_other_s_boxes_are_filled_once() {
             let beads = lay(settings, HERE, area, [layer(7)]).remove(0);
             beads.iter().map(|b| b.area() * b.length()).sum::<f64>()
         };
-        // The joins and the margin along the border come on top.
+        // The joins and the margin along the border are not part of the
+        // pattern.
         let border = area.perimeter() * crate::bead::cross_section(0.45, 0.2);
         let lines = 0.5 * content * crate::bead::cross_section(0.45, 0.2);
         let found = volume(&surface);
         assert!((found - lines).abs() < 0.6 * border, "{found} {lines}");
         let found = volume(&solid) / 0.2;
         let wanted = 0.5 * content;
-        // Its bands of 2 mm lose a quarter of a line's width on both sides.
+        // The solid's bands of 2 mm lose a quarter of a line's width on both
+        // sides.
         assert!((found / wanted - 0.85).abs() < 0.1, "{found} {wanted}");
     }
-    // The same of a surface whose cells vary.
+    // A surface whose cells vary is filled once, too.
     let settings = graded(InfillPattern::Gyroid, "20 + 0*x");
     let places = || (0..24).map(spread);
     let length = |area: &Area| -> f64 {
@@ -75,7 +78,8 @@ fn islands_in_each_other_s_boxes_are_filled_once() {
 
 #[test]
 fn islands_continue_each_other() {
-    // Two squares beside each other have what one around both has.
+    // Two squares beside each other get the lines that one square around both
+    // gets.
     let shifted = |x: f64| Area {
         rings: square(12.0)
             .rings
@@ -101,7 +105,7 @@ fn islands_continue_each_other() {
             0.5,
         );
         for p in parts.iter().flat_map(|b| &b.points) {
-            // Off the joins.
+            // Only places away from the joins are compared.
             if (p.x.abs() - 20.0).abs() > 11.5 || p.y.abs() > 11.5 {
                 continue;
             }

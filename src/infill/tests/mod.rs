@@ -76,8 +76,8 @@ fn layer(number: usize) -> Place {
     }
 }
 
-/// A layer at one of the heights spread evenly, and out of step with any
-/// period, over so many periods that their number need not be whole.
+/// A layer at one of the heights spread evenly, out of step with any period.
+/// They span so many periods that their number need not be whole.
 fn spread(number: usize) -> Place {
     Place {
         z: 3000.0 * (0.618_034 * number as f64).fract(),
@@ -107,7 +107,7 @@ fn length_within(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
         .sum()
 }
 
-/// Percentage of the volume of some layers, in such a box, that is in beads.
+/// Percentage of the volume of some layers, within a box, that is in beads.
 fn share_at(layers: &[Vec<Bead>], middle: DVec2, half: DVec2) -> f64 {
     let volume = length_within(layers, middle, half)
         * crate::bead::cross_section(0.45, 0.2);

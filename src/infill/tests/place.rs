@@ -68,7 +68,7 @@ fn paths_are_long_and_stay_inside() {
                 let (_, near) = grid.nearest(*p).unwrap();
                 assert!(near.distance(*p) > 0.1, "{kind:?}: {p}");
             }
-            // Without joins there would be some eighty.
+            // Without joins there would be about 80 paths.
             let open = beads.iter().filter(|b| !b.closed).count();
             assert!(open <= 20, "{kind:?}, layer {i}: {open} paths");
         }

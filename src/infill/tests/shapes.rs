@@ -19,7 +19,7 @@ fn an_expression_is_a_surface_or_a_solid() {
     for p in &beads[0].points {
         assert!((p.length() - radius).abs() < 0.05, "{p}");
     }
-    // The same as a solid: its volume is that of the disc.
+    // Printed as a solid, it has the volume of the disc.
     for walls in [0, 1, 3] {
         let solid = Settings {
             infill_mode: InfillMode::Solid,
@@ -40,7 +40,7 @@ fn an_expression_is_a_surface_or_a_solid() {
             .flat_map(|b| &b.points)
             .fold(0.0, |far: f64, p| far.max(p.length()));
         assert!(outermost < radius - 0.05, "{outermost}");
-        // Cut by a wall, it ends there.
+        // Where a wall cuts the disc, the disc ends.
         let beads = lay(&solid, HERE, &square(6.0), [at]).remove(0);
         let volume: f64 = beads.iter().map(|b| b.area() * b.length()).sum();
         let square = 144.0 * 0.2;

@@ -27,7 +27,7 @@ pub(super) use names::Name;
 use parser::parse;
 use value::Value;
 
-/// Why a formula is not one.
+/// What is wrong with a text that is not a formula.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("column {column}: {message}")]
 pub struct FormulaError {

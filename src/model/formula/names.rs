@@ -6,7 +6,7 @@ use crate::model::param::nearest;
 use fidget::context::Tree;
 use std::f64::consts;
 
-/// What names without parentheses there are in a model's formula.
+/// Names without parentheses in a model's formula.
 pub(super) const CONSTANTS: &[&str] = &["x", "y", "z", "pi", "e", "tau"];
 
 /// The name of a fourth variable.
@@ -27,7 +27,8 @@ impl Name {
         }
     }
 
-    /// What names without parentheses there are beside it, and itself.
+    /// The names without parentheses that are allowed beside the fourth
+    /// variable, and its own name.
     pub(super) fn constants(self) -> &'static [&'static str] {
         match self {
             Name::Depth => &["x", "y", "z", "d", "pi", "e", "tau"],
@@ -64,7 +65,7 @@ pub(super) const UNARY: [(&str, Function1); 20] = [
     ("rand", |a| Value::Field(a.tree().rand())),
 ];
 
-/// Functions of two arguments; `min` and `max` take any number.
+/// Functions of two arguments. `min` and `max` take any number of arguments.
 pub(super) const BINARY: [(&str, Function2); 9] = [
     ("min", |a, b| a.with(b, f64::min, |a, b| a.min(b))),
     ("max", |a, b| a.with(b, f64::max, |a, b| a.max(b))),
@@ -77,7 +78,7 @@ pub(super) const BINARY: [(&str, Function2); 9] = [
     ("mix", |a, b| Value::Field(a.tree().mix(b.tree()))),
 ];
 
-/// The same with the opposite sign.
+/// The value with the opposite sign.
 pub(super) fn negated(a: Value) -> Value {
     a.map(|v| -v, Tree::neg)
 }
@@ -90,7 +91,7 @@ fn binary(name: &str) -> Option<Function2> {
     BINARY.iter().find(|f| f.0 == name).map(|f| f.1)
 }
 
-/// What a name without parentheses stands for, of those that are `known`.
+/// The value of a name without parentheses, if it is one of `known`.
 pub(super) fn constant(
     name: &str,
     column: usize,
@@ -113,7 +114,7 @@ pub(super) fn constant(
     })
 }
 
-/// `x2` and `x²` as they are written here.
+/// How `x2` and `x²` are written in formulas.
 fn powers(name: &str) -> Option<String> {
     let mut letters = name.chars();
     let variable = letters.next().filter(|c| matches!(c, 'x' | 'y' | 'z'))?;
@@ -144,7 +145,7 @@ fn unknown(
     })
 }
 
-/// What a name with parentheses stands for.
+/// The value of a name with parentheses.
 pub(super) fn call(
     name: &str,
     arguments: Vec<Value>,

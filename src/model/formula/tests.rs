@@ -98,7 +98,7 @@ fn nesting_is_limited() {
         let error = parse_formula(&text).unwrap_err();
         assert!(error.message.contains("deep"), "{error}");
     }
-    // A long formula is not a deep one.
+    // A long formula is not a deeply nested one.
     let text = "x + ".repeat(20_000) + "y";
     parse_formula(&text).unwrap();
 }

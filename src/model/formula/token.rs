@@ -36,7 +36,7 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, usize)>, FormulaError> {
             while is(i, |c| c.is_ascii_digit() || *c == '.') {
                 i += 1;
             }
-            // An exponent only if digits follow: `2e` is 2 and the name e.
+            // An exponent needs digits: `2e` is 2 and the name e.
             if is(i, |c| matches!(c, 'e' | 'E')) {
                 let sign = usize::from(is(i + 1, |c| matches!(c, '+' | '-')));
                 if is(i + 1 + sign, char::is_ascii_digit) {

@@ -17,7 +17,7 @@ impl Value {
         }
     }
 
-    /// A function of this part: computed at once if that is constant.
+    /// A function of this part. It is computed at once if the part is constant.
     pub(super) fn map(
         self,
         number: impl Fn(f64) -> f64,
@@ -29,7 +29,7 @@ impl Value {
         }
     }
 
-    /// A function of this part and another: computed at once if both are
+    /// A function of this part and another. It is computed at once if both are
     /// constant.
     pub(super) fn with(
         self,

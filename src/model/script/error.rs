@@ -11,7 +11,7 @@ use rhai::{EvalAltResult, Position};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScriptError {
-    /// rhai's own errors, and those of functions called.
+    /// An error of rhai, or of a function that the script has called.
     #[error("{}{message}", place(*.line, *.column))]
     Failed {
         /// Line from 1, if known.
@@ -191,7 +191,8 @@ pub(super) fn explain(
     }
 }
 
-/// No longer than people read: it may quote a text of a million letters.
+/// The message, cut to a length that people read. It may quote a text of a
+/// million letters.
 fn shortened(mut message: String) -> String {
     const LONGEST: usize = 400;
     if let Some((end, _)) = message.char_indices().nth(LONGEST) {
@@ -209,7 +210,7 @@ fn unwrapped(mut error: &EvalAltResult) -> &EvalAltResult {
     error
 }
 
-/// rhai's message without its position, which we print in front.
+/// rhai's message without its position, which our message begins with.
 fn rhai_message(error: &EvalAltResult) -> String {
     let text = error.to_string();
     let position = error.position();

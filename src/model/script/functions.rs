@@ -1,4 +1,5 @@
-//! The functions that scripts have beside fidget's: powers, `draw`, `param`.
+//! The functions that scripts have beside fidget's shapes: powers, `draw`,
+//! `param`.
 
 use super::shape::{Outcome, describe, shape};
 use crate::model::allowed::Said;
@@ -16,7 +17,8 @@ pub(super) struct Shared {
     pub drawn: Vec<Tree>,
     /// What was passed to `param`.
     pub parameters: Table,
-    /// What was wrong with a parameter: rhai keeps its text only.
+    /// What was wrong with a parameter. rhai itself keeps only the error's
+    /// text.
     pub error: Option<ParamError>,
 }
 
@@ -48,8 +50,8 @@ fn not_a_power<A, B>(_: A, _: B) -> Outcome<Tree> {
     Err(REMEDY.into())
 }
 
-/// Comparisons of fields, which are refused: a script runs once, before any
-/// place is known.
+/// Comparisons of fields, which are refused, since a script runs once, before
+/// any place is known.
 pub(super) fn add_comparisons(engine: &mut Engine) {
     fn refused<A, B>(_: A, _: B) -> Outcome<bool> {
         const REMEDY: &str = "a field cannot be compared: the script runs \
@@ -69,9 +71,10 @@ pub(super) fn add_comparisons(engine: &mut Engine) {
     }
 }
 
-/// `draw(shape)`, also of an array of shapes.
+/// `draw(shape)`, which also takes an array of shapes.
 pub(super) fn add_draw(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
-    /// Shapes drawn at most: keeps a `draw` in an endless loop small.
+    /// Greatest number of shapes drawn, so that a `draw` in an endless loop
+    /// stays small.
     const MAX_DRAWN: usize = 100_000;
     let shared = shared.clone();
     engine.register_fn("draw", move |value: Dynamic| -> Outcome<()> {
@@ -94,7 +97,7 @@ pub(super) fn add_draw(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
     });
 }
 
-/// `param(name, default)`, also with a description, and with bounds.
+/// `param(name, default)`, which also takes a description, and bounds.
 pub(super) fn add_param(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
     type Text = ImmutableString;
     let shared = shared.clone();
@@ -148,7 +151,7 @@ pub(super) fn add_param(engine: &mut Engine, shared: &Arc<Mutex<Shared>>) {
                 declare(&name, &default, &text, bounds)
             },
         );
-    // The likeliest mistakes with these, said plainly.
+    // The likeliest mistakes in calls of `param` get plain messages.
     engine.register_fn("param", |_: Text| -> Outcome<Dynamic> {
         Err("param() needs a default: param(\"name\", 10.0, \
                  \"description\")"

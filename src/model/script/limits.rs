@@ -5,10 +5,10 @@ use std::time::Duration;
 /// Bounds on what a script may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScriptLimits {
-    /// Steps of the interpreter. Default: 10⁷; a lattice of 10,000 struts
-    /// needs some 10⁶.
+    /// Steps of the interpreter. Default: 10⁷. A lattice of 10,000 struts needs
+    /// some 10⁶.
     pub operations: u64,
-    /// Wall time. Default: 20 s, some ten times what the operations take.
+    /// Wall time. Default: 20 s, about ten times what the operations take.
     pub time: Duration,
     /// Growth of the process's memory while the script runs, where the
     /// system tells it. Other threads of the process count as well. Default: 192 MiB.
@@ -52,7 +52,7 @@ pub(super) enum Stop {
 pub(super) const GO_ON: u8 = 0;
 
 impl Stop {
-    /// As the flag holds it.
+    /// The reason as the flag holds it.
     pub(super) fn number(self) -> u8 {
         match self {
             Stop::Operations => 1,

@@ -3,24 +3,25 @@
 //! In: the text of a script and the `-D` definitions. Out: an expression tree
 //! and the script's parameters.
 //!
-//! The engine is fidget's, with all its shapes and transforms, and some
-//! additions: more shapes (`shapes`), `param`, `draw`, the power operator
-//! `**` (also `pow`), and limits. The model is the union of what is passed to `draw`; without a
-//! `draw`, the script's last value.
+//! The engine is fidget's, with all its shapes and transforms, and with
+//! additions: more shapes (`shapes`), `param`, `draw`, the power operator `**`
+//! (also `pow`), and limits. The model is the union of what is passed to
+//! `draw`. Without a `draw` it is the script's last value.
 //!
 //! `^` is not a power here: rhai binds it weaker than `+`, so `2*x^2` would
 //! silently be (2x)². It is an error that says to write `**`. (rhai's `**`
 //! binds weaker than a sign before it: `-x ** 2` is (-x)², write `-(x ** 2)`.)
 //!
-//! Guarantees, for any script: no file, network, environment or clock; no
-//! `import` and no `eval`; operations, time, call depth, nesting and the sizes
-//! of strings, arrays and maps are bounded; where the system tells it, memory
-//! as well. The script runs on a thread of its own with a stack that its
-//! bounded depth cannot exhaust.
+//! Guarantees, for any script: there is no file, network, environment or clock,
+//! no `import` and no `eval`; operations, time, call depth, nesting and the
+//! sizes of strings, arrays and maps are bounded; where the system tells it,
+//! memory is bounded as well. The script runs on a thread of its own with a
+//! stack that its bounded depth cannot exhaust.
 //!
-//! Not guaranteed: a script that is within a single long operation when its
-//! time is up (or not even parsed) is not waited for, but its thread goes on
-//! until that is done; so does what the operation takes of memory.
+//! Not guaranteed: that a stopped script ends at once. If it is in the middle
+//! of a single long operation, or still being parsed, nobody waits for it, but
+//! its thread goes on until the operation is done, and so does the memory that
+//! the operation takes.
 
 mod error;
 mod functions;
@@ -50,17 +51,18 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Stack of the script's thread: reserved, not used, unless a script nests to
-/// the limits (arrays of arrays are freed recursively: `MAX_ARRAY` levels).
+/// Stack of the script's thread. It is reserved, but used only if a script
+/// nests to the limits (arrays of arrays are freed recursively: `MAX_ARRAY`
+/// levels).
 const STACK_BYTES: usize = 512 << 20;
 
-/// Time between looks at the clock and the memory: some MB at the rate at
-/// which a script can fill them.
+/// Time between looks at the clock and the memory. At its highest rate a script
+/// can fill some MB in this time.
 const EVERY: Duration = Duration::from_millis(2);
 
-/// Time that a script has to notice that it was stopped. One that is within a
-/// single long operation then, or still being parsed, is left to itself: its
-/// thread ends when that is done.
+/// Time that a script has to notice that it was stopped. A script in the middle
+/// of a single long operation, or still being parsed, is then left to itself,
+/// and its thread ends after it.
 const GRACE: Duration = Duration::from_secs(1);
 
 /// What a script describes.
@@ -86,11 +88,12 @@ pub(super) fn run_script(
         let (limits, stop) = (*limits, stop.clone());
         move || {
             let result = run_here(&text, &defines, &limits, &stop);
-            // Nobody listens any more if it took too long.
+            // Nobody receives the result if it took too long.
             let _ = sender.send(result);
         }
     };
-    // Before the thread, whose stack is part of what it takes.
+    // Memory is measured before the thread begins, since its stack is part of
+    // what the script takes.
     let before = resident_bytes();
     std::thread::Builder::new()
         .name("script".to_owned())
@@ -105,7 +108,7 @@ pub(super) fn run_script(
                 STACK_BYTES >> 20
             ),
         })?;
-    /// Stops the script also if this thread is stopped.
+    /// Stops the script when this thread leaves, for whatever reason.
     struct Leave<'a>(&'a AtomicU8);
     impl Drop for Leave<'_> {
         fn drop(&mut self) {
@@ -180,7 +183,7 @@ fn run_here(
         }
     };
     let drawn = std::mem::take(&mut state.drawn);
-    // An unknown -D explains a missing model better than the reverse.
+    // An unknown -D may explain a missing model, so it is reported first.
     let parameters = std::mem::take(&mut state.parameters)
         .finish()
         .map_err(|error| ScriptError::Param { line: None, error })?;

@@ -1,4 +1,4 @@
-//! What the interpreter may not do: the sandbox.
+//! The sandbox: what the interpreter may not do.
 
 use super::limits::{
     MAX_ARRAY, MAX_CALLS, MAX_DEPTH, MAX_FUNCTIONS, MAX_MAP, MAX_STRING,
@@ -9,8 +9,8 @@ use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Position};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Takes away what reaches outside, and ends scripts that take more than
-/// `most` operations or that `stop` says are to end.
+/// Takes away what reaches outside, and ends scripts that take more than `most`
+/// operations or that `stop` tells to end.
 pub(super) fn add_limits(engine: &mut Engine, most: u64, stop: Arc<AtomicU8>) {
     engine
         .set_max_array_size(MAX_ARRAY)
@@ -35,7 +35,8 @@ pub(super) fn add_limits(engine: &mut Engine, most: u64, stop: Arc<AtomicU8>) {
         why.map(Dynamic::from)
     });
 
-    // rhai calls these from its standard library; ours come first.
+    // rhai calls these from its standard library, but functions registered here
+    // come first.
     const NO_CLOCK: &str = "models have no access to the clock: the same \
                             script must always give the same part";
     engine.register_fn("timestamp", || -> Outcome<()> { Err(NO_CLOCK.into()) });
@@ -45,8 +46,9 @@ pub(super) fn add_limits(engine: &mut Engine, most: u64, stop: Arc<AtomicU8>) {
         .register_fn("sleep", |_: f64| -> Outcome<()> { Err(NO_CLOCK.into()) });
 }
 
-/// rhai's own looks at the length only afterwards, and a text of a million
-/// letters with each replaced by a million more does not fit any machine.
+/// A `replace` for texts. rhai's own checks the length only afterwards, and a
+/// text of a million letters, each replaced by a million more, does not fit any
+/// machine.
 pub(super) fn add_replace(engine: &mut Engine) {
     fn replaced(
         text: &mut ImmutableString,

@@ -6,8 +6,8 @@ use rhai::{Dynamic, EvalAltResult};
 /// What a function that scripts call returns.
 pub(super) type Outcome<T> = Result<T, Box<EvalAltResult>>;
 
-/// The smallest of all fields, as a balanced tree: a chain of 10,000 bodies
-/// would make a deep one.
+/// The least of all fields, as a balanced tree, since a chain of 10,000 bodies
+/// would be a deep tree.
 pub(super) fn union(mut trees: Vec<Tree>) -> Option<Tree> {
     while trees.len() > 1 {
         trees = trees
@@ -27,7 +27,7 @@ pub(super) fn shape(value: &Dynamic) -> Option<Tree> {
         return Some(tree);
     }
     let mut trees = Vec::new();
-    // A stack of its own: arrays may nest to any depth.
+    // The arrays are walked on an own stack, since they may nest to any depth.
     let mut todo = vec![value.clone()];
     while let Some(value) = todo.pop() {
         if let Some(tree) = value.clone().try_cast::<Tree>() {

@@ -1,9 +1,9 @@
-//! What was meant by a name that scripts do not have.
+//! Suggests what was meant by a name that scripts do not have.
 
 use super::shapes;
 use crate::model::param::nearest;
 
-/// Functions of fidget's and ours, each with a call that works.
+/// Functions of fidget and of this program, each with a call that works.
 const FUNCTIONS: &[(&str, &str)] = &[
     ("sphere", "sphere(#{center: [0, 0, 0], radius: 10})"),
     ("box", "box(#{lower: [0, 0, 0], upper: [30, 20, 10]})"),
@@ -59,7 +59,7 @@ const FUNCTIONS: &[(&str, &str)] = &[
     ("round", "round(x)"),
 ];
 
-/// Words of other programs, and what says the same here.
+/// Words of other programs, each with its equivalent here.
 const WORDS: &[(&str, &str)] = &[
     (
         "cube",
@@ -119,8 +119,8 @@ fn example(name: &str) -> Option<&'static str> {
         .or_else(|| shapes::example(name))
 }
 
-/// What to say of a function that there is not, or not for these values;
-/// `signature` is rhai's, `name (type, type)`.
+/// The advice about a function that does not exist, or does not take these
+/// values. `signature` is rhai's, `name (type, type)`.
 pub(super) fn function(signature: &str, own: &[String]) -> String {
     let (name, types) = match signature.split_once('(') {
         Some((name, types)) => (name.trim(), types.trim_end_matches(')')),
@@ -157,7 +157,7 @@ pub(super) fn function(signature: &str, own: &[String]) -> String {
     format!("there is no function {name}; {hint}")
 }
 
-/// What to say of a variable that there is not.
+/// The advice about a variable that does not exist.
 pub(super) fn variable(name: &str, text: &str) -> String {
     let own = declared(text, &["let", "const"]);
     let known = ["x", "y", "z", "PI", "TAU", "E"];
@@ -188,7 +188,7 @@ pub(super) fn declared(text: &str, words: &[&str]) -> Vec<String> {
     let part = |c: char| c.is_alphanumeric() || c == '_';
     let mut all = text.split(|c| !part(c)).filter(|word| !word.is_empty());
     let mut found = Vec::new();
-    // As many as anybody would look through.
+    // Nobody would look through more names.
     while found.len() < 1000
         && let Some(word) = all.next()
     {

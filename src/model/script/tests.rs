@@ -1,7 +1,8 @@
 use super::*;
 use fidget::context::Context;
 
-/// Without the memory limit: other tests' memory would count.
+/// Runs a script without the memory limit, since the memory of other tests
+/// would count.
 fn run(text: &str) -> Result<Script, ScriptError> {
     let limits = ScriptLimits {
         memory_bytes: u64::MAX,
@@ -59,11 +60,11 @@ fn powers() {
     assert_eq!(value("x.pow(3)", 2.0, 0.0, 0.0), 8.0);
     assert!((value("2.0 ** x", 3.0, 0.0, 0.0) - 8.0).abs() < 1e-5);
     assert_eq!(value("x + 2 ** 3", 1.0, 0.0, 0.0), 9.0);
-    // rhai's rule, which the module's header warns of.
+    // rhai has this rule; the module's head warns of it.
     assert_eq!(value("-x ** 2", 3.0, 0.0, 0.0), 9.0);
     assert!(error("x^2").contains("x ** 2"));
     assert!(error("x + 2*y^2.0").contains("x ** 2"));
-    // No panic, no endless product.
+    // The script neither panics nor multiplies for ever.
     run("x ** -9223372036854775808").unwrap();
 }
 
@@ -124,7 +125,7 @@ fn scripts_reach_nothing_outside() {
         let e = error(text);
         assert!(e.contains(words), "{text}: {e}");
     }
-    // Printing is allowed, and goes nowhere.
+    // Printing is allowed, and the text is dropped.
     run("print(\"a\"); debug(\"b\"); x").unwrap();
 }
 
@@ -146,7 +147,8 @@ fn endless_scripts_are_stopped() {
     }
     let limits = ScriptLimits {
         time: Duration::from_millis(50),
-        // A fast machine may take its default within the time.
+        // A fast machine may take the default number of operations within the
+        // time.
         operations: u64::MAX,
         ..ScriptLimits::default()
     };
@@ -177,7 +179,7 @@ fn memory_is_limited() {
         memory_bytes: 24 << 20,
         ..ScriptLimits::default()
     };
-    // Small operations and one that makes many nodes.
+    // The scripts have small operations, and one that makes many nodes.
     for text in [
         "let t = x; loop { t = t ** 1023; }",
         "let a = []; a.pad(20000, x); loop { draw(union(a)); }",
@@ -196,7 +198,7 @@ fn deep_values_do_not_overflow_the_stack() {
     assert!(matches!(e, Err(ScriptError::NoModel { .. })));
 }
 
-/// What a user is told of names that are none.
+/// What a user is told of names that do not exist.
 #[test]
 fn names_that_are_none_have_suggestions() {
     for (text, words) in [

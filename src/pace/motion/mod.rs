@@ -17,7 +17,7 @@
 //! ```
 //!
 //! A move of z or of the filament alone, and a move that pulls filament back on
-//! its way, are as fast as that axis allows.
+//! its way, are as fast as the axis of z or of the filament allows.
 //!
 //! Not modelled: pressure advance, input shaping, limits of single motors, and
 //! a host or a card that is too slow to keep the firmware's buffer full (Marlin
@@ -164,7 +164,7 @@ impl Motion {
             filament_acceleration,
             ..
         } = self.limits;
-        // Without a rise these are infinite, which is no limit.
+        // Without a rise these limits are infinite.
         let rise = course.z.abs();
         let mut least = acceleration.min(acceleration_z / rise);
         if filament < 0.0 || (course.x == 0.0 && course.y == 0.0) {

@@ -49,11 +49,11 @@ const FILAMENT_JUMP: MmPerSec = 1.0;
 /// default of `minimum_cruise_ratio`.
 const GENTLE: f64 = 0.5;
 
-/// Blocks that Marlin and Prusa's firmware know beyond the one that begins: of
-/// a ring of 16 one is always empty, and one is running.
+/// Blocks that Marlin and Prusa's firmware know beyond the block that begins:
+/// one block of a ring of 16 is always empty, and one is running.
 const MARLIN_AHEAD: usize = 14;
 
-/// Blocks that RepRapFirmware knows beyond the one that begins, of a ring of
+/// Blocks that RepRapFirmware knows beyond the block that begins, of a ring of
 /// 40.
 const RRF_AHEAD: usize = 38;
 
@@ -81,7 +81,7 @@ pub(crate) enum Planner {
     },
     /// Marlin 2.
     Marlin {
-        /// Distance of an arc through the corner from the corner.
+        /// Distance of the corner from an arc that replaces it.
         deviation: Mm,
     },
     /// Prusa's firmware.
@@ -182,7 +182,8 @@ impl Planner {
         }
     }
 
-    /// How many moves beyond the one that begins the firmware knows.
+    /// How many moves the firmware knows beyond the move that begins; none if
+    /// all.
     pub(super) fn ahead(&self) -> Option<usize> {
         match self {
             Planner::Klipper { .. } => None,
@@ -196,7 +197,7 @@ impl Planner {
         matches!(self, Planner::Klipper { .. })
     }
 
-    /// The gentler acceleration if the firmware was told this one.
+    /// The gentler acceleration when the firmware was told `told`.
     pub(super) fn gentle(&self, told: MmPerSec2) -> MmPerSec2 {
         if self.is_gentle() {
             GENTLE * told
@@ -277,7 +278,7 @@ fn marlin(a: &Leg, b: &Leg, deviation: Mm, limits: &Limits) -> f64 {
 }
 
 /// Square of the speed at which no axis's speed jumps by more than its jerk.
-/// With `turns`, only the faster of its two speeds counts for an axis that
+/// With `turns`, only the faster of the two speeds counts for an axis that
 /// turns round.
 fn jerk_limit(jerk: &Jerk, a: [f64; 4], b: [f64; 4], turns: bool) -> f64 {
     let jumps = a.into_iter().zip(b).map(|(from, to)| {

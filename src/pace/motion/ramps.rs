@@ -66,7 +66,7 @@ fn gentle_gain(s: &Segment) -> f64 {
 /// Squares of the speeds at the joints of the chain, `joints[i]` at the start
 /// of segment i: as fast as corners and cruising speeds allow, and reachable
 /// from rest at both ends of the chain. Firmware that knows only `ahead`
-/// segments plans to be at rest behind them.
+/// segments plans to be at rest after them.
 fn look_ahead(
     segments: &[Segment],
     corner: &[f64],
@@ -108,7 +108,7 @@ fn calm(
     peaks: &mut [f64],
 ) {
     let mut peak = 0.0;
-    // Number of moves behind `i` that only slow down and wait for their peak.
+    // Number of moves after `i` that only slow down and wait for their peak.
     let mut slowing = 0;
     for i in (0..segments.len()).rev() {
         let (start, end) = (gentle[i], gentle[i + 1]);
@@ -135,7 +135,7 @@ fn calm(
         }
         slowing = 0;
     }
-    // From rest something always speeds up first.
+    // After rest a move always speeds up first.
     debug_assert_eq!(slowing, 0);
 }
 

@@ -28,8 +28,8 @@ fn close(a: f64, b: f64) {
     assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()), "{a} is not {b}");
 }
 
-/// Time of 50 mm at 100 mm/s, from rest and with `end` mm/s at the end, or
-/// the other way round.
+/// Time of 50 mm at 100 mm/s from rest to `end` mm/s, or from `end` mm/s to
+/// rest.
 fn long(end: f64) -> f64 {
     let v = 100.0;
     let on_ramps = (v * v + v * v - end * end) / (2.0 * A);
@@ -68,8 +68,8 @@ fn a_right_angle_is_taken_at_the_square_corner_velocity() {
 
 #[test]
 fn jerk_is_limited_axis_by_axis() {
-    // Askew, y turns round and x goes on: in Prusa's firmware the speed of y
-    // counts once, in RepRapFirmware twice.
+    // The moves are askew: y turns round and x goes on. In Prusa's firmware the
+    // speed of y counts once, in RepRapFirmware twice.
     let [a, b] = [1.0, -1.0].map(|y| DVec3::new(1.0, y, 0.0).normalize());
     for (flavour, jump) in [
         (Flavour::Prusa, FRAC_1_SQRT_2),
@@ -117,8 +117,8 @@ fn firmware_that_knows_few_moves_keeps_a_speed_that_it_can_brake() {
         for _ in 0..n {
             travel(&mut m, DVec3::X * d);
         }
-        // Between the ramps each joint has the speed that those moves can
-        // brake away, and each move a peak of its own.
+        // Between the ramps each joint has the speed that `ahead` moves can
+        // brake away, and each move has a peak of its own.
         let joint = 2.0 * A * d * f64::from(ahead);
         let peak = joint + A * d;
         let each = 2.0 * (peak.sqrt() - joint.sqrt()) / A;
@@ -129,8 +129,8 @@ fn firmware_that_knows_few_moves_keeps_a_speed_that_it_can_brake() {
 
 #[test]
 fn a_small_circle_is_limited_by_its_centripetal_acceleration() {
-    // v² = a·r, whatever it is cut into; a little faster between the corners
-    // of coarse chords.
+    // v² = a·r, whatever the arc is cut into. Between the corners of coarse
+    // chords the moves are a little faster.
     for (flavour, n, within) in [
         (Flavour::Klipper, 2000, 1e-3),
         (Flavour::Marlin, 150, 1.5e-2),
@@ -158,8 +158,8 @@ fn filament_moves_stop_the_head() {
     let half = time(&mut m);
     m.push_filament(-0.8, 35.0);
     travel(&mut m, DVec3::X * 50.0);
-    // It is a short move for the minimum cruise ratio as well, by the
-    // acceleration told last: its peak is v² = a/2·d.
+    // The move is also short for the minimum cruise ratio, by the acceleration
+    // told last: its peak is v² = a/2·d.
     let v = (0.5 * A * 0.8).sqrt();
     close(time(&mut m), 2.0 * half + 0.8 / v + v / A);
     m.tell(0.1 * A);
@@ -222,7 +222,8 @@ fn z_is_as_slow_as_it_can_be() {
     let mut m = motion(Flavour::Marlin);
     travel(&mut m, DVec3::new(20.0, 20.0, 10.0));
     close(time(&mut m), 30.0 / 30.0 + 30.0 / 300.0);
-    // Klipper's deviation is that of the acceleration told, ten times z's.
+    // Klipper's deviation follows from the acceleration told, which is ten
+    // times z's.
     let mut m = motion(Flavour::Klipper);
     travel(&mut m, DVec3::X * 50.0);
     travel(&mut m, DVec3::Z * 20.0);

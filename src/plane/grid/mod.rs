@@ -1,16 +1,16 @@
 //! A uniform grid over edges, for questions about what is within a short
 //! distance.
 //!
-//! Cheaper to build than a tree (two passes over the edges), and as fast to
-//! ask where the edges are spread evenly, as a layer's are.
+//! A grid is cheaper to build than a tree (two passes over the edges). It is as
+//! fast to ask where the edges are spread evenly, as a layer's edges are.
 //!
 //! | file | what it answers |
 //! |---|---|
 //! | `mod` | what is inside, what a segment crosses |
 //! | `near` | what is near to a segment, or meets a box |
 //! | `nearest` | what is nearest to a point |
-//! | `sieve` | for these two, which edges need not be looked at |
-//! | `segment` | the same questions about single segments |
+//! | `sieve` | for `near` and `nearest`: which edges need not be looked at |
+//! | `segment` | distances and crossings of single segments |
 
 mod near;
 mod nearest;
@@ -28,12 +28,13 @@ use std::sync::OnceLock;
 
 /// Edges by the cells they pass through.
 ///
-/// Edges are numbered in the order of their rings, and so that each ring has
-/// one number more than edges: [`EdgeGrid::numbers`].
+/// Edges are numbered in the order of their rings. Each ring takes one number
+/// more than it has edges: see [`EdgeGrid::numbers`].
 #[derive(Clone, Debug)]
 pub(crate) struct EdgeGrid {
-    /// Ring by ring, the first point again at the end: an edge runs from the
-    /// point with its number to the next. Half the memory of pairs of points.
+    /// The points of the rings, each ring with its first point again at the
+    /// end: an edge runs from the point with its number to the next. This takes
+    /// half the memory of pairs of points.
     points: Vec<DVec2>,
     /// The first point's number of each ring (or other chain of edges), and
     /// the number of what it belongs to.
@@ -47,12 +48,12 @@ pub(crate) struct EdgeGrid {
     /// Where each cell's edges begin in `members`; one more than cells.
     starts: Vec<u32>,
     members: Vec<u32>,
-    /// Made when it is first asked: many grids never are.
+    /// The sieve is made when it is first asked: many grids never are.
     sieve: OnceLock<Sieve>,
 }
 
-/// At most so many cells per edge: beyond that a finer grid costs memory and
-/// saves nothing.
+/// Greatest number of cells per edge. A finer grid costs memory and saves
+/// nothing.
 const CELLS_PER_EDGE: f64 = 4.0;
 
 impl EdgeGrid {
@@ -88,9 +89,9 @@ impl EdgeGrid {
         EdgeGrid::build(points, chains, reach)
     }
 
-    /// A grid of lines' edges, each with the number of its line. As with
-    /// rings, a line takes one number more than it has edges; one without
-    /// points takes none.
+    /// A grid of lines' edges, each with the number of its line. As with rings,
+    /// a line takes one number more than it has edges. A line without points
+    /// takes no number.
     pub(crate) fn of_lines<L: IntoIterator<Item = DVec2>>(
         lines: impl Iterator<Item = L>,
         reach: Mm,
@@ -161,7 +162,7 @@ impl EdgeGrid {
         grid
     }
 
-    /// Tells which edges need not be looked at.
+    /// The sieve, which tells which edges need not be looked at.
     fn sieve(&self) -> &Sieve {
         self.sieve.get_or_init(|| {
             let edges = self.members.iter().map(|&m| self.edge(m as usize));
@@ -194,7 +195,7 @@ impl EdgeGrid {
         (self.points[number], self.points[number + 1])
     }
 
-    /// The same, if there is one with this number.
+    /// The ends of an edge, if there is an edge with this number.
     pub(super) fn get(&self, number: u32) -> Option<(DVec2, DVec2)> {
         let first = number as usize;
         let ends = self.points.get(first..)?;
@@ -202,8 +203,8 @@ impl EdgeGrid {
     }
 
     fn column(&self, x: f64) -> usize {
-        // What is no number, or less than 0, becomes 0. To 64 bits it would
-        // take several times as long.
+        // A value that is not a number, or less than 0, becomes 0. The
+        // conversion to 64 bits would take several times as long.
         let c = (x - self.origin.x) * self.per_cell;
         (c as u32 as usize).min(self.columns - 1)
     }
@@ -218,7 +219,7 @@ impl EdgeGrid {
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
         let (first, last) = (self.row(low.y), self.row(high.y));
         let (from, to) = (self.column(low.x), self.column(high.x));
-        // So do most of the edges.
+        // Most edges stay in one row or one column.
         if first == last || from == to {
             for row in first..=last {
                 for column in from.min(to)..=from.max(to) {
@@ -260,8 +261,8 @@ impl EdgeGrid {
             return false;
         }
         let row = self.row(p.y);
-        // Count the edges crossed on the way to the left, each in the one
-        // cell that has the crossing.
+        // Count the edges crossed on the way to the left. Each crossing is
+        // counted in the one cell that has it.
         let mut inside = false;
         for column in 0..=self.column(p.x) {
             for &m in self.members(row * self.columns + column) {
@@ -277,8 +278,8 @@ impl EdgeGrid {
     }
 
     /// The places at which the segment from `a` to `b` crosses or touches
-    /// edges, as fractions of its length, in no particular order; one may
-    /// come more than once.
+    /// edges, as fractions of its length, in no particular order. A place may
+    /// be listed more than once.
     pub(crate) fn crossings(&self, a: DVec2, b: DVec2) -> Vec<f64> {
         let mut found = Vec::new();
         if self.members.is_empty() {
@@ -294,9 +295,10 @@ impl EdgeGrid {
     }
 
     /// Calls `visit` with every edge that the segment from `a` to `b` crosses,
-    /// and where, as a fraction of its length; the same one may come more than
-    /// once. An end of an edge that is on the segment counts as to the right
-    /// of it, so that a ring is crossed as often inwards as outwards.
+    /// and with the place of the crossing, as a fraction of the segment's
+    /// length. It may name a crossing more than once. An end of an edge that is
+    /// on the segment counts as right of it, so that a ring is crossed as often
+    /// inwards as outwards.
     pub(crate) fn visit_crossed(
         &self,
         a: DVec2,

@@ -9,7 +9,7 @@ use glam::DVec2;
 
 impl EdgeGrid {
     /// Calls `visit` with the number of every edge that comes closer than
-    /// `distance` to the segment; the same one may come more than once.
+    /// `distance` to the segment. It may name an edge more than once.
     pub(crate) fn visit_edges_near(
         &self,
         a: DVec2,
@@ -24,7 +24,7 @@ impl EdgeGrid {
     }
 
     /// Calls `visit` with every edge that comes closer than `distance` to the
-    /// segment, as long as it returns true.
+    /// segment, as long as `visit` returns true.
     pub(in crate::plane) fn near(
         &self,
         a: DVec2,
@@ -40,7 +40,7 @@ impl EdgeGrid {
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
         let all = (self.column(lo.x), self.column(hi.x));
         let (first, last) = (self.row(lo.y), self.row(hi.y));
-        // In some row there may be fewer columns, if the segment is long.
+        // If the segment is long, the columns near it differ from row to row.
         let long = (high.x - low.x).abs() > self.cell && last > first;
         // Around a short segment a circle is as good as a box.
         let half = 0.5 * a.distance(b);
@@ -52,8 +52,8 @@ impl EdgeGrid {
         let frame = (!short).then(|| sieve.frame(lo, hi));
         let slope = (high.x - low.x) / (high.y - low.y);
         let columns = |row: usize| {
-            // The stretch of the segment that is near this row; rows at the
-            // grid's edge have all that is beyond them.
+            // The stretch of the segment that is near this row. Rows at the
+            // grid's border hold all that is beyond them.
             let bottom = self.origin.y + row as f64 * self.cell - distance;
             let top = bottom + self.cell + 2.0 * distance;
             let at = |y: f64, end: DVec2, open: bool| match open {
@@ -90,7 +90,7 @@ impl EdgeGrid {
     }
 
     /// Calls `visit` with the ring's number of every edge that comes closer
-    /// than `distance` to the segment; the same one may come more than once.
+    /// than `distance` to the segment. It may name a ring more than once.
     pub(crate) fn visit_near(
         &self,
         a: DVec2,
@@ -106,8 +106,8 @@ impl EdgeGrid {
         self.any_in_box(rect.min, rect.max, |_| true)
     }
 
-    /// Calls `visit` with the number of every edge whose box meets that from
-    /// `lo` to `hi`; the same one may come more than once.
+    /// Calls `visit` with the number of every edge whose box meets the box from
+    /// `lo` to `hi`. It may name an edge more than once.
     pub(crate) fn visit_box(
         &self,
         lo: DVec2,
@@ -120,8 +120,8 @@ impl EdgeGrid {
         });
     }
 
-    /// Looks for an edge whose box meets that from `lo` to `hi` and for which
-    /// `test` is true.
+    /// Looks for an edge whose box meets the box from `lo` to `hi` and for
+    /// which `test` is true.
     fn any_in_box(
         &self,
         lo: DVec2,

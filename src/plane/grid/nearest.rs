@@ -53,15 +53,16 @@ impl EdgeGrid {
         }
         let mut found = Nearest::new(p, reach);
         let place = self.sieve().place(p, reach);
-        // The row with the point first, then those on either side of it: what
-        // is near may settle all others.
+        // Look at the row with the point first, then at the rows on either
+        // side: what is near the point may rule out all others.
         let (low, high) = (self.row(p.y - reach), self.row(p.y + reach));
         let own = self.row(p.y);
-        // The same columns of all rows: a root for each to have fewer of them
-        // takes longer than to look at the edges in the others.
+        // All rows are searched in the same columns. A square root for each
+        // row, which would give fewer columns, takes longer than the edges in
+        // the extra ones.
         let columns = (self.column(p.x - reach), self.column(p.x + reach) + 1);
         found.look(self, &place, own, columns, 0.0);
-        // What is outside the grid belongs to the cells at its edge.
+        // Edges outside the grid are in the cells at its border.
         let side = |row: usize| self.origin.y + row as f64 * self.cell;
         for row in own + 1..=high {
             if !found.look(self, &place, row, columns, side(row) - p.y) {
@@ -76,7 +77,8 @@ impl EdgeGrid {
         found.found()
     }
 
-    /// The same among some edges, all those that there may be within `reach`.
+    /// The point nearest to a place among some edges. They have to include all
+    /// edges that may be within `reach`.
     pub(crate) fn nearest_of(
         &self,
         edges: &[u32],
@@ -116,8 +118,8 @@ impl Nearest {
         (self.edge != NONE).then_some((self.edge as usize, self.at))
     }
 
-    /// Looks at a row of a grid that is `off` away; false if that is too far,
-    /// as are then all beyond it.
+    /// Looks at a row of a grid that is `off` away. False if the row is too far
+    /// away, as are then all rows beyond it.
     #[inline]
     fn look(
         &mut self,
@@ -127,7 +129,7 @@ impl Nearest {
         columns: (usize, usize),
         off: Mm,
     ) -> bool {
-        // A hair more: the cells' sides are rounded.
+        // The limit is a hair wider, since the cells' sides are rounded.
         if off * off > self.limit + 1e-9 {
             return false;
         }
@@ -154,14 +156,15 @@ impl Nearest {
         let along = b - a;
         let side = along.perp_dot(p - a);
         let length = along.length_squared();
-        // Farther from its line already; a hair less, for rounding.
+        // The edge's line is farther away already. The limit is a hair wider,
+        // for rounding.
         if side * side > self.limit * length * (1.0 + 1e-9) {
             return;
         }
         let q = nearest_on(p, a, b);
         let d = p.distance_squared(q);
-        // Of equally near edges the first one, however cells and edges are
-        // laid out.
+        // Of equally near edges the one with the least number wins, however
+        // cells and edges are laid out.
         if d < self.limit || (d == self.limit && edge < self.edge) {
             (self.limit, self.edge, self.at) = (d, edge, q);
         }

@@ -13,8 +13,9 @@ pub(super) fn closer(
 ) -> bool {
     let (u, v) = (b - a, d - c);
     let (ac, ad, cb) = (c - a, d - a, b - c);
-    // One lies on one side of the other's line, farther away: so do nearly
-    // all whose boxes are near to each other.
+    // One segment lies on one side of the other's line, and farther away than
+    // asked. This is so for nearly all segments whose boxes are near each
+    // other.
     let apart = |s: f64, t: f64, length: f64| {
         s * t > 0.0 && s * s > limit * length && t * t > limit * length
     };
@@ -31,8 +32,9 @@ pub(super) fn closer(
     if s0 * s1 < 0.0 && t0 * t1 < 0.0 {
         return limit > 0.0;
     }
-    // An end of one, as seen from the beginning of the other, which is
-    // `along`; how far it is beside that, times the length.
+    // The place of one segment's end, seen from the beginning of the other:
+    // `along` is the way to it, and `side` its distance from the other's line,
+    // times that segment's `length`.
     let near = |end: DVec2, along: DVec2, side: f64, length: f64| {
         let t = end.dot(along);
         if t <= 0.0 {

@@ -1,26 +1,26 @@
-//! Which edges of a grid may be near to a point, several asked at a time.
+//! Which edges of a grid may be near to a point, asked about several edges at
+//! once.
 //!
-//! In: a grid's edges, in the order of its cells. Out: of those in a row of
-//! cells the ones that may be within some distance of a point. Coordinates are
-//! kept in single precision, in which a processor without any extension works
-//! on four of them at once; all that this can blur is allowed for, so nothing
-//! within the distance is left out. What is beyond it by a hair may be let
-//! through: whoever asks has to look for himself.
+//! In: a grid's edges, in the order of its cells. Out: of a row of cells the
+//! edges that may be within some distance of a point. Coordinates are kept in
+//! single precision, in which any processor works on four of them at once. The
+//! sieve allows for all that this precision can blur, so it leaves out no edge
+//! within the distance. It may let through an edge that is a hair farther away,
+//! so the caller has to measure each edge.
 
 use crate::units::Mm;
 use glam::{DVec2, Vec4};
 
-/// So many edges are asked about at once.
+/// Number of edges that are asked about at once.
 pub(super) const LANES: usize = 4;
 
-/// The bits of all of them.
+/// The bits of [`LANES`] edges.
 const ALL: u32 = (1 << LANES) - 1;
 
 /// What single precision loses of coordinates, and of the sum of two, as a
-/// part of the largest: four times as much as half a unit in the last place of
-/// each.
+/// share of the largest: four times half a unit in the last place of each.
 const BLUR: f64 = 5e-7;
-/// What it loses of squares and their products.
+/// What single precision loses of squares and their products.
 const LOST: f32 = 4e-6;
 
 /// The edges' ends, relative to the grid's corner.
@@ -39,18 +39,19 @@ pub(super) struct Sieve {
 pub(super) struct Place {
     x: f32,
     y: f32,
-    /// What is to be added to the square of a distance for what is blurred.
+    /// Added to the square of a distance for what is blurred.
     pad: f64,
 }
 
-/// A box.
+/// A box, ready to be compared with the boxes of edges.
 pub(super) struct Frame {
     lo: [Vec4; 2],
     hi: [Vec4; 2],
 }
 
-/// Calls `visit` with the numbers of the bits of `near`, counted from `k`,
-/// that are less than `end`, as long as it returns true; false if it did not.
+/// Calls `visit` with the numbers of the bits of `near`, counted from `k`, that
+/// are less than `end`, as long as `visit` returns true. False if `visit`
+/// returned false.
 #[inline(always)]
 pub(super) fn each(
     mut near: u32,
@@ -76,7 +77,8 @@ impl Sieve {
         origin: DVec2,
         size: DVec2,
     ) -> Sieve {
-        // Some beyond the last, for the last few to be taken as many.
+        // Some are added beyond the last, so that the last few are read as a
+        // full group.
         let lane = || vec![0.0; count + LANES];
         let mut sieve = Sieve {
             ax: lane(),
@@ -98,7 +100,7 @@ impl Sieve {
     }
 
     /// What coordinates may be off by, if they are within the edges' bounds or
-    /// as far from them as `p` from their origin.
+    /// as far from the sieve's origin as `p`.
     fn blur(&self, p: DVec2) -> Mm {
         BLUR * self.extent.max(p.abs().max_element())
     }
@@ -114,14 +116,14 @@ impl Sieve {
         }
     }
 
-    /// Those of the edges from the `k`th on whose boxes may meet another: a
-    /// bit for each of up to [`LANES`], the first the lowest.
+    /// The edges from the `k`th on whose boxes may meet the frame: a bit for
+    /// each of up to [`LANES`] edges, the first edge the lowest.
     #[inline(always)]
     pub(super) fn meets(&self, k: usize, frame: &Frame) -> u32 {
         let lanes = |all: &[f32]| Vec4::from_slice(&all[k..k + LANES]);
         let beside = |a: Vec4, b: Vec4, lo: Vec4, hi: Vec4| {
-            // Not by the lesser and the greater of them: what is no number
-            // would be neither.
+            // The ends are compared one by one, not their minimum and maximum,
+            // because a comparison with NaN is false.
             (a.cmpgt(hi) & b.cmpgt(hi)) | (a.cmplt(lo) & b.cmplt(lo))
         };
         let (lo, hi) = (frame.lo, frame.hi);
@@ -141,8 +143,8 @@ impl Sieve {
         }
     }
 
-    /// Those of the edges from the `k`th on that may be within the root of
-    /// `limit` of a place: a bit for each of up to [`LANES`], the first the
+    /// The edges from the `k`th on that may be within the root of `limit` of a
+    /// place: a bit for each of up to [`LANES`] edges, the first edge the
     /// lowest.
     #[inline(always)]
     pub(super) fn near(&self, k: usize, place: &Place, limit: f64) -> u32 {
@@ -153,8 +155,8 @@ impl Sieve {
         let length = u * u + v * v;
         let t = x * u + y * v;
         let inside = t.max(Vec4::ZERO).min(length);
-        // The square of the distance, times that of the length, is the
-        // difference of these: no division is needed.
+        // The square of the distance, times the square of the length, is the
+        // difference of these two: no division is needed.
         let whole = (x * x + y * y) * length;
         let along = inside * (t + t - inside) + whole * LOST;
         let limit = Vec4::splat((limit + place.pad) as f32);
@@ -196,7 +198,7 @@ mod tests {
             for k in (0..all.len()).step_by(LANES) {
                 for (i, (a, b)) in all[k..].iter().take(LANES).enumerate() {
                     let far = p.distance(nearest_on(p, *a, *b));
-                    // At and just below the very distance.
+                    // At the very distance and just below it.
                     for reach in [far, far * (1.0 - 1e-9)] {
                         let place = sieve.place(p, reach);
                         let near = sieve.near(k, &place, far * far);

@@ -1,10 +1,10 @@
 //! Finds tight ways round rings from convex hulls.
 //!
 //! ```text
-//!               ·─────·          the hull of the ring's stretch between the
-//!            ·  ╭─────╮  ·       places where the straight way leaves and
-//!         ·   ╭─╯ ring╰─╮   ·    comes back, its sides moved away by the
-//!   a ┈┈┈┈┈┈┈┈┼┈┈┈┈┈┈┈┈┈┼┈┈┈ b   clearance; and the hull of that, a and b
+//!               ·─────·          The way is the hull of three things: a, b,
+//!            ·  ╭─────╮  ·       and the hull of the ring's stretch between
+//!         ·   ╭─╯ ring╰─╮   ·    the places where the straight way leaves and
+//!   a ┈┈┈┈┈┈┈┈┼┈┈┈┈┈┈┈┈┈┼┈┈┈ b   comes back, moved away by the clearance.
 //! ```
 
 use super::rings::Mark;
@@ -13,8 +13,8 @@ use crate::plane::path_length;
 use crate::units::Mm;
 use glam::DVec2;
 
-/// Greatest turn at a stop, radians (26°). It keeps stops few, and a way is a
-/// few per cent longer than a round one.
+/// Greatest turn at a stop, radians (26°). So stops are few, and a way is a few
+/// per cent longer than a round one.
 const TURN: f64 = 0.45;
 
 /// Turn below which a way counts as straight, radians.
@@ -27,7 +27,7 @@ const ROUND_ABOUT: f64 = 1.5;
 const ON_LINE: Mm = 1e-6;
 
 /// How many times longer than the straight line a way past several rings has to
-/// be to be pulled once more.
+/// be for it to be pulled tight once more.
 const WORTH: f64 = 1.1;
 
 /// Shares of the clearance that are tried: narrow places have less room.
@@ -46,7 +46,7 @@ struct Hull {
 
 impl Comb<'_> {
     /// The tight way past the rings that the straight way from `a` to `b`
-    /// meets; nothing if another ring is in the way.
+    /// meets; none if another ring is in the way.
     pub(super) fn hugging(
         &self,
         a: Stop,
@@ -81,8 +81,8 @@ impl Comb<'_> {
         })
     }
 
-    /// The tight way from `a` to `b`, which see each other, but come too near
-    /// to the border on one side.
+    /// The tight way from `a` to `b`, which see each other, but between which
+    /// the straight line comes too near to the border on one side.
     fn passing(&self, a: Stop, b: Stop) -> Option<Vec<Stop>> {
         SHARES.iter().find_map(|share| {
             let room = share * self.clearance;
@@ -94,8 +94,8 @@ impl Comb<'_> {
         })
     }
 
-    /// The hull of the border's points near a straight way; nothing if they are
-    /// on both sides.
+    /// The hull of the border's points near a straight way; none if such points
+    /// are on both sides.
     fn hull_near(&self, a: DVec2, b: DVec2, reach: Mm) -> Option<Hull> {
         let length = a.distance(b);
         let along = (b - a) / length;
@@ -195,10 +195,10 @@ impl Comb<'_> {
 }
 
 impl Hull {
-    /// The hull of a stretch that begins and ends on the line from `a` to `b`;
-    /// nothing if the stretch is on the wrong side, or winds back behind an
-    /// end. With `ahead` the stretch runs as its ring does, with the area to
-    /// its left.
+    /// The hull of a stretch that begins and ends on the line from `a` to `b`.
+    /// None if the stretch is on the wrong side, or winds back behind an end.
+    /// With `ahead` the stretch runs as its ring does, with the area to its
+    /// left.
     fn new(a: DVec2, b: DVec2, stretch: &[DVec2], ahead: bool) -> Option<Hull> {
         let first = stretch.first()?;
         let twice: f64 = stretch
@@ -266,9 +266,9 @@ fn upper(points: impl Iterator<Item = DVec2>) -> Vec<DVec2> {
     hull
 }
 
-/// Points around an upper hull, `far` away from it: where its moved sides meet,
-/// few for many small turns, several for a sharp corner. They begin with an
-/// upward side and end with a downward one.
+/// Points around an upper hull, `far` away from it: where its moved sides meet.
+/// Many small turns get few points, a sharp corner gets several. The points
+/// begin with an upward side and end with a downward one.
 fn around(hull: &[DVec2], far: Mm) -> Vec<DVec2> {
     // Lines that touch the hull: a point and a direction.
     let mut touching: Vec<(DVec2, DVec2)> = Vec::new();
@@ -334,7 +334,7 @@ mod tests {
             .fold(f64::INFINITY, f64::min);
         assert!((5.49..=5.51).contains(&least), "{least}");
         assert!(way.len() < 9, "{way:?}");
-        // From near the ring, too, the way keeps away from it.
+        // From a place near the ring the way keeps away from it, too.
         let (a, b) = (DVec2::new(-5.6, 0.0), DVec2::new(5.6, 0.0));
         let stops = Hull::new(a, b, &stretch, true).unwrap().stops(a, 0.5);
         for pair in stops.windows(2) {

@@ -4,10 +4,10 @@
 //! between them that stays inside.
 //!
 //! ```text
-//!   a ──────╮ ╭───╮            the straight way leaves the island where it
-//!           │ │   │            meets a ring, and comes back at the same ring:
-//!           ╰─╯ ○ ╰────── b    what is between is replaced by a way along the
-//!                              ring; then the line is pulled tight
+//!   a ──────╮ ╭───╮            The straight way leaves the island where it
+//!           │ │   │            meets a ring, and comes back at the same ring.
+//!           ╰─╯ ○ ╰────── b    A way along the ring replaces what is between.
+//!                              Then the line is pulled tight.
 //! ```
 //!
 //! Each part of the plane outside of an island is bounded by only one of the
@@ -18,10 +18,10 @@
 //! as there is room, up to a clearance.
 //!
 //! In most cases the tight way round a ring is the convex hull of the ring's
-//! stretch and of both ends ([`hug`]). If something else is in that way, the
-//! way follows the ring and is pulled tight from point to point ([`pull`]).
-//! That makes it the shortest of the ways that pass these holes on these sides,
-//! not of all ways.
+//! stretch and of both ends ([`hug`]). If something else is in the way, the way
+//! follows the ring and is pulled tight from point to point ([`pull`]). So it
+//! is the shortest of the ways that pass these holes on these sides, not of all
+//! ways.
 //!
 //! Cost: in proportion to the edges near the straight way and on the rings'
 //! stretches.
@@ -51,16 +51,16 @@ pub(super) struct Comb<'a> {
 pub(super) struct Stop {
     pub at: DVec2,
     pub room: Mm,
-    /// The point of the outline that it was moved away from; its own point if
-    /// it was not moved.
+    /// The point of the outline from which the stop was moved away, or the
+    /// stop's own point if it was not moved.
     pub base: DVec2,
 }
 
-/// Share of the room of two points that the line between them keeps.
+/// Share of the room of two points that the line between them keeps free.
 const KEPT: f64 = 0.9;
 
-/// Share of the room of two points that the line between them keeps if there is
-/// no other way.
+/// Share of the room of two points that the line between them keeps free if
+/// there is no other way.
 const PASSED: f64 = 0.1;
 
 /// First distance between the points of a ring on a way, as a share of the
@@ -68,7 +68,7 @@ const PASSED: f64 = 0.1;
 const SPACING: f64 = 0.7;
 
 /// How many times longer than the longest way allowed a way along rings may be.
-/// Pulling it tight gains no more.
+/// Pulling it tight does not shorten it by more.
 const SLACK: f64 = 2.0;
 
 /// Greatest number of times that a way is pulled tight.
@@ -97,9 +97,9 @@ impl<'a> Comb<'a> {
     }
 
     /// The way points between `a` and `b`, without any if the straight way is
-    /// inside. Nothing if `a` and `b` are not in one island, or if the way
-    /// along the rings is so much longer than `longest` that pulling it tight
-    /// cannot help.
+    /// inside. None if `a` and `b` are not in one island, or if the way along
+    /// the rings is so much longer than `longest` that pulling it tight cannot
+    /// help.
     pub(super) fn way(
         &self,
         a: DVec2,
@@ -126,8 +126,8 @@ impl<'a> Comb<'a> {
         }
         let around = |spacing: Mm| {
             let mut way = vec![a];
-            // Without a mark the travel stays inside, but comes too near to
-            // the outline.
+            // Without a mark the straight way stays inside, but comes too near
+            // to the outline.
             if marks.is_empty() {
                 way.extend(self.aside(a.at, b.at));
             }
@@ -137,7 +137,7 @@ impl<'a> Comb<'a> {
             way.push(b);
             self.pulled(&self.joined(&way)?)
         };
-        // A few points of the rings are mostly enough.
+        // Few points of the rings mostly suffice.
         let sparse = around(SPACING * self.clearance);
         let mut way = sparse.or_else(|| around(0.0))?;
         // A nearly straight way is tight.
@@ -147,8 +147,8 @@ impl<'a> Comb<'a> {
         Some(inner(&ends, &way))
     }
 
-    /// A way from `a` that is pulled tight from its other end, and with points
-    /// between, as long as that makes it shorter.
+    /// A way from `a`, pulled tight from its other end, and with points added
+    /// in between, as long as this makes it shorter.
     fn tightened(&self, a: Stop, mut way: Vec<Stop>) -> Vec<Stop> {
         let mut length = stops_length(&way);
         for _ in 0..ROUNDS {
@@ -169,7 +169,7 @@ impl<'a> Comb<'a> {
     }
 
     /// The place inside, off the border, at which a way from or to `p` begins;
-    /// nothing if `p` is outside by more than `reach`.
+    /// none if `p` is outside by more than `reach`.
     pub(super) fn entry(&self, p: DVec2, reach: Mm) -> Option<DVec2> {
         if self.grid().contains(p) {
             return Some(self.off(p).at);
@@ -184,8 +184,8 @@ impl<'a> Comb<'a> {
         self.rings().of_edge(edge)
     }
 
-    /// Calls `visit` with the edges of the border that come closer than
-    /// `reach` to `p`, and their points nearest to it.
+    /// Calls `visit` with the edges of the border that come closer than `reach`
+    /// to `p`, and with their points nearest to `p`.
     pub(super) fn visit_border(
         &self,
         p: DVec2,
@@ -219,7 +219,7 @@ impl<'a> Comb<'a> {
     /// A point near `p` with more room: away from all edges that are about as
     /// near as the nearest one.
     fn off(&self, p: DVec2) -> Stop {
-        /// How much farther than the nearest edge such edges may be, mm.
+        /// How much farther than the nearest edge these edges may be, mm.
         const ABOUT: Mm = 0.1;
         let here = self.stop(p);
         if here.room >= self.clearance {
@@ -251,7 +251,7 @@ impl<'a> Comb<'a> {
             .unwrap_or(here)
     }
 
-    /// A point of the way with the room it has.
+    /// A point of the way with the room around it.
     pub(super) fn stop(&self, at: DVec2) -> Stop {
         let near = self.grid().nearest_edge(at, self.clearance);
         Stop {
@@ -262,7 +262,7 @@ impl<'a> Comb<'a> {
     }
 
     /// True if the line between two points keeps away from the outline as far
-    /// as they do.
+    /// as the points do.
     fn sees(&self, a: Stop, b: Stop) -> bool {
         self.grid().clear(a.at, b.at, KEPT * a.room.min(b.room))
     }
@@ -298,9 +298,9 @@ impl<'a> Comb<'a> {
     /// A point of the outline, on an edge at `t`, moved into the part by the
     /// clearance, or as far as there is room.
     fn inwards(&self, p: DVec2, edge: usize, t: f64) -> Stop {
-        /// Number of trials before there counts as no room.
+        /// Number of trials after which there counts as being no room.
         const TRIALS: usize = 6;
-        /// Where the search begins, as a share of the distance: just off the
+        /// The share of the distance at which the search begins: just off the
         /// edge.
         const START: f64 = 1e-3;
         let rings = self.rings();

@@ -12,8 +12,9 @@ use std::f64::consts::TAU;
 
 const CLEARANCE: f64 = 0.5;
 
-/// How many times longer than the shortest way a way may be. The way round each
-/// hole is chosen on its own, which may not be best past several holes.
+/// How many times longer than the shortest way a way may be. The side on which
+/// a way passes a hole is chosen hole by hole, which may not be best for
+/// several holes.
 const LONGER: f64 = 1.2;
 
 fn config() -> Config {
@@ -65,8 +66,9 @@ fn case() -> impl Strategy<Value = (Area, [DVec2; 2])> {
     (area(), far(), far()).prop_map(|(area, a, b)| (area, [a, b]))
 }
 
-/// Length of the shortest way that keeps `room` from the area's border: over
-/// all pairs of points around its corners that see each other.
+/// Length of the shortest way that keeps `room` from the area's border. It is
+/// found over all pairs of points around the area's corners that see each
+/// other.
 fn shortest(area: &Area, grid: &EdgeGrid, ends: [DVec2; 2], room: f64) -> f64 {
     let mut nodes = ends.to_vec();
     for ring in &area.rings {
@@ -108,8 +110,8 @@ fn shortest(area: &Area, grid: &EdgeGrid, ends: [DVec2; 2], room: f64) -> f64 {
     }
 }
 
-/// The length of the way and of the shortest one; or what is wrong with it.
-/// Nothing if the ends are not inside.
+/// The lengths of the way and of the shortest one, or what is wrong with the
+/// way. None if the ends are not inside.
 fn judge(area: &Area, ends: [DVec2; 2]) -> Option<Result<[f64; 2], String>> {
     let solid = Solid::of(area, 1.0);
     let grid = solid.grid();
@@ -156,8 +158,8 @@ proptest! {
     }
 }
 
-/// Prints how much longer than the shortest ways the ways are, for those who
-/// change how they are found.
+/// Prints how much longer than the shortest ways the ways are, for whoever
+/// changes how they are found.
 ///
 ///     cargo test --release --lib comb -- --ignored --nocapture
 #[test]

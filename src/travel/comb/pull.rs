@@ -4,7 +4,7 @@ use super::{Comb, Stop};
 
 impl Comb<'_> {
     /// The way without avoidable detours: from each point straight to the
-    /// farthest one that it sees. Nothing if a point does not see the next one.
+    /// farthest point that it sees. None if a point does not see the next one.
     pub(super) fn pulled(&self, way: &[Stop]) -> Option<Vec<Stop>> {
         let mut out = vec![*way.first()?];
         let mut i = 0;
@@ -48,8 +48,8 @@ impl Comb<'_> {
         Some(out)
     }
 
-    /// The way with added points where a point does not see the next one: down
-    /// to the outline, along it, and up again. Nothing if that does not help.
+    /// The way with points added where a point does not see the next one: down
+    /// to the outline, along it, and up again. None if that does not help.
     pub(super) fn joined(&self, way: &[Stop]) -> Option<Vec<Stop>> {
         /// Halvings of the distance from the outline.
         const TRIALS: usize = 9;

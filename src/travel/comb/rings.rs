@@ -64,11 +64,11 @@ impl Rings {
 }
 
 impl Comb<'_> {
-    /// Where the straight way leaves the island and comes back, in pairs;
-    /// nothing if its ends are not in one island.
+    /// Where the straight way leaves the island and comes back, in pairs; none
+    /// if its ends are not in one island.
     pub(super) fn marks(&self, a: DVec2, b: DVec2) -> Option<Vec<Mark>> {
-        /// How far aside a way is tried instead, mm. Through a vertex, the
-        /// crossings may come out of order.
+        /// How far aside another straight way is tried, mm. If a way passes
+        /// through a vertex, its crossings may come out of order.
         const ASIDE: Mm = 1e-4;
         let island = self.island(a)?;
         if self.island(b) != Some(island) {
@@ -124,7 +124,8 @@ impl Comb<'_> {
         }
     }
 
-    /// Appends the shorter way along a ring, points no closer than `spacing`.
+    /// Appends the shorter way along a ring. Its points are no closer than
+    /// `spacing`.
     pub(super) fn along(
         &self,
         from: Mark,

@@ -48,7 +48,8 @@ fn a_clear_way_is_straight() {
 
 #[test]
 fn round_a_hole_by_the_shorter_side() {
-    // The tangents to the clearance's circle and the arc between them.
+    // The shortest way has two tangents to the clearance's circle and the arc
+    // between them.
     let rings = vec![ring(&SQUARE), hole(moved(circle(5.0, 400), (0.0, 1.0)))];
     let (length, points) = way(rings, (-15.0, 0.0), (15.0, 0.0)).unwrap();
     assert!(points.iter().all(|p| p.y < 0.0), "{points:?}");
@@ -121,10 +122,10 @@ fn a_neck_narrower_than_the_clearance_is_passed() {
 fn islands_are_not_left() {
     let rings = vec![circle(5.0, 90), moved(circle(5.0, 90), (20.0, 0.0))];
     assert!(way(rings, (0.0, 0.0), (20.0, 0.0)).is_none());
-    // An island in a hole is not the one around it.
+    // An island in a hole is not the island around the hole.
     let rings = vec![circle(20.0, 90), hole(circle(10.0, 90)), circle(5.0, 90)];
     assert!(way(rings.clone(), (0.0, 0.0), (15.0, 0.0)).is_none());
-    // Past it there is a way.
+    // There is a way past it.
     let (length, _) = way(rings, (-15.0, 0.1), (15.0, 0.1)).unwrap();
     assert!(length < 15.0 * PI, "{length}");
 }

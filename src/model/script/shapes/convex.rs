@@ -1,34 +1,35 @@
 //! Distances from convex outlines in a plane.
 //!
-//! Inside, the distance is that of the nearest side's line. Outside it is the
-//! greatest of these, unless the nearest point is a corner. Beyond a corner,
-//! let u be the greater of the distances from the lines of its two sides, and
-//! v how far the foot on that line lies past the corner: the distance is
-//! √(u² + v²). Past both ends, v is the lesser of the two; elsewhere it is 0.
-//! Written as u + v² / (√(u² + v²) + |u|) this has a gradient everywhere,
-//! where √ alone would have none on the outline.
+//! Inside, the distance is that from the line of the nearest side. Outside, it
+//! is the greatest of the distances from the lines, unless the nearest point is
+//! a corner. Beyond a corner, let u be the greater of the distances from the
+//! lines of its two sides, and v how far the foot on that line lies past the
+//! corner: the distance is √(u² + v²). If the foot lies past both ends, v is
+//! the lesser of the two ways; if it lies on the side, v is 0. Written as u +
+//! v² / (√(u² + v²) + |u|) the distance has a gradient everywhere, where √
+//! alone would have none on the outline.
 
 use fidget::context::Tree;
 
-/// The distance where `u` and `v` are as above.
+/// The distance for the `u` and `v` of the module's head.
 fn cornered(u: &Tree, v: &Tree) -> Tree {
-    /// Keeps the root from zero: far below what an f32 tells apart.
+    /// Keeps the root away from zero. It is far less than what f32 tells apart.
     const LEAST: f32 = 1e-12;
     let v2 = v.square();
     let root = (u.square() + v2.clone() + LEAST).sqrt();
     u.clone() + v2 / (root + u.abs())
 }
 
-/// What is in both of two bodies whose faces are at right angles: exact if
-/// they are.
+/// What is in both of two bodies. It is exact if their faces are at right
+/// angles.
 pub(super) fn corner(a: Tree, b: Tree) -> Tree {
     let u = a.max(b.clone());
     let v = a.min(b).max(0.0);
     cornered(&u, &v)
 }
 
-/// Distance from the region on the left of a line through `points`, which
-/// turns left only. An open one begins and ends on a line of symmetry.
+/// Distance from the region on the left of a line through `points`, which turns
+/// left only. A line that is open begins and ends on a line of symmetry.
 pub(super) fn convex(
     points: &[[f64; 2]],
     closed: bool,
@@ -73,36 +74,36 @@ pub(super) fn convex(
 }
 
 struct Side {
-    /// Distance from its line, positive on its right.
+    /// Distance from the side's line, positive on its right.
     off: Tree,
-    /// How far a foot lies before its beginning, and past its end.
+    /// How far a foot lies before the side's beginning, and past its end.
     before: Tree,
     after: Tree,
 }
 
-/// Twice the area, positive if it turns left.
+/// Twice the area of a polygon, positive if the polygon turns left.
 pub(super) fn area(points: &[[f64; 2]]) -> f64 {
     let next = points.iter().cycle().skip(1);
     let cross = |(a, b): (&[f64; 2], &[f64; 2])| a[0] * b[1] - a[1] * b[0];
     points.iter().zip(next).map(cross).sum()
 }
 
-/// How much it turns left at `b`.
+/// How much the way from `a` over `b` to `c` turns left at `b`.
 pub(super) fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
 }
 
 /// The region within a simple polygon that turns left: its hull without its
-/// pockets, each a polygon of its own. A distance only where it is convex.
-/// (S. Tor, A. Middleditch: Convex decomposition of simple polygons, ACM
-/// Transactions on Graphics 3(4), 1984.)
+/// pockets, each of which is a polygon, too. The field is a distance only where
+/// the polygon is convex. (S. Tor, A. Middleditch: Convex decomposition of
+/// simple polygons, ACM Transactions on Graphics 3(4), 1984.)
 pub(super) fn polygon(
     points: &[[f64; 2]],
     x: &Tree,
     y: &Tree,
     depth: usize,
 ) -> Result<Tree, String> {
-    /// Pockets within pockets.
+    /// Greatest depth of pockets within pockets.
     const DEEPEST: usize = 16;
     if depth > DEEPEST {
         return Err("the polygon is wound up too deeply".to_owned());
@@ -122,7 +123,8 @@ pub(super) fn polygon(
         let mut pocket: Vec<_> = (0..=between)
             .map(|i| points[(from + i) % points.len()])
             .collect();
-        // It is on the other side of the same line.
+        // The pocket is on the other side of the line, so it turns the other
+        // way.
         pocket.reverse();
         if area(&pocket) > 0.0 {
             let pocket = polygon(&pocket, x, y, depth + 1)?;
@@ -154,7 +156,7 @@ fn hull(points: &[[f64; 2]]) -> Vec<usize> {
     };
     let mut all = half(&mut order.iter().copied());
     all.extend(half(&mut order.iter().rev().copied()));
-    // The same corners as the polygon's path meets them.
+    // The corners are sorted into the order of the polygon's path.
     all.sort_unstable();
     all
 }

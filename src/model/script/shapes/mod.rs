@@ -1,4 +1,4 @@
-//! Shapes and operations beside fidget's, called as fidget's are.
+//! Shapes and operations beside fidget's, called in the same way as fidget's.
 //!
 //! `cylinder(#{radius: 5, height: 20})` names its values; without names they
 //! are told apart by what they are (a place, a number, a shape) and numbers
@@ -6,8 +6,8 @@
 //! a default may be left out. An operation is also a method: `f.twist(40)`.
 //! docs/shapes.md is the list for users.
 //!
-//! Guaranteed: lengths that must be positive are, numbers are finite. Shapes
-//! whose row says `exact` are distances in mm.
+//! Guaranteed: lengths that must be positive are positive, and numbers are
+//! finite. Shapes whose row says `exact` are distances in mm.
 
 mod convex;
 mod rows;
@@ -69,7 +69,7 @@ enum Value {
 struct Argument {
     name: &'static str,
     kind: Kind,
-    /// Of numbers; places default to the origin.
+    /// The default of a number. Places default to the origin.
     default: Option<f64>,
 }
 
@@ -119,7 +119,7 @@ impl Given {
 pub(super) fn add_shapes(engine: &mut Engine) {
     for row in ROWS {
         for count in 1..=row.arguments.len() {
-            // Whatever it is: which call it is follows from the values.
+            // The values may be of any type: they tell which call is meant.
             let types = vec![TypeId::of::<Dynamic>(); count];
             engine.register_raw_fn(
                 row.name,
@@ -133,13 +133,13 @@ pub(super) fn add_shapes(engine: &mut Engine) {
     }
 }
 
-/// A call of ours that works, for messages.
+/// A call of a function of this folder that works, for messages.
 pub(super) fn example(name: &str) -> Option<&'static str> {
     let row = ROWS.iter().find(|row| row.name == name);
     row.map(|row| row.example)
 }
 
-/// Names of all.
+/// The names of all shapes and operations.
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
     ROWS.iter().map(|row| row.name)
 }
@@ -152,7 +152,7 @@ fn call(row: &Row, mut given: Vec<Dynamic>) -> Outcome<Tree> {
         )
     };
     let mut values: Vec<Option<Value>> = vec![None; row.arguments.len()];
-    // The names come last: a shape may stand before them.
+    // Names come last: a shape may stand before them.
     let named = match given.last().is_some_and(Dynamic::is_map) {
         true => given.pop().and_then(Dynamic::try_cast::<Map>),
         false => None,
@@ -215,7 +215,8 @@ fn call(row: &Row, mut given: Vec<Dynamic>) -> Outcome<Tree> {
     (row.build)(&Given(all)).or_else(wrong)
 }
 
-/// True if a value without a name is of this kind, right or wrong.
+/// True if a value without a name is of this kind, whether or not it is
+/// allowed.
 fn may_be(kind: Kind, value: &Dynamic) -> bool {
     let number = value.is_int() || value.is_float();
     match kind {
@@ -246,7 +247,7 @@ fn number(value: &Dynamic) -> Option<f64> {
         Ok(whole) => whole as f64,
         Err(_) => value.as_float().ok()?,
     };
-    // What the field computes with.
+    // The field computes with f32.
     (number as f32).is_finite().then_some(number)
 }
 

@@ -6,9 +6,9 @@ use crate::model::script::shape::union;
 use fidget::context::Tree;
 use std::f64::consts::TAU;
 
-/// Copies that an array makes at most.
+/// Greatest number of copies that an array makes.
 const MOST_COPIES: f64 = 1000.0;
-/// Corners of polygons at most.
+/// Greatest number of a polygon's corners.
 const MOST_CORNERS: usize = 1000;
 
 const fn positive(name: &'static str) -> Argument {
@@ -80,7 +80,7 @@ macro_rules! rows {
 }
 
 pub(super) const ROWS: &[Row] = rows![
-    // Distances.
+    // These fields are distances.
     "cylinder" (CENTER, positive("radius"), positive("height"))
         "cylinder(#{radius: 5, height: 20})"
         |g| {
@@ -217,7 +217,7 @@ pub(super) const ROWS: &[Row] = rows![
             );
             Ok(plan - edge as f32)
         };
-    // A distance if it is convex.
+    // This field is a distance if the polygon is convex.
     "polygon" (POINTS)
         "polygon([[0, 0], [20, 0], [20, 5], [5, 5], [5, 15], [0, 15]])"
         |g| {
@@ -232,7 +232,7 @@ pub(super) const ROWS: &[Row] = rows![
             let (x, y, _) = Tree::axes();
             polygon(&points, &x, &y, 0)
         };
-    // No distance.
+    // This field is not a distance.
     "ellipsoid" (place("radii"), CENTER)
         "ellipsoid(#{radii: [20, 12, 8]})"
         |g| {
@@ -245,7 +245,7 @@ pub(super) const ROWS: &[Row] = rows![
             let out = part(x, radii.x) + part(y, radii.y) + part(z, radii.z);
             Ok((out.sqrt() - 1.0) * radii.min_element() as f32)
         };
-    // Surfaces without an end.
+    // These surfaces have no end.
     "gyroid" (positive("cell"), positive("thickness"))
         "gyroid(#{cell: 10, thickness: 1})"
         |g| Ok(sheet(g, 1.5, |[x, y, z]| {
@@ -262,7 +262,7 @@ pub(super) const ROWS: &[Row] = rows![
                 + x.cos() * y.sin() * z.cos()
                 + x.cos() * y.cos() * z.sin()
         }));
-    // Operations.
+    // These are operations.
     "blend_intersection" (shape("a"), shape("b"), positive("radius"))
         "blend_intersection(a, b, 3)"
         |g| Ok(-blend(-g.shape(0), -g.shape(1), g.number(2)));
@@ -355,20 +355,20 @@ fn half(g: &Given, at: usize) -> f32 {
     (0.5 * g.number(at)) as f32
 }
 
-/// Distance from the axis.
+/// Distance from the z axis.
 fn ring(x: &Tree, y: &Tree) -> Tree {
     (x.square() + y.square()).sqrt()
 }
 
-/// As fidget's `blend`, where its source is named.
+/// fidget's `blend`, whose documentation names its source.
 fn blend(a: Tree, b: Tree, radius: f64) -> Tree {
     let r = radius as f32;
     let near = (Tree::constant(r) - (a.clone() - b.clone()).abs()).max(0.0);
     a.min(b) - near.square() * (0.25 / r)
 }
 
-/// A sheet of about that thickness where the function, whose slope there is
-/// about `slope` for each radian, is 0.
+/// A sheet of about the given thickness around the places where a function is
+/// 0. The function's slope there is about `slope` per radian.
 fn sheet(g: &Given, slope: f64, f: fn([Tree; 3]) -> Tree) -> Tree {
     let k = TAU / g.number(0);
     let (x, y, z) = Tree::axes();

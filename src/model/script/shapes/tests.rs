@@ -12,7 +12,7 @@ fn tree(text: &str) -> Result<Tree, String> {
     script.map(|s| s.tree).map_err(|e| e.to_string())
 }
 
-/// Places all over a cube of 60 mm, the same each time.
+/// Places all over a cube of 60 mm, equal in every run.
 fn places() -> impl Iterator<Item = DVec3> {
     let mut state = 7u64;
     let mut next = move || {
@@ -25,7 +25,7 @@ fn places() -> impl Iterator<Item = DVec3> {
         .take(2000)
 }
 
-/// Distance from a polygon, by its sides one by one; negative inside.
+/// Distance from a polygon, worked out side by side; negative inside.
 fn of_polygon(points: &[[f64; 2]], x: f64, y: f64) -> f64 {
     let mut least = f64::INFINITY;
     let mut inside = false;
@@ -42,7 +42,7 @@ fn of_polygon(points: &[[f64; 2]], x: f64, y: f64) -> f64 {
     if inside { -least } else { least }
 }
 
-/// What is extruded: the distance from it, by the distance in the plane.
+/// Distance from an extrusion, by the distance in the plane.
 fn extruded(plan: f64, z: f64) -> f64 {
     plan.max(z).min(0.0) + plan.max(0.0).hypot(z.max(0.0))
 }
@@ -62,7 +62,7 @@ fn assert_distance(text: &str, distance: impl Fn(DVec3) -> f64) {
     }
 }
 
-/// A body of revolution, by the polygon of its section, mirrored.
+/// Distance from a body of revolution, by the polygon of its section, mirrored.
 fn revolved(points: &'static [[f64; 2]]) -> impl Fn(DVec3) -> f64 {
     let mirrored = points.iter().rev().map(|[r, z]| [-r, *z]);
     let mut all: Vec<_> = points.iter().copied().chain(mirrored).collect();
@@ -150,7 +150,7 @@ fn distances_are_exact() {
     }
 }
 
-/// Only its sign is right outside of corners that turn inwards.
+/// Outside of corners that turn inwards only the sign is right.
 #[test]
 fn any_simple_polygon_has_its_inside() {
     let star: Vec<[f64; 2]> = (0..14)
@@ -217,7 +217,8 @@ fn operations_do_what_they_say() {
     assert_eq!(value(row, 40.0, 0.0, 0.0), 8.0);
     let around = "sphere([10, 0, 0], 2).polar_array(4)";
     assert!((value(around, 0.0, -10.0, 0.0) + 2.0).abs() < 1e-5);
-    // Where both are near, material is taken, or left, softly.
+    // Where both fields are near zero, the blend takes material away, or leaves
+    // it, softly.
     let soft = value("blend_intersection(x, y, 3)", 0.0, 0.0, 0.0);
     assert_eq!(soft, 0.75);
     let soft = value("blend_difference(x, -y, 3)", 0.0, 0.0, 0.0);
