@@ -84,17 +84,16 @@ fn binary_files_with_pictures_of_every_format() {
 /// filament by itself; temperatures by height.
 #[test]
 fn totals_in_templates() {
-    let mut settings = settings(&[
+    let settings = settings(&[
         "retract.firmware=true",
         "retract.extra_prime=0.03",
         "filament.nozzle_temperature=expr: 200 + z/4",
         "filament.cost=25",
         "sample_spacing=0.6",
+        "gcode.end=M117 {{ print_time }} {{ filament_length }}\n\
+         G4 S{{ (print_seconds / 100) | round }}",
+        "gcode.layer=M117 {{ layer }} of {{ layer_count }}",
     ]);
-    settings.gcode.end = "M117 \"{{ print_time }}\" {{ filament_length }}\n\
-                          G4 S{{ (print_seconds / 100) | round }}"
-        .to_owned();
-    settings.gcode.layer = "M117 {{ layer }} of {{ layer_count }}".to_owned();
     let plate = plate_of(PART, &settings);
     assert_joins(&plate, Format::Text);
     let text = String::from_utf8(file(&plate, "..", Format::Text)).unwrap();
@@ -164,7 +163,7 @@ fn gaps_and_overlaps_are_refused() {
     assert!(overlap(10, 10)(&why(&["1..10", "10..30"])));
     assert!(overlap(5, 7)(&why(&["1..20", "5..7", "21..30"])));
     assert!(overlap(1, 10)(&why(&["1..10", "1..10", "11..30"])));
-    assert!(matches!(join::<Vec<u8>>(&[]), Err(JoinError::Nothing)));
+    assert!(matches!(join(&[] as &[Vec<u8>]), Err(JoinError::Nothing)));
 }
 
 #[test]
