@@ -85,21 +85,21 @@ pub(crate) trait Part: Number {
     fn choose(a: Self, b: Self, x: Self, y: Self) -> Self;
     /// `x` where `a` is zero, else `y`.
     fn choose_zero(a: Self, x: Self, y: Self) -> Self;
-    /// `self`, but `instead` where `a` or `b` is not a number. Kinds that
-    /// cannot tell keep `self`.
+    /// `instead` where `a` or `b` is NaN, else `self`. Kinds that cannot tell
+    /// keep `self`.
     #[inline(always)]
     fn unless_nan(self, _a: Self, _b: Self, _instead: f32) -> Self {
         self
     }
-    /// The derivative of `self`, a value that goes in steps; `a` and `b` are the
-    /// derivatives of its operands.
+    /// The derivative of `self`, the value of an operation that goes in steps.
+    /// `a` and `b` are the derivatives of the operands.
     fn step(self, a: Self, b: Self) -> Self;
     /// A term of the derivative of `self.atan2(x)`, added to the smooth part. It
     /// is zero, or unknown where the angle may jump by a turn. `along` is the
     /// derivative of `self`.
     fn leap(self, x: Self, along: Self) -> Self;
-    /// The derivative of the remainder of `self` by `o`; `a` and `b` are the
-    /// derivatives of the two.
+    /// The derivative of the remainder of `self` by `o`, whose derivatives are
+    /// `a` and `b`.
     fn wrap(self, o: Self, a: Self, b: Self) -> Self;
 }
 
