@@ -64,7 +64,7 @@ pub(crate) struct Place {
 /// How dense a layer's pattern is.
 #[derive(Clone, Copy, Debug)]
 enum Density<'a> {
-    /// The same share of the plane everywhere, 0 to 1.
+    /// One share of the plane everywhere, 0 to 1.
     Even(f64),
     /// A share that varies.
     Graded(&'a Grading),

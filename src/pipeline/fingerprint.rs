@@ -1,8 +1,8 @@
 //! What the files of ranges of one print have in common.
 //!
 //! In: the plate on its rafts, and the planned layers. Out: short words that are
-//! the same if all of that is the same, and differ otherwise but for one case in
-//! 10³⁸.
+//! equal if the plates and layers are equal, and that otherwise differ except in
+//! one case of 10³⁸.
 
 use super::SliceError;
 use crate::gcode::{Fingerprint, version};
@@ -12,7 +12,7 @@ use crate::plate::Plate;
 use crate::settings::{Settings, keys};
 use ring::digest::{Context, SHA256};
 
-/// Bytes of a digest that are told.
+/// Number of bytes of a digest that are written.
 const BYTES: usize = 16;
 
 /// The fingerprint of a plate; `spans` are the layers of each part.

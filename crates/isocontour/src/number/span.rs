@@ -2,8 +2,8 @@
 //!
 //! Interval arithmetic for eight boxes in step, in vector instructions. Where
 //! the result may be NaN, or depends on cases, a box drops out: its ends become
-//! NaN, and it has to be evaluated on its own, as an
-//! [`Interval`](crate::interval::Interval). Few boxes drop out.
+//! NaN, and it has to be evaluated on its own, as an [`Interval`]. Few boxes
+//! drop out.
 
 use super::wide::{self, Turn};
 use super::{Number, Part};
