@@ -164,7 +164,7 @@ pub enum InfillError {
     /// The pattern's text is not an expression.
     #[error("infill = \"expr: {text}\": {error}")]
     Expression {
-        /// Its text.
+        /// The pattern's text.
         text: String,
         /// What is wrong with it.
         error: ExpressionError,

@@ -38,7 +38,7 @@ const LOOKS: usize = 64;
 pub struct Share {
     /// Indices of its layers.
     pub layers: Range<usize>,
-    /// Its share of the whole work, as far as a coarse look tells.
+    /// The range's share of the whole work, as far as a coarse look tells.
     pub cost: f64,
 }
 

@@ -339,7 +339,7 @@ impl<'a> Planner<'a> {
             }
     }
 
-    /// Whether a retracted travel is lifted.
+    /// True if a retracted travel is lifted.
     fn hops(&self, from: DVec2, points: &[DVec2], next: usize) -> bool {
         let retract = &self.settings.retract;
         if retract.z_hop <= 0.0 {

@@ -40,7 +40,7 @@ impl Slicer {
 pub struct Named {
     /// The kind of the profile.
     pub kind: Kind,
-    /// Its name.
+    /// The profile's name.
     pub name: String,
 }
 

@@ -49,7 +49,7 @@ pub struct Setting {
     pub kind: Kind,
     /// The setting's name.
     pub name: &'static str,
-    /// Its value.
+    /// The setting's value.
     pub value: Value,
     /// The keys from which the setting was made.
     pub from: Vec<String>,
@@ -60,7 +60,7 @@ pub struct Setting {
 pub struct Left {
     /// The key.
     pub key: String,
-    /// Its value.
+    /// The key's value.
     pub value: String,
     /// Why no setting was made from the key, or what to do.
     pub why: String,

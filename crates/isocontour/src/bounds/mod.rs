@@ -125,7 +125,7 @@ pub enum BoundsError {
     NotANumber {
         /// What was searched.
         searched: String,
-        /// Which operation makes it NaN, and of what.
+        /// Which operation makes f NaN, and of what.
         cause: String,
     },
     /// f does not depend on z.

@@ -87,7 +87,7 @@ const AGAINST: usize = 8;
 struct Patch {
     x: Vec<f32>,
     y: Vec<f32>,
-    /// Which nodes are inside, row by row.
+    /// True for each node that is inside, row by row.
     inside: Vec<bool>,
     values: Vec<f32>,
     /// Numbers of vertices by edge: first the edges along x, then those along

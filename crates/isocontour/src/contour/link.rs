@@ -13,7 +13,7 @@ use crate::plane::Ring;
 use glam::DVec2;
 use std::collections::BTreeSet;
 
-/// No vertex.
+/// Stands for no vertex.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// A crossing of a lattice edge: the edge's number and the part of it, or

@@ -33,7 +33,7 @@ pub(super) struct Bracket {
     /// The best estimate so far, and the estimate before it.
     t: f64,
     from: f64,
-    /// Which end moved last: −1 `lo`, 1 `hi`.
+    /// The end that moved last: −1 for `lo`, 1 for `hi`.
     last: i8,
     done: bool,
 }
@@ -91,7 +91,7 @@ impl Bracket {
         let rest = self.ends[0].abs() + self.ends[1].abs();
         let open = (self.hi - self.lo) * self.length;
         let falls = rest <= JUMP * self.whole;
-        // It does not come down to zero, either, if a value is NaN.
+        // The field does not come down to zero, either, if a value is NaN.
         open < ARRIVED && !falls
     }
 

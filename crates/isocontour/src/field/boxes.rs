@@ -33,7 +33,7 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Nothing is known.
+    /// The bound of a field of which nothing is known.
     pub const UNKNOWN: Bound = Bound {
         value: [f64::NEG_INFINITY, f64::INFINITY],
         slopes: [[f64::NEG_INFINITY, f64::INFINITY]; 2],
