@@ -1,6 +1,7 @@
 //! The outlines of a slab's layers, under a watch and with the time they take.
 //!
-//! The work is [`isocontour`]'s; this is what the program adds to it.
+//! The crate [`isocontour`] does the work. This module adds the program's
+//! watch, its timings, and advice about errors.
 
 use crate::limits::{self, Watched};
 use crate::plane::Rect;
@@ -12,7 +13,7 @@ use isocontour::{Phase, outlines_in_phases};
 pub(crate) use isocontour::{Detail, Field, FieldError, Outline};
 
 /// The field `tree` + `depth` over a box in the plane, sampled every `spacing`
-/// millimetres, under the watch of the threads that will ask it.
+/// millimetres, under the watch of the threads that will evaluate it.
 ///
 /// # Errors
 /// If the lattice would be too large, or fidget refuses the expression.
@@ -26,10 +27,11 @@ pub(crate) fn field(
     Ok(field.with_cancel(limits::cancel()))
 }
 
-/// As [`field`], of what is within a window that is parallel to the axes.
+/// Does what [`field`] does, for the part of a model within a window parallel
+/// to the axes.
 ///
 /// # Errors
-/// As [`field`].
+/// Those of [`field`].
 pub(crate) fn field_in(
     tree: &Tree,
     window: Rect,
@@ -44,8 +46,8 @@ pub(crate) fn field_in(
     field(&cut, 0.0, window, spacing)
 }
 
-/// Outlines of the layers at heights `z`, at most a slab of them; the time
-/// they take goes to `timings`.
+/// Outlines of the layers at heights `z`, at most a slab of them. The time they
+/// take goes to `timings`.
 ///
 /// # Errors
 /// If the field changes its sign finer than `detail.smallest` over large parts
@@ -59,7 +61,7 @@ pub(crate) fn outlines(
 ) -> Result<Vec<Outline>, FieldError> {
     let mut lap: Option<Lap<'_>> = None;
     let found = outlines_in_phases(field, z, detail, &mut |phase| {
-        // What went before ends first.
+        // The last phase ends before the next one begins.
         lap = None;
         lap = Some(timings.begin(match phase {
             Phase::Sampling => Stage::Field,

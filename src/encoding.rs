@@ -1,7 +1,8 @@
 //! Reads text from bytes.
 //!
 //! In: the bytes of a file. Out: the text in UTF-8, without the byte-order mark
-//! that some editors write at the beginning; or why the bytes are no text.
+//! that some editors write at the beginning, or the reason why the bytes are no
+//! text.
 
 /// The byte-order mark of UTF-8.
 const MARK: &[u8] = "\u{feff}".as_bytes();
@@ -12,7 +13,7 @@ pub enum NotText {
     /// The bytes are text in UTF-16.
     #[error("it is text in UTF-16; save it as UTF-8")]
     Utf16,
-    /// The bytes are not UTF-8, first in this line.
+    /// The bytes are not UTF-8. The first that is not is in this line.
     #[error("line {0}: not valid UTF-8; save the file as plain text")]
     Line(usize),
 }

@@ -24,7 +24,7 @@ const EVERY: Duration = Duration::from_millis(20);
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
-    /// The system refuses it.
+    /// The system refuses to read the file.
     #[error(transparent)]
     System(#[from] io::Error),
     /// The file is too large.
@@ -53,18 +53,18 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     within(bytes, most)
 }
 
-/// The bytes from standard input, as [`read`].
+/// Does what [`read`] does, for standard input.
 ///
 /// # Errors
-/// As [`read`].
+/// Those of [`read`].
 pub fn read_standard_input(most: u64) -> Result<Vec<u8>, FileError> {
     within(waiting(move || up_to(io::stdin().lock(), most))?, most)
 }
 
-/// The text of a file, read as by [`read`].
+/// Does what [`read`] does, and returns the bytes as text.
 ///
 /// # Errors
-/// As [`read`], or if it is not UTF-8.
+/// Those of [`read`], and an error if the bytes are not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> Result<String, FileError> {
     text(&read(path, most)?)
 }

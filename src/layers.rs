@@ -139,9 +139,9 @@ impl FromStr for LayerRange {
 /// (0.02 mm).
 pub(crate) const MAX_LAYERS: usize = 50_000;
 
-/// Plans the layers of a part `height` high that stands on the bed: one of
-/// height `first`, then as many of height `layer` as bring the top nearest to
-/// the part's.
+/// Plans the layers of a part `height` high that stands on the bed: one layer
+/// of height `first`, then as many of height `layer` as bring the top nearest
+/// to the part's top.
 ///
 /// # Errors
 /// If the part is too flat for a single layer, or has too many.

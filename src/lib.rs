@@ -65,6 +65,11 @@
 //! [`limits`] stops them when they take too much time or memory, [`files`]
 //! reads files, [`encoding`] reads text from bytes, and [`units`] names units.
 //!
+//! The program around this library is the command line, `src/cli`. The crate
+//! `slicerprofile` reads profiles of other slicers for it. `CONTRIBUTING.md`
+//! says which files a new pattern of infill, a flavour of G-code, a kind of
+//! number, a setting or a profile takes.
+//!
 //! # A ball
 //!
 //! ```

@@ -1,8 +1,8 @@
 //! Measures where a run's time goes, by stage.
 //!
 //! The times are processor times, added up over all threads: two threads at
-//! work count 2 seconds per second. Other work of the machine does not show,
-//! nor does waiting. Work that a stage hands to other threads is timed there.
+//! work count 2 seconds per second. Neither other work of the machine nor
+//! waiting counts. Work that a stage gives to other threads is timed there.
 
 use crate::limits;
 use crate::units::Seconds;
@@ -30,7 +30,7 @@ impl Stopwatch {
     }
 }
 
-/// A stage of the pipeline, as reports name it.
+/// A stage of the pipeline, with its name in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Pictures for the file's head.
@@ -103,7 +103,7 @@ impl Stage {
     }
 }
 
-/// Nanoseconds per stage; shared between threads.
+/// Nanoseconds per stage, shared between threads.
 #[derive(Debug, Default)]
 pub(crate) struct Timings {
     nanos: [AtomicU64; Stage::ALL.len()],

@@ -1,8 +1,8 @@
 //! Units of the quantities that pass between the stages.
 //!
-//! All of them are `f64`; the aliases exist so that a signature says what it
-//! takes. Lengths are millimetres and z points up everywhere; conversions to
-//! and from other units live here and nowhere else.
+//! All of them are `f64`. The aliases exist so that a signature says what it
+//! takes. Lengths are millimetres and z points up everywhere. Conversions to
+//! and from other units are in this module and nowhere else.
 
 /// Length in millimetres.
 pub(crate) type Mm = f64;

@@ -287,11 +287,11 @@ impl<R: Read> Read for Unpacked<R> {
     }
 }
 
-/// The pictures of binary G-code. What comes behind the first piece of its text
+/// The pictures of binary G-code. What comes after the first piece of its text
 /// is not read.
 ///
 /// # Errors
-/// If the file is damaged, or is none.
+/// If the file is damaged, or is not binary G-code.
 pub(crate) fn pictures(
     input: &mut impl Read,
 ) -> io::Result<Vec<(PictureSize, Vec<u8>)>> {

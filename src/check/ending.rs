@@ -23,7 +23,7 @@ enum Last {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ending {
     last: Last,
-    /// Whether something of the part was printed.
+    /// True if something of the part was printed.
     printed: bool,
     /// True if a nozzle was turned off or a macro called after the last bead.
     ended: bool,

@@ -47,13 +47,13 @@ impl HeatLimit {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Readiness {
     Hot,
-    /// Only the printer's macros know.
+    /// Only the printer's macros know whether the nozzle is hot.
     Unknown,
-    /// No command has heated it.
+    /// No command has heated the nozzle.
     Never,
-    /// It has been told this temperature, which is too low.
+    /// The nozzle has been told this temperature, which is too low.
     Told(Celsius),
-    /// It is being heated, and no command has waited.
+    /// The nozzle is being heated, and no command has waited.
     NotAwaited,
 }
 

@@ -183,7 +183,7 @@ impl Rules {
         }
     }
 
-    /// Whether the head can go to `p`, give or take `margin` in the plane.
+    /// True if the head can go to `p`, give or take `margin` in the plane.
     fn reach(&self, p: DVec3, margin: Mm) -> bool {
         let low = DVec3::new(-margin, -margin, -ROUNDING);
         let high = self.bed.extend(self.height);
@@ -227,7 +227,8 @@ struct Checker<'a> {
     heat: Heat,
     homed: u8,
     ending: Ending,
-    /// Whether the printer begins and ends prints by itself, as Ultimaker's do.
+    /// True if the printer begins and ends prints by itself, as Ultimaker's
+    /// printers do.
     own_start: bool,
     /// Findings that count only if something is printed after them.
     held: Vec<(Kind, u64, DVec3, String)>,

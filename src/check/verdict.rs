@@ -16,9 +16,9 @@ const OTHERS: &str = "others";
 /// How bad a kind of finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// It can hurt the printer or the print.
+    /// The finding can hurt the printer or the print.
     Fault,
-    /// It should be looked at.
+    /// The finding should be looked at.
     Warning,
 }
 

@@ -58,11 +58,11 @@ use glam::DVec3;
 /// Why something hangs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// It is an island that begins on nothing.
+    /// An island begins on nothing.
     Begins,
-    /// It leans too far.
+    /// A face leans too far.
     Leans,
-    /// It is a bridge that is too long.
+    /// A bridge is too long.
     Bridge,
 }
 

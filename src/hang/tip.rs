@@ -29,7 +29,7 @@ const HIGH: Mm = 3.0;
 /// An island that began on nothing.
 #[derive(Clone, Debug)]
 pub(super) struct Island {
-    /// Its content where it begins, and a point of it there.
+    /// The island's content where it begins, and a point of it there.
     pub area: Mm2,
     pub at: DVec3,
     /// True if the island hangs inside the part.

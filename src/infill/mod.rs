@@ -64,7 +64,7 @@ pub(crate) struct Place {
 /// How dense a layer's pattern is.
 #[derive(Clone, Copy, Debug)]
 enum Density<'a> {
-    /// The same share of the plane everywhere, 0 to 1.
+    /// One share of the plane everywhere, 0 to 1.
     Even(f64),
     /// A share that varies.
     Graded(&'a Grading),
@@ -164,7 +164,7 @@ pub enum InfillError {
     /// The pattern's text is not an expression.
     #[error("infill = \"expr: {text}\": {error}")]
     Expression {
-        /// Its text.
+        /// The pattern's text.
         text: String,
         /// What is wrong with it.
         error: ExpressionError,

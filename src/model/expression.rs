@@ -33,13 +33,13 @@ pub struct Place {
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
 pub enum ExpressionError {
-    /// It is not a formula.
+    /// The text is not a formula.
     #[error(transparent)]
     Formula(#[from] FormulaError),
-    /// It is too large.
+    /// The expression is too large.
     #[error(transparent)]
     Size(#[from] ExpandError),
-    /// It cannot be compiled.
+    /// The expression cannot be compiled.
     #[error("it cannot be evaluated ({0}); simplify it")]
     Compile(String),
 }

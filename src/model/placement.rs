@@ -154,7 +154,7 @@ pub enum PlaceError {
     BadNumber {
         /// The option.
         option: &'static str,
-        /// Its value.
+        /// The option's value.
         value: f64,
         /// What it must be.
         must: &'static str,
@@ -493,7 +493,8 @@ fn mapped(tree: &Tree, rotation: DMat3, scale: f64) -> Tree {
     let mut m = nalgebra::Matrix4::<f32>::identity();
     for row in 0..3 {
         for column in 0..3 {
-            // No negative zeros: they would not cancel in the expression.
+            // This avoids negative zeros, which would not cancel in the
+            // expression.
             m[(row, column)] = back.col(column)[row] as f32 + 0.0;
         }
     }

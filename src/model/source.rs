@@ -41,7 +41,7 @@ pub enum Source {
     Text {
         /// Name for messages and for the model.
         name: String,
-        /// Its format.
+        /// The text's format.
         kind: SourceKind,
         /// The text.
         text: String,

@@ -192,7 +192,7 @@ mod tests {
         (0..=count).map(|i| DVec2::new(at(i), 0.0)).collect()
     }
 
-    /// By move: its flow, duration, and beginning and end.
+    /// For each move: its flow, duration, and beginning and end.
     fn moves(chain: &[Rated]) -> Vec<(f64, f64, DVec2, DVec2)> {
         let of_bead = |r: &Rated| {
             let lengths: Vec<Mm> = r.lengths().collect();

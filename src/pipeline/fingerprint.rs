@@ -1,8 +1,8 @@
-//! What the files of ranges of one print have in common.
+//! The fingerprint that the files of ranges of one print have in common.
 //!
 //! In: the plate on its rafts, and the planned layers. Out: short words that are
-//! the same if all of that is the same, and differ otherwise but for one case in
-//! 10³⁸.
+//! equal if the plates and layers are equal, and that otherwise differ except in
+//! one case of 10³⁸.
 
 use super::SliceError;
 use crate::gcode::{Fingerprint, version};
@@ -12,7 +12,7 @@ use crate::plate::Plate;
 use crate::settings::{Settings, keys};
 use ring::digest::{Context, SHA256};
 
-/// Bytes of a digest that are told.
+/// Number of bytes of a digest that are written.
 const BYTES: usize = 16;
 
 /// The fingerprint of a plate; `spans` are the layers of each part.
@@ -52,7 +52,7 @@ pub(super) fn fingerprint<'s>(
     })
 }
 
-/// Words in the making.
+/// Words that are turned into a digest.
 struct Digest(Context);
 
 impl Digest {
@@ -60,13 +60,13 @@ impl Digest {
         Digest(Context::new(&SHA256))
     }
 
-    /// Adds a word. Its length keeps it apart from the next one.
+    /// Adds a word. Its length keeps it apart from the next word.
     fn add(&mut self, word: &str) {
         self.0.update(&(word.len() as u64).to_le_bytes());
         self.0.update(word.as_bytes());
     }
 
-    /// Adds settings, and the file that they name.
+    /// Adds settings, and the text of the file that they name.
     fn add_settings(&mut self, settings: &Settings) -> Result<(), SliceError> {
         for key in keys() {
             self.add(key.name);
@@ -114,7 +114,7 @@ mod tests {
         let first = of(ball, &plain, 0.2);
         assert_eq!(first, of("sqrt(x^2+y^2+z^2)  -  3.0", &plain, 0.2));
         let model = of("sqrt(x^2 + y^2 + z^2) - 3.0001", &plain, 0.2);
-        // In single precision the next number above 3.
+        // This is the next number above 3 in single precision.
         let close = of("sqrt(x^2 + y^2 + z^2) - 3.0000002", &plain, 0.2);
         let swapped = of("sqrt(x^2 + y^2 - -z^2) - 3", &plain, 0.2);
         for other in [model, close, swapped] {

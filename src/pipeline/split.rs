@@ -8,10 +8,10 @@
 //!   outlines of 64 layers  ──►  cost of each block  ──►  ranges
 //! ```
 //!
-//! Guaranteed: each layer is in one range; no other ranges of as many blocks have
-//! a smaller sum of squares of their costs. Not guaranteed: that the cost is the
-//! time: it is what the outlines of a few layers, and the lines in them, amount
-//! to.
+//! Guaranteed: each layer is in one range, and no other ranges of as many
+//! blocks have a smaller sum of squares of their costs. Not guaranteed: that
+//! the cost is the time. It is the length of the outlines of a few layers, and
+//! of the lines in them.
 
 use super::layer::Layer;
 use super::stages::Stages;
@@ -36,17 +36,18 @@ const LOOKS: usize = 64;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Share {
-    /// Indices of its layers.
+    /// Indices of the range's layers.
     pub layers: Range<usize>,
-    /// Its share of the whole work, as far as a coarse look tells.
+    /// The range's share of the whole work, as far as a coarse look tells.
     pub cost: f64,
 }
 
-/// Divides the layers of a plate into so many ranges, or fewer if there are not
-/// enough blocks of layers. Uses so many threads, or all of the machine's.
+/// Divides the layers of a plate into `parts` ranges, or fewer if there are not
+/// enough blocks of layers. It uses `threads` threads, or as many as the
+/// machine has.
 ///
 /// # Errors
-/// As [`slice_plate`](super::slice_plate) before its first layer.
+/// Those of [`slice_plate`](super::slice_plate) before its first layer.
 pub fn split(
     plate: &Plate,
     parts: usize,
@@ -63,7 +64,7 @@ pub fn split(
             costs.resize(of_part.len(), 0.0);
         }
         let times = part.places.len() as f64;
-        // Copies are sliced once, but ordered, paced and written each.
+        // Copies are sliced once, but each copy is ordered, paced and written.
         for (sum, cost) in costs.iter_mut().zip(of_part) {
             *sum += 0.5 * (1.0 + times) * cost;
         }
@@ -79,7 +80,7 @@ pub fn split(
     Ok(divided(&blocks, parts).into_iter().map(share).collect())
 }
 
-/// What each layer of a part that prints costs, in some unit.
+/// The cost of each layer of a part that prints, in some unit.
 fn costs_of(
     part: &Part,
     spans: &[LayerSpan],
@@ -97,7 +98,7 @@ fn costs_of(
     let settings = &part.settings;
     let count = spans.len();
     let looks = LOOKS.min(count);
-    // The middles of equal pieces of the height.
+    // These layers are in the middles of equal pieces of the height.
     let at = |k: usize| (2 * k + 1) * count / (2 * looks);
     let look = |k: usize| {
         limits::check();
@@ -106,20 +107,20 @@ fn costs_of(
     let found: Result<Vec<f64>, SliceError> =
         pool.install(|| (0..looks).into_par_iter().map(look).collect());
     let found = found?;
-    // Each layer costs as much as the nearest of those.
+    // Each layer costs as much as the nearest of these layers.
     let nearest = |i: usize| found[(i * looks / count).min(looks - 1)];
     Ok((0..count).map(nearest).collect())
 }
 
-/// What a layer costs: the length of its outline, for the contour, and that of
-/// its lines.
+/// The cost of a layer: the length of its outline, for the contour, and the
+/// length of its lines.
 fn cost(
     stages: &Stages<'_>,
     span: &LayerSpan,
     settings: &Settings,
 ) -> Result<f64, SliceError> {
     let layers = stages.layers(&[*span], &(0..usize::MAX))?;
-    // Some cost there is in any layer.
+    // Any layer costs something.
     let of_layer = |layer: &Layer| lines_in(layer.area(), settings);
     Ok(1.0 + layers.iter().map(of_layer).sum::<f64>())
 }
@@ -145,8 +146,8 @@ fn divided(blocks: &[f64], parts: usize) -> Vec<Range<usize>> {
         let cost: f64 = below[to] - below[from];
         cost * cost
     };
-    // For each number of ranges and each end the least sum, and where the last
-    // range of it begins.
+    // For each number of ranges and each end: the least sum, and where the last
+    // range begins.
     let mut least: Vec<f64> = (0..=count).map(|to| square(0, to)).collect();
     let mut begins: Vec<Vec<usize>> = vec![vec![0; count + 1]];
     for k in 1..parts {
@@ -185,7 +186,7 @@ mod tests {
         assert_eq!(lengths(divided(&even, 1)), [16]);
         assert_eq!(lengths(divided(&even[..3], 8)), [1; 3]);
         assert!(divided(&[], 8).is_empty());
-        // One dear block is a range of its own.
+        // A single costly block is a range of its own.
         let peak = [1.0, 1.0, 1.0, 9.0, 1.0, 1.0, 1.0, 1.0];
         assert_eq!(divided(&peak, 3), [0..3, 3..4, 4..8]);
     }

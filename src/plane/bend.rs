@@ -43,7 +43,7 @@ pub(crate) fn bends(ring: &Ring) -> Vec<Bend> {
         return Vec::new();
     };
     let turned = Turned::new(&corners, length);
-    // Of a small ring, all counts, and no part of it twice.
+    // All of a small ring counts, and no part of it twice.
     let reach = REACH.min(0.5 * length);
     let mut out = Vec::new();
     let mut from = 0.0;

@@ -26,7 +26,7 @@ pub(crate) struct Foot {
 /// What an area has of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Piece {
-    /// Its points; the first is not repeated at the end of a closed one.
+    /// The points of the piece. A closed piece does not repeat its first point.
     pub points: Vec<DVec2>,
     /// True if the piece is the whole of a line that returns to its first
     /// point.

@@ -98,7 +98,8 @@ mod tests {
         let parts = [
             rect(5.0, 5.0, 6.0, 6.0),
             rect(30.0, 0.0, 31.0, 1.0),
-            // Its box meets the box of the second island after it.
+            // The box of this island meets the box of the second island after
+            // it.
             rect(40.0, 0.0, 41.0, 9.0),
             rect(50.0, 0.0, 51.0, 1.0),
             rect(40.5, 5.0, 45.0, 6.0),

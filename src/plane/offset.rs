@@ -215,7 +215,7 @@ pub(super) fn moved(
 
 /// A ring's edge that is to be moved.
 struct Side {
-    /// Its number in the ring.
+    /// Number of the edge in the ring.
     edge: u32,
     from: DVec2,
     along: DVec2,

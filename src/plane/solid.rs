@@ -43,7 +43,7 @@ impl<'a> Solid<'a> {
         &self.area
     }
 
-    /// Its edges, for asking what is where.
+    /// The area's edges, for asking what is where.
     pub(crate) fn grid(&self) -> &EdgeGrid {
         self.grid
             .get_or_init(|| EdgeGrid::new(&self.area, self.cell))

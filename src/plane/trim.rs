@@ -90,8 +90,8 @@ const SHORT: Mm = 0.02;
 /// multiple of the slack.
 const GAP: f64 = 3.0;
 
-/// Share of the slack by which what is left may be too near to an origin. An
-/// edge is all of the slack away from its own origin.
+/// Share of the slack by which an edge that is certainly left is farther from
+/// all origins than the clearance. It is all of the slack farther from its own.
 const FAR: f64 = 0.6;
 
 /// Points nearer to each other than this are one, mm.

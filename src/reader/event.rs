@@ -48,7 +48,7 @@ pub enum Event {
         line: u64,
         /// Number of the fan; 0 is the one that cools the part.
         fan: u32,
-        /// Its speed.
+        /// The fan's speed.
         speed: Percent,
     },
     /// The printer waits for temperatures.

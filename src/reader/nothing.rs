@@ -49,7 +49,7 @@ pub enum NoGcode {
     /// The file begins with too many comments, blank lines and names.
     #[error("there is no command in its first {megabytes} MB")]
     NoCommand {
-        /// Their length.
+        /// Length of that beginning, MB.
         megabytes: u64,
     },
     /// Most lines make no sense.

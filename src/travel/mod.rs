@@ -48,9 +48,9 @@ pub(crate) struct Travel {
     /// Way points. The last one is the destination, and the first one is not
     /// where the head stands.
     pub points: Vec<DVec2>,
-    /// Whether to retract before and prime after.
+    /// True if the filament is retracted before the travel and primed after it.
     pub retract: bool,
-    /// Whether to lift the nozzle, if the travel retracts.
+    /// True if the nozzle is lifted, provided that the travel retracts.
     pub hop: bool,
     /// Filament to push forward at the end, mm. It replaces what oozed out on a
     /// travel without a retraction.

@@ -32,11 +32,9 @@ const OFF_BORDER: f64 = 0.25;
 /// lattices less: in lattices nearly all travels lead through walls.
 const MUCH_INFILL: f64 = 0.25;
 
-/// How long a travel between supports may be, as a multiple of
-/// [`Retract::max_unretracted`]. What oozes there is broken off with the
-/// supports, and what is missing then is missing in a support.
-///
-/// [`Retract::max_unretracted`]: crate::settings::Retract::max_unretracted
+/// How long a travel between supports may be, as a multiple of the setting
+/// `retract.max_unretracted`. What oozes there is broken off with the supports,
+/// and what is missing then is missing in a support.
 const BETWEEN_SUPPORTS: f64 = 2.0;
 
 /// What hides travels in a layer.
@@ -341,7 +339,7 @@ impl<'a> Planner<'a> {
             }
     }
 
-    /// Whether a retracted travel is lifted.
+    /// True if a retracted travel is lifted.
     fn hops(&self, from: DVec2, points: &[DVec2], next: usize) -> bool {
         let retract = &self.settings.retract;
         if retract.z_hop <= 0.0 {

@@ -97,7 +97,7 @@ impl DepthMap {
         self.origin + self.step * n
     }
 
-    /// Which nodes are inside.
+    /// True for each node that is inside.
     fn inside(&self, field: &Expression) -> Vec<bool> {
         let plane = self.size[0] * self.size[1];
         let planes = (0..self.size[2]).into_par_iter().map(|k| {

@@ -60,7 +60,7 @@ pub enum VaryError {
         at: DVec3,
         /// Name of the fourth variable of the expression.
         fourth: &'static str,
-        /// Its value there.
+        /// The variable's value at the place.
         depth: f64,
     },
     /// The value is outside its range somewhere.

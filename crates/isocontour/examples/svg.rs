@@ -31,8 +31,8 @@ fn main() -> Result<(), FieldError> {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"420\" \
          height=\"420\" viewBox=\"-21 -21 42 42\">"
     );
-    // Outer rings and holes run opposite ways, so that the default rule of
-    // SVG fills what is inside. SVG's y axis points down.
+    // Outer rings and holes run opposite ways, so SVG's default rule fills the
+    // inside. SVG's y axis points down.
     let mut path = String::new();
     for ring in found.iter().flat_map(|outline| &outline.area.rings) {
         for (n, p) in ring.iter().enumerate() {

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// A question that is asked every few milliseconds on every thread that works:
-/// whether to stop.
+/// A question whether to stop. Every thread that works asks it every few
+/// milliseconds.
 #[derive(Clone, Default)]
 pub struct Cancel(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
 
@@ -23,16 +23,16 @@ impl Cancel {
         Cancel(Some(Arc::new(hook)))
     }
 
-    /// Whether to stop.
+    /// True if the work has to stop.
     #[inline]
     pub fn is_asked(&self) -> bool {
         self.0.as_ref().is_some_and(|hook| hook())
     }
 
-    /// Stops if that is asked.
+    /// Stops the work if that is asked.
     ///
     /// # Errors
-    /// If it is.
+    /// If the work has to stop.
     #[inline]
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_asked() {

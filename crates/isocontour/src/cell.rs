@@ -1,4 +1,5 @@
-//! An axis-aligned box, in f64: what the search for bounds cuts space into.
+//! An axis-aligned box, in f64. The search for bounds cuts space into such
+//! boxes.
 
 /// An axis-aligned box, perhaps a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,11 +14,11 @@ impl Cell {
     }
 
     pub(crate) fn centre(&self) -> [f64; 3] {
-        // Halved before the sum: no overflow, whatever the box.
+        // The ends are halved before they are added, so that no box overflows.
         std::array::from_fn(|i| 0.5 * self.lo[i] + 0.5 * self.hi[i])
     }
 
-    /// Cuts in two across `axis`.
+    /// Cuts the box in two across `axis`.
     pub(crate) fn split(&self, axis: usize) -> [Self; 2] {
         let (mut a, mut b) = (*self, *self);
         let middle = self.centre()[axis];
@@ -26,7 +27,7 @@ impl Cell {
         [a, b]
     }
 
-    /// The box of two boxes.
+    /// The box around two boxes.
     pub(crate) fn joined(&self, other: &Self) -> Self {
         Self {
             lo: std::array::from_fn(|i| self.lo[i].min(other.lo[i])),
@@ -42,13 +43,13 @@ impl Cell {
         })
     }
 
-    /// Its extent along that axis.
+    /// Extent along the widest axis.
     pub(crate) fn largest_side(&self) -> f64 {
         self.width(self.widest_axis())
     }
 
-    /// What it has in common with another one; perhaps nothing: then an upper
-    /// end is below its lower one.
+    /// What the box has in common with another one. If that is nothing, an
+    /// upper end is below its lower end.
     pub(crate) fn common(&self, other: &Self) -> Self {
         Self {
             lo: std::array::from_fn(|i| self.lo[i].max(other.lo[i])),

@@ -1,10 +1,10 @@
-//! The cells of marching squares: which edges the outline joins, by the
+//! The cells of marching squares: which edges the outline joins, given the
 //! corners that are inside.
 //!
 //! ```text
-//!   tl ──N── tr      corner bits: bl 1, br 2, tr 4, tl 8
-//!   │        │       a segment runs from edge to edge with the inside
-//!   W        E       on its left
+//!   tl ──N── tr      Corner bits: bl 1, br 2, tr 4, tl 8.
+//!   │        │       A segment runs from edge to edge with the inside on its
+//!   W        E       left.
 //!   │        │
 //!   bl ──S── br
 //! ```
@@ -14,7 +14,7 @@ const E: u8 = 1;
 const N: u8 = 2;
 const W: u8 = 3;
 
-/// Segments of each case; the ambiguous ones (5 and 10) as if the cell's
+/// Segments of each case. The ambiguous cases 5 and 10 are as if the cell's
 /// centre were outside.
 pub(crate) const CASES: [&[(u8, u8)]; 16] = [
     &[],
@@ -35,11 +35,11 @@ pub(crate) const CASES: [&[(u8, u8)]; 16] = [
     &[],
 ];
 
-/// The ambiguous cases with the centre inside.
+/// Segments of the ambiguous cases with the centre inside.
 pub(crate) const JOINED_5: &[(u8, u8)] = &[(N, W), (S, E)];
 pub(crate) const JOINED_10: &[(u8, u8)] = &[(W, S), (E, N)];
 
-/// A cell of a batch: its leaf, and column and row in it.
+/// A cell of a batch: its leaf, and its column and row in the leaf.
 pub(crate) type Place = (usize, [usize; 2]);
 
 /// The numbers of the bits that are set.

@@ -4,9 +4,9 @@
 //! reason why not.
 //!
 //! Trees hold remappings lazily: a node that is remapped twice is expanded
-//! twice when it is imported, so thirty nested remaps ask for 2^30 nodes from
-//! a script of thirty lines. The size of the expansion is therefore counted
-//! first, which takes time in the tree's own size only.
+//! twice when it is imported. So thirty nested remaps in a script of thirty
+//! lines ask for 2³⁰ nodes. The size of the expansion is therefore counted
+//! first, which takes time in proportion to the tree's own size.
 //!
 //! Guarantees: no recursion on the stack, whatever the depth of the tree.
 
@@ -14,14 +14,15 @@ use fidget::context::{Context, Node, Tree, TreeOp};
 use fidget::var::Var;
 use std::collections::{HashMap, HashSet};
 
-/// Largest number of nodes an expression may expand to. The largest published
-/// fidget model has about 10,000; generated lattices reach some 100,000.
+/// Largest number of nodes to which an expression may expand. The largest
+/// published fidget model has about 10,000. Generated lattices reach some
+/// 100,000.
 pub const MAX_EXPANDED_NODES: u64 = 2_000_000;
 
 /// Why an expression cannot be used.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum ExpandError {
-    /// More nodes than the budget.
+    /// The expression has more nodes than the budget allows.
     #[error(
         "the expression expands to more than {limit} operations: nested \
          remaps multiply it; repeat shapes with `%` (modulo) or `abs` of a \
@@ -31,7 +32,7 @@ pub enum ExpandError {
         /// The budget.
         limit: u64,
     },
-    /// An input besides the coordinates.
+    /// The expression has an input besides the coordinates.
     #[error(
         "the expression depends on a variable other than x, y and z; \
          replace it by a number"
@@ -55,15 +56,15 @@ pub fn expand_with(
     Ok((context, root))
 }
 
-/// One frame of coordinates: the nodes reached from its root without
-/// entering the target of a remapping.
+/// One frame of coordinates: the nodes reached from its root without entering
+/// the target of a remapping.
 struct Frame<'a> {
     nodes: u64,
-    /// Targets of the remappings met, once per way to reach them.
+    /// Targets of the remappings met, once for each way to reach them.
     targets: Vec<&'a TreeOp>,
 }
 
-/// Collects a frame; `scanned` counts over all frames.
+/// Collects a frame. `scanned` counts over all frames.
 fn scan<'a>(
     root: &'a TreeOp,
     variable: Option<Var>,
@@ -75,7 +76,7 @@ fn scan<'a>(
     let mut nodes = 0u64;
     let mut todo = vec![root];
     while let Some(op) = todo.pop() {
-        // Every visit counts, also the repeated ones: importing pays for
+        // Every visit counts, repeated ones included, since importing pays for
         // them as well.
         nodes += 1;
         *scanned += 1;
@@ -98,7 +99,7 @@ fn scan<'a>(
                     todo.push(b);
                 }
             }
-            // fidget does not cache remappings: no look at `seen`.
+            // fidget does not cache remappings, so `seen` does not matter here.
             TreeOp::RemapAxes { target, x, y, z } => {
                 todo.extend([&**x, &**y, &**z]);
                 targets.push(&**target);
@@ -109,9 +110,9 @@ fn scan<'a>(
     Ok(Frame { nodes, targets })
 }
 
-/// Counts the nodes that importing `tree` would visit, without visiting them:
-/// a frame costs its own nodes and the cost of its targets' frames, and the
-/// cost of a target is the same wherever it is met.
+/// Counts the nodes that importing `tree` would visit, without visiting them. A
+/// frame costs its own nodes and its targets' frames. A target costs the same
+/// wherever it is met.
 fn check_size(
     tree: &Tree,
     variable: Option<Var>,

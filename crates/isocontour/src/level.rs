@@ -1,11 +1,11 @@
 //! Zero lines of a function over a lattice, and points thinned along them.
 //!
-//! Marching squares finds what is connected; the lines' points are then moved
-//! along the lattice's edges to where the function is zero (regula falsi, the
-//! Illinois way, all points at once). The negative side is to the left.
+//! Marching squares finds what is connected. Then the lines' points are moved
+//! along the lattice's edges to where the function is zero (Illinois variant of
+//! the regula falsi, all points at once). The negative side is to the left.
 //!
-//! A lattice may be periodic in both directions. A line on it either closes,
-//! or comes back to where it began some periods away: its `winding`.
+//! A lattice may be periodic in both directions. A line on it either closes, or
+//! comes back to where it began some periods away: its `winding`.
 
 use crate::Length;
 use crate::cells::{CASES, JOINED_5, JOINED_10};
@@ -18,19 +18,19 @@ pub struct Lattice {
     pub origin: DVec2,
     /// Distance of neighbouring nodes.
     pub step: f64,
-    /// Nodes along x and y; of a periodic lattice, those of one period.
+    /// Number of nodes along x and y; in one period of a periodic lattice.
     pub size: [usize; 2],
-    /// What is beyond the last nodes is what is at the first.
+    /// True if the lattice goes on after the last nodes with the first ones.
     pub periodic: bool,
 }
 
 /// A zero line.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Its points, unrolled: none jumps by a period.
+    /// The line's points, unrolled: none jumps by a period.
     pub points: Vec<DVec2>,
-    /// It returns to its first point, some periods away if it winds. Of two
-    /// lines that do not, one ends where the lattice does.
+    /// True if the line returns to its first point, some periods away if it
+    /// winds. Any other line begins and ends at the lattice's border.
     pub closed: bool,
     /// Periods between its end and its beginning.
     pub winding: [i32; 2],
@@ -42,7 +42,7 @@ impl Lattice {
         self.origin + DVec2::new(i as f64, j as f64) * self.step
     }
 
-    /// How many nodes there are.
+    /// Number of nodes.
     pub fn count(&self) -> usize {
         self.size[0] * self.size[1]
     }
@@ -56,7 +56,7 @@ impl Lattice {
 const NONE: u32 = u32::MAX;
 
 /// The zero lines of a function with these values at the nodes, row by row.
-/// `eval` gives its values anywhere. What is not a number is outside.
+/// `eval` gives its values anywhere. NaN is outside.
 pub fn trace(
     lattice: &Lattice,
     values: &[f64],
@@ -64,7 +64,8 @@ pub fn trace(
     eval: &mut dyn FnMut(&[DVec2], &mut Vec<f64>),
 ) -> Vec<Curve> {
     let [nx, ny] = lattice.size;
-    // Edges are counted by the node they begin at: to the right, then up.
+    // Edges are counted by the node at which they begin: first the edge to the
+    // right, then the edge upwards.
     let mut next = vec![NONE; 2 * nx * ny];
     let mut crossed: Vec<u32> = Vec::new();
     let wrap = usize::from(lattice.periodic);
@@ -115,7 +116,7 @@ fn chains(
     crossed: Vec<u32>,
     eval: &mut dyn FnMut(&[DVec2], &mut Vec<f64>),
 ) -> Vec<Curve> {
-    // Edges nobody leads to begin an open line: they come first.
+    // Edges to which no other leads begin an open line. They come first.
     let mut led = vec![false; next.len()];
     for &e in &crossed {
         led[next[e as usize] as usize] = true;
@@ -171,7 +172,7 @@ fn chains(
     curves
 }
 
-/// Where the function is zero on some edges.
+/// The places on some edges where the function is zero.
 fn zeros(
     lattice: &Lattice,
     values: &[f64],
@@ -199,7 +200,7 @@ fn zeros(
         let t = b[0] + (b[1] - b[0]) * b[2] / (b[2] - b[3]);
         match t >= b[0] && t <= b[1] {
             true => t,
-            // A jump, or not a number.
+            // The function jumps here, or is NaN.
             false => 0.5 * (b[0] + b[1]),
         }
     };
@@ -222,7 +223,7 @@ fn zeros(
                 false => (1, 0, 1.0),
             };
             (b[moved], b[moved + 2]) = (t, f);
-            // The value of an end that stays twice counts half.
+            // The value of an end that stays twice is halved.
             if b[4] == side {
                 b[kept + 2] *= 0.5;
             }
@@ -232,15 +233,14 @@ fn zeros(
     points
 }
 
-/// The points of a line without those that are within `tolerance` of the
-/// chords between the others (Ramer 1972, Douglas and Peucker 1973). The ends
-/// stay.
+/// The points of a line without those that are within `tolerance` of the chords
+/// between the others (Ramer 1972, Douglas and Peucker 1973). The ends stay.
 pub fn thin(points: &[DVec2], tolerance: Length) -> Vec<DVec2> {
     let Some(last) = points.len().checked_sub(1).filter(|&n| n > 1) else {
         return points.to_vec();
     };
     let mut out = vec![points[0]];
-    // Ends of the pieces still to be looked at, the nearest on top.
+    // Ends of the pieces that are still to be looked at, the nearest on top.
     let mut stack = vec![last];
     let mut from = 0;
     while let Some(&to) = stack.last() {
@@ -249,7 +249,8 @@ pub fn thin(points: &[DVec2], tolerance: Length) -> Vec<DVec2> {
         let off = |p: DVec2| {
             let d = p - points[from];
             match length > 0.0 {
-                // Behind the ends as well: a line may turn back.
+                // Places beyond the chord's ends count as well, since a line
+                // may turn back.
                 true => {
                     let along = chord.dot(d) / length;
                     let beyond = (-along).max(along - length).max(0.0);
@@ -321,7 +322,8 @@ mod tests {
         assert_eq!(curves.len(), 1);
         assert!(!curves[0].closed);
         let ends = (curves[0].points[0], curves[0].points.last().unwrap());
-        // The negative side, below, is to the left: from right to left.
+        // The negative side is below and to the left, so the line runs from
+        // right to left.
         assert!((ends.0.x, ends.1.x) == (5.0, 0.0), "{ends:?}");
     }
 

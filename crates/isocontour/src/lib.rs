@@ -7,7 +7,7 @@
 //!
 //! f need not be a distance. It may be NaN or infinite somewhere, which counts
 //! as outside, and it may jump. How accurate a ring is does not depend on the
-//! lattice's spacing: that only decides what is connected.
+//! lattice's spacing, which only decides what is connected.
 //!
 //! ```
 //! use fidget::context::Tree;
@@ -36,12 +36,12 @@
 //! # }
 //! ```
 //!
-//! [`find_bounds`] finds the box of {f < 0} when it is not known.
-//! [`Sight`] tells what lines through space meet first. [`Cancel`] stops any of
-//! them from outside.
+//! [`find_bounds`] finds the box of {f < 0} when it is not known. [`Sight`]
+//! tells what lines through space meet first. [`Cancel`] stops either from
+//! outside.
 //!
 //! Lengths are in the unit of the coordinates. A few constants are lengths,
-//! such as the 10⁻⁶ at which a vertex has arrived: they suit parts of 1 to 1000
+//! such as the 10⁻⁶ at which a vertex has arrived. They suit parts of 1 to 1000
 //! units with features of 0.01 or more, so millimetres suit most parts.
 
 #![warn(unreachable_pub)]

@@ -1,12 +1,12 @@
-//! Moving the origin of a model that was drawn far from it.
+//! Moves the origin of a model that was drawn far from it.
 //!
-//! In: an expression, a point c. Out: g with g(p) = f(p + c), in which c is
-//! folded, in f64, into the constants that the coordinates meet: x - 30000
-//! becomes x - 0 and not (x + 30000) - 30000, which f32 evaluates in steps of
-//! 0.002 mm. Where an operation has no use for a constant, as a square has
-//! not, it is added before it.
+//! In: an expression, a point c. Out: g with g(p) = f(p + c). c is added, in
+//! f64, to the constants that the coordinates meet: x - 30000 becomes x - 0 and
+//! not (x + 30000) - 30000, which f32 evaluates in steps of 0.002 mm. An
+//! operation that cannot take up a constant, such as a square, has it added to
+//! its operand.
 //!
-//! `digits` measures what that gains.
+//! `digits` measures the gain.
 
 use crate::bounds::Bounds;
 use crate::cancel::Cancel;
@@ -48,7 +48,7 @@ impl Sum {
         }
     }
 
-    /// The number, if it is no more than that.
+    /// The number, if the sum is nothing else.
     fn number(&self) -> Option<f64> {
         self.tree.is_none().then_some(self.plus)
     }
@@ -108,7 +108,7 @@ fn unary(op: UnaryOpcode, a: Sum) -> Sum {
                 plus: -a.plus,
             };
         }
-        // What is a whole turn more is the same.
+        // Whole turns make no difference.
         UnaryOpcode::Sin | UnaryOpcode::Cos if a.tree.is_some() => {
             let plus = a.plus % std::f64::consts::TAU;
             let a = Sum { plus, ..a }.tree();
@@ -117,7 +117,7 @@ fn unary(op: UnaryOpcode, a: Sum) -> Sum {
                 _ => a.cos(),
             });
         }
-        // Whole numbers pass through.
+        // Whole numbers pass through the operation.
         UnaryOpcode::Floor if a.tree.is_some() => {
             let whole = a.plus.floor();
             let rest = Sum {
@@ -185,7 +185,7 @@ fn binary(op: BinaryOpcode, a: Sum, b: Sum) -> Sum {
                 _ => a.max(b),
             })
         }
-        // What is a whole period more is the same.
+        // Whole periods make no difference.
         BinaryOpcode::Mod => {
             let a = match b.number() {
                 Some(period) if period != 0.0 && a.tree.is_some() => Sum {
@@ -222,8 +222,8 @@ fn binary(op: BinaryOpcode, a: Sum, b: Sum) -> Sum {
     }
 }
 
-/// How far, in mm, f32 puts the surface of a model beside where f64 has it;
-/// the median over points all over the part. `None` if no points were found.
+/// How far f32 puts the surface of a model from where f64 has it, in mm: the
+/// median over points all over the part. `None` if no points were found.
 pub fn digits(tree: &Tree, within: &Bounds, cancel: &Cancel) -> Option<f64> {
     let cell = &Cell {
         lo: within.min.to_array(),
@@ -248,7 +248,7 @@ pub fn digits(tree: &Tree, within: &Bounds, cancel: &Cancel) -> Option<f64> {
     let mut errors = Vec::new();
     for n in 0..count {
         cancel.check().ok()?;
-        // The next along x, as far as there is one.
+        // The next point along x, if there is one.
         if n % ACROSS + 1 == ACROSS || inside[n] == inside[n + 1] {
             continue;
         }
@@ -266,7 +266,7 @@ pub fn digits(tree: &Tree, within: &Bounds, cancel: &Cancel) -> Option<f64> {
     errors.get(errors.len() / 2).copied()
 }
 
-/// How far f32 puts the surface beside a point of it.
+/// How far f32 puts the surface from a point of it.
 fn error_at(
     context: &Context,
     root: fidget::context::Node,
@@ -274,7 +274,7 @@ fn error_at(
     p: [f64; 3],
     scratch: &mut Scratch,
 ) -> Option<f64> {
-    /// Step of the differences that make the gradient.
+    /// Step of the differences that give the gradient.
     const STEP: f64 = 1e-4;
     let mut squared = 0.0;
     for i in 0..3 {

@@ -1,4 +1,4 @@
-//! How level surfaces are, against what is known of them.
+//! How level surfaces are, compared with what is known of them.
 
 #![allow(clippy::unwrap_used)]
 
@@ -55,8 +55,9 @@ fn no_distance_is_needed() {
     let f = x.square() / 100.0 + y.square() / 36.0 + z.square() / 16.0 - 1.0;
     let r = DVec3::new(10.0, 6.0, 4.0);
     let found = look(&f, -r, r, 0.3);
-    // The most level place is at the end of the longest axis or anywhere else;
-    // on the ring at the height z the gradient in the plane is least along x.
+    // The most level place may be at the end of the longest axis or anywhere
+    // else. On the ring at the height z the gradient in the plane is least
+    // along x.
     let of = |z: f64| {
         let s = 1.0 - (z / 4.0_f64).powi(2).min(1.0);
         let up = z / 16.0;

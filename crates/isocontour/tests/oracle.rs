@@ -1,5 +1,6 @@
 //! Outlines of random solids against the `contour` crate, an independent
-//! marching squares, which samples them through arithmetic of their own.
+//! implementation of marching squares. It samples the solids with its own
+//! arithmetic.
 
 // A test that cannot go on should say so and stop.
 #![allow(clippy::unwrap_used)]
@@ -11,13 +12,13 @@ use glam::{DVec2, EulerRot, Mat3, Vec3};
 use isocontour::plane::{ring_length, signed_area};
 use isocontour::{Detail, Field, Rect, outlines};
 
-/// Half the box around all solids, mm.
+/// Half of the side of the box around all solids, mm.
 const HALF: f64 = 13.0;
 /// Spacing of the field's lattice and of the oracle's coarsest, mm.
 const SPACING: f64 = 0.1;
 const ACCURACY: f64 = 0.001;
-/// Content from which a ring is counted, mm²: two cells of the lattice. In
-/// wedges that get ever thinner each lattice leaves other crumbs.
+/// Least content of a ring that counts, mm²: two cells of the lattice. In
+/// wedges that get ever thinner each lattice leaves different crumbs.
 const COUNTED: f64 = 2.0 * SPACING * SPACING;
 
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +67,7 @@ impl Shape {
         }
     }
 
-    /// What the shape is at a point, without fidget.
+    /// The shape's value at a point, without fidget.
     fn at(&self, p: Vec3) -> f32 {
         let p = self.turn * (p - self.centre);
         match self.kind {
@@ -137,7 +138,7 @@ impl Solid {
     }
 }
 
-/// Rings that count, the content of all and their length.
+/// Number of rings that count, and the content and length of all rings.
 #[derive(Clone, Copy, Debug)]
 struct Figures {
     rings: usize,
@@ -160,9 +161,9 @@ fn figures<'a>(rings: impl IntoIterator<Item = &'a Vec<DVec2>>) -> Figures {
     all
 }
 
-/// What the oracle makes of a function on a lattice of its own.
+/// What the oracle makes of a function on its own lattice.
 fn oracle(f: &dyn Fn(Vec3) -> f32, z: f64, spacing: f64) -> Figures {
-    // Off the field's nodes, and off whatever is at a round coordinate.
+    // The lattice avoids the field's nodes, and round coordinates.
     let origin = -HALF + 0.37 * spacing;
     let n = (2.0 * HALF / spacing) as usize;
     let at = |i: usize| (origin + i as f64 * spacing) as f32;
@@ -188,27 +189,28 @@ fn oracle(f: &dyn Fn(Vec3) -> f32, z: f64, spacing: f64) -> Figures {
     figures(&rings)
 }
 
-/// How much was compared.
+/// How many rings and heights were compared.
 #[derive(Debug, Default)]
 struct Compared {
     heights: usize,
     rings: usize,
-    /// Heights at which only the finest lattice has the same rings.
+    /// Heights at which only the finest lattice has as many rings.
     fine: usize,
 }
 
-/// The rings of a function against the oracle's, on two lattices: from one to
-/// the other, half as wide, what the oracle loses at corners at least halves,
-/// so that what is left of it is no more than what has gone.
+/// Compares the rings of a function with the oracle's on two lattices, one half
+/// as wide as the other. What the oracle loses at corners at least halves from
+/// one to the other, so what it still loses is no more than what it has gained.
 ///
-/// - Rings: as many. Where a neck or a slit is thinner than the oracle's cells
-///   its nodes do not see it, and the field asks beside its own. There a
-///   lattice eight times as fine has to see it, too.
-/// - Content: the accuracy along the rings, what the oracle has left, and one
-///   of its cells.
-/// - Length: likewise, but the oracle cuts across corners, which costs it more
-///   length than content, and whole cells of it at sharp tips: ours is longer
-///   by ten cells at most. It is not shorter but for chords across curves.
+/// - Rings: their number is equal. Where a neck or a slit is thinner than the
+///   oracle's cells its nodes do not see it, and the field asks beside its own
+///   nodes. There a lattice eight times as fine has to see it, too.
+/// - Content: the difference is the accuracy along the rings, what the oracle
+///   still loses, and one of its cells.
+/// - Length: the difference is the same sum. But cutting across corners costs
+///   the oracle more length than content, and whole cells of length at sharp
+///   tips, so our length may be greater by ten cells. It is not less, except
+///   for chords across curves.
 fn compare(
     name: &str,
     tree: &Tree,

@@ -78,7 +78,7 @@ fn ellipse_of_a_field_that_is_no_distance() {
         let (worst, mean) = deviation(&area, |p| {
             let (a, b) = (400.0 * k, 144.0 * k);
             let g = p.x * p.x / a + p.y * p.y / b - 1.0;
-            // To first order the distance, with an error of g².
+            // To first order this is the distance, with an error of g².
             g / (2.0 * DVec2::new(p.x / a, p.y / b).length())
         });
         assert!(worst <= ACCURACY + 1e-4, "{scale}: {worst}");
@@ -153,8 +153,8 @@ fn gyroid_ball() -> Tree {
     (g.abs() - 0.55).max(ball)
 }
 
-/// Samples are what fidget's own interpreter says of the whole expression,
-/// whatever was simplified or taken out of it, but for the last digits of
+/// Samples equal what fidget's own interpreter gives for the whole expression,
+/// whatever was simplified or taken out of it, except for the last digits of
 /// sines.
 #[test]
 fn samples_are_those_of_fidgets_interpreter() {
@@ -205,8 +205,9 @@ fn samples_are_those_of_fidgets_interpreter() {
     assert!(compared > 100_000, "{compared}");
 }
 
-/// The topology of the tiled walk against the `contour` crate on the whole
-/// grid: as many rings, and as long, within what refinement moves them.
+/// The topology of the tiled walk is compared with that of the `contour` crate
+/// on the whole grid: the number of rings is equal, and their length within
+/// what refinement changes.
 #[test]
 fn rings_are_those_of_the_contour_crate() {
     let bounds = Rect {
@@ -230,8 +231,8 @@ fn rings_are_those_of_the_contour_crate() {
         }
     }
     let mut oracle = contour::contour_rings(&values, 1e-30, nx, ny).unwrap();
-    // The crate cuts ambiguous cells by convention, which leaves the nodes
-    // at the tips of thin wedges as rings of their own; the field joins them.
+    // The crate cuts ambiguous cells by convention, which leaves the nodes at
+    // the tips of thin wedges as separate rings. The field joins them.
     oracle.retain(|r| r.len() > 5);
     let detail = Detail {
         accuracy: 1e-4,
@@ -249,7 +250,7 @@ fn rings_are_those_of_the_contour_crate() {
             ring_length(&ring)
         })
         .sum();
-    // Midpoints zigzag: the crate's unsmoothed rings are a little longer.
+    // Midpoints zigzag, so the crate's unsmoothed rings are a little longer.
     let ratio = length / ours.area.perimeter();
     assert!((1.0..1.12).contains(&ratio), "{ratio}");
 }
@@ -257,7 +258,7 @@ fn rings_are_those_of_the_contour_crate() {
 #[test]
 fn nan_is_outside_and_counted() {
     let (x, y, z) = Tree::axes();
-    // sqrt(x) is no number left of the plane x = 0.
+    // sqrt(x) is NaN left of the plane x = 0.
     let f = (x.sqrt() * 1e-9)
         + ((x.square() + y.square() + z.square()).sqrt() - 5.0);
     let o = slice_with(&f, 5.0, &[0.0]).remove(0);
@@ -270,7 +271,7 @@ fn nan_is_outside_and_counted() {
 fn jumps_are_found_by_halving() {
     let (x, y, z) = Tree::axes();
     let radius = (x.square() + y.square() + z.square()).sqrt();
-    // −1 inside 6.2 mm, 1 outside, nothing between.
+    // The field is −1 inside 6.2 mm and 1 outside, with nothing between.
     let f = radius.compare(6.2);
     let area = slice(&f, 8.0, 0.0);
     let (worst, mean) = deviation(&area, |p| p.length() - 6.2);
@@ -294,7 +295,7 @@ fn small_circles_are_round_on_any_lattice() {
     }
 }
 
-/// The corners of a field that says nothing but inside and outside.
+/// The field says only what is inside and what is outside.
 #[test]
 fn corners_of_jumping_fields_are_exact() {
     let (x, y, _) = Tree::axes();
@@ -317,7 +318,7 @@ fn corners_of_jumping_fields_are_exact() {
     }
 }
 
-/// Tips of less than 30°, which end between the nodes of the lattice.
+/// Tips of less than 30° end between the nodes of the lattice.
 #[test]
 fn sharp_tips_reach_their_ends() {
     let (x, y, _) = Tree::axes();
@@ -341,7 +342,7 @@ fn sharp_tips_reach_their_ends() {
     }
 }
 
-/// A wall, a slit and a pin thinner than the lattice's spacing.
+/// A wall, a slit and a pin are thinner than the lattice's spacing.
 #[test]
 fn what_is_thinner_than_the_lattice_is_found() {
     let (x, y, _) = Tree::axes();
@@ -363,7 +364,7 @@ fn what_is_thinner_than_the_lattice_is_found() {
                 let found = o.area.content();
                 assert_eq!(o.forced_rings, 0);
                 assert_eq!(o.area.rings.len(), rings, "{spacing} {turn}");
-                // The perimeter's length times the accuracy.
+                // The tolerance is the perimeter times the accuracy.
                 let tolerance = ACCURACY * o.area.perimeter();
                 assert!(
                     (found - content).abs() < tolerance,
@@ -374,14 +375,14 @@ fn what_is_thinner_than_the_lattice_is_found() {
     }
 }
 
-/// A slit that a wall beside it hides from the nodes: none of them has the
-/// slit's field, since the block's own border is nearer.
+/// A wall beside a slit hides the slit from the nodes: no node has the slit's
+/// field, since the block's own border is nearer.
 #[test]
 fn a_hidden_slit_is_found_on_a_coarse_lattice() {
     let (x, y, _) = Tree::axes();
     for spacing in [0.4, 1.0, 2.0] {
         for at in [-0.9_f32, -0.3, 0.2, 0.7] {
-            // A part 0.8 mm thick with a hole 0.3 mm wide in it.
+            // The part is 0.8 mm thick and has a hole 0.3 mm wide.
             let part = (y.abs() - 0.4).max(x.abs() - 5.0);
             let hole = 0.15 - ((x.clone() - at).square() + y.square()).sqrt();
             let f = part.max(hole);
@@ -394,19 +395,19 @@ fn a_hidden_slit_is_found_on_a_coarse_lattice() {
     }
 }
 
-/// A crack of which the samples show but some pieces is no string of holes.
+/// A crack that the samples show in pieces only is not a string of holes.
 #[test]
 fn cracks_thinner_than_the_accuracy_are_left_out() {
     let (x, y, _) = Tree::axes();
     let block = (x.abs() - 5.0).max(y.abs() - 2.0);
-    // 2 µm wide, and less than a hundredth off the rows of the lattice.
+    // The crack is 2 µm wide, and less than 0.01 off the rows of the lattice.
     let crack = (y.clone() + x.clone() * 0.009).abs() - 0.001;
     let o = spaced(&block.max(-crack), 6.0, &[0.0], 0.1).remove(0);
     assert_eq!(o.area.rings.len(), 1);
     assert!(o.dropped_rings > 0);
 }
 
-/// What the outlines of a slab may take of memory.
+/// The outlines of a slab may take only so much memory.
 #[test]
 fn slabs_of_large_parts_have_fewer_layers() {
     let layers = |half: f64| {
@@ -418,14 +419,14 @@ fn slabs_of_large_parts_have_fewer_layers() {
         field.slab_layers()
     };
     assert_eq!(layers(10.0), 32);
-    // 600 × 600 cells and a border, eight times.
+    // The layer has 600 × 600 cells and a border; the slab has eight of them.
     assert_eq!(layers(30.0), 8);
     assert_eq!(layers(150.0), 1);
 }
 
-/// The lens that two discs have in common, as a part and as a slit: its tips,
-/// of a few degrees, are where they should be, however coarse the lattice and
-/// the lines are.
+/// Two discs have a lens in common, once as a part and once as a slit. Its tips
+/// have an angle of a few degrees. They are in the right places however coarse
+/// the lattice and the lines are.
 #[test]
 fn tips_of_lenses_reach_their_ends_at_any_accuracy() {
     const RADIUS: f64 = 20.0;
@@ -453,7 +454,8 @@ fn tips_of_lenses_reach_their_ends_at_any_accuracy() {
         }
     };
     for degrees in [7.0_f64, 12.0] {
-        // Half the distance of the discs' centres, and half the lens's length.
+        // The first number is half the distance of the discs' centres, the
+        // second half the lens's length.
         let half = (degrees / 2.0).to_radians();
         let (away, reach) = (RADIUS * half.cos(), RADIUS * half.sin());
         for k in 0..12 {

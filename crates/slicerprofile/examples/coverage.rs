@@ -1,6 +1,6 @@
 //! Counts how many keys of many profiles are mapped, ignored, lost and unknown:
-//! `cargo run --release -p slicerprofile --example coverage -- FILES…`.
-//! Files of which nothing can be made are counted, and listed with why.
+//! `cargo run --release -p slicerprofile --example coverage -- FILES…`. Files
+//! that cannot be read as profiles are counted, and listed with the reason.
 
 use slicerprofile::{Source, translate};
 use std::collections::BTreeMap;

@@ -7,10 +7,10 @@ use serde_json::Value;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-/// Greatest number of files in a `.curaprofile`; each has one or two per
+/// Greatest number of files in a `.curaprofile`. Each has one or two per
 /// extruder.
 const MOST_PARTS: usize = 64;
-/// Greatest length of one of them, unpacked, bytes.
+/// Greatest length of one of these files, unpacked, bytes.
 const MOST_PART: u64 = 1 << 20;
 /// Greatest number of definitions that inherit from one another in a row.
 const DEEPEST: usize = 32;
@@ -20,7 +20,7 @@ const DEEPEST_NESTING: usize = 64;
 /// The values in a `.curaprofile`.
 ///
 /// # Errors
-/// A sentence, if it is no such file, or too large.
+/// A sentence, if the file is not a `.curaprofile`, or is too large.
 pub(crate) fn zipped(bytes: Vec<u8>) -> Result<Values, String> {
     let damaged = |e: zip::result::ZipError| format!("its archive: {e}");
     let mut archive =
@@ -32,7 +32,8 @@ pub(crate) fn zipped(bytes: Vec<u8>) -> Result<Values, String> {
         ));
     }
     let mut all = Values::default();
-    // The file without an extruder comes first; the first extruder follows.
+    // The file without an extruder comes first, and the first extruder's
+    // second.
     let mut parts = Vec::new();
     for i in 0..archive.len() {
         let part = archive.by_index(i).map_err(damaged)?;
@@ -104,10 +105,10 @@ pub(crate) fn instance(text: &str) -> (Option<u32>, Values) {
 }
 
 /// The values of a printer's definition and of those that it inherits from, in
-/// its folder, and its name.
+/// its folder, and the printer's name.
 ///
 /// # Errors
-/// If one is missing, damaged, or they inherit in a circle.
+/// If a definition is missing or damaged, or if they inherit in a circle.
 pub(crate) fn definition(
     path: &Path,
     json: &Value,
@@ -161,7 +162,7 @@ pub(crate) fn definition(
     }
 }
 
-/// Takes the values out of nested settings: a formula, `value`, comes before
+/// Takes the values out of nested settings. A formula, `value`, counts before
 /// `default_value`.
 fn gather(settings: &Value, into: &mut Values, depth: usize) {
     let Value::Object(settings) = settings else {

@@ -6,15 +6,15 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The system refuses it.
+    /// The system refuses to read the file.
     #[error("cannot read {path}: {cause}", path = .path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The system's reason.
         cause: std::io::Error,
     },
-    /// It is no profile, or a damaged one.
+    /// The file is not a profile, or a damaged one.
     #[error("{path}: {message}", path = .path.display())]
     NotUnderstood {
         /// The file.
@@ -22,12 +22,12 @@ pub enum Error {
         /// What is wrong, and what to do.
         message: String,
     },
-    /// The file has several profiles, or none of that name.
+    /// The file has several profiles, or none of the name that was given.
     #[error("{path}: {message}", path = .path.display())]
     Choose {
         /// The file.
         path: PathBuf,
-        /// What there is to choose from.
+        /// The profiles to choose from.
         message: String,
     },
 }

@@ -1,27 +1,27 @@
-//! Fills in what a profile itself says: placeholders in its G-code that name
-//! one of its own values, and conditions that ask for a pattern in one.
+//! Fills in what a profile itself knows: placeholders in its G-code that name
+//! one of its own values, and conditions that match a pattern against one.
 //!
-//! `{if printer_notes=~/.*MK3.*/}` is decided once the notes are known, and the
-//! slicer that reads the template later need know neither notes nor patterns.
+//! `{if printer_notes=~/.*MK3.*/}` is decided once the notes are known. So the
+//! slicer that reads the template later needs neither notes nor patterns.
 
 use crate::values::{Values, parse};
 use regex_lite::RegexBuilder;
 
 /// Greatest length of a template, before and after it is filled in, bytes.
 const LONGEST: usize = 1 << 19;
-/// A bracket, a quote or a slash is closed within so many bytes, or not at all.
+/// Number of bytes within which a bracket, a quote or a slash has to be closed.
 const FARTHEST: usize = 2048;
 /// Greatest number of patterns in a template; a few are usual.
 const MOST_PATTERNS: usize = 100;
-/// Greatest length of a pattern, and of the text that it is looked for in. The
-/// time that it takes grows with the product of its size and the text's length.
+/// Greatest length of a pattern, and of the text that is searched. The time for
+/// a search grows with the product of the pattern's size and the text's length.
 const LONGEST_PATTERN: usize = 200;
 const LONGEST_TEXT: usize = 10_000;
 /// Greatest size of a compiled pattern, bytes.
 const PATTERN_SIZE: usize = 1 << 14;
 
-/// Values that a printer's profile need not have, and what they are in a print
-/// of one plain part with nothing else chosen.
+/// Values that a printer's profile need not have, with those of a print of one
+/// plain part with nothing else chosen.
 const DEFAULTS: [(&str, &str); 17] = [
     ("printer_notes", ""),
     ("filament_notes", ""),
@@ -47,9 +47,9 @@ const DEFAULTS: [(&str, &str); 17] = [
 pub struct Filled {
     /// The template.
     pub text: String,
-    /// Names that the profile has no value for, and what was put in.
+    /// Names for which the profile has no value, and what was put in.
     pub assumed: Vec<(&'static str, &'static str)>,
-    /// Why nothing was filled in; the text is the template as it was.
+    /// Why nothing was filled in. The text is then the template as it was.
     pub refused: Option<String>,
 }
 
@@ -80,14 +80,14 @@ pub fn fill(
     }
 }
 
-/// Where a text's first `sign` is, if it is near.
+/// Place of the first `sign` in a text, if it is near.
 fn near(text: &str, sign: char) -> Option<usize> {
     let mut all = text.char_indices().take_while(|(i, _)| *i < FARTHEST);
     all.find(|(_, c)| *c == sign).map(|(i, _)| i)
 }
 
-/// Length of the text in braces at the beginning of `text`, if they are closed
-/// near.
+/// Length of the text in braces at the beginning of `text`, if the braces are
+/// closed near.
 fn closing(text: &str) -> Option<usize> {
     let mut quoted = false;
     let all = text.char_indices().take_while(|(i, _)| *i < FARTHEST);
@@ -101,15 +101,16 @@ struct Filler<'a> {
     values: &'a Values,
     understood: &'a dyn Fn(&str) -> bool,
     assumed: Vec<(&'static str, &'static str)>,
-    /// Number of patterns so far.
+    /// Number of patterns met so far.
     patterns: usize,
 }
 
 impl<'v> Filler<'v> {
-    /// A template, filled in.
+    /// Fills in a template.
     ///
     /// # Errors
-    /// A sentence, if it is or becomes too long, or has too many patterns.
+    /// A sentence, if the template is or becomes too long, or has too many
+    /// patterns.
     fn whole(&mut self, template: &str) -> Result<String, String> {
         let mut out = String::with_capacity(template.len().min(LONGEST));
         let mut rest = template;
@@ -168,7 +169,8 @@ impl<'v> Filler<'v> {
         Some(usual.1)
     }
 
-    /// `[name]`, if the name is the profile's own.
+    /// The value of `[name]`, if the name is the profile's own, and the length
+    /// of the text.
     fn bracketed(&mut self, text: &str) -> Option<(&'v str, usize)> {
         let end = near(text, ']')?;
         let name = text[1..end].trim();
@@ -193,7 +195,7 @@ impl<'v> Filler<'v> {
                 continue;
             }
             if !(c.is_ascii_alphabetic() || c == '_') {
-                // The rest of a number is no name.
+                // The rest of a number is not a name.
                 let number = c.is_ascii_digit() || c == '.';
                 let end = if number {
                     rest.find(|c: char| {
@@ -225,8 +227,8 @@ impl<'v> Filler<'v> {
         out
     }
 
-    /// What a name, with its index and a pattern behind it, comes to, and the
-    /// text behind them.
+    /// The value of a name with its index and a pattern after it, and the text
+    /// after them.
     fn named<'t>(
         &mut self,
         name: &str,
@@ -285,8 +287,8 @@ impl<'v> Filler<'v> {
     }
 }
 
-/// Whether all of the text is as the pattern says; nothing if the pattern is
-/// not understood.
+/// True if all of the text matches the pattern; none if the pattern is not
+/// understood.
 fn matches(text: &str, pattern: &str) -> Option<bool> {
     if pattern.len() > LONGEST_PATTERN || text.len() > LONGEST_TEXT {
         return None;
@@ -300,7 +302,7 @@ fn matches(text: &str, pattern: &str) -> Option<bool> {
     Some(regex.is_match(text))
 }
 
-/// What the first extruder has.
+/// The first extruder's part of a value.
 fn first_of(value: &str) -> &str {
     let first = value.split([',', ';']).next().unwrap_or("");
     first.trim().trim_matches('"')
@@ -354,7 +356,7 @@ mod tests {
             ("{if printer_notes=~/.*MK3.*/ and 1}", "{if true and 1}"),
             ("{if printer_notes!~/.*MK3.*/}", "{if false}"),
             ("{if printer_notes=~/MK3/}", "{if false}"),
-            // Known by its name, so it is looked up later.
+            // This name is understood, so it is looked up later.
             ("{nozzle_diameter[0]}", "{nozzle_diameter[0]}"),
             ("{nozzle_diameter[0]=~/0.4.*/}", "{true}"),
             ("{wipe_speed[1]} [other] {x}", "{wipe_speed[1]} [other] {x}"),

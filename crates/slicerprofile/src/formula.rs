@@ -9,7 +9,7 @@ const DEEPEST: usize = 12;
 /// Greatest number of names that one formula may lead to.
 const MOST_NAMES: usize = 100;
 
-/// Puts results in the place of formulas.
+/// Replaces formulas by their results.
 pub(crate) fn solve(values: &mut Values) {
     let keys: Vec<String> = values.keys().map(ToOwned::to_owned).collect();
     for key in keys {

@@ -1,17 +1,17 @@
 //! The configuration that slicers leave in their G-code: `; key = value`.
 //!
-//! PrusaSlicer writes it at the end, OrcaSlicer at the end or, as Bambu
-//! Studio, at the beginning. Only the ends of a file are looked at.
+//! PrusaSlicer writes it at the end. OrcaSlicer writes it at the end, or at the
+//! beginning as Bambu Studio does. Only the ends of a file are read.
 
 use crate::ini;
 use crate::values::Values;
 
-/// Bytes at the beginning and at the end of a file that are looked at.
+/// Bytes at the beginning and at the end of a file that are read.
 pub(crate) const EACH_END: u64 = 4 << 20;
-/// Fewest keys of a configuration: a file of anything else has fewer.
+/// Least number of keys of a configuration. A file of another kind has fewer.
 const FEWEST: usize = 10;
 
-/// The configuration in a G-code's text; nothing if there is none.
+/// The configuration in a G-code's text; none if there is no configuration.
 pub(crate) fn read(text: &str) -> Option<Values> {
     let mut values = Values::default();
     for line in text.lines() {

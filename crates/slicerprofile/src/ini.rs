@@ -5,9 +5,10 @@ use crate::values::Values;
 use crate::{Kind, Named};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Greatest number of profiles that one may inherit from, all together.
+/// Greatest number of profiles that one profile may inherit from, all together.
 const MOST_ANCESTORS: usize = 500;
-/// Greatest number of their keys, all together; a hundred in each are usual.
+/// Greatest number of their keys, all together. About a hundred in each are
+/// usual.
 const MOST_KEYS: usize = 50_000;
 /// Greatest number of profiles that inherit from one another in a row.
 const DEEPEST: usize = 32;
@@ -17,7 +18,7 @@ const DEEPEST: usize = 32;
 pub(crate) struct Ini {
     /// The lines before the first section.
     pub(crate) plain: Values,
-    /// Sections by kind and name, with the names that they inherit from.
+    /// Sections by kind and name, with the names from which they inherit.
     sections: BTreeMap<(Kind, String), (Values, Vec<String>)>,
     /// Number of lines that are neither a section, an entry nor a comment.
     pub(crate) odd: usize,
@@ -68,7 +69,7 @@ pub(crate) fn read(text: &str) -> Ini {
     ini
 }
 
-/// What has been gone through for one profile.
+/// How much has been read for one profile.
 #[derive(Default)]
 struct Seen {
     profiles: usize,
@@ -76,8 +77,8 @@ struct Seen {
 }
 
 impl Ini {
-    /// The profiles that may be chosen: names in asterisks are for others to
-    /// inherit from.
+    /// The profiles to choose from. Names in asterisks are for other profiles
+    /// to inherit from.
     pub(crate) fn list(&self) -> Vec<Named> {
         let named = |(kind, name): &(Kind, String)| Named {
             kind: *kind,
@@ -97,7 +98,7 @@ impl Ini {
     /// A profile's values, with those that it inherits.
     ///
     /// # Errors
-    /// A sentence, if a profile is missing or they inherit in a circle.
+    /// A sentence, if a profile is missing or profiles inherit in a circle.
     pub(crate) fn resolve(
         &self,
         kind: Kind,
@@ -141,7 +142,7 @@ impl Ini {
             ));
         }
         let mut values = values.clone();
-        // The last parent comes first.
+        // The last parent counts most, so it comes first.
         for parent in parents.iter().rev() {
             values.inherit(&self.resolved(kind, parent, open, seen)?);
         }
@@ -158,8 +159,8 @@ fn names(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// The items of a value: of texts in quotes each is one, anything else is one
-/// item, with its escapes undone.
+/// The items of a value. Of texts in quotes each is one item; anything else is
+/// one item, with its escapes undone.
 pub(crate) fn items(value: &str) -> Vec<String> {
     if !value.starts_with('"') {
         return vec![unescaped(value)];
@@ -236,7 +237,7 @@ mod tests {
         let gap = "[print:a]\ninherits = b\n";
         let e = read(gap).resolve(Kind::Print, "a").unwrap_err();
         assert!(e.contains("no [print:b]"), "{e}");
-        // Each inherits twice from the next: 2^30 in all.
+        // Each profile inherits twice from the next one: 2³⁰ in all.
         let bomb: String = (0..30)
             .map(|i| {
                 let next = i + 1;
@@ -246,7 +247,7 @@ mod tests {
             .collect();
         let e = read(&bomb).resolve(Kind::Print, "0").unwrap_err();
         assert!(e.contains("too many"), "{e}");
-        // One large profile, inherited many times.
+        // One large profile is inherited many times.
         let keys: String = (0..2000).map(|i| format!("k{i} = 1\n")).collect();
         let parents = "b;".repeat(400);
         let bomb =

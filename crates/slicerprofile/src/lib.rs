@@ -4,13 +4,13 @@
 //! In: a file of PrusaSlicer (`.ini`, a bundle of them, or its G-code),
 //! OrcaSlicer and Bambu Studio (`.json`, or their G-code), or Cura
 //! (`.curaprofile`, `.def.json`, `.inst.cfg`). Out: a [`Translation`]: the
-//! settings of isoslice that follow from it, and for every other key why it has
-//! none.
+//! settings of isoslice that follow from the file, and for every other key the
+//! reason why no setting follows from it.
 //!
 //! Guaranteed: every key of the profile is in exactly one of the four lists of
 //! the [`Translation`]; reading takes bounded time and memory whatever is in a
 //! file; there are no panics. Not guaranteed: that the values are in the ranges
-//! that isoslice allows, which only it knows.
+//! that isoslice allows, which only isoslice knows.
 //!
 //! ```
 //! # fn main() -> Result<(), slicerprofile::Error> {

@@ -1,5 +1,5 @@
-//! The `.json` of OrcaSlicer and Bambu Studio: one profile in a file, which
-//! inherits from another one, in a file beside it.
+//! The `.json` of OrcaSlicer and Bambu Studio: a file has one profile, which
+//! inherits from another one in a file beside it.
 
 use crate::parents::Parents;
 use crate::values::{Values, plain_text};
@@ -21,7 +21,7 @@ pub(crate) struct Own {
 /// Reads a file's text.
 ///
 /// # Errors
-/// A sentence, if it is not such a profile.
+/// A sentence, if the text is not such a profile.
 pub(crate) fn read(text: &str) -> Result<Own, String> {
     let json: Value = serde_json::from_str(text)
         .map_err(|e| format!("it is not JSON: {e}"))?;
@@ -51,12 +51,12 @@ pub(crate) fn read(text: &str) -> Result<Own, String> {
     })
 }
 
-/// A file's values with those that it inherits: each parent is looked for beside
-/// the file that inherits from it, in the folders of the same kind, and in
-/// `beside`.
+/// A file's values with those that it inherits. Each parent is looked for
+/// beside the file that inherits from it, in the folders of the same kind, and
+/// in `beside`.
 ///
 /// # Errors
-/// If a file is missing, cannot be read, or they inherit in a circle.
+/// If a file is missing or cannot be read, or if files inherit in a circle.
 pub(crate) fn resolve(
     path: &Path,
     own: Own,

@@ -1,7 +1,7 @@
-//! Finds the file of the profile that another one inherits from, by its name.
+//! Finds the file of the profile from which another one inherits, by its name.
 //!
 //! Guaranteed: the order in which a folder lists its files does not matter, and
-//! bounded many files are looked at.
+//! the number of files that are looked at is bounded.
 
 use crate::{Error, Kind, MOST_BYTES, bytes_of};
 use std::collections::{BTreeMap, VecDeque};
@@ -16,15 +16,16 @@ const MOST_ALIKE: usize = 50;
 
 /// Where parents are looked for.
 pub(crate) struct Parents<'a> {
-    /// The first file that inherits, with its whole path.
+    /// The first file that inherits, with its full path.
     first: PathBuf,
     beside: &'a [PathBuf],
-    /// Files by their names without extension, sorted; made once it is needed.
+    /// Files by their names without extension, sorted. The index is made when
+    /// it is needed.
     index: Option<BTreeMap<String, Vec<PathBuf>>>,
 }
 
 impl<'a> Parents<'a> {
-    /// The parents of a file, whose path is whole.
+    /// The parents of a file, which is given by its full path.
     pub(crate) fn new(first: PathBuf, beside: &'a [PathBuf]) -> Self {
         let index = None;
         Parents {
@@ -34,8 +35,8 @@ impl<'a> Parents<'a> {
         }
     }
 
-    /// The file of the parent `name` of the file `heir`: the one beside it, or
-    /// of all others the one that shares the longest path with it.
+    /// The file of the parent `name` of the file `heir`. It is the one beside
+    /// `heir`, or else the one that shares the longest path with `heir`.
     ///
     /// # Errors
     /// If files with different contents are equally near.
@@ -50,7 +51,7 @@ impl<'a> Parents<'a> {
         }
         let (first, folders) = (&self.first, self.beside);
         let index = self.index.get_or_insert_with(|| files(first, folders));
-        // Names with a slash are in files with another sign.
+        // In file names another sign replaces the slash of names.
         let file = name.replace('/', "-");
         let Some(all) = index.get(name).or_else(|| index.get(&file)) else {
             return Ok(None);
@@ -91,8 +92,8 @@ impl<'a> Parents<'a> {
     }
 }
 
-/// Files that may be parents, by their names without extension: those in the
-/// file's folder, in the folder of its kind above it, and in `beside`.
+/// Files that may be parents, by their names without extension: files in the
+/// heir's folder, in the folder of its kind above it, and in `beside`.
 fn files(path: &Path, beside: &[PathBuf]) -> BTreeMap<String, Vec<PathBuf>> {
     let own = path.parent().unwrap_or(path);
     let is_kind = |folder: &Path| {
@@ -107,7 +108,7 @@ fn files(path: &Path, beside: &[PathBuf]) -> BTreeMap<String, Vec<PathBuf>> {
     let mut found: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
     let mut left = MOST_FILES;
     while let Some((folder, depth)) = queue.pop_front() {
-        // A folder that cannot be read has no parents.
+        // A folder that cannot be read counts as empty.
         let entries = std::fs::read_dir(&folder).into_iter().flatten();
         let mut entries: Vec<_> = entries.flatten().take(left).collect();
         left -= entries.len();

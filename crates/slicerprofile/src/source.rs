@@ -1,4 +1,4 @@
-//! A file of profiles, whichever slicer's it is.
+//! A file of profiles, of whichever slicer.
 
 use crate::values::Values;
 use crate::{Error, Kind, cura, formula, gcode, ini, orca};
@@ -7,18 +7,18 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Greatest length of a file that is read whole, bytes. The longest of the
-/// makers' own has 2 MB.
+/// slicers' own files has 2 MB.
 pub(crate) const MOST_BYTES: u64 = 16 << 20;
 
-/// Names that a message lists at most.
+/// Greatest number of names in a message.
 const MOST_NAMES: usize = 5;
 
-/// Whose words a file's keys are.
+/// The slicer to whose words a file's keys belong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Slicer {
     /// PrusaSlicer and SuperSlicer.
     Prusa,
-    /// OrcaSlicer, Bambu Studio and what descends from them.
+    /// OrcaSlicer, Bambu Studio and their descendants.
     Orca,
     /// Cura.
     Cura,
@@ -38,9 +38,9 @@ impl Slicer {
 /// A profile in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Named {
-    /// What it is of.
+    /// The kind of the profile.
     pub kind: Kind,
-    /// Its name.
+    /// The profile's name.
     pub name: String,
 }
 
@@ -49,7 +49,7 @@ pub struct Named {
 enum Held {
     /// A bundle of PrusaSlicer's.
     Bundle(ini::Ini),
-    /// One configuration; its name and kind, if it says so.
+    /// One configuration, with its name and kind if the file says so.
     One {
         values: Values,
         name: Option<String>,
@@ -61,7 +61,7 @@ enum Held {
 #[derive(Debug)]
 pub struct Source {
     path: PathBuf,
-    /// Whose words its keys are.
+    /// The slicer to whose words the file's keys belong.
     pub slicer: Slicer,
     held: Held,
 }
@@ -69,11 +69,11 @@ pub struct Source {
 /// The profiles that were chosen from a file.
 #[derive(Clone, Debug)]
 pub struct Picked {
-    /// Whose words the keys are.
+    /// The slicer to whose words the keys belong.
     pub slicer: Slicer,
-    /// Their names; none if the file has none.
+    /// The profiles' names; empty if the file has no names.
     pub names: Vec<Named>,
-    /// Their kinds; empty if the file holds a whole configuration.
+    /// The profiles' kinds; empty if the file holds a whole configuration.
     pub kinds: Vec<Kind>,
     /// All values.
     pub values: Values,
@@ -84,7 +84,7 @@ impl Source {
     /// and in the folders `beside`.
     ///
     /// # Errors
-    /// If it cannot be read, is too large, or is no profile.
+    /// If the file cannot be read, is too large, or is not a profile.
     pub fn open(path: &Path, beside: &[PathBuf]) -> Result<Source, Error> {
         let wrong = |message: String| Error::NotUnderstood {
             path: path.to_owned(),
@@ -186,7 +186,7 @@ impl Source {
         }
     }
 
-    /// The profiles in a bundle, sorted; nothing if the file is none.
+    /// The profiles in a bundle, sorted; empty if the file is not a bundle.
     pub fn list(&self) -> Vec<Named> {
         match &self.held {
             Held::Bundle(ini) => ini.list(),
@@ -194,8 +194,8 @@ impl Source {
         }
     }
 
-    /// The profiles of these names, at most one of each kind. A file that is no
-    /// bundle needs no names.
+    /// The profiles of these names, at most one of each kind. A file that is
+    /// not a bundle needs no names.
     ///
     /// # Errors
     /// If there is no such profile, or names are missing.
@@ -316,7 +316,7 @@ impl Source {
     }
 }
 
-/// Whose words the keys of a configuration are.
+/// The slicer to whose words the keys of a configuration belong.
 fn of_words(values: &Values) -> Slicer {
     const OF_ORCA: [&str; 4] = [
         "wall_loops",
@@ -354,7 +354,8 @@ pub(crate) fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
     Ok(bytes)
 }
 
-/// Opens a file, but no folder, pipe or device, which may have no end.
+/// Opens a file. Folders, pipes and devices are refused, since they may have no
+/// end.
 fn regular(path: &Path) -> Result<File, Error> {
     let unreadable = |cause| Error::Unreadable {
         path: path.to_owned(),

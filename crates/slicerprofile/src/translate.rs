@@ -18,8 +18,8 @@ pub enum Value {
 
 impl From<f64> for Value {
     fn from(x: f64) -> Self {
-        // What is left of computing in binary, such as 0.30000000000000004, is
-        // not meant.
+        // Computing in binary leaves digits that are not meant, such as those
+        // of 0.30000000000000004.
         Value::Number((x * 1e6).round() / 1e6)
     }
 }
@@ -45,24 +45,24 @@ impl From<String> for Value {
 /// A setting that follows from the profile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// Which of isoslice's profiles it belongs to.
+    /// The kind of isoslice's profile to which the setting belongs.
     pub kind: Kind,
     /// The setting's name.
     pub name: &'static str,
-    /// Its value.
+    /// The setting's value.
     pub value: Value,
-    /// The keys that it was made of.
+    /// The keys from which the setting was made.
     pub from: Vec<String>,
 }
 
-/// A key that no setting was made of.
+/// A key from which no setting was made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Left {
     /// The key.
     pub key: String,
-    /// Its value.
+    /// The key's value.
     pub value: String,
-    /// Why no setting was made of it, or what to do.
+    /// Why no setting was made from the key, or what to do.
     pub why: String,
 }
 
@@ -71,13 +71,14 @@ pub struct Left {
 pub struct Translation {
     /// The settings, in the order of the table.
     pub settings: Vec<Setting>,
-    /// Keys that isoslice needs not, by what they say or by their value.
+    /// Keys that isoslice does not need, because of what they are or of their
+    /// value.
     pub ignored: Vec<Left>,
     /// Keys that would change the print and have no counterpart.
     pub lost: Vec<Left>,
     /// Keys that are not in the table.
     pub unknown: Vec<Left>,
-    /// Number of keys that settings were made of.
+    /// Number of keys from which settings were made.
     pub mapped: usize,
 }
 
@@ -103,7 +104,7 @@ pub fn translate(picked: &Picked) -> Translation {
         }
     }
     for key in picked.values.keys().filter(|key| !seen.contains(key)) {
-        // An empty list is there to be filled.
+        // An empty list has no value yet.
         if row_of(picked.slicer, key).is_some() {
             out.ignored.push(given.left(key, "it is empty"));
         } else {
@@ -158,7 +159,7 @@ impl Translation {
             Outcome::Set(settings) => {
                 self.mapped += present.len();
                 for (name, value) in settings {
-                    // What comes later in the table is more particular.
+                    // Later rows of the table are more particular.
                     self.settings
                         .retain(|s| s.name != name || s.kind != row.kind);
                     self.settings.push(Setting {
@@ -185,7 +186,7 @@ pub(crate) struct Given<'a> {
     pub(crate) slicer: Slicer,
 }
 
-/// Shares of shares are followed so far.
+/// Greatest number of times that a share of a share is followed.
 const DEEPEST: usize = 6;
 
 impl Given<'_> {
@@ -231,11 +232,12 @@ impl Given<'_> {
         self.switch(key) == Some(false)
     }
 
-    /// A number, or what a share such as `50%` comes to; nothing if the key has
-    /// no value.
+    /// A number, or the value of a share such as `50%`; none if the key has no
+    /// value.
     ///
     /// # Errors
-    /// If it is neither, or a share of something that is not in the profile.
+    /// If the value is neither, or a share of something that is not in the
+    /// profile.
     pub(crate) fn amount(&self, key: &str) -> Result<Option<f64>, String> {
         self.amount_within(key, DEEPEST)
     }
@@ -272,7 +274,7 @@ impl Given<'_> {
     }
 }
 
-/// How the value of a key becomes that of a setting.
+/// How a setting's value is made from a key's value.
 #[derive(Clone, Copy, Debug)]
 pub enum As {
     /// The number.
@@ -283,7 +285,7 @@ pub enum As {
     Switch,
     /// A percentage, with or without its sign.
     Percent,
-    /// A ratio, 1 is 100 %; with a percent sign a percentage.
+    /// A ratio, of which 1 is 100 %; with a percent sign it is a percentage.
     Ratio,
     /// A length, or a share of the nozzle or of the layer's height; 0 leaves it
     /// to the slicer.

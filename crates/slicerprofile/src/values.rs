@@ -19,7 +19,7 @@ impl Values {
         }
     }
 
-    /// Takes over all of `others` that is not here.
+    /// Takes over the values of `others` for keys that have no value here.
     pub(crate) fn inherit(&mut self, others: &Values) {
         for (key, items) in &others.0 {
             self.set_missing(key, items);
@@ -51,20 +51,20 @@ impl Values {
         self.text(key).is_some() && !self.is_nil(key)
     }
 
-    /// True if the key says that it has no value of its own: `nil`, or `nil,nil`
-    /// for two extruders, of which the first counts.
+    /// True if the key says that it has no value of its own: `nil`, or
+    /// `nil,nil` for two extruders, of which the first counts.
     pub(crate) fn is_nil(&self, key: &str) -> bool {
         let first = self.text(key).and_then(|text| text.split(',').next());
         first.is_some_and(|first| first.trim() == "nil")
     }
 
-    /// The first item whole: G-code, a name.
+    /// The first item as a whole, for G-code or a name.
     pub fn text(&self, key: &str) -> Option<&str> {
         Some(self.0.get(key)?.first()?.trim())
     }
 
-    /// The first item before a comma or semicolon: what the first extruder
-    /// has. Empty values and `nil` are none.
+    /// The first item up to a comma or semicolon, which is the first
+    /// extruder's. Empty values and `nil` count as no value.
     pub fn first(&self, key: &str) -> Option<&str> {
         let text = self.text(key)?;
         let first = text.split([',', ';']).next().unwrap_or("");
@@ -72,12 +72,12 @@ impl Values {
         (!first.is_empty() && first != "nil").then_some(first)
     }
 
-    /// The first item as a number; a share such as `15%` is none.
+    /// The first item as a number; none for a share such as `15%`.
     pub fn number(&self, key: &str) -> Option<f64> {
         parse(self.first(key)?)
     }
 
-    /// All items: those of a list, or of a text with commas.
+    /// All items of a list, or of a text with commas.
     pub fn list(&self, key: &str) -> Vec<&str> {
         let Some(items) = self.0.get(key) else {
             return Vec::new();
@@ -105,12 +105,12 @@ pub(crate) fn plain_text(value: &serde_json::Value) -> Option<String> {
     }
 }
 
-/// A finite number.
+/// The finite number that a text is, if it is one.
 pub(crate) fn parse(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|x| x.is_finite())
 }
 
-/// A number with a percent sign behind it.
+/// The number before a percent sign.
 pub(crate) fn share(text: &str) -> Option<f64> {
     parse(text.trim().strip_suffix('%')?)
 }

@@ -32,9 +32,10 @@ pub(super) fn closer(
     if s0 * s1 < 0.0 && t0 * t1 < 0.0 {
         return limit > 0.0;
     }
-    // The place of one segment's end, seen from the beginning of the other:
-    // `along` is the way to it, and `side` its distance from the other's line,
-    // times that segment's `length`.
+    // True if an end of one segment is near the other segment. `end` is the way
+    // to it from the other's beginning, `along` the other segment, `length` the
+    // square of its length, and `side` its length times the end's distance from
+    // its line.
     let near = |end: DVec2, along: DVec2, side: f64, length: f64| {
         let t = end.dot(along);
         if t <= 0.0 {

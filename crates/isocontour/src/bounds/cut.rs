@@ -2,9 +2,9 @@
 
 use crate::cell::Cell;
 
-/// The axis to cut a box across: the one along which f changes most. `None`
-/// if no cut can tell more: f is constant, or the box is thinner than
-/// `thinnest` along every axis that matters.
+/// The axis across which to cut a box: the one along which f changes most.
+/// `None` if no cut can tell more, because f is constant or the box is thinner
+/// than `thinnest` along every axis that matters.
 pub(super) fn split_axis(
     cell: &Cell,
     steepness: [f64; 3],
@@ -12,8 +12,8 @@ pub(super) fn split_axis(
     thinnest: f64,
 ) -> Option<usize> {
     let jumps = |i: usize| !steepness[i].is_finite() && steepness[i] != 0.0;
-    // Where f jumps, the box that holds the jump is never decided. Once it is
-    // as thin as what may be left out, its neighbours tell what there is.
+    // Where f jumps, the box with the jump is never decided. Once it is as thin
+    // as what may be left out, its neighbours tell what there is.
     if (0..3).any(|i| jumps(i) && cell.width(i) <= thinnest) {
         return None;
     }
@@ -28,9 +28,9 @@ pub(super) fn split_axis(
         axes.filter(can)
             .max_by(|&a, &b| cell.width(a).total_cmp(&cell.width(b)))
     };
-    // Steepness is an upper bound and can be far too high along one axis;
-    // now and then the widest axis gets its turn. Jumps are closed in on in
-    // turn with the rest.
+    // Steepness is an upper bound and can be far too high along one axis, so
+    // the widest axis gets its turn now and then. Jumps are approached in turn
+    // with the others.
     if depth % 4 != 3
         && let Some(i) = widest(&mut (0..3).filter(|&i| jumps(i)))
     {

@@ -1,29 +1,29 @@
-//! The tight axis-aligned box of {f < 0}, found without being told where to
-//! look.
+//! Finds the tight axis-aligned box of {f < 0}, without a hint where to look.
 //!
-//! In: an expression. Out: a box outside of which the field is proved not to
-//! be negative, each side within `tolerance` of a point that is inside.
+//! In: an expression. Out: a box outside of which the field is proved not to be
+//! negative. Each of its sides is within `tolerance` of a point that is inside.
 //!
-//! How: the region in which f can be negative is narrowed from ±1000 m by
-//! proofs over slabs and a coarse grid, or, for long programs, divided among
-//! boxes in which little of them counts (`search`); then each side is found by
-//! best-first branch and bound (`reach`). The box that reaches furthest out is
-//! looked at first: if intervals prove it empty it is dropped, if its centre is
-//! inside the known extent grows to the surface above that centre. If an
+//! How: proofs over slabs and a coarse grid narrow the region in which f can be
+//! negative from ±1000 m. With long programs the region is divided among boxes
+//! in which little of the program counts (`search`). Then each side is found by
+//! best-first branch and bound (`reach`). The box that reaches farthest out is
+//! looked at first. If intervals prove it empty, it is dropped. If its centre
+//! is inside, the known extent grows to the surface above that centre. If an
 //! operation jumps in it, as `floor`, `mod` and `atan2` do, it is looked at
-//! once for each side of the jump (`program`); else it is cut across the axis
-//! along which f changes most (`cut`). Where nothing is inside, `undefined`
-//! finds out whether f is NaN, and which operation makes it so.
+//! once for each side of the jump (`program`). Otherwise it is cut across the
+//! axis along which f changes most (`cut`). Where nothing is inside,
+//! `undefined` finds out whether f is NaN, and which operation makes it so.
 //!
-//! Guarantees: deterministic (the budget counts operations, not time), no
-//! recursion, memory bounded by the budget. A side that the budget does not
-//! allow to finish is returned on the safe side, and `slack_mm` says how far
-//! it may be off.
+//! Guarantees: the result is deterministic (the budget counts operations, not
+//! time), there is no recursion, and the budget bounds the memory. A side that
+//! the budget does not allow to finish is returned on the safe side, and
+//! `slack_mm` says how far it may be off.
 //!
 //! Not guaranteed: features thinner than `tolerance / 16` may be left out
-//! (surfaces of no thickness are common: the shared face of a difference).
-//! Arithmetic is f64; fidget's f32 evaluation may see the surface a few f32
-//! roundings elsewhere (3·10⁻⁵ mm at 300 mm). NaN counts as outside.
+//! (surfaces of no thickness are common, such as the shared face of a
+//! difference). Arithmetic is in f64. fidget's evaluation in f32 may see the
+//! surface a few roundings elsewhere (3·10⁻⁵ mm at 300 mm). NaN counts as
+//! outside.
 
 mod cut;
 mod reach;
@@ -63,17 +63,17 @@ impl Bounds {
 /// How to search.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchOptions {
-    /// The part must lie within ± this. Default: 10⁶, beyond which f32
-    /// coordinates are coarser than 0.06.
+    /// Greatest distance of the part from the origin, along each axis. Default:
+    /// 10⁶, beyond which f32 coordinates are coarser than 0.06.
     pub limit_mm: f64,
-    /// Look only within this box; the part is what of f lies inside it.
+    /// A box within which to look. The part is what of f lies inside the box.
     /// Default: none.
     pub within: Option<Bounds>,
-    /// Largest error of a side as a share of the model's size (never above
-    /// 10⁻⁴ mm). Default: 10⁻⁶.
+    /// Largest error of a side as a share of the model's size. The error is
+    /// never above 10⁻⁴ mm. Default: 10⁻⁶.
     pub tolerance: f64,
-    /// Budget, in interval operations. Default: 4·10⁷, a few seconds; a
-    /// bear of 600 operations needs a sixth of it.
+    /// Budget, in interval operations. Default: 4·10⁷, which take a few
+    /// seconds. A bear of 600 operations needs a sixth of the budget.
     pub max_work: u64,
 }
 
@@ -94,7 +94,7 @@ pub struct FoundBounds {
     /// The box.
     pub bounds: Bounds,
     /// Largest distance from a side of the box to a point known to be inside
-    /// the model. Above the tolerance (10⁻⁴ mm) only if the budget ended.
+    /// the model. It is above the tolerance (10⁻⁴ mm) only if the budget ended.
     pub slack_mm: f64,
 }
 
@@ -102,14 +102,14 @@ pub struct FoundBounds {
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
 pub enum BoundsError {
-    /// The inside goes on to the edge of the search.
+    /// The inside reaches the edge of the search.
     #[error("it goes on along {direction} at {at_mm}")]
     Unbounded {
         /// `+x`, `-x`, `+y`, …
         direction: &'static str,
         /// How far out the model was still found to be solid.
         at_mm: f64,
-        /// Whether -f would be a bounded model.
+        /// True if -f would be a bounded model.
         flipped: bool,
     },
     /// f is nowhere negative.
@@ -125,13 +125,13 @@ pub enum BoundsError {
     NotANumber {
         /// What was searched.
         searched: String,
-        /// Which operation makes it so, and of what.
+        /// Which operation makes f NaN, and of what.
         cause: String,
     },
     /// f does not depend on z.
     #[error("f does not depend on z")]
     Flat {
-        /// Its extent along x and y.
+        /// Extent of {f < 0} along x and y.
         size: [f64; 2],
     },
     /// f is negative everywhere.
@@ -146,7 +146,7 @@ pub enum BoundsError {
         /// `+x`, `-x`, `+y`, …
         direction: &'static str,
     },
-    /// What is to be searched is not a box.
+    /// The corners to search between make no box.
     #[error("{min} to {max} is no box")]
     NoBox {
         /// Lower corner.
@@ -176,7 +176,7 @@ pub fn find_bounds(
     found
 }
 
-/// Whether f does not depend on z.
+/// True if f does not depend on z.
 ///
 /// # Errors
 /// If the expression cannot be used.

@@ -15,7 +15,8 @@ use std::rc::Rc;
 struct Candidate {
     reach: f64,
     depth: u32,
-    /// Order of creation: makes the order total, hence repeatable.
+    /// Number in the order of creation. It makes the order total, and so
+    /// repeatable.
     number: u64,
     cell: Cell,
     program: Rc<Program>,
@@ -23,8 +24,8 @@ struct Candidate {
 
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
-        // Of boxes that reach equally far the deepest comes first: it is the
-        // nearest to a decision.
+        // Of boxes that reach equally far the deepest comes first, since it is
+        // the nearest to a decision.
         self.reach
             .total_cmp(&other.reach)
             .then(self.depth.cmp(&other.depth))
@@ -46,8 +47,8 @@ impl PartialEq for Candidate {
 
 impl Eq for Candidate {}
 
-/// A program is short enough to climb if its budget is that for so many of
-/// its operations; a climb takes 64 values.
+/// Least budget for a climb, per operation of the program. A climb takes 64
+/// values.
 const CLIMB: u64 = 400;
 
 impl Search<'_> {
@@ -59,7 +60,7 @@ impl Search<'_> {
         let parts = self.narrow(program)?;
         let mut slack_mm = f64::INFINITY;
         // The tolerance is a share of the size, which the coarse region may
-        // overestimate: once more with what the first pass found.
+        // overestimate. So there is another pass with what the first one found.
         for _ in 0..3 {
             let before = self.region.largest_side();
             slack_mm = self.all_sides(&parts)?;
@@ -145,7 +146,7 @@ impl Search<'_> {
                         flipped: false,
                     });
                 }
-                // No other candidate reaches further than this one.
+                // No candidate reaches farther than this one.
                 if c.reach <= known + tolerance {
                     break;
                 }
@@ -168,9 +169,9 @@ impl Search<'_> {
             if f.range.is_empty() || f.range.lo >= 0.0 {
                 continue;
             }
-            // The middle of the inner face as well: where the surface has a
-            // rounded top just above that face, the box's centre is over it
-            // however small the box gets.
+            // The climb starts from the middle of the inner face as well. Where
+            // the surface has a rounded top just above that face, the box's
+            // centre is outside the surface however small the box gets.
             let mut start = c.cell.centre();
             let mut is_inside = f.centre < 0.0;
             if !is_inside {
@@ -182,7 +183,7 @@ impl Search<'_> {
                     c.program = Rc::new(simple);
                 }
                 self.note_inside(start);
-                // With a long program the boxes are halved instead.
+                // With a long program boxes are only halved.
                 if c.program.len() as u64 * CLIMB < budget {
                     self.climb(side, &c.program, start, c.reach);
                 }
@@ -192,8 +193,7 @@ impl Search<'_> {
             }
             let whole = c.cell;
             c.cell = c.program.contracted(&whole, &self.scratch);
-            // The part of the box that the jumps leave may be too thin to
-            // count.
+            // What the jumps leave of the box may be too thin to count.
             let too_thin =
                 |i: usize| c.cell.width(i) < whole.width(i).min(thinnest);
             if (0..3).any(too_thin) {
@@ -241,7 +241,7 @@ impl Search<'_> {
         Ok(simplest_between(known, proved))
     }
 
-    /// Nothing is inside any of the parts.
+    /// The error if nothing is inside any of the parts.
     fn nothing(&mut self, parts: &[Part]) -> BoundsError {
         match parts.first() {
             Some(part) => self.empty(&part.program),
@@ -252,10 +252,10 @@ impl Search<'_> {
         }
     }
 
-    /// Looks for inside points far out, so that the search has a known extent
-    /// to begin with. Where the part ends in a plateau or is cut by the given
-    /// bounds, many boxes reach equally far, and a search of the deepest first
-    /// could spend its budget on the corner it happened to begin with.
+    /// Looks for inside points far out, so that the search begins with a known
+    /// extent. Where the part ends in a plateau, or the given bounds cut it,
+    /// many boxes reach equally far. A search of the deepest first could then
+    /// spend its budget on the corner where it begins.
     fn probe(
         &mut self,
         side: Side,
@@ -263,16 +263,16 @@ impl Search<'_> {
         tolerance: f64,
         budget: u64,
     ) {
-        /// Points along each of the face's two axes, of a long program.
+        /// Points along each of the face's two axes, for a long program.
         const FEW: usize = 2;
-        /// Points along each of them, of any other.
+        /// Points along each of these axes, for any other program.
         const MANY: usize = 8;
         /// Depths below the face, as shares of the region; the face first.
         const DEPTHS: [f64; 4] = [0.0, 0.02, 0.1, 0.3];
         let short = program.len() as u64 * CLIMB < budget;
         let across = if short { MANY } else { FEW };
-        // Off the middles and quarters: planes of symmetry are where fields
-        // are 0 or NaN.
+        // The points avoid middles and quarters, since fields are often 0 or
+        // NaN in planes of symmetry.
         let part = |i: usize| (i as f64 + 0.38) / across as f64;
         let region = self.region;
         let stop = self.scratch.work + budget / 8;
@@ -305,8 +305,8 @@ impl Search<'_> {
         }
     }
 
-    /// Looks for any inside point. Rows of points may all meet the holes of a
-    /// part that repeats itself, as a sponge does; these points repeat nothing.
+    /// Looks for any inside point. All rows of points may meet the holes of a
+    /// part that repeats itself, such as a sponge. These points do not repeat.
     fn scatter(&mut self, program: &Program, stop: u64) {
         const POINTS: u32 = 4096;
         /// The sequence R₃ of M. Roberts (2018): powers of the inverse of
@@ -364,19 +364,19 @@ impl Search<'_> {
     }
 }
 
-/// The roundest decimal within [lo, hi], down to 0.001; else `hi`.
+/// The roundest decimal within [lo, hi], down to 0.001, or else `hi`.
 ///
-/// The model's extent is known to lie in the interval and no better. Nearly
-/// every drawn part ends at a multiple of a micrometre, and where the interval
-/// holds one, that is the likeliest truth: a cube of 20 mm reads 20 and not
-/// 20.00002.
+/// The model's extent is known to lie in the interval, but not where. Nearly
+/// every drawn part ends at a multiple of a micrometre. Where the interval
+/// holds such a number, it is the likeliest one: a cube of 20 mm reads 20 and
+/// not 20.00002.
 fn simplest_between(lo: f64, hi: f64) -> f64 {
     for scale in [1.0, 10.0, 100.0, 1000.0] {
-        // The extent is a point inside: the surface is at or beyond it, but
-        // f64 may have rounded it over the decimal.
+        // The extent is a point inside. The surface is there or beyond, but f64
+        // may have rounded the point over the decimal.
         let v = ((lo - 1e-11 * lo.abs()) * scale).ceil() / scale;
         if v <= hi {
-            // No negative zero.
+            // This avoids a negative zero.
             return v + 0.0;
         }
     }
@@ -391,8 +391,8 @@ mod tests {
     use crate::program::Scratch;
     use fidget::context::Tree;
 
-    /// Blocks with slots between them, in which all rows of points lie that
-    /// are looked at from a face.
+    /// All rows of points that are looked at from a face lie in the slots
+    /// between blocks.
     #[test]
     fn a_point_is_found_where_all_rows_meet_holes() {
         let slots = |axis: Tree| 1.0 - (axis.modulo(10.0) - 3.8).abs();

@@ -1,5 +1,5 @@
-//! The state of a search, and its coarse beginning: the region in which the
-//! field may be negative is narrowed by proofs over a grid.
+//! The state of a search, and its coarse beginning: proofs over a grid narrow
+//! the region in which the field may be negative.
 
 use super::side::Side;
 use super::undefined::{Undefined, undefined};
@@ -61,14 +61,15 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Looks at a slice of a model that is the same at every height.
+    /// Makes this a search for a slice of a model that is equal at every
+    /// height.
     pub(super) fn of_a_slice(mut self) -> Self {
         (self.region.lo[2], self.region.hi[2]) = (-0.5, 0.5);
         self
     }
 
-    /// Whether more work was done than `most`, or the search is to stop: it
-    /// then ends as it does when its budget ends.
+    /// True if more work was done than `most`, or if the search has to stop. It
+    /// then ends as when its budget ends.
     pub(super) fn is_over(&self, most: u64) -> bool {
         self.scratch.work > most || self.cancel.is_asked()
     }
@@ -81,12 +82,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// How much of the field is NaN.
+    /// Finds out how much of the field is NaN.
     fn undefined(&mut self, program: &Program) -> Undefined {
         undefined(program, self.options, self.cancel, &mut self.scratch)
     }
 
-    /// Nothing is inside, and why.
+    /// The error if nothing is inside, with the cause.
     pub(super) fn empty(&mut self, program: &Program) -> BoundsError {
         let searched = self.searched();
         let Undefined { share, cause } = self.undefined(program);
@@ -98,8 +99,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Narrows the region as far as coarse proofs go, and returns what is left
-    /// of it, with the program simplified for that.
+    /// Narrows the region as far as coarse proofs go. Returns what is left of
+    /// it, with the program simplified for each part.
     pub(super) fn narrow(
         &mut self,
         program: Rc<Program>,
@@ -125,7 +126,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The error if the ranges tell too little; perhaps there are no values.
+    /// The error if the ranges tell too little. Perhaps there are no values.
     pub(super) fn undecided(
         &mut self,
         side: Side,
@@ -143,8 +144,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Looks at the middle of each far side: where a model is solid there, it
-    /// is known to be unbounded at once.
+    /// Looks at the middle of each far side. A model that is solid there is
+    /// unbounded.
     fn look_far(&mut self, program: &Program) -> Result<(), BoundsError> {
         if self.options.within.is_some() {
             return Ok(());
@@ -166,13 +167,13 @@ impl<'a> Search<'a> {
     }
 
     /// Divides the region among boxes in which far less of a long program
-    /// counts, as of a union of thousands: each side of the model is then
-    /// looked for with these short ones.
+    /// counts, as of a union of thousands. Each side of the model is then
+    /// looked for with these short programs.
     fn shards(
         &mut self,
         program: Rc<Program>,
     ) -> Result<Vec<Part>, BoundsError> {
-        /// A region is halved so many times at most.
+        /// Greatest number of times that a region is halved.
         const DEPTH: u32 = 9;
         let most = self.scratch.work + self.options.max_work / 3;
         let short = program.len() / 64;
@@ -209,19 +210,18 @@ impl<'a> Search<'a> {
     }
 
     /// Takes slabs off the region's sides as long as one of them is proved to
-    /// be empty. A few boxes settle much of the region, whatever the program's
-    /// size.
+    /// be empty. Whatever the program's size, few boxes are needed for much of
+    /// the region.
     fn peel(&mut self, mut program: Rc<Program>) -> Rc<Program> {
-        /// What is left of the way from the middle to the side; the most
-        /// hopeful first.
+        /// Shares of the way from the middle to the side that are left, the
+        /// greatest gain first.
         const LEAVES: [f64; 4] =
             [1.0 / 4096.0, 1.0 / 64.0, 1.0 / 8.0, 1.0 / 2.0];
         let most = self.scratch.work + self.options.max_work / 8;
         let mut least = 0;
         loop {
             let mut peeled = false;
-            // A share that could not be taken off once will not be taken off
-            // later.
+            // A share that could not be taken off once is not tried again.
             let mut best = LEAVES.len();
             let centre = self.region.centre();
             for side in Side::all() {
@@ -257,18 +257,18 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Narrows the region to the hull of those boxes of a grid that may hold
-    /// some of the model, as long as that helps.
+    /// Narrows the region to the hull of the boxes of a grid that may hold some
+    /// of the model, as long as that helps.
     fn sift(
         &mut self,
         mut program: Rc<Program>,
     ) -> Result<Rc<Program>, BoundsError> {
-        /// Cells per axis: an off-centre model loses three quarters of the
-        /// region per round, a centred one half.
+        /// Cells per axis. A round removes three quarters of the region round
+        /// an off-centre model, and half round a centred one.
         const GRID: usize = 4;
         loop {
             let edge = |axis: usize, i: usize| {
-                // The ends exactly, so that no gap opens by rounding.
+                // The ends are taken exactly, so that rounding opens no gap.
                 match i {
                     0 => self.region.lo[axis],
                     GRID => self.region.hi[axis],
@@ -309,7 +309,7 @@ impl<'a> Search<'a> {
             let shrunk =
                 (0..3).any(|i| hull.width(i) < 0.9 * self.region.width(i));
             self.region = hull;
-            // A point-like region would be halved for ever.
+            // Without this a region like a point would be halved for ever.
             let tiny = (0..3)
                 .all(|i| hull.width(i) <= 1e-9 * (1.0 + hull.lo[i].abs()));
             if !shrunk || tiny || self.scratch.work > self.options.max_work {
@@ -322,7 +322,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A point is inside the model.
+    /// Notes that a point is inside the model.
     pub(super) fn note_inside(&mut self, p: [f64; 3]) {
         let point = Cell { lo: p, hi: p };
         self.inside = Some(match &self.inside {

@@ -1,13 +1,13 @@
-//! A side of a box, and how far out along it things are.
+//! A side of a box, and how far out things are on that side.
 
 use crate::cell::Cell;
 
 /// A side of a box.
 #[derive(Clone, Copy)]
 pub(super) struct Side {
-    /// Along x, y or z.
+    /// Number of the axis: x, y or z.
     pub axis: usize,
-    /// Whether it is the upper end.
+    /// True for the upper end.
     pub up: bool,
 }
 
@@ -25,7 +25,7 @@ impl Side {
             [usize::from(self.up)]
     }
 
-    /// Turns a coordinate into "how far out", and back.
+    /// Turns a coordinate into a distance outwards, or back.
     pub(super) fn outward(self, v: f64) -> f64 {
         if self.up { v } else { -v }
     }

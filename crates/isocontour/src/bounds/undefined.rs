@@ -1,4 +1,4 @@
-//! Where a field is no number, and which operation makes it so.
+//! Where a field is not a number, and which operation makes it so.
 
 use super::SearchOptions;
 use crate::cancel::Cancel;
@@ -6,23 +6,23 @@ use crate::program::{Program, Scratch};
 
 /// How much of a field is NaN.
 pub(super) struct Undefined {
-    /// Share of the points looked at.
+    /// Share of the points that are NaN.
     pub share: f64,
-    /// What makes it NaN at the first of them.
+    /// What makes the field NaN at the first of these points.
     pub cause: Option<String>,
 }
 
-/// Looks at points all over what is searched, near the origin and far.
+/// Looks at points all over what is searched, near the origin and far away.
 pub(super) fn undefined(
     program: &Program,
     options: &SearchOptions,
     cancel: &Cancel,
     scratch: &mut Scratch,
 ) -> Undefined {
-    /// How far out the points are, if the search has no bounds.
+    /// Distances of the points if the search has no bounds.
     const FAR: [f64; 4] = [0.9, 11.0, 130.0, 7_000.0];
-    /// Points along each axis, as shares of the way; none of them on a
-    /// plane of symmetry.
+    /// Points along each axis, as shares of the way. None is in a plane of
+    /// symmetry.
     const AT: [f64; 5] = [-0.93, -0.48, 0.04, 0.53, 0.97];
     let frames: Vec<[[f64; 2]; 3]> = match options.within {
         Some(b) => {
@@ -47,7 +47,7 @@ pub(super) fn undefined(
                 without += 1.0;
                 cause = cause.or_else(|| program.why_nan(point, scratch));
             }
-            // A program that takes its time is looked at no longer.
+            // A program that takes long is not looked at any further.
             if scratch.work > 2 * options.max_work {
                 break;
             }

@@ -2,13 +2,13 @@
 
 use glam::DVec2;
 
-/// Edges by the square they pass through.
+/// Edges by the squares that they pass through.
 pub(super) struct Buckets {
     starts: Vec<u32>,
     items: Vec<u32>,
 }
 
-/// A grid of squares over some edges, about as large as these are long.
+/// A grid of squares over some edges, about as large as the edges are long.
 struct Squares {
     lo: DVec2,
     size: f64,
@@ -27,7 +27,7 @@ impl Squares {
             length += a.distance(b);
             count += 1;
         }
-        // Not many more squares than edges.
+        // There are not many more squares than edges.
         let extent = (hi - lo).max(DVec2::ZERO);
         let even = (extent.element_product() / count.max(1) as f64).sqrt();
         let size = even.max(length / count.max(1) as f64).max(1e-6);
@@ -46,20 +46,21 @@ impl Squares {
         (row as usize).min(self.ny - 1)
     }
 
-    /// Visits the squares that an edge passes through, row by row: those of
-    /// its whole box would be far too many for a long slanting one.
+    /// Visits the squares that an edge passes through, row by row. The squares
+    /// of its whole box would be far too many for a long slanting edge.
     fn visit(&self, (a, b): (DVec2, DVec2), mut visit: impl FnMut(usize)) {
         let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
         let (bottom, top) = (self.row(a.y), self.row(b.y));
         let [left, right] = [a.x.min(b.x), a.x.max(b.x)];
         let (left, right) = (self.column(left), self.column(right));
-        // Most are in one row or column, or two of each.
+        // Most edges are in one row or column, or in two of each.
         let short = (top - bottom) * (right - left) <= 1;
         let pad = 1e-9 * self.size;
         for j in bottom..=top {
             let (mut from, mut to) = (left, right);
             if !short {
-                // Where it enters the row and leaves it, and a little more.
+                // The places where the edge enters and leaves the row, and a
+                // little more.
                 let x = |y: f64| {
                     let share = (y - a.y) / (b.y - a.y);
                     a.x + (b.x - a.x) * share.clamp(0.0, 1.0)

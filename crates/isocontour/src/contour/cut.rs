@@ -1,13 +1,14 @@
 //! Cuts rings where they cross themselves or each other.
 //!
 //! ```text
+//! ```text
 //!    ──────╲ ╱──╲         Near a tip whose sides meet at a few degrees, the
 //!           ╳    tip      points found on them may lie on the wrong side of
 //!    ──────╱ ╲──╱         each other. The ring is led on at the crossing.
 //! ```
 //!
-//! At each crossing the lines change partners: each goes on where the other
-//! one would have. Of the loops that come of it, those stay that have the part
+//! At each crossing the lines change partners: each goes on where the other one
+//! would have gone on. Of the loops that result, those stay that have the part
 //! on their left and nothing on their right, by the rings' winding number. So
 //! rings that overlap become one, and what is turned inside out is dropped.
 
@@ -16,19 +17,20 @@ use super::link::Joined;
 use crate::plane::edges;
 use glam::DVec2;
 
-/// Crossings beyond which rings are no tip that went wrong, and are left.
+/// Greatest number of crossings. Rings with more are not just a tip that went
+/// wrong, and are left as they are.
 const CROSSINGS: usize = 256;
-/// A line this near to a loop, mm, is the loop itself.
+/// Distance below which a line is the loop itself, mm.
 const ITSELF: f64 = 1e-9;
 
-/// A crossing on an edge: the edge's ring and number in it, the place along
-/// it from 0 to 1, and the crossing's number.
+/// A crossing on an edge: the edge's ring, its number in the ring, the place
+/// along the edge from 0 to 1, and the crossing's number.
 type On = (usize, usize, f64, usize);
 
-/// The loops that rings are made of which cross, without thinning, themselves
-/// or each other; `None` if they do not cross, or in very many places.
-/// `tangled` says of each ring whether it is looked at. Loops are in the order
-/// of the rings that they begin on.
+/// The loops that result from rings that cross themselves or each other without
+/// thinning. `None` if they do not cross, or cross in very many places.
+/// `tangled` is true for each ring to look at. Loops are in the order of the
+/// rings on which they begin.
 pub(super) fn at_crossings(
     rings: &[Joined],
     tangled: &[bool],
@@ -52,7 +54,7 @@ pub(super) fn at_crossings(
             }
         }
     }
-    // Edges may share several squares.
+    // Two edges may share several squares.
     pairs.sort_unstable();
     pairs.dedup();
     if pairs.is_empty() || pairs.len() > CROSSINGS {
@@ -77,7 +79,7 @@ pub(super) fn at_crossings(
     });
     let mut out = loops(&pieces(rings, &on, &points), points.len());
     out.retain(|l| l.points.len() > 2 && bounds_part(&l.points, rings));
-    // Rings that cross nothing are as they were.
+    // Rings without crossings stay as they are.
     let whole = some().filter(|&n| !on.iter().any(|o| o.0 == n));
     out.extend(whole.map(|n| Joined {
         points: rings[n].points.clone(),
@@ -86,8 +88,8 @@ pub(super) fn at_crossings(
     Some(out)
 }
 
-/// The places along a b and c d, from 0 to 1, where they cross; `None` if they
-/// do not, or only touch.
+/// The places along a b and c d, from 0 to 1, where they cross. `None` if they
+/// do not cross, or only touch.
 fn places(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<[f64; 2]> {
     let (v, w) = (b - a, d - c);
     let [p, q] = [v.perp_dot(c - a), v.perp_dot(d - a)];
@@ -97,16 +99,16 @@ fn places(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<[f64; 2]> {
 
 /// A ring's line from one crossing to the next.
 struct Piece {
-    /// The crossing that it begins at.
+    /// The crossing where the piece begins.
     from: usize,
     /// The piece that follows in the ring.
     next: usize,
-    /// The crossing, and the vertices up to the next one.
+    /// The crossing, and the vertices up to the next crossing.
     line: Joined,
 }
 
-/// The rings' pieces, from the places of crossings in the order of rings,
-/// edges and places on these.
+/// The rings' pieces, from the places of crossings in the order of rings, edges
+/// and places on the edges.
 fn pieces(rings: &[Joined], on: &[On], points: &[DVec2]) -> Vec<Piece> {
     let mut list = Vec::with_capacity(on.len());
     for same in on.chunk_by(|a, b| a.0 == b.0) {
@@ -136,8 +138,8 @@ fn pieces(rings: &[Joined], on: &[On], points: &[DVec2]) -> Vec<Piece> {
 /// The closed loops that pieces make where they change partners at each
 /// crossing.
 fn loops(pieces: &[Piece], crossings: usize) -> Vec<Joined> {
-    // The sum of the two pieces that begin at a crossing tells one by the
-    // other.
+    // The sum of the two pieces that begin at a crossing gives each of them
+    // from the other one.
     let mut begin = vec![0; crossings];
     for (n, piece) in pieces.iter().enumerate() {
         begin[piece.from] += n;
@@ -172,7 +174,8 @@ fn bounds_part(line: &[DVec2], rings: &[Joined]) -> bool {
     let Some(left) = (b - a).perp().try_normalize() else {
         return false;
     };
-    // Lines that the way to the left meets, by the side that they come from.
+    // Adds up the lines that the way to the left meets, by the side from which
+    // they come.
     let mut winding = 0;
     for (c, d) in rings.iter().flat_map(|r| edges(&r.points)) {
         let [p, q] = [left.perp_dot(c - middle), left.perp_dot(d - middle)];
@@ -207,7 +210,8 @@ mod tests {
 
     #[test]
     fn a_crossed_tip_ends_at_the_crossing() {
-        // Its sides cross at (2, 0), a quarter before its end.
+        // The tip's sides cross at (2, 0), a quarter of their length before its
+        // end.
         let tip = ring(&[(0.0, 2.0), (0.0, -2.0), (3.0, 1.0), (3.0, -1.0)]);
         assert_eq!(contents(&[tip]), vec![4.0]);
     }
@@ -218,7 +222,7 @@ mod tests {
             ring(&[(x, x), (x + 2.0, x), (x + 2.0, x + 2.0), (x, x + 2.0)])
         };
         assert_eq!(contents(&[square(0.0), square(1.0)]), vec![7.0]);
-        // Two holes of a plate.
+        // The holes are two holes of a plate.
         let hole = |x: f64| {
             let mut hole = square(x);
             hole.points.reverse();

@@ -2,11 +2,11 @@
 //!
 //! ```text
 //!   ┌───────────┬───────────┐   A cell whose outline the lattice does not
-//!   │           │ · · · · · │   explain is divided, and the outline found
-//!   │           │ · · · · · │   in it among the smaller ones. Where its side
-//!   │           │ · ·/\ · · │   is crossed as the lattice's edge said, the
-//!   │      next ├───/  \────┤   crossing is the edge's, and the next cell need
-//!   │           │  /· · \ · │   not know. Where it is not, the next cell is
+//!   │           │ · · · · · │   explain is divided, and the outline is found
+//!   │           │ · · · · · │   among its smaller cells. Where its side is
+//!   │           │ · ·/\ · · │   crossed as the lattice's edge said, the
+//!   │      next ├───/  \────┤   crossing is the edge's, and the next cell is
+//!   │           │  /· · \ · │   not concerned. Otherwise the next cell is
 //!   └───────────┴─/──────\──┘   divided, too.
 //! ```
 //!
@@ -31,9 +31,10 @@ use std::f64::consts::FRAC_PI_2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
     pub layer: usize,
-    /// Lattice column and row.
+    /// Column and row of the cell in the lattice.
     pub at: [usize; 2],
-    /// The vertices on the lattice edges around it: south, east, north, west.
+    /// The vertices on the lattice edges around the cell: south, east, north,
+    /// west.
     pub vertices: [Option<Vertex>; 4],
 }
 
@@ -43,7 +44,7 @@ pub(super) struct Piece {
     /// Vertices, counted within the batch of cells.
     pub from: u32,
     pub to: u32,
-    /// Points between them.
+    /// Points between the two vertices.
     pub points: Vec<DVec2>,
 }
 
@@ -52,44 +53,45 @@ pub(super) struct Piece {
 pub(super) struct Divided {
     pub vertices: Vec<Vertex>,
     pub pieces: Vec<Piece>,
-    /// Per cell, the sides where the lattice's edge was wrong: south, east,
-    /// north, west.
+    /// For each cell, the sides on which the lattice's edge was wrong: south,
+    /// east, north, west.
     pub wrong: Vec<[bool; 4]>,
-    /// Per cell, how wide its inside and its outside are on average, if they
-    /// are too fine for the outline to be followed.
+    /// For each cell, how wide its inside and its outside are on average, if
+    /// they are too fine for the outline to be followed.
     pub widths: Vec<Option<Length>>,
 }
 
 /// How a cell is divided and its outline followed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fineness {
-    /// Parts along a cell's side.
+    /// Number of parts along a cell's side.
     pub parts: usize,
     pub tolerance: Length,
     pub trusted: Length,
-    /// Size of the least feature that is to be found.
+    /// Size of the smallest feature that has to be found.
     pub smallest: Length,
 }
 
 /// The field is too fine where a line has this many sign changes within the
 /// length of the smallest feature: three whole pieces lie between them.
 const DENSE: usize = 4;
-/// A cell is too fine if this share of its lines is too fine.
+/// Share of its lines from which on a cell is too fine.
 const DENSE_LINES: f64 = 1.0 / 6.0;
 
-/// A divided cell is too fine if the gradients at their ends contradict at
-/// least so many of its pieces, and at least half of all: more of the outline
-/// is hidden between the nodes.
+/// A divided cell is too fine if the gradients at the ends contradict at least
+/// this many of its pieces, and at least half of them: more of the outline is
+/// hidden between the nodes.
 const AGAINST: usize = 8;
 
 /// The field on a divided cell.
 struct Patch {
     x: Vec<f32>,
     y: Vec<f32>,
-    /// Which nodes are inside, row by row.
+    /// True for each node that is inside, row by row.
     inside: Vec<bool>,
     values: Vec<f32>,
-    /// Vertex number by edge: those along x, then those along y.
+    /// Numbers of vertices by edge: first the edges along x, then those along
+    /// y.
     slots: Vec<u32>,
 }
 
@@ -109,16 +111,16 @@ impl Patch {
         }
     }
 
-    /// Distance of its nodes.
+    /// Distance of the patch's nodes.
     fn step(&self) -> Length {
         let last = self.x.len() - 1;
         (f64::from(self.x[last]) - f64::from(self.x[0])) / last as f64
     }
 
-    /// How wide the inside and the outside are on average, reckoned as in
-    /// `noise`, if that is much less than the smallest feature: a third of it
-    /// all over or in some places, or less than it where every fourth edge has
-    /// a sign change.
+    /// How wide the inside and the outside are on average, worked out as in
+    /// `noise`, if that is too fine: a third of the smallest feature all over
+    /// or in some places, or less than the smallest feature where every fourth
+    /// edge has a sign change.
     fn too_fine(&self, smallest: Length) -> Option<Length> {
         let n = self.x.len();
         let step = self.step();
@@ -132,7 +134,7 @@ impl Patch {
                 if self.inside[at(k - 1)] != self.inside[at(k)] {
                     places[count % DENSE] = k;
                     count += 1;
-                    // The oldest of the last few changes is overwritten next.
+                    // The next change overwrites the oldest of the last few.
                     found |= count >= DENSE && k - places[count % DENSE] < span;
                 }
             }
@@ -163,7 +165,7 @@ impl Patch {
     }
 }
 
-/// The nodes of a cell's axis: its ends are the lattice's.
+/// The nodes of a cell's axis, of which the ends are the lattice's.
 fn nodes(axis: &[f32], from: usize, parts: usize) -> Vec<f32> {
     let (lo, hi) = (f64::from(axis[from]), f64::from(axis[from + 1]));
     (0..=parts)
@@ -249,7 +251,7 @@ fn side(
     ((2 * node + dir) as u32, edges)
 }
 
-/// Vertices on all edges of the patches with a sign change.
+/// Finds vertices on all edges of the patches with a sign change.
 fn find_vertices(
     cells: &[Cell],
     patches: &mut [Patch],
@@ -268,7 +270,7 @@ fn find_vertices(
             let next = patch.node(a + 1 - dir, b + dir);
             patch.inside[patch.node(a, b)] != patch.inside[next]
         };
-        // Crossings of the sides come first: they have names.
+        // Crossings of the sides come first, since they have names.
         let mut names = vec![Crossing::NONE; patch.slots.len()];
         let mut wrong = [false; 4];
         let mut known = Vec::new();
@@ -333,8 +335,8 @@ fn find_vertices(
     Ok(())
 }
 
-/// True if the gradient at an end of a piece of outline contradicts the nodes:
-/// it rises to the side on which the nodes are inside.
+/// True if the gradient at an end of a piece of outline contradicts the nodes,
+/// because it rises to the side on which the nodes are inside.
 fn is_against(from: End, to: End) -> bool {
     let out = -(to.point - from.point).perp();
     [from, to].iter().any(|end| end.gradient.dot(out) < 0.0)
@@ -380,7 +382,7 @@ fn connect(
     }
     let mut centres = centres.into_iter();
     let mut chords: Vec<Chord> = Vec::new();
-    // For each chord its piece, and whether the chord before is in the same
+    // For each chord its piece, and whether the chord before it is in the same
     // cell.
     let mut owners: Vec<(usize, bool)> = Vec::new();
     for (n, (cell, p)) in cells.iter().zip(patches).enumerate() {
@@ -408,7 +410,7 @@ fn connect(
                 count += 1;
                 against += usize::from(is_against(ends[0], ends[1]));
                 let (near, far) = (fineness.tolerance, fineness.trusted);
-                // A saddle's two pieces are both followed, so that they can be
+                // Both pieces of a saddle are followed, so that they can be
                 // compared.
                 if !in_vain
                     && (list.len() > 1
@@ -422,8 +424,8 @@ fn connect(
                         from: ends[0],
                         to: ends[1],
                         cell: p.cell(a, b),
-                        // The tip of a corner may reach between the nodes,
-                        // a whole cell of the lattice far.
+                        // The tip of a corner may reach far between the nodes,
+                        // up to a whole cell of the lattice.
                         beyond: parts as f64,
                         z: z[cell.layer],
                     });

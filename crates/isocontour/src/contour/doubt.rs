@@ -1,8 +1,8 @@
 //! Finds the cells that may hide what their nodes do not show.
 //!
 //! ```text
-//!   f │ \                   /        Four nodes in a row, all outside: going
-//!     │   •               •          on as it came from either side, the field
+//!   f │ \                   /        Four nodes in a row, all outside. Carried
+//!     │   •               •          on as it comes from either side, the field
 //!     │     \           /            passes zero in between. There may be a
 //!     │       •       •              wall, a slit, an island or a hole that is
 //!   0 ┼─────────\───/────────        thinner than the lattice is wide.
@@ -11,10 +11,9 @@
 //!
 //! A field that is convex between the nodes, as it is near a thin wall, lies
 //! above the two lines, so no feature that reaches the row is missed. The lines
-//! are taken to reach farther than that, for features that lie between two
-//! rows.
+//! count as reaching farther than that, for features that lie between two rows.
 //!
-//! Not guaranteed: that a feature shows where another one's field hides it
+//! Not guaranteed: that a feature shows where another feature's field hides it
 //! from all of the nodes around it.
 
 use super::samples::Samples;
@@ -23,32 +22,32 @@ use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use glam::DVec2;
 use pulp::{Arch, Simd, WithSimd};
 
-/// The field is carried on from both sides as it falls there, each time to
-/// zero. An edge is doubtful if the ways from its nodes to these two zeros add
-/// up to fewer cells than this. With less than 1 the two zeros have passed each
-/// other on the row itself, as they do for every feature that reaches the row; a
-/// pin half a cell off the row shows by about 1.6.
+/// The field is carried on from both sides with the slope that it has there,
+/// each time to zero. An edge is doubtful if the ways from its nodes to these
+/// two zeros add up to fewer cells than this. A sum below 1 means that the two
+/// zeros have passed each other on the row itself, as they do for every feature
+/// that reaches the row. A pin half a cell off the row shows by about 1.6.
 const NEAR: f32 = 1.0;
 const FAR: f32 = 1.6;
-/// Doubtful cells of a leaf that are looked into, where the lattice is as fine
-/// as the smallest feature: a field with more doubtful cells is noise.
+/// Greatest number of doubtful cells of a leaf that are looked into, where the
+/// lattice is as fine as the smallest feature. A field with more is noise.
 const MOST: usize = 16;
 
 /// A leaf's values.
 type Values = [f32; NODES * NODES];
 
-/// Looks through leaves for those with a doubtful edge. Most leaves have none,
-/// and that is sooner told than which edges are doubtful.
+/// Looks through leaves for those with a doubtful edge. Most leaves have no
+/// such edge, which is quicker to find out than which edges are doubtful.
 struct Sift<'a> {
     leaves: &'a [Values],
     reach: f32,
-    /// By leaf, whether it has a doubtful edge.
+    /// True for each leaf with a doubtful edge.
     out: &'a mut Vec<bool>,
 }
 
 /// The lines at each of a leaf's borders, from the border inwards.
 const BORDERS: [[usize; 3]; 2] = [[0, 1, 2], [LEAF, LEAF - 1, LEAF - 2]];
-/// Numbers that are looked at together.
+/// How many numbers are looked at together.
 const WIDTH: usize = 8;
 
 /// Greater than zero if the field may pass zero between two neighbouring nodes
@@ -67,7 +66,7 @@ fn doubt([before, a, b, after]: [f32; 4], reach: f32) -> f32 {
 
 /// Greater than zero if the field may pass zero on an edge from `a` at a leaf's
 /// border inwards to `b`, whatever is at the node beyond the border. The field
-/// is taken to be at most four times as steep there as it is inside.
+/// there counts as at most four times as steep as inside.
 #[inline(always)]
 fn doubt_at_border([a, b, c]: [f32; 3], reach: f32) -> f32 {
     let step = (c - b).abs();
@@ -86,8 +85,8 @@ fn some(list: &[f32], at: usize) -> [f32; WIDTH] {
 
 impl Sift<'_> {
     /// Looks at edges between nodes that are `step` places apart, with a node
-    /// on either side. Along x some of these reach from one row into the next,
-    /// which does no harm here.
+    /// on either side. Along x some of these edges reach from one row into the
+    /// next, which does no harm.
     #[inline(always)]
     fn inner(&self, leaf: &Values, step: usize, best: &mut [f32; WIDTH]) {
         let last = NODES * NODES - 3 * step - WIDTH;
@@ -103,7 +102,7 @@ impl Sift<'_> {
         }
     }
 
-    /// Looks at edges from the nodes of a border to those of the next line
+    /// Looks at edges from the nodes of a border to the nodes of the next line
     /// inwards.
     #[inline(always)]
     fn border(
@@ -154,8 +153,8 @@ fn lines(values: &Values, rows: bool) -> [Line; NODES] {
     })
 }
 
-/// Where a doubt about the values on some lines is greater than zero: a bit for
-/// each place.
+/// The places on some lines where a doubt about the values is greater than
+/// zero: a bit for each place.
 fn places<const N: usize>(
     lines: [&Line; N],
     doubt: impl Fn([f32; N]) -> f32,
@@ -171,12 +170,12 @@ struct Border {
     /// The values at the edge's nodes, from the border inwards, and at the node
     /// after them.
     inner: [f32; 3],
-    /// The cells beside it, in the leaf.
+    /// The cells beside the edge, in the leaf.
     cells: [Option<[usize; 2]>; 2],
 }
 
-/// The doubtful cells of a batch, in order. If only a `few` are wanted per
-/// leaf, leaves with more are left out, and returned as well.
+/// The doubtful cells of a batch, in order. If only a `few` per leaf are
+/// wanted, leaves with more are left out, and returned separately.
 pub(super) fn doubts(
     leaves: &[Leaf],
     values: &[f32],

@@ -1,7 +1,8 @@
 //! The lattice edges that the outlines of a batch of leaves cross.
 //!
-//! An edge on the border of two leaves of the batch is found once; which side
-//! of the outline a node is on is kept as bits, a row of a leaf in a number.
+//! An edge on the border of two leaves of the batch is found once. A bit tells
+//! for each node on which side of the outline it is; a row of a leaf is a
+//! number.
 
 use super::link::NONE;
 use super::refine::Bracket;
@@ -14,27 +15,27 @@ const COUNT: usize = NODES * NODES;
 /// Edges of a leaf: the horizontal ones, then the vertical ones.
 const EDGES: usize = 2 * LEAF * NODES;
 
-/// The number, among a leaf's edges, of the horizontal edge that begins at a
-/// node.
+/// The number of the horizontal edge that begins at a node, among a leaf's
+/// edges.
 fn horizontal(i: usize, j: usize) -> usize {
     j * LEAF + i
 }
 
-/// The number of the vertical edge that begins at a node.
+/// The number of the vertical edge that begins at a node, among a leaf's edges.
 fn vertical(i: usize, j: usize) -> usize {
     NODES * LEAF + j * NODES + i
 }
 
-/// An edge at whose ends the field has different signs.
+/// An edge with different signs of the field at its ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
     pub inside: DVec2,
     pub outside: DVec2,
     /// The field at both ends.
     pub field: [f32; 2],
-    /// Its number in the lattice.
+    /// The edge's number in the lattice.
     pub number: u32,
-    /// Layer of the slab.
+    /// The edge's layer in the slab.
     pub layer: u32,
 }
 
@@ -48,7 +49,7 @@ impl Edge {
 /// The edges of a batch of leaves.
 #[derive(Default)]
 pub(super) struct Edges {
-    /// All of them; vertices have the same numbers.
+    /// All edges. The vertices on them have the same numbers.
     pub all: Vec<Edge>,
     /// Rows of inside bits of each leaf.
     rows: Vec<[u16; NODES]>,
@@ -82,7 +83,7 @@ impl Edges {
             let known = &batch.leaves[..n];
             let place = |l: &Leaf| (l.layer, l.j, l.i);
             // Batches come in this order. If one does not, some leaves are not
-            // found here, and an edge that they share is noted for both.
+            // found here, and an edge that two leaves share is noted for both.
             known.binary_search_by_key(&(leaf.layer, j, i), place).ok()
         };
         if let Some(left) = beside(LEAF, 0) {

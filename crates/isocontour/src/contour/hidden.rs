@@ -1,22 +1,22 @@
-//! Finds the cells that hide what their nodes do not show, by proof.
+//! Proves which cells may hide what their nodes do not show.
 //!
 //! ```text
 //!   •───────•───────•     Interval arithmetic bounds the field's values and
 //!   │       │  ○    │     slopes over a leaf, and over its cells. A cell hides
 //!   │       │       │     nothing where the field cannot be zero, or where it
 //!   •───────•───────•     rises in one direction, so that the outline is a
-//!   │ ╲     │       │     single line. What is left is looked into: parts
+//!   │ ╲     │       │     single line. All other cells are looked into: parts
 //!   │   ╲   │       │     with a value that cannot be zero are ruled out, and
 //!   •─────╲─•───────•     the others divided until a sample in each says more.
 //! ```
 //!
-//! So a feature is found if it holds a disc as wide as the smallest one asked
-//! for: there is a sample in it.
+//! So a feature is found if it holds a disc as wide as the smallest feature:
+//! there is a sample in it.
 //!
-//! This is not done on lattices that are hardly coarser than the smallest
-//! feature: there the proofs would cost several times what the samples do, and
-//! little is hidden. Certain is only that a disc 1.4 times as wide as a cell
-//! holds a node.
+//! Lattices that are hardly coarser than the smallest feature are not searched
+//! in this way, since the proofs would cost several times what the samples do,
+//! and little is hidden. There it is only certain that a disc 1.4 times as wide
+//! as a cell holds a node.
 
 use super::samples::Samples;
 use crate::Length;
@@ -25,24 +25,25 @@ use crate::field::{Bound, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
 use crate::plane::Rect;
 use glam::DVec2;
 
-/// Cells as wide as this many of the smallest features are not looked into.
+/// Greatest width of a cell that is not looked into, as a multiple of the
+/// smallest feature.
 const FINE: f64 = 2.0;
 /// Distance of the samples in a box that is not ruled out, as a share of the
-/// smallest feature: a disc as wide as that holds one of them.
+/// smallest feature. A disc as wide as the feature holds one of them.
 const PITCH: f64 = 0.7;
 
-/// A part of a cell that is smaller than this many distances of samples is
-/// sampled all over, which is sooner done than ruling some of it out.
+/// Size of a part of a cell, in distances of samples, below which it is sampled
+/// all over. That is quicker than ruling some of it out.
 const CHEAP: f64 = 8.0;
 
-/// About so many parts of cells are looked into at once: their bounds need some
-/// hundred bytes for every input of the expression.
+/// About how many parts of cells are looked into at once. Their bounds need
+/// some hundred bytes for every input of the expression.
 const AT_ONCE: f64 = 16384.0;
 
-/// The batch that is searched, and how finely.
+/// A batch that is searched, and how finely.
 struct Search<'a> {
     leaves: &'a [Leaf],
-    /// By leaf, its nodes' values.
+    /// For each leaf, the values of its nodes.
     values: &'a [[f32; NODES * NODES]],
     z: &'a [f32],
     lattice: &'a Lattice,
@@ -62,7 +63,7 @@ struct Part {
     area: Rect,
 }
 
-/// The cells of a batch that hide something, or may hide something.
+/// The cells of a batch that hide something, or may do so.
 pub(super) fn hidden(
     leaves: &[Leaf],
     values: &[f32],
@@ -84,7 +85,8 @@ pub(super) fn hidden(
         sampler,
         scratch,
     };
-    // Cells with corners of both signs are divided, the others asked first.
+    // Cells with corners of both signs are divided; the other cells are looked
+    // into first.
     let (open, mut found): (Vec<Place>, Vec<Place>) =
         search.unclear().into_iter().partition(|&cell| {
             let corners = search.corners(cell);
@@ -125,8 +127,8 @@ impl Search<'_> {
         self.z[self.leaves[owner.0].layer]
     }
 
-    /// The cells that neither their own bounds clear nor those of a square
-    /// of cells that they are in.
+    /// The cells that are cleared neither by their own bounds nor by the bounds
+    /// of a square of cells around them.
     fn unclear(&mut self) -> Vec<Place> {
         let mut squares: Vec<Place> =
             (0..self.leaves.len()).map(|n| (n, [0, 0])).collect();
@@ -152,8 +154,7 @@ impl Search<'_> {
         }
     }
 
-    /// The cells of those parts whose centre has another sign than their
-    /// corners.
+    /// The cells of parts whose centre has another sign than their corners.
     fn other_sign(&mut self, parts: &[Part]) -> Result<Vec<Place>, FieldError> {
         if parts.is_empty() {
             return Ok(Vec::new());

@@ -1,19 +1,19 @@
 //! Joins the leaves' pieces of outline into closed rings.
 //!
 //! Within a batch of leaves the pieces are connected as they are found. A
-//! vertex on the border of two batches exists once in each, at the same place
-//! (both brought it onto f = 0 on the same lattice edge): where one batch's
-//! chain ends, the other's goes on. Chains go on in this way from a divided
-//! cell (`divide`) to the next cell, too. A crossing has the number of its
-//! lattice edge; a crossing that only a divided cell knows of also has the
-//! number of the edge's part.
+//! vertex on the border of two batches exists once in each, at one place (both
+//! brought it onto f = 0 on the same lattice edge): where one batch's chain
+//! ends, the other's goes on. Chains also go on in this way from a divided cell
+//! (`divide`) to the next cell. A crossing has the number of its lattice edge.
+//! A crossing that only a divided cell knows also has the number of the edge's
+//! part.
 
 use crate::field::{LEAF, Lattice, Leaf};
 use crate::plane::Ring;
 use glam::DVec2;
 use std::collections::BTreeSet;
 
-/// No vertex.
+/// Stands for no vertex.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// A crossing of a lattice edge: the edge's number and the part of it, or
@@ -38,7 +38,7 @@ impl Crossing {
         Crossing { edge, part }
     }
 
-    /// One number for it, in the crossings' order.
+    /// The crossing as one number, which keeps the order.
     fn key(self) -> u64 {
         u64::from(self.edge) << 32 | u64::from(self.part)
     }
@@ -51,7 +51,7 @@ impl Crossing {
     }
 }
 
-/// A crossing's key and the vertex there at which a chain breaks off.
+/// A crossing's key, and the vertex there at which a chain ends or begins.
 type Loose = (u64, u32);
 
 /// The samples that are missing from a layer whose chains do not close.
@@ -59,8 +59,7 @@ type Loose = (u64, u32);
 pub(super) struct Missing {
     /// Leaves beside loose ends that were not sampled.
     pub leaves: Vec<Leaf>,
-    /// Cells beside crossings that only the next cell knows of, by column
-    /// and row.
+    /// Cells beside crossings that only the next cell knows, by column and row.
     pub cells: Vec<[usize; 2]>,
 }
 
@@ -68,12 +67,13 @@ pub(super) struct Missing {
 #[derive(Default)]
 pub(super) struct Joined {
     pub points: Ring,
-    /// Which of its points lie on edges of the lattice or of a divided cell.
+    /// True for each point that lies on an edge of the lattice or of a divided
+    /// cell.
     pub fixed: Vec<bool>,
 }
 
 impl Joined {
-    /// Adds a point, unless it is the last one again.
+    /// Adds a point, unless it equals the last one.
     pub(super) fn push(&mut self, point: DVec2, fixed: bool) {
         if self.points.last() != Some(&point) {
             self.points.push(point);
@@ -88,15 +88,15 @@ struct Link {
     crossing: Crossing,
     next: u32,
     /// The points on the way to the next vertex, as numbers. Most points of a
-    /// finely curved outline are such points, so they are kept apart from
+    /// finely curved outline are such points. They are kept apart from
     /// vertices, which need more memory.
     between: [u32; 2],
     has_previous: bool,
 }
 
-/// One layer's vertices and how they follow each other.
+/// One layer's vertices, and how they follow each other.
 ///
-/// Missing samples are asked for again and again, each time after a little was
+/// Missing samples are asked for many times, each time after a little was
 /// added. So results about earlier vertices are kept.
 #[derive(Default)]
 pub(super) struct Chains {
@@ -106,11 +106,11 @@ pub(super) struct Chains {
     leaves: Vec<(u32, u32)>,
     /// Cells that were divided, by column and row.
     divided: Vec<[usize; 2]>,
-    /// Leaves of which no more cells are to be divided.
+    /// Leaves in which no more cells are divided.
     left: BTreeSet<[usize; 2]>,
     loose: LooseEnds,
-    /// The first so many vertices have been looked through, and these of them
-    /// are on whole lattice edges, in the order of the edges.
+    /// Vertices on whole lattice edges, in the order of the edges, and the
+    /// number of vertices among which they were looked for.
     whole: (Vec<(u32, u32)>, usize),
 }
 
@@ -120,11 +120,12 @@ struct LooseEnds {
     /// The vertices at which a chain ends, and those at which one begins, in
     /// order.
     lists: [Vec<Loose>; 2],
-    /// How many vertices they were looked for among.
+    /// The number of vertices among which they were looked for.
     among: usize,
-    /// Earlier vertices that have lost their next or their previous one since.
+    /// Earlier vertices that have lost their next or their previous vertex
+    /// since.
     cut: Vec<u32>,
-    /// Whether nothing was missing with these lists.
+    /// True if nothing was missing with these lists.
     closed: bool,
 }
 
@@ -134,7 +135,7 @@ impl Chains {
         self.leaves.push((leaf.i as u32, leaf.j as u32));
     }
 
-    /// Notes that nothing more is to be found out of a leaf.
+    /// Notes that nothing more can be found out from a leaf.
     pub(super) fn leave(&mut self, leaf: &Leaf) {
         self.left.insert([leaf.i, leaf.j]);
     }
@@ -144,8 +145,8 @@ impl Chains {
         self.divided.push(cell);
     }
 
-    /// Adds a vertex on an edge of the lattice or of a divided cell; returns
-    /// its number. Straight lines between such vertices do not cross.
+    /// Adds a vertex on an edge of the lattice or of a divided cell, and
+    /// returns its number. Straight lines between such vertices do not cross.
     pub(super) fn add(&mut self, point: DVec2, crossing: Crossing) -> u32 {
         self.links.push(Link {
             point,
@@ -157,8 +158,8 @@ impl Chains {
         self.links.len() as u32 - 1
     }
 
-    /// Lets `to` follow `from`, both of which have been added since the loose
-    /// ends were last looked for.
+    /// Lets `to` follow `from`. Both have been added since the loose ends were
+    /// last looked for.
     pub(super) fn connect(&mut self, from: u32, to: u32) {
         self.links[from as usize].next = to;
         self.links[to as usize].has_previous = true;
@@ -177,8 +178,8 @@ impl Chains {
         self.connect(from, to);
     }
 
-    /// Looks for the vertices at which a chain ends and those at which one
-    /// begins, by lattice edge; false if they are those of the last time.
+    /// Looks for the vertices at which a chain ends, and those at which one
+    /// begins, by lattice edge. False if the lists have not changed.
     fn find_loose(&mut self) -> bool {
         let loose = &mut self.loose;
         if loose.among == self.links.len() && loose.cut.is_empty() {
@@ -203,7 +204,7 @@ impl Chains {
             }
         }
         for list in &mut loose.lists {
-            // The stable sort is fast on lists that are in order already.
+            // The stable sort is fast on lists that are already in order.
             list.sort();
             list.dedup();
         }
@@ -211,7 +212,7 @@ impl Chains {
         true
     }
 
-    /// What must be sampled for the chains to close.
+    /// The samples that are missing for the chains to close.
     pub(super) fn missing(
         &mut self,
         layer: usize,
@@ -258,11 +259,12 @@ impl Chains {
         }
     }
 
-    /// Takes out the outline's pieces across cells that are to be divided.
+    /// Takes the outline's pieces across cells that are to be divided out of
+    /// the chains.
     pub(super) fn clear(&mut self, cells: &[[usize; 2]], lattice: &Lattice) {
         let width = lattice.width() + 1;
         let node = |i: usize, j: usize| 2 * (j * width + i) as u32;
-        // For each edge the cells that it belongs to.
+        // The cells of each edge.
         let mut owners: Vec<(u32, usize)> = Vec::with_capacity(4 * cells.len());
         for (n, &[i, j]) in cells.iter().enumerate() {
             let [south, north] = [node(i, j), node(i, j + 1)];
@@ -270,8 +272,9 @@ impl Chains {
             owners.extend(edges.map(|edge| (edge, n)));
         }
         owners.sort_unstable();
-        // A cell that was not divided knows whole edges only; parts of them
-        // are the next cell's, which may turn back on the same edge.
+        // A cell that was not divided knows whole edges only. Parts of them
+        // belong to the next cell, whose outline may turn back on the same
+        // edge.
         let owners_of = |c: Crossing| {
             let from = owners.partition_point(|o| o.0 < c.edge);
             let own = owners[from..].iter().take_while(move |o| o.0 == c.edge);
@@ -294,8 +297,8 @@ impl Chains {
         for &(_, first) in edges.into_iter().flat_map(of) {
             let first = first as usize;
             let crossing = self.links[first].crossing;
-            // Follows the outline to where it leaves the cell that it enters
-            // here.
+            // Follows the outline from where it enters the cell to where it
+            // leaves it.
             let mut path = vec![first];
             let mut at = self.links[first].next;
             while at != NONE {
@@ -321,7 +324,7 @@ impl Chains {
         }
     }
 
-    /// A vertex at which a chain breaks off, with its place.
+    /// A vertex at which a chain ends or begins, with its place.
     fn lonely(
         &self,
         crossing: u64,
@@ -334,12 +337,13 @@ impl Chains {
         (edge, along, vertex, ends)
     }
 
-    /// The closed rings, and how many had to be closed by force.
+    /// The closed rings, and the number of rings that had to be closed by
+    /// force.
     pub(super) fn into_rings(mut self) -> (Vec<Joined>, usize) {
         self.find_loose();
         let [ends, starts] = std::mem::take(&mut self.loose.lists);
-        // The remaining ends on edges: the edge's number, the place along it,
-        // the vertex, and whether a chain ends there.
+        // The ends on edges that remain: the edge's number, the place along it,
+        // the vertex, and true if a chain ends there.
         let mut lonely: Vec<(u32, f64, u32, bool)> = Vec::new();
         let mut taken = vec![false; starts.len()];
         for (crossing, end) in ends {
@@ -362,9 +366,9 @@ impl Chains {
                 lonely.push(self.lonely(crossing, start, false));
             }
         }
-        // The cells on both sides of an edge do not agree, and nothing more was
-        // to be found out. A part of the edge that only one of them takes to be
-        // inside then ends at the edge.
+        // The cells on both sides of an edge disagree, and nothing more can be
+        // found out. A part of the edge that only one of them takes to be
+        // inside ends at the edge.
         lonely.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         for edge in lonely.chunk_by(|a, b| a.0 == b.0) {
             for pair in edge.as_chunks::<2>().0 {
@@ -411,8 +415,8 @@ impl Chains {
     }
 }
 
-/// The crossings of the first list that are not in the second; both are in
-/// order.
+/// The crossings of the first list that are not in the second. Both lists are
+/// in order.
 fn without(first: &[Loose], second: &[Loose]) -> Vec<Crossing> {
     let mut rest = second.iter().map(|x| x.0).peekable();
     let mut out = Vec::new();

@@ -1,13 +1,13 @@
 //! Marching squares over sampled leaves (Lorensen and Cline 1987, in 2D).
 //!
-//! Which edges of a cell the outline joins is a matter of its corners
-//! (`cells`). Two cases are ambiguous, where two opposite corners are inside
-//! and the other two are not. The field at the cell's centre decides them.
+//! The corners of a cell tell which of its edges the outline joins (`cells`).
+//! Two cases are ambiguous, in which two opposite corners are inside and the
+//! other two are outside. There the field at the cell's centre decides.
 //!
 //! Where the straight pieces do not explain the outline, it is followed within
-//! its cell (`trace`); where that fails, where a saddle's pieces bend, and
-//! where a cell may hide something (`doubt`, `hidden`), the cell is divided
-//! (`divide`).
+//! its cell (`trace`). A cell is divided (`divide`) where this fails, where a
+//! saddle's pieces bend, and where the cell may hide something (`doubt`,
+//! `hidden`).
 
 use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
@@ -32,14 +32,14 @@ const COUNT: usize = NODES * NODES;
 struct Segment {
     /// Layer of the slab.
     layer: usize,
-    /// The leaf, counted within the batch.
+    /// Number of the leaf within the batch.
     leaf: usize,
     /// Lattice column and row of the cell.
     cell: [usize; 2],
-    /// Vertices, counted within the batch.
+    /// Numbers of the vertices within the batch.
     from: u32,
     to: u32,
-    /// Whether the cell has another piece.
+    /// True if the cell has another piece.
     saddle: bool,
 }
 
@@ -48,7 +48,7 @@ struct Segment {
 pub(super) struct Precision {
     /// Greatest distance of a chord from the outline.
     pub chord: Length,
-    /// Size of the least feature that is to be found.
+    /// Size of the smallest feature that has to be found.
     pub smallest: Length,
 }
 
@@ -58,8 +58,8 @@ const PARTS: usize = 8;
 const MOST_PARTS: usize = 64;
 
 impl Precision {
-    /// How cells of a given size are divided: finely enough that a feature is
-    /// hit by at least one node.
+    /// How cells of a given size are divided: finely enough for at least one
+    /// node in a feature.
     fn fineness(&self, spacing: Length) -> Fineness {
         let mut parts = PARTS;
         while parts < MOST_PARTS && spacing / parts as f64 > 0.6 * self.smallest
@@ -75,13 +75,13 @@ impl Precision {
     }
 }
 
-/// The field may wave between the nodes of a leaf in which it is so many times
-/// as steep on the outline as from node to node, in at least so many cells.
+/// How many times as steep on the outline as from node to node the field is,
+/// and in how many cells of a leaf, where it may wave between the nodes.
 const STEEP: f64 = 4.0;
 const STEEP_PLACES: usize = 4;
 
-/// Cells are divided together up to about this many samples: the lines found in
-/// the samples need several times their memory.
+/// About how many samples cells that are divided together have. The lines found
+/// in the samples need several times the memory of the samples.
 const AT_ONCE: usize = 1 << 16;
 
 /// Walks batches of leaves and adds their pieces to the layers' chains.
@@ -95,7 +95,8 @@ pub(super) struct Marcher<'a> {
     /// Where the outlines cross the edges.
     vertices: Vec<Vertex>,
     segments: Vec<Segment>,
-    /// Ambiguous cells: (leaf, cell in the leaf), centre inside.
+    /// Ambiguous cells: leaf, cell in the leaf, and true if the centre is
+    /// inside.
     saddles: Vec<(usize, usize, bool)>,
     /// Segments that bend, each with the point that it bends through.
     bends: Vec<(usize, DVec2)>,
@@ -123,7 +124,7 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// For each layer the number of samples that were not numbers.
+    /// For each layer the number of samples that were NaN.
     pub(super) fn nan_samples(&self) -> Vec<usize> {
         self.nan.clone()
     }
@@ -196,7 +197,7 @@ impl<'a> Marcher<'a> {
         Ok(())
     }
 
-    /// Divides given cells of a batch's leaves, whose outline has been taken
+    /// Divides given cells of a batch's leaves. Their outline has been taken
     /// out of the chains.
     pub(super) fn redivide(
         &mut self,
@@ -227,7 +228,8 @@ impl<'a> Marcher<'a> {
 
     /// Judges the whole slab, once all of it has been looked at.
     ///
-    /// # Errors If too much of the slab is too fine.
+    /// # Errors
+    /// If too much of the slab is too fine.
     pub(super) fn finish(&self) -> Result<(), FieldError> {
         self.noise.finish()
     }
@@ -262,7 +264,7 @@ impl<'a> Marcher<'a> {
     }
 
     /// The leaves in which the field is much steeper on the outline than from
-    /// node to node, in many places: it may wave between them.
+    /// node to node, in many places. There it may wave between the nodes.
     fn too_steep(&self) -> Vec<usize> {
         let is_steep = |v: u32| {
             let edge = &self.edges.all[v as usize];
@@ -316,7 +318,7 @@ impl<'a> Marcher<'a> {
                     min: node(i, j),
                     max: node(i + 1, j + 1),
                 },
-                // The cell's division will find out about the corner.
+                // The division of the cell will find the corner.
                 beyond: 0.0,
                 z: self.z[s.layer],
             });
@@ -334,7 +336,8 @@ impl<'a> Marcher<'a> {
         traced: &[Traced],
     ) -> Vec<Place> {
         let mut found: Vec<Place> = Vec::new();
-        // Corners in cells beside their own: those cells, and the owners.
+        // Cells beside the owner of a corner in which the corner lies, each
+        // with the owner.
         let mut guests: Vec<([i64; 3], Place)> = Vec::new();
         for (&n, t) in chords.iter().zip(traced) {
             let s = &self.segments[n];
@@ -355,8 +358,9 @@ impl<'a> Marcher<'a> {
         found
     }
 
-    /// Divides cells, given by leaf and place in it; if `spread`, also those
-    /// beside them where the outline turns out to pass between the two.
+    /// Divides cells, given by leaf and place in the leaf. With `spread` it
+    /// also divides the cells beside them where the outline passes between the
+    /// two.
     fn divide(
         &mut self,
         mut wanted: Vec<Place>,
@@ -377,7 +381,8 @@ impl<'a> Marcher<'a> {
                 scratch: &mut self.scratch,
             };
             self.noise.dividing(batch.leaves, &wanted, &mut eyes)?;
-            // Cells that were not found by spreading have no outline any more.
+            // Cells of leaves that are too fine keep their outline. Without
+            // `spread` it has been taken out already, so they are divided.
             wanted.retain(|&(leaf, _)| !(spread && self.noise.is_in(leaf)));
             if wanted.is_empty() {
                 return Ok(rounds);
@@ -446,7 +451,7 @@ impl<'a> Marcher<'a> {
         for (n, leaf) in leaves.iter().enumerate() {
             for j in 0..LEAF {
                 let [low, high] = self.edges.row(n, j);
-                // Opposite corners are on the same side, neighbouring ones are
+                // Opposite corners are on one side; neighbouring corners are
                 // not.
                 let mask = (low ^ (low >> 1))
                     & (high ^ (high >> 1))
@@ -517,8 +522,8 @@ impl<'a> Marcher<'a> {
         }
     }
 
-    /// Hands vertices and segments over to their layers; `traced` are those
-    /// of the segments in `chords`. Divided cells stand for themselves.
+    /// Adds vertices and segments to their layers. `traced` are the results for
+    /// the segments in `chords`. Divided cells bring their own pieces.
     fn append(
         &mut self,
         layers: &mut [Chains],
@@ -532,7 +537,7 @@ impl<'a> Marcher<'a> {
             layers[cell.layer].divided(cell.at);
         }
         skip.sort_unstable();
-        // Batch-wide vertex number → number in the vertex's layer.
+        // Number of each vertex in its layer, by its number in the batch.
         let own: Vec<u32> = self
             .vertices
             .iter()
@@ -587,7 +592,7 @@ impl<'a> Marcher<'a> {
     }
 }
 
-/// The leaf of a batch that a cell lies in, and its place there.
+/// The leaf of a batch in which a cell lies, and the cell's place there.
 fn find(
     leaves: &[Leaf],
     layer: usize,

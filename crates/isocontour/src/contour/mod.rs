@@ -5,25 +5,26 @@
 //! `accuracy` of the field's zero set.
 //!
 //! The lattice only finds the topology (`edges`, `march`). The vertices are
-//! then moved along their lattice edges onto f = 0 (`refine`), the
-//! outline followed between them where it bends or has a corner (`trace`), and
-//! cells that this does not explain, or that may hide what is thinner than the
-//! lattice is wide (by its nodes: `doubt`; on coarse lattices by proof:
-//! `hidden`), are sampled more finely (`divide`). The pieces are joined at
-//! shared lattice edges (`link`), what is too small is left out (`small`), and
-//! last the rings are thinned so that they do not cross (`untangle`, `cut`). A field of
-//! which nothing would be left is refused before any of that (`noise`).
+//! then moved along their lattice edges onto f = 0 (`refine`), and the outline
+//! is followed between them where it bends or has a corner (`trace`). Some
+//! cells are sampled more finely (`divide`): those that this does not explain,
+//! and those that may hide what is thinner than the lattice is wide (by their
+//! nodes: `doubt`; on coarse lattices by proof: `hidden`). The pieces are
+//! joined at shared lattice edges (`link`), and what is too small is left out
+//! (`small`). Last, the rings are thinned so that they do not cross
+//! (`untangle`, `cut`). A field of which nothing would be left is refused
+//! before any of that (`noise`).
 //!
 //! Inside is f < 0; a NaN is outside. Where the field jumps from one side to
 //! the other, the outline is at the jump. Rings smaller than a given size are
 //! left out and counted. Not guaranteed: on a lattice about as fine as that
 //! size, that a feature without a node in it is found where the field of
-//! another one hides it.
+//! another feature hides it.
 //!
-//! The `contour` crate is the oracle of the tests and not the engine: it
-//! stitches through hash maps and nested vectors over the whole grid handed
-//! to it, and decides ambiguous cells by convention, where `march` visits
-//! sampled leaves only and asks the field.
+//! The `contour` crate is the oracle of the tests, not the engine. It works on
+//! the whole grid with hash maps and nested vectors, and decides ambiguous
+//! cells by convention, where `march` visits sampled leaves only and asks the
+//! field.
 
 mod buckets;
 mod cut;
@@ -56,12 +57,12 @@ pub struct Outline {
     /// Rings that had to be closed by a straight line because the field
     /// contradicted itself where they broke off.
     pub forced_rings: usize,
-    /// Places with islands or holes that are smaller than what was asked for,
-    /// or thinner than the accuracy, and left out.
+    /// Places with islands or holes that are left out, because they are smaller
+    /// than was asked for, or thinner than the accuracy.
     pub dropped_rings: usize,
 }
 
-/// What is asked of outlines.
+/// How exact and how complete outlines have to be.
 #[derive(Clone, Copy, Debug)]
 pub struct Detail {
     /// Greatest distance from f = 0.
@@ -70,12 +71,12 @@ pub struct Detail {
     pub smallest: Length,
 }
 
-/// Share of the accuracy that is left to the chords between the points found
-/// on the outline; thinning gets the rest.
+/// Share of the accuracy for the chords between the points found on the
+/// outline. Thinning gets the rest.
 const CHORD_SHARE: f64 = 0.15;
 
-/// Leaves that are asked for at once after the first look: each needs memory
-/// while its outline is found.
+/// Number of leaves that are asked for at once after the first look. Each leaf
+/// needs memory while its outline is found.
 const AT_ONCE: usize = 1024;
 
 /// The phases of the work, for measuring them.
@@ -94,7 +95,7 @@ pub enum Phase {
 ///
 /// # Errors
 /// If the field changes its sign finer than `detail.smallest` over large parts
-/// of the slab; if it is stopped; or if fidget fails, which is a bug.
+/// of the slab, if it is stopped, or if fidget fails, which is a bug.
 pub fn outlines(
     field: &Field,
     z: &[Length],
@@ -103,10 +104,11 @@ pub fn outlines(
     outlines_in_phases(field, z, detail, &mut |_| {})
 }
 
-/// As [`outlines`]; tells when another phase begins, for measuring them.
+/// Does what [`outlines`] does, and tells when another phase begins, so that
+/// phases can be measured.
 ///
 /// # Errors
-/// As [`outlines`].
+/// Those of [`outlines`].
 pub fn outlines_in_phases(
     field: &Field,
     z: &[Length],
@@ -139,11 +141,11 @@ fn close(
     mut layers: Vec<Chains>,
     mut marcher: Marcher<'_>,
 ) -> Result<Vec<Outline>, FieldError> {
-    // A proof that was wrong by a rounding error shows as an outline that
-    // stops at the border of a leaf nobody sampled, and an outline between two
-    // nodes of a cell as one that stops at the border of its leaf: sample it
-    // now. Each round adds at least a leaf or divides a cell, and few ever
-    // need many.
+    // A proof that was wrong by a rounding error shows as an outline that stops
+    // at the border of a leaf that was not sampled. An outline between two
+    // nodes of a cell shows as one that stops at the border of its leaf. What
+    // is missing is sampled now. Each round adds at least a leaf or divides a
+    // cell, and hardly any slab needs many.
     for _ in 0..64 {
         let mut missing: Vec<Leaf> = Vec::new();
         let mut cells: Vec<(Leaf, [usize; 2])> = Vec::new();
@@ -215,8 +217,8 @@ mod tests {
     use fidget::context::Tree;
     use glam::DVec2;
 
-    /// A hollow ball, of whose circles one leaf each has been sampled: what is
-    /// missing is found by following them from there.
+    /// Of each circle of a hollow ball one leaf has been sampled. The missing
+    /// leaves are found by following the circles from there.
     #[test]
     fn circles_of_which_one_leaf_is_known_are_closed() {
         const SPACING: f64 = 0.1;

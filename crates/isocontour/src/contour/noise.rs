@@ -6,30 +6,30 @@
 //!   │┄┄┄┄┄┄┄┄┄┄│   at along lines across it, at points a quarter of the
 //!   │          │   smallest feature apart. N changes over lines of length ℓ,
 //!   │┄┄┄┄┄┄┄┄┄┄│   as many along x as along y, are an outline of about
-//!   │          │   π N / (2 ℓ) mm per mm² (Crofton's formula), and what lies
+//!   │          │   π N / (2 ℓ) mm per mm² (Crofton's formula). What lies
 //!   └──────────┘   between is on average as wide as the inverse of that.
 //! ```
 //!
 //! Where that width is less than the smallest feature, or where the inside (or
-//! the outside) has no room for a disc of that size, next to nothing of the
-//! field would be left in the outline. To follow the outline there would be
-//! hours of work on rings that are dropped at the end, so such a leaf is taken
-//! as its nodes show it. A leaf is also looked at if many of its cells had to
-//! be divided: waves nearly as long as the distance of the nodes show in next
-//! to none of them.
+//! the outside) has no room for a disc of that size, hardly anything of the
+//! field would be left in the outline. Following the outline there would be
+//! hours of work on rings that are dropped at the end. So such a leaf is too
+//! fine, and taken as its nodes show it. A leaf is also looked at if many of
+//! its cells had to be divided, since waves nearly as long as the distance of
+//! the nodes show in few of them.
 //!
-//! A slab is refused if such leaves are more than some mm² and a tenth of the
-//! leaves that hold some of its surface, or very many. Cells beside them that
-//! were divided in vain count as well: a rough skin is in no leaf but along its
-//! middle. A tenth can be afforded: the cost of a leaf that is taken as its
-//! nodes show it is bounded, so the run takes little longer than the rest of
-//! the part does. A fan of n blades with the radius R is too fine up to r = n w
-//! / π, where w is the smallest feature, which is (r / R)² of it, and the rest
-//! is coarse enough. A field that waves finely all over does so in nearly all
-//! of these leaves.
+//! A slab is refused if the leaves that are too fine are more than some mm² and
+//! 0.1 of the leaves that hold some of its surface, or very many. Cells beside
+//! them that were divided in vain count as well, since a rough skin fills no
+//! leaves but those along its middle. A share of 0.1 can be afforded: the cost
+//! of a leaf that is taken as its nodes show it is bounded, so the run takes
+//! little longer than the rest of the part does. A fan of n blades with the
+//! radius R is too fine up to r = n w / π, where w is the smallest feature.
+//! That is the share (r / R)² of the fan, and the rest is coarse enough. A
+//! field that waves finely all over does so in nearly all of these leaves.
 //!
 //! The verdict depends on the slab's layers and on nothing else. Not noticed:
-//! waves that the lattice's nodes all miss, which are as cheap as none.
+//! waves that the lattice's nodes all miss, which cost nothing.
 
 use super::samples::Samples;
 use crate::cells::Place;
@@ -39,37 +39,38 @@ use glam::DVec2;
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
-/// A leaf with fewer sign changes between its 144 pairs of neighbouring nodes
-/// is not looked at. A field without any order has 72, one that waves along one
-/// axis alone 36, a single outline across the leaf 16.
+/// Least number of sign changes between a leaf's 144 pairs of neighbouring
+/// nodes for the leaf to be looked at. A field without any order has 72 of
+/// them, one that waves along one axis alone 36, and a single outline across
+/// the leaf 16.
 const MANY: u32 = 20;
-/// A leaf is also looked at if at least so many of its 64 cells are to be
-/// divided.
+/// Least number of a leaf's 64 cells that are to be divided for the leaf to be
+/// looked at.
 const DIVIDED: usize = 12;
-/// Lines across a leaf, each way.
+/// Number of lines across a leaf in each direction.
 const LINES: usize = 4;
-/// By how much a line's place in its own part of the leaf differs from the
-/// last one's: the golden section. Lines at even distances could all pass
+/// By how much a line's place in its own part of the leaf differs from that of
+/// the line before: the golden section. Lines at even distances could all pass
 /// through a row of pins, or all between two.
 const UNEVEN: f64 = 0.618_033_988_749_895;
-/// If only the inside or only the outside is too thin, the two may be as wide
-/// as this many of the smallest features on average: a single thin wall is not
-/// noise.
+/// If only the inside or only the outside is too thin, how wide the two may be
+/// on average, in smallest features. A single thin wall is not noise.
 const SPARSE: f64 = 2.0;
 /// Distance of the points along the lines, as a share of the smallest feature.
 const PITCH: f64 = 0.25;
 /// Distance of the points where the nodes hide something, as a share of the
 /// smallest feature.
 const CLOSE_PITCH: f64 = 1.0 / 16.0;
-/// So much too fine area is let pass in all layers of a slab together, whatever
-/// its share: where forty blades of a fan meet there are 6 mm² in each layer.
+/// Area of leaves that are too fine that is accepted in all layers of a slab
+/// together, whatever its share. Where 40 blades of a fan meet there are 6 mm²
+/// in each layer.
 const LET_PASS: Content = 200.0;
-/// The share of the leaves beyond which a slab is refused.
+/// Share of the leaves from which on a slab is refused.
 const SHARE: f64 = 0.1;
-/// More too fine area than this is never let pass: the rings that the nodes of
-/// such leaves make have to be filled and travelled to.
+/// Greatest area of leaves that are too fine. The rings that the nodes of such
+/// leaves make have to be filled and travelled to.
 const MOST: Content = 2000.0;
-/// A divided cell counts as so many cells: it costs as much as a quarter of a
+/// How many cells a divided cell counts as: it costs as much as a quarter of a
 /// leaf.
 const CELL: f64 = 16.0;
 
@@ -82,13 +83,13 @@ pub(super) struct Noise {
     /// The first place that was too fine, and how wide its inside and outside
     /// are on average.
     first: Option<([f64; 3], Length)>,
-    /// By leaf of the batch, whether it is too fine.
+    /// True for each leaf of the batch that is too fine.
     found: Vec<bool>,
-    /// By leaf, how many cells of it were to be divided so far.
+    /// For each leaf, how many of its cells were to be divided so far.
     divided: BTreeMap<[usize; 3], usize>,
 }
 
-/// Points of the field.
+/// The means to look at points of the field.
 pub(super) struct Eyes<'a> {
     pub z: &'a [f32],
     pub lattice: &'a Lattice,
@@ -111,7 +112,7 @@ fn changes(values: &[f32; NODES * NODES]) -> u32 {
 }
 
 impl Noise {
-    /// A count that has seen nothing so far; rings below the size `smallest`
+    /// A count that has seen nothing so far. Rings below the size `smallest`
     /// are left out.
     pub(super) fn new(smallest: Length) -> Self {
         Noise {
@@ -126,7 +127,8 @@ impl Noise {
 
     /// Looks at a batch of leaves.
     ///
-    /// # Errors If more is too fine by now than is let pass.
+    /// # Errors
+    /// If the area that is too fine is more than what is accepted.
     pub(super) fn look(
         &mut self,
         leaves: &[Leaf],
@@ -145,17 +147,17 @@ impl Noise {
         Ok(())
     }
 
-    /// Turns to another batch of leaves.
+    /// Begins another batch of leaves.
     pub(super) fn begin(&mut self, leaves: &[Leaf]) {
         self.found.clear();
         self.found.resize(leaves.len(), false);
     }
 
-    /// Notes that some cells of the batch are to be divided, in order, and
-    /// looks at those leaves that many are in.
+    /// Notes which cells of the batch are to be divided, in order. Looks at the
+    /// leaves that have many of them.
     ///
     /// # Errors
-    /// As [`Noise::look`].
+    /// Those of [`Noise::look`].
     pub(super) fn dividing(
         &mut self,
         leaves: &[Leaf],
@@ -178,7 +180,7 @@ impl Noise {
     /// Looks at the batch's `n`th leaf, unless it is known to be too fine.
     ///
     /// # Errors
-    /// As [`Noise::look`].
+    /// Those of [`Noise::look`].
     pub(super) fn look_into(
         &mut self,
         n: usize,
@@ -201,16 +203,16 @@ impl Noise {
         self.add(at, width, side * side)
     }
 
-    /// True if a leaf of the batch that was last looked at is too fine.
+    /// True if a leaf of the batch begun last is too fine.
     pub(super) fn is_in(&self, leaf: usize) -> bool {
         self.found[leaf]
     }
 
-    /// Notes that a cell was divided in which what is inside and what is
-    /// outside turned out to be `width` wide on average.
+    /// Notes that a cell was divided, and that its inside and outside turned
+    /// out to be `width` wide on average.
     ///
     /// # Errors
-    /// As [`Noise::look`].
+    /// Those of [`Noise::look`].
     pub(super) fn divided(
         &mut self,
         at: [usize; 2],
@@ -236,7 +238,8 @@ impl Noise {
 
     /// Judges the slab, once all leaves have been looked at.
     ///
-    /// # Errors If more of the leaves are too fine than is let pass.
+    /// # Errors
+    /// If more of the leaves are too fine than is accepted.
     pub(super) fn finish(&self) -> Result<(), FieldError> {
         self.verdict(LET_PASS.max(SHARE * self.all))
     }
@@ -298,8 +301,8 @@ impl Noise {
         let width = 1.0 / density;
         let inside = s.values.iter().filter(|f| **f < 0.0).count();
         let inside = inside as f64 / s.values.len() as f64;
-        // Twice its area by its outline: the width of a stripe, and half of
-        // that of a disc.
+        // Twice the area over the outline is the width of a stripe, and half
+        // the width of a disc.
         let thinner = 2.0 * inside.min(1.0 - inside) * width;
         let fine = width < self.smallest
             || (width < SPARSE * self.smallest

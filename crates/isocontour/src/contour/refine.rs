@@ -1,11 +1,11 @@
 //! Moves vertices along their lattice edges onto f = 0.
 //!
 //! The root is kept between an inside and an outside point at all times
-//! (Illinois variant of the regula falsi: Dowell and Jarratt 1971), so a vertex
-//! never leaves its edge and neighbouring ones never change places. Where the
-//! field jumps, has a kink or is not a number, halving takes over. A bracket
-//! remembers whether the field jumps in it: a gradient found at a jump says
-//! nothing about the outline, and is not used.
+//! (Illinois variant of the regula falsi: Dowell and Jarratt 1971). So a vertex
+//! never leaves its edge, and neighbouring vertices never change places. Where
+//! the field jumps, has a kink or is NaN, halving takes over. A bracket
+//! remembers whether the field jumps in it, since a gradient found at a jump
+//! says nothing about the outline and is not used.
 
 use super::samples::Samples;
 use crate::Length;
@@ -20,7 +20,8 @@ pub(super) struct Bracket {
     outside: DVec2,
     lo: f64,
     hi: f64,
-    /// Field at `lo` (negative) and `hi`, the latter possibly halved.
+    /// Field at `lo` (negative) and at `hi`. The search may halve the value at
+    /// an end.
     f_lo: f64,
     f_hi: f64,
     /// Field at the ends as it was found, for telling a jump from a root.
@@ -29,30 +30,30 @@ pub(super) struct Bracket {
     whole: f64,
     /// Distance from the inside node to the outside one.
     length: Length,
-    /// Best estimate so far, and the one before.
+    /// The best estimate so far, and the estimate before it.
     t: f64,
     from: f64,
-    /// Which end moved last: −1 `lo`, 1 `hi`.
+    /// The end that moved last: −1 for `lo`, 1 for `hi`.
     last: i8,
     done: bool,
 }
 
-/// Evaluations after which a vertex stays where it is: halving alone brings
-/// a 2 mm edge down to a nanometre in fewer.
+/// Evaluations after which a vertex stays where it is. Halving alone needs
+/// fewer to bring a 2 mm edge down to a nanometre.
 const MAX_STEPS: usize = 30;
 /// Steps by interpolation before the bracket is halved instead.
 const FREE_STEPS: usize = 6;
-/// A vertex has arrived when it moves by less than this: far
-/// below any accuracy that is asked for.
+/// Step below which a vertex has arrived. It is far less than any accuracy that
+/// is asked for.
 const ARRIVED: f64 = 1e-6;
 /// A last step below this need not be checked if the field fell so steeply
-/// before it that the next step would arrive.
+/// before it that the next step would be below [`ARRIVED`].
 const NEAR: f64 = 3e-4;
 /// A first step up to this is the last one if chord and slope agree on it
-/// within a tenth: on a lattice edge that leaves an error of nanometres.
+/// within a tenth. On a lattice edge this leaves an error of nanometres.
 const CLOSE: f64 = 3e-3;
-/// Where the field jumps, its values at a bracket's ends still differ by this
-/// share of what they did, however close the ends have come.
+/// Share of their first difference by which the field's values at a bracket's
+/// ends still differ at a jump, however close the ends have come.
 const JUMP: f64 = 0.02;
 
 impl Bracket {
@@ -90,12 +91,12 @@ impl Bracket {
         let rest = self.ends[0].abs() + self.ends[1].abs();
         let open = (self.hi - self.lo) * self.length;
         let falls = rest <= JUMP * self.whole;
-        // It does not, either, if a value is not a number.
+        // The field does not come down to zero, either, if a value is NaN.
         open < ARRIVED && !falls
     }
 
-    /// Where the line through the bracket's ends is zero; its middle if an
-    /// end is not a number.
+    /// Where the line through the bracket's ends is zero; the bracket's middle
+    /// if the value at an end is NaN.
     fn estimate(&self) -> f64 {
         let t = self.lo
             + (self.hi - self.lo) * (self.f_lo / (self.f_lo - self.f_hi));
@@ -106,9 +107,10 @@ impl Bracket {
         }
     }
 
-    /// True if the first step was the last one, by the field and its gradient
-    /// where the step began. It was if the slope tells about the same step as
-    /// the chord, and if the step is so short that neither changes on the way.
+    /// True if the first step was the last one, given the field and its
+    /// gradient where the step began. It was if the slope gives about the step
+    /// that the chord gave, and if the step is so short that neither changes on
+    /// the way.
     fn arrives(&mut self, f: f64, gradient: DVec2) -> bool {
         if self.done {
             return !self.jumps();
@@ -128,8 +130,8 @@ impl Bracket {
     /// Takes in the field's value at the estimate and makes a new one.
     fn step(&mut self, f: f64, count: usize) {
         let end = if f < 0.0 { self.f_lo } else { self.f_hi };
-        // At a jump the estimate creeps along one side in tiny steps, but
-        // the field there does not go down.
+        // At a jump the estimate creeps along one side in tiny steps, but the
+        // field does not go down there.
         let falls = f.abs() <= 0.25 * end.abs();
         if f < 0.0 {
             self.lo = self.t;
@@ -167,9 +169,9 @@ impl Bracket {
     }
 }
 
-/// Brings all brackets to their roots, evaluating those on their way
-/// together, and returns the field's gradients there; zero where it jumps.
-/// `z` are the vertices' heights.
+/// Brings all brackets to their roots, and evaluates those on their way
+/// together. Returns the field's gradients at the roots; a gradient is zero
+/// where the field jumps. `z` are the vertices' heights.
 pub(super) fn refine(
     brackets: &mut [Bracket],
     z: &[f32],
@@ -267,7 +269,7 @@ mod tests {
         ) {
             out.clear();
             // Where the quotient of differences says nothing, the gradient is
-            // not judged.
+            // not tested.
             let slope = |x: f32| (self.0(x + 1e-4) - self.0(x - 1e-4)) / 2e-4;
             out.extend(x.iter().map(|&x| [(self.0)(x), slope(x), 0.0]));
         }

@@ -2,13 +2,13 @@
 //!
 //! ```text
 //!    ___________________________        Where two surfaces touch they leave a
-//!   |                            \      crack that tapers off. Of the part that
-//!   |   outside  ________________/      is thinner than a cell's finest samples
-//!   |___________/   ·· · — ·· ·  crack  are apart, only some pieces are found.
+//!   |                            \      crack that tapers off. Where the crack
+//!   |   outside  ________________/      is thinner than the distance of a cell's
+//!   |___________/   ·· · — ·· ·  crack  finest samples, only pieces are found.
 //! ```
 //!
 //! A ring is too small if it is shorter than the smallest feature, or if it is
-//! thinner than the accuracy: without such a ring the outline is as accurate,
+//! thinner than the accuracy. Without a thin ring the outline is as accurate,
 //! and the ring only tells where the samples happened to be. Pieces that lie
 //! together count as one.
 
@@ -24,8 +24,9 @@ fn is_small(ring: &[DVec2], detail: Detail) -> bool {
     if extent < detail.smallest {
         return true;
     }
-    // A ring's content is about its width times half its length, and most
-    // rings have more even by the sum of their steps along both axes.
+    // A ring's content is about its width times half its length. Most rings
+    // have more than this limit even with the sum of their steps along both
+    // axes as length.
     let least = 0.5 * detail.accuracy;
     let content = signed_area(ring).abs();
     let steps: f64 =
@@ -33,8 +34,8 @@ fn is_small(ring: &[DVec2], detail: Detail) -> bool {
     content < least * steps && content < least * ring_length(ring)
 }
 
-/// Takes the rings out that are too small; returns the number of places where
-/// there were any.
+/// Takes the rings out that are too small, and returns the number of places
+/// where there were any.
 pub(super) fn leave_out(rings: &mut Vec<Joined>, detail: Detail) -> usize {
     let mut small: Vec<Ring> = Vec::new();
     rings.retain_mut(|ring| {
@@ -47,8 +48,8 @@ pub(super) fn leave_out(rings: &mut Vec<Joined>, detail: Detail) -> usize {
     places(&small, 2.0 * detail.smallest)
 }
 
-/// The number of groups that rings form which lie in the same square of a
-/// given size, or in neighbouring ones.
+/// The number of groups of rings. Rings form a group if they lie in one square
+/// of a given size, or in neighbouring squares.
 fn places(rings: &[Ring], size: f64) -> usize {
     if size <= 0.0 {
         return rings.len();
@@ -112,13 +113,13 @@ mod tests {
         };
         let mut rings = vec![
             block(0.0, 0.0, 5.0, 5.0),
-            // Thin, but not within the accuracy.
+            // This ring is thin, but not as thin as the accuracy.
             block(1.0, 1.0, 2.0, 0.012),
-            // A crack in three pieces.
+            // These are a crack in three pieces.
             block(1.0, 3.0, 0.4, 0.002),
             block(1.6, 3.0, 0.05, 0.001),
             block(1.9, 3.0, 0.9, 0.004),
-            // Specks far from it and from each other.
+            // These specks are far from the crack and from each other.
             block(7.0, 0.0, 0.1, 0.1),
             block(9.0, 0.0, 0.1, 0.1),
         ];

@@ -3,26 +3,26 @@
 //!
 //! ```text
 //!        │          Gradients u, v at the ends say how far the outline may
-//!   p ───┼─╳ c      stand off the chord p q. If that is too far, it turns
-//!    \m  │ │        at a corner c, where the tangents meet and the field is
-//!      \─r q        zero; or else it is looked for along the chord's normal
-//!                   from its middle m, found at r, and the same asked of
-//!                   p r and r q.
+//!   p ───┼─╳ c      stand off the chord p q. If that is too far, the outline
+//!    \m  │ │        may turn at a corner c, where the tangents meet and the
+//!      \─r q        field is zero. Otherwise the outline is looked for along
+//!                   the chord's normal from its middle m, found at r, and p r
+//!                   and r q become chords.
 //! ```
 //!
 //! The corners are after Kobbelt et al., Feature sensitive surface extraction
 //! from volume data (2001), in two dimensions. The search is between an inside
-//! and an outside point, so it needs no gradient, and where the field jumps
-//! none is used: the pieces across a corner are then halved until they are
+//! and an outside point, so it needs no gradient. Where the field jumps no
+//! gradient is used: the pieces across a corner are then halved until they are
 //! shorter than the tolerance.
 //!
 //! Everything found lies in the chord's own cell, or as far beyond it as its
-//! caller allows; only a corner may always lie in a cell beside it, through
-//! which no outline passes. All chords of a batch are
-//! followed together, a round of bulk evaluations at a time.
+//! caller allows. Only a corner may always lie in a cell beside it, if no
+//! outline passes through that cell. All chords of a batch are followed
+//! together, a round of bulk evaluations at a time.
 //!
-//! Not guaranteed: that the outline has no bends between points at which
-//! chord and gradients agree.
+//! Not guaranteed: that the outline has no bends between points at which chord
+//! and gradients agree.
 
 use super::link::Crossing;
 use super::refine::{Bracket, refine};
@@ -36,20 +36,20 @@ use glam::DVec2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
     pub end: End,
-    /// The number of the lattice edge that it lies on, if it lies on one.
+    /// The number of the lattice edge on which the vertex lies, if it lies on
+    /// one.
     pub crossing: Crossing,
 }
 
 /// Cosine of the least angle between the gradients at a corner, 15°.
 const COS_TURN: f64 = 0.966;
-/// A corner's distance from the zero set, as a share of how far it stands
-/// off the chord that it replaces.
+/// Greatest distance of a corner from the zero set, as a share of the corner's
+/// distance from the chord that it replaces.
 const RESIDUE: f64 = 0.1;
-/// Chords are not looked at when they are shorter than this share of the
-/// tolerance.
+/// Length below which chords are not looked at, as a share of the tolerance.
 const SHORT: f64 = 0.3;
-/// An arc's distance from the zero set in its middle and in its quarters, as
-/// a share of the tolerance.
+/// Greatest distance of an arc from the zero set in its middle and in its
+/// quarters, as a share of the tolerance.
 const ARC: f64 = 0.25;
 /// Halvings of a chord: from 2 mm to below a micrometre.
 const DEPTH: u8 = 12;
@@ -57,7 +57,7 @@ const DEPTH: u8 = 12;
 /// An end of a chord.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct End {
-    /// Where it is.
+    /// The place of the end.
     pub point: DVec2,
     /// In-plane gradient of the field; zero or not finite if it says nothing.
     pub gradient: DVec2,
@@ -70,7 +70,7 @@ pub(super) struct Chord {
     pub to: End,
     /// The cell.
     pub cell: Rect,
-    /// How far beyond the cell the outline is followed, in cells.
+    /// How far beyond the cell the outline may be followed, in cells.
     pub beyond: f64,
     /// Height.
     pub z: f32,
@@ -79,11 +79,13 @@ pub(super) struct Chord {
 /// The outcome for a chord.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Traced {
-    /// Points between its ends, with their place along it from 0 to 1.
+    /// Points between the chord's ends, with their place along the chord from 0
+    /// to 1.
     pub points: Vec<(f64, DVec2)>,
-    /// The outline could not be followed within the cell.
+    /// True if the outline could not be followed within the cell.
     pub lost: bool,
-    /// It has a corner in the cell beside it, that many columns and rows on.
+    /// Columns and rows to the cell in which the chord's corner lies, if that
+    /// is not its own cell.
     pub beside: Option<[i32; 2]>,
 }
 
@@ -92,7 +94,7 @@ struct Open {
     chord: usize,
     a: End,
     b: End,
-    /// Place of the ends along the chord.
+    /// Places of the ends along the chord.
     span: [f64; 2],
     depth: u8,
 }
@@ -101,15 +103,16 @@ struct Open {
 struct Asked {
     o: Open,
     question: Question,
-    /// Points along it, with one in the middle, at which to ask.
+    /// Number of points along the part at which the field is asked, one of them
+    /// in the middle.
     count: usize,
 }
 
 /// What the gradients at a chord's ends say about it.
 pub(super) enum Look {
-    /// The outline follows it.
+    /// The outline follows the chord.
     Straight,
-    /// It bends a little, and passes through this point.
+    /// The outline bends a little, and passes through this point.
     Bent(DVec2),
     /// The field must be asked.
     Ask(Question),
@@ -118,22 +121,22 @@ pub(super) enum Look {
 /// The questions about a chord that the field has to answer.
 #[derive(Clone, Copy)]
 pub(super) struct Question {
-    /// How far off the outline may be.
+    /// How far off the chord the outline may be.
     reach: Length,
-    /// The chord is straight after all if the field in its middle is no more
+    /// The chord is straight after all if the field in its middle is no greater
     /// than this.
     flat: f64,
-    /// Where the outline passes if it is an arc; it is one if the field there
-    /// is no more than the given number.
+    /// Points of the outline if it is an arc. It is an arc if the field at
+    /// these points is no greater than the given number.
     arc: Option<([DVec2; 3], f64)>,
 }
 
-/// True if, by the gradients at its ends, a chord is within tolerance, and
+/// True if, by the gradients at its ends, a chord is within the tolerance and
 /// has no corner.
 fn fits(p: End, q: End, tolerance: Length) -> bool {
     let chord = q.point - p.point;
     let bound = 16.0 * tolerance * tolerance;
-    // Outwards is to the right of the chord. NaN fails.
+    // Outwards is to the right of the chord. A NaN does not fit.
     let fits = |g: DVec2| {
         let along = g.dot(chord);
         g.perp_dot(chord) > 0.0 && along * along <= bound * g.length_squared()
@@ -191,8 +194,8 @@ pub(super) fn look(p: End, q: End, tolerance: Length, trusted: Length) -> Look {
     if bound <= 2.0 * tolerance {
         return Look::Bent(middle);
     }
-    // It may be a curve of any other kind. The halves of an arc stand off a
-    // quarter as far.
+    // The outline may be any other kind of curve. The halves of an arc stand
+    // off a quarter as far.
     let even = (s + t).abs() <= 0.25 * (t - s).abs();
     let arc = (even && bound <= 3.0 * tolerance).then(|| {
         let slope = p.gradient.length().min(q.gradient.length());
@@ -203,8 +206,8 @@ pub(super) fn look(p: End, q: End, tolerance: Length, trusted: Length) -> Look {
     ask(reach, 0.0, arc)
 }
 
-/// Chords that are followed together: one may become thousands of pieces,
-/// each of which needs a hundred times the memory of a point.
+/// Number of chords that are followed together. One chord may become thousands
+/// of pieces, each of which needs a hundred times the memory of a point.
 const AT_ONCE: usize = 256;
 
 /// Follows chords to within `tolerance`; gradients are believed along chords
@@ -313,8 +316,8 @@ pub(super) fn cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
 }
 
 fn crosses_itself(line: &[DVec2]) -> bool {
-    // A line that never turns back does not cross itself. Almost no line does,
-    // and to look at all pairs of segments takes long on a line of thousands.
+    // A line that never turns back does not cross itself. Hardly any line does,
+    // and looking at all pairs of segments takes long for lines of thousands.
     if let (Some(first), Some(last)) = (line.first(), line.last()) {
         let way = last - first;
         if line.windows(2).all(|s| (s[1] - s[0]).dot(way) > 0.0) {
@@ -333,7 +336,7 @@ pub(super) fn lines_cross(a: &[DVec2], b: &[DVec2]) -> bool {
         .any(|s| b.windows(2).any(|t| cross(s[0], s[1], t[0], t[1])))
 }
 
-/// The means of a round of questions: the sampler and the memory.
+/// What a round of questions needs: the sampler and the memory.
 struct Round<'a> {
     chords: &'a [Chord],
     tolerance: Length,
@@ -361,8 +364,8 @@ impl Round<'_> {
         self.sampler.values(&s.x, &s.y, &s.z, &mut s.values)
     }
 
-    /// Settles the chords that turn at a corner or are an arc's; returns the
-    /// others and the field at their middles.
+    /// Settles the chords that turn at a corner or are part of an arc. Returns
+    /// the other chords, and the field at their middles.
     fn corners(
         &mut self,
         asked: Vec<Asked>,
@@ -409,7 +412,7 @@ impl Round<'_> {
                 let off = [next(), next(), next()].map(f64::abs);
                 let room = grown(&self.chords[asked.o.chord]);
                 if off.iter().all(|f| *f <= most) && room.contains(arc[1]) {
-                    // An arc needs no test for a corner: no values of a
+                    // An arc needs no test for a corner, so no values of a
                     // candidate follow.
                     traced[asked.o.chord].points.push((place, arc[1]));
                     continue;
@@ -448,14 +451,15 @@ impl Round<'_> {
         Ok((middles, rest))
     }
 
-    /// Finds the outline across the chords' middles; returns the halves.
+    /// Finds the outline across the chords' middles, and returns the halves.
     fn halve(
         &mut self,
         asked: Vec<Asked>,
         middles: &[f64],
         traced: &mut [Traced],
     ) -> Result<Vec<Open>, FieldError> {
-        // From the middle outwards in growing steps, to the cell's border.
+        // The search goes from the middle outwards in growing steps, to the
+        // cell's border.
         self.scratch.clear();
         let mut searches = Vec::new();
         for (Asked { o, question, .. }, &f) in asked.iter().zip(middles) {
@@ -515,8 +519,8 @@ impl Round<'_> {
             };
             traced[o.chord].points.push((place, root.point));
             let off = root.point.distance(searches[k].0);
-            // Without gradients a corner shows in the middle of its chord,
-            // by at least half its height. One look could be misled.
+            // Without gradients a corner shows in the middle of its chord, by
+            // at least half its height. A single look could be misled.
             if off <= 0.5 * self.tolerance && o.depth > 0 {
                 continue;
             }
@@ -537,7 +541,7 @@ impl Round<'_> {
     }
 }
 
-/// Where the outline may be followed to.
+/// The box in which the outline may be followed.
 fn grown(chord: &Chord) -> Rect {
     let Chord { cell, beyond, .. } = *chord;
     let pad = beyond * (cell.max - cell.min);
@@ -547,9 +551,9 @@ fn grown(chord: &Chord) -> Rect {
     }
 }
 
-/// The corner that the gradients at a chord's ends speak of, if it lies in
-/// its cell, in one that shares an edge with it, or as far beyond as the chord
-/// may be followed.
+/// The corner that follows from the gradients at a chord's ends. None if it
+/// does not lie in the chord's cell, in a cell that shares an edge with it, or
+/// as far beyond as the chord may be followed.
 fn candidate(o: &Open, chord: &Chord) -> Option<Candidate> {
     let Chord { cell, beyond, .. } = *chord;
     let (p, q) = (o.a, o.b);
@@ -559,7 +563,7 @@ fn candidate(o: &Open, chord: &Chord) -> Option<Candidate> {
     if u.dot(v) > COS_TURN || sine.abs() < 0.05 {
         return None;
     }
-    // c with u·(c − p) = 0 and v·(c − q) = 0.
+    // The corner c has u·(c − p) = 0 and v·(c − q) = 0.
     let chord = q.point - p.point;
     let along = u.perp();
     let point = p.point + along * (v.dot(chord) / v.dot(along));

@@ -1,13 +1,13 @@
 //! Makes sure that a layer's thinned rings do not cross.
 //!
 //! Straight lines between vertices on the lattice's edges cannot cross. Lines
-//! through the points that were put between the vertices can, and so can
-//! thinned lines, where outlines come closer to each other than the tolerance.
-//! Lines that cross are taken back step by step: first they are not thinned at
-//! all. If they still cross, the rings are cut where they do (`cut`), which
+//! through the points that were put between the vertices can cross. So can
+//! thinned lines, where outlines are closer to each other than the tolerance.
+//! Lines that cross are taken back step by step. First they are not thinned at
+//! all. If they still cross, the rings are cut at the crossings (`cut`), which
 //! keeps tips in their places. What is left leads from lattice vertex to
-//! lattice vertex. Where that does not help, or has to be done in many places,
-//! the whole ring is thinned less, hardly at all, and last taken to the
+//! lattice vertex. If that does not help, or has to be done in many places, the
+//! whole ring is thinned less, then hardly at all, and last reduced to the
 //! lattice's vertices.
 
 use super::buckets::Buckets;
@@ -21,26 +21,26 @@ use crate::plane::simplify::{simplify, simplify_but};
 use crate::plane::{Ring, edges};
 use glam::DVec2;
 
-/// The places for which a ring is thinned less.
+/// How carefully a ring is thinned, and where.
 #[derive(Default)]
 struct Care {
-    /// Its edges that crossed others, and how often they did.
+    /// The ring's edges that crossed others, and how often they did.
     knots: Vec<Knot>,
-    /// Steps back of the whole ring.
+    /// Number of steps back of the whole ring.
     whole: u8,
 }
 
-/// An edge that crossed another, and the points it stood for.
+/// An edge that crossed another, and the points for which it stood.
 struct Knot {
     edge: (DVec2, DVec2),
-    /// How far from the edge those points are, at most.
+    /// Greatest distance of those points from the edge.
     reach: Length,
     step: u8,
 }
 
-/// Knots of a ring beyond which all of it is taken back.
+/// Greatest number of a ring's knots. With more, the whole ring is taken back.
 const KNOTS: usize = 64;
-/// Steps back of a knot, and of a whole ring.
+/// Greatest number of steps back of a knot, and of a whole ring.
 const KNOT_STEPS: u8 = 2;
 const WHOLE_STEPS: u8 = 3;
 
@@ -53,8 +53,8 @@ impl Knot {
 }
 
 impl Care {
-    /// Takes the ring, thinned within a tolerance, a step back where some
-    /// edges of it cross others; false if it was at the last one.
+    /// Takes a ring that is thinned within a tolerance a step back where some
+    /// of its edges cross others. False if it was at the last step.
     fn more(
         &mut self,
         edges: impl ExactSizeIterator<Item = (DVec2, DVec2)>,
@@ -63,7 +63,8 @@ impl Care {
         let before = self.knots.len();
         if self.whole == 0 && before + edges.len() <= KNOTS {
             for edge in edges {
-                // The edge was not thinned, and crosses all the same.
+                // An edge that is already a knot was not thinned, and crosses
+                // all the same.
                 let same = |k: &&Knot| k.holds(edge.0) && k.holds(edge.1);
                 let old = self.knots[..before].iter().filter(same);
                 self.knots.push(Knot {
@@ -81,12 +82,12 @@ impl Care {
         goes_on
     }
 
-    /// True if there are crossings that thinning may not be the cause of.
+    /// True if there are crossings whose cause may be other than thinning.
     fn tangled(&self) -> bool {
         self.whole > 0 || self.knots.iter().any(|k| k.step > 1)
     }
 
-    /// The ring, thinned with that care.
+    /// The ring, thinned with this care.
     fn thin(&self, ring: &Joined, tolerance: Length) -> Ring {
         if self.whole > 0 {
             return back(ring, tolerance, self.whole);
@@ -175,7 +176,7 @@ fn crossings(rings: &[Ring]) -> Vec<(usize, (DVec2, DVec2))> {
         ring: usize,
         a: DVec2,
         b: DVec2,
-        /// Number within the ring, and of edges in it.
+        /// The edge's number within the ring, and the ring's number of edges.
         place: usize,
         count: usize,
     }
@@ -282,7 +283,7 @@ mod tests {
         for angle in [0.0_f64, 0.3, 0.8, 1.57, 2.2, 3.1, 4.0, 5.9] {
             let way = DVec2::from_angle(angle);
             let mut rings = vec![teeth(DVec2::ZERO, way)];
-            // Beside it.
+            // These lines are beside the long one.
             for k in 2..40 {
                 let aside = way.perp() * f64::from(k);
                 rings.push(fin(aside, way * 40.0));
@@ -293,7 +294,7 @@ mod tests {
             let held = grid.held();
             assert!(held < 20 * list.len(), "{angle}: {held}");
             assert!(crossing(&rings).is_empty(), "{angle}");
-            // Across all of the others, but not across the teeth.
+            // This line crosses all of the others, but not the teeth.
             let start = way.perp() * 1.5 + way * 20.0;
             rings.push(fin(start, way.perp() * 100.0 + way * 0.3));
             let all: Vec<usize> = (1..rings.len()).collect();
@@ -301,8 +302,8 @@ mod tests {
         }
     }
 
-    /// A plate with a fin of a micrometre: thinned, the fin's sides cross, but
-    /// the rounded end far away from it need not suffer.
+    /// A plate has a fin of a micrometre. Thinned, the fin's sides cross, but
+    /// the rounded end far away from it is not concerned.
     #[test]
     fn rings_are_thinned_less_only_where_they_cross() {
         let mut points: Ring = (0..=400)
@@ -310,7 +311,7 @@ mod tests {
             .map(|t| DVec2::new(10.0, 5.0) + DVec2::from_angle(t) * 5.0)
             .collect();
         points.push(DVec2::new(8.0, 10.0));
-        // The fin's sides wave, and are cut into lines at other places.
+        // The fin's sides wave, and are cut into lines at different places.
         let side = |y: f64| 5.0 + 0.03 * (4.0 * y).sin();
         let up = (0..=200).map(|k| 10.0 + f64::from(k) * 0.02);
         let down = (0..173).rev().map(|k| 10.0 + f64::from(k) * 0.0231);
@@ -332,7 +333,7 @@ mod tests {
         }
     }
 
-    /// Two long arcs three micrometres apart: thinned to ten, they would
+    /// Two long arcs are three micrometres apart. Thinned to ten, they would
     /// cross each other.
     #[test]
     fn close_rings_are_thinned_less() {

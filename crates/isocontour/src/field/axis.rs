@@ -9,7 +9,7 @@ use super::lanes::{Lanes, Seed};
 use crate::interval::Interval;
 use fidget::vm::VmFunction;
 
-/// The three sizes of box that are proved.
+/// The three sizes of box about which something is proved.
 #[derive(Clone, Copy)]
 pub(super) enum Level {
     /// A tile of a slab.
@@ -20,8 +20,8 @@ pub(super) enum Level {
     Leaf = 2,
 }
 
-/// How the nodes of an axis are grouped into boxes of one level: box number
-/// b reaches from node b·step − pad to node b·step + reach + pad.
+/// How the nodes of an axis are grouped into boxes of one level. Box number b
+/// reaches from node b·step − pad to node b·step + reach + pad.
 #[derive(Clone, Copy)]
 pub(super) struct Grouping {
     pub step: usize,
@@ -43,7 +43,7 @@ struct Column {
     values: Vec<f32>,
     /// Derivatives by the coordinate.
     slopes: Vec<f32>,
-    /// By level, by box.
+    /// Ranges by level, then by box.
     ranges: [Vec<Interval>; 3],
 }
 
@@ -51,7 +51,7 @@ struct Column {
 pub(super) struct Axis {
     nodes: Vec<f32>,
     groupings: [Grouping; 3],
-    /// Nodes per millimetre if they are evenly spaced, else 0.
+    /// Nodes per millimetre if they are evenly spaced, or else 0.
     density: f64,
     columns: Vec<Column>,
 }
@@ -59,9 +59,9 @@ pub(super) struct Axis {
 /// Points along an axis, found among its nodes.
 #[derive(Default)]
 pub(super) struct Located {
-    /// The node that each point is on; any number for points on none.
+    /// The node on which each point is; any number for points on no node.
     on: Vec<u32>,
-    /// The points that are on no node, and where they are.
+    /// The points that are on no node, and their coordinates.
     off: Vec<u32>,
     missing: Vec<f32>,
 }
@@ -139,8 +139,8 @@ impl Axis {
         &self.columns[part].values
     }
 
-    /// Finds the points among the nodes: of two points on a lattice edge one
-    /// coordinate always is there.
+    /// Finds the points among the nodes. Of two points on a lattice edge one
+    /// coordinate is always a node's.
     pub(super) fn locate(&self, points: &[f32], located: &mut Located) {
         let Located { on, off, missing } = located;
         off.clear();
@@ -151,7 +151,7 @@ impl Axis {
         let from = nodes.first().map_or(0.0, |&v| f64::from(v));
         let mut node = 0;
         for (&p, k) in points.iter().zip(0..) {
-            // Often it is the node of the point before.
+            // Often it is the node of the last point.
             if nodes.get(node) != Some(&p) {
                 let guess = if self.density == 0.0 {
                     let found = nodes.binary_search_by(|v| v.total_cmp(&p));
@@ -195,7 +195,7 @@ impl Axis {
         scratch.fresh = fresh;
     }
 
-    /// A part's values and slopes at located points, written over `values`
+    /// A part's values and slopes at located points. They overwrite `values`
     /// and `slopes`.
     pub(super) fn slopes_at(
         &self,
@@ -230,7 +230,7 @@ impl Scratch {
         self.lanes.eval(f, &[points], points.len(), out);
     }
 
-    /// Values and derivatives, with nothing along y.
+    /// Values and derivatives along x, with no y.
     fn slopes(
         &mut self,
         f: &VmFunction,

@@ -1,19 +1,19 @@
-//! Smooth unions that proofs can take apart.
+//! Gives smooth unions branches, so that proofs can rule parts of them out.
 //!
-//! −ln(eᵘ + eᵛ) blends two parts where they meet, and is one of them all but
+//! −ln(eᵘ + eᵛ) blends two parts where they meet, and equals one of them nearly
 //! everywhere else: there one exponential is less than the last bit of the
 //! other. But a sum has no branch that interval arithmetic could rule out, so
-//! that everywhere all parts of such a model would be computed.
+//! all parts of such a model would be computed everywhere.
 //!
 //! ```text
-//!    eᵘ ──────╲      ╱────── eᵛ     each summand b is replaced by one that is
+//!    eᵘ ──────╲      ╱────── eᵛ     Each summand b is replaced by one that is
 //!              ╲    ╱               cut off where it is too small to count:
-//!   ────────────╲──╱──────────      max(0, min(b, t·∞)), with t = v − u + 20
+//!   ────────────╲──╱──────────      max(0, min(b, t·∞)), with t = v − u + 20.
 //!         t < 0  ╲╱  t > 0
 //! ```
 //!
-//! In: an expression. Out: one with the same values, bit for bit, in which
-//! `min` and `max` choose. The values are equal also where exponentials
+//! In: an expression. Out: an expression with the same values, bit for bit, in
+//! which `min` and `max` choose. The values are also equal where exponentials
 //! overflow, since a shell or an offset made of the sum compares it with other
 //! numbers.
 
@@ -24,14 +24,14 @@ use fidget::context::{
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Exponents this far apart: e⁻²⁰ is less than an eighth of the last bit of
-/// an `f32`.
+/// Distance of exponents from which on one does not count: e⁻²⁰ is less than an
+/// eighth of the last bit of an `f32`.
 const APART: f32 = 20.0;
 /// This number's square is infinite, and so is its product with the least lead
-/// that occurs: e⁻²⁰ is compared at steps of 2·10⁻⁶. Infinity itself would make
-/// a lead of 0 not a number.
+/// that occurs: e⁻²⁰ is compared at steps of 2·10⁻⁶. Infinity itself would turn
+/// a lead of 0 into NaN.
 const MUCH: f32 = 1.5e38;
-/// Stands for an infinite exponent, since two of these can be compared.
+/// Stands for an infinite exponent, since two such numbers can be compared.
 const FARTHEST: f32 = 1e30;
 
 type Term = Arc<TreeOp>;
@@ -64,7 +64,7 @@ pub(super) fn branched(ctx: &mut Context, root: Node) -> Node {
         };
         made.insert(*node, term);
     }
-    // Nothing else holds the root.
+    // Nothing else refers to the root.
     match made.remove(&root).and_then(Arc::into_inner) {
         Some(term) if any => ctx.import(&Tree::from(term)),
         _ => root,
@@ -180,8 +180,8 @@ mod tests {
         assert_eq!(over(&with, 15.0).1, 2);
     }
 
-    /// Exponentials overflow from a depth of 2.8 on: shells and offsets
-    /// compare what comes of it with other numbers.
+    /// Exponentials overflow from a depth of 2.8 on. Shells and offsets compare
+    /// the result with other numbers.
     #[test]
     fn overflow_stays_overflow() {
         let (x, y, z) = Tree::axes();

@@ -1,14 +1,15 @@
-//! What a function does over single boxes.
+//! Evaluates functions over single boxes.
 //!
 //! In: a function and, for each of its inputs, the range of its values over a
-//! box, and perhaps of its derivatives. Out: the same of its result. With the
-//! ranges comes a trace of the branches of `min`, `max`, `and` and `or` that are
-//! never taken in the box, from which fidget makes a shorter function.
+//! box, and perhaps of its derivatives. Out: the range of its result, and of
+//! the result's derivatives. With the ranges comes a trace of the branches of
+//! `min`, `max`, `and` and `or` that are never taken in the box. From it fidget
+//! makes a shorter function.
 //!
 //! Where both derivatives are bounded so that the field rises in one direction
 //! everywhere in a box, its outline there is a single line, and the box hides
-//! nothing. Where the field jumps or may not be a number, the derivatives may
-//! be anything.
+//! nothing. Where the field jumps or may be NaN, the derivatives may be
+//! anything.
 //!
 //! Why not fidget's own interval evaluator: it panics where one end of a range
 //! becomes NaN, as ∞ − ∞ does. This one never fails.
@@ -25,14 +26,14 @@ pub(crate) type Slope = Dual<Interval, 2>;
 /// What is known of the field over a box in a layer.
 #[derive(Clone, Copy, Debug)]
 pub struct Bound {
-    /// Least and greatest value; infinite if it may not be a number.
+    /// Least and greatest value; infinite if the field may be NaN.
     pub value: [f64; 2],
-    /// By axis, the least and greatest derivative.
+    /// For each axis, the least and greatest derivative.
     pub slopes: [[f64; 2]; 2],
 }
 
 impl Bound {
-    /// Nothing is known.
+    /// The bound of a field of which nothing is known.
     pub const UNKNOWN: Bound = Bound {
         value: [f64::NEG_INFINITY, f64::INFINITY],
         slopes: [[f64::NEG_INFINITY, f64::INFINITY]; 2],
@@ -54,8 +55,8 @@ impl Bound {
         self.value[0] >= 0.0 || self.value[1] < 0.0
     }
 
-    /// True if the gradient keeps within 45° of one direction in the box, so
-    /// that an outline there is one line that does not turn by more.
+    /// True if the gradient keeps within 45° of one direction in the box. Then
+    /// an outline there is one line that does not turn by more.
     pub fn is_simple(&self) -> bool {
         let [x, y] = self.slopes;
         let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
@@ -68,7 +69,7 @@ impl Bound {
     }
 }
 
-/// Evaluates functions over boxes. Kept between uses for its memory.
+/// Evaluates functions over boxes. It is kept between uses for its memory.
 #[derive(Default)]
 pub(crate) struct Boxes {
     ranges: Vec<[Interval; 1]>,
@@ -78,7 +79,7 @@ pub(crate) struct Boxes {
 
 impl Boxes {
     /// The range of the function's (first) output for given ranges of its
-    /// inputs, and the trace of its choices if it rules out any branch.
+    /// inputs, and the trace of its choices if any branch is ruled out.
     pub(crate) fn range(
         &mut self,
         f: &VmFunction,
@@ -107,7 +108,7 @@ impl Boxes {
     }
 
     /// The range of the function's (first) output and of its slopes, for given
-    /// ones of its inputs.
+    /// ranges and slopes of its inputs.
     pub(crate) fn slope(
         &mut self,
         f: &VmFunction,
@@ -127,7 +128,7 @@ impl Boxes {
     }
 }
 
-/// The side that an operation always takes.
+/// The side that an operation always takes, if there is one.
 fn chosen(pick: Pick, a: Interval, b: Interval) -> Choice {
     match pick {
         Pick::Min => lesser(a, b),
@@ -141,8 +142,8 @@ fn chosen(pick: Pick, a: Interval, b: Interval) -> Choice {
     }
 }
 
-/// The side that `min` always takes. A side that may be NaN is kept, for
-/// then so is the result.
+/// The side that `min` always takes. A side that may be NaN is kept, since the
+/// result may then be NaN.
 fn lesser(a: Interval, b: Interval) -> Choice {
     if a.hi < b.lo && !b.nan {
         Choice::Left

@@ -1,4 +1,4 @@
-//! The walk over tiles.
+//! The walk over the tiles of a slab.
 
 use super::axis::{Axis, Grouping, Level};
 use super::expr::Expr;
@@ -13,7 +13,7 @@ use crate::plane::Rect;
 use fidget::eval::MathFunction;
 use fidget::vm::VmFunction;
 
-/// Cells along the side of a slab's tiles; they span all layers of the slab.
+/// Cells along the side of a slab's tiles. A tile spans all layers of the slab.
 const TILE: usize = 64;
 /// Cells along the side of a tile's blocks.
 const BLOCK: usize = 32;
@@ -21,7 +21,7 @@ const BLOCK: usize = 32;
 const BLOCK_LAYERS: usize = 8;
 
 /// Boxes along x and y. The cell around a tile or block belongs to its proof,
-/// so that its simpler expression may be used for a corner just outside.
+/// so that its simpler expression also serves for a corner just outside.
 const IN_PLANE: [Grouping; 3] = [
     Grouping {
         step: TILE,
@@ -40,7 +40,7 @@ const IN_PLANE: [Grouping; 3] = [
     },
 ];
 
-/// Boxes along z: they reach from the first of their layers to the last.
+/// Boxes along z. They reach from the first of their layers to the last.
 const UPWARDS: [Grouping; 3] = [
     Grouping {
         step: SLAB,
@@ -59,7 +59,7 @@ const UPWARDS: [Grouping; 3] = [
     },
 ];
 
-/// What the expression and the lattice decide before any layer is known.
+/// What is known from the expression and the lattice before any layer is known.
 pub(super) struct Plane {
     pub split: Split,
     x: Axis,
@@ -89,7 +89,7 @@ impl Plane {
     }
 }
 
-/// An expression, and the lattice it is evaluated on.
+/// An expression, and the lattice on which it is evaluated.
 pub(super) struct Engine {
     root: VmFunction,
     plane: Plane,
@@ -122,7 +122,7 @@ struct Walk<'a> {
     /// Cells of the lattice along x and y.
     cells: [usize; 2],
     ws: Workspace<'a>,
-    /// Of a block, the leaves that are to be sampled.
+    /// The leaves of a block that are to be sampled.
     boxes: Vec<[usize; 3]>,
     leaves: Vec<Leaf>,
     values: Vec<f32>,
@@ -172,8 +172,8 @@ impl Sampler for ExprSampler<'_, '_> {
 }
 
 impl Walk<'_> {
-    /// Numbers of the smaller boxes in box `b` of an axis that has `count`
-    /// of its smallest units.
+    /// Numbers of the smaller boxes in box `b` of an axis with `count` of its
+    /// smallest units.
     fn inside(
         b: usize,
         big: usize,
@@ -184,8 +184,7 @@ impl Walk<'_> {
         b * big / small..end.div_ceil(small)
     }
 
-    /// Tile number `at` of the slab: simplify for it, then look at its
-    /// blocks.
+    /// Simplifies for tile number `at` of the slab, then looks at its blocks.
     fn tile(
         &mut self,
         root: &Expr,
@@ -219,7 +218,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Block number `at`: simplify for it, then sample its leaves.
+    /// Simplifies for block number `at`, then samples its leaves.
     fn block(
         &mut self,
         parent: &Expr,
@@ -258,8 +257,8 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Evaluates the nodes of all leaves in the buffer at once and shows
-    /// them.
+    /// Evaluates the nodes of all leaves in the buffer at once and passes them
+    /// to the visitor.
     fn sample(
         &mut self,
         expr: &Expr,

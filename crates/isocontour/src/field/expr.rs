@@ -1,4 +1,5 @@
-//! An expression as it is evaluated: whole, or simplified for a tile.
+//! An expression in the form in which it is evaluated: whole, or simplified for
+//! a tile.
 
 use fidget::compiler::RegOp;
 use fidget::vm::VmFunction;
@@ -7,7 +8,7 @@ use std::cell::OnceCell;
 /// A function, and the inputs it reads.
 pub(super) struct Expr {
     pub f: VmFunction,
-    /// Once they were asked for.
+    /// The inputs, once they have been asked for.
     inputs: OnceCell<Vec<usize>>,
 }
 

@@ -1,9 +1,9 @@
-//! Takes those parts out of the expression that depend on one coordinate alone.
+//! Takes parts that depend on one coordinate alone out of the expression.
 //!
 //! The lattice is aligned with the axes, so `sin(k·x)` has one value per
-//! column, `sin(k·y)` one per row and `sin(k·z)` one per layer. The largest
-//! such parts are replaced by variables and evaluated once each. What is left
-//! of a gyroid is a few additions and multiplications.
+//! column, `sin(k·y)` one per row and `sin(k·z)` one per layer. Variables
+//! replace the largest such parts, and each part is evaluated once. For a
+//! gyroid a few additions and multiplications are left.
 
 use fidget::context::UnaryOpcode;
 use fidget::context::{BinaryOpcode, Context, Node, Op, Tree, TreeOp};
@@ -14,35 +14,35 @@ use std::sync::Arc;
 /// A part of the expression that depends on one coordinate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
-    /// What stands for it.
+    /// The variable that stands for the part.
     pub var: Var,
     /// 0, 1 or 2 for x, y or z.
     pub axis: usize,
-    /// The part, a node of the context it was found in.
+    /// The part, as a node of the context in which it was found.
     pub node: Node,
 }
 
 /// An expression without its one-coordinate parts.
 pub(super) struct Hoisted {
-    /// What is left, with variables in place of the parts.
+    /// The rest, with variables in place of the parts.
     pub tree: Tree,
-    /// What was taken out.
+    /// The parts that were taken out.
     pub parts: Vec<Part>,
 }
 
-/// The work from which on a part is worth a variable: an addition would cost as
-/// much as reading the variable does.
+/// Least work for which a part is worth a variable. An addition would cost as
+/// much as reading the variable.
 const WORTHWHILE: u32 = 2;
-/// No more parts than this, the dearest first: each costs memory for every
-/// column, row or layer.
+/// Greatest number of parts, of which the costliest come first. Each costs
+/// memory for every column, row or layer.
 const MOST: usize = 1000;
 
 /// What is known of a node.
 #[derive(Clone, Copy)]
 struct Known {
-    /// One bit for each coordinate it depends on.
+    /// One bit for each coordinate on which the node depends.
     axes: u8,
-    /// About how many additions it costs.
+    /// The node's cost, about as many additions.
     cost: u32,
 }
 
@@ -69,7 +69,7 @@ fn cost_of(op: &Op) -> u32 {
     }
 }
 
-/// Nodes that `root` depends on, operands before those that use them.
+/// Nodes on which `root` depends, operands before the nodes that use them.
 pub(super) fn in_order(ctx: &Context, root: Node) -> Vec<Node> {
     let mut order = Vec::new();
     let mut seen: HashMap<Node, bool> = HashMap::new();
@@ -107,7 +107,7 @@ pub(super) fn hoist(ctx: &Context, root: Node) -> Hoisted {
             Op::Input(Var::X) => 1,
             Op::Input(Var::Y) => 2,
             Op::Input(Var::Z) => 4,
-            // Another variable: nothing above it is hoisted.
+            // This is another variable: nothing above it is hoisted.
             Op::Input(Var::V(_)) => 7,
             _ => 0,
         };
@@ -129,8 +129,7 @@ pub(super) fn hoist(ctx: &Context, root: Node) -> Hoisted {
             .get(n)
             .filter(|k| k.axes.count_ones() == 1 && k.cost >= WORTHWHILE)
     };
-    // The largest parts are taken: those that an operation on more coordinates
-    // uses.
+    // The largest parts are those that an operation on more coordinates uses.
     let mut largest: Vec<(u32, Node)> = Vec::new();
     let mut taken: HashMap<Node, Var> = HashMap::new();
     let mut take = |node: Node| {
@@ -213,7 +212,8 @@ mod tests {
         let tree = (sx.clone() * y.cos() + sx * z.exp() + x).max(y + 1.0);
         let (_, h) = hoisted(&tree);
         let axes: Vec<usize> = h.parts.iter().map(|p| p.axis).collect();
-        // sin(x/2), cos(y) and exp(z); x and y + 1 are not worth a variable.
+        // The parts are sin(x/2), cos(y) and exp(z). x and y + 1 are not worth
+        // a variable.
         assert_eq!(h.parts.len(), 3);
         assert!((0..3).all(|a| axes.contains(&a)), "{axes:?}");
     }

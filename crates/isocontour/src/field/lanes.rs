@@ -2,12 +2,12 @@
 //!
 //! fidget's interpreter runs each operation over the whole batch through
 //! bounds-checked vectors of vectors. Its native code is slow where functions
-//! are called, costs its compilation, needs AVX2, and was no faster than this
+//! are called, has to be compiled, needs AVX2, and was no faster than this file
 //! on any model measured (docs/decisions.md). Here an operation runs over a
 //! fixed number of lanes, which stay in the nearest cache, with the widest
-//! vector instructions the processor has. These change nothing but the time: a
-//! value is equal, bit for bit, on any processor. It also equals fidget's where
-//! no function is called, of which `wide` has its own.
+//! vector instructions of the processor. The instructions change nothing but
+//! the time: a value is equal, bit for bit, on any processor. It also equals
+//! fidget's where no function is called; `wide` has functions of its own.
 
 use super::boxes::Slope;
 use crate::interval::Interval;
@@ -23,7 +23,7 @@ use std::ops::Range;
 
 /// Points per pass: 60 registers of them fit 16 kB.
 const LANES: usize = 64;
-/// Points up to which the last pass is a short one.
+/// Number of points up to which the last pass is a short one.
 const FEW: usize = 16;
 /// Points per pass with slopes.
 const DUAL_LANES: usize = 32;
@@ -39,11 +39,12 @@ type DualRegister = [Dual<Wide, 2>; DUAL_LANES / WIDTH];
 type SpanRegister = [Span; BOX_LANES / BOXES];
 type BoundRegister = [Dual<Span, 2>; BOUND_LANES / BOXES];
 
-/// What a tape reads, at each point, along with its slope.
+/// What a tape reads at each point, with its slope.
 #[derive(Clone, Copy)]
 pub(super) struct Seed<'a> {
     pub values: &'a [f32],
-    /// Derivatives by the coordinate `axis`; none if it is the coordinate.
+    /// Derivatives by the coordinate `axis`; none if the input is the
+    /// coordinate itself.
     pub slopes: Option<&'a [f32]>,
     pub axis: usize,
 }
@@ -60,8 +61,8 @@ pub(crate) struct Lanes {
 
 impl Lanes {
     /// Appends the function's (first) output at `count` points to `out`.
-    /// `inputs` are by the function's input number and hold a value for each
-    /// point, those the function reads at least.
+    /// `inputs` are in the order of the function's inputs. Those that the
+    /// function reads have a value for each point.
     pub(super) fn eval(
         &mut self,
         f: &VmFunction,
@@ -70,7 +71,7 @@ impl Lanes {
         out: &mut Vec<f32>,
     ) {
         let tape = f.data().asm();
-        // All passes are long, or the last one is short.
+        // Either all passes are long, or the last one is short.
         let left = count % LANES;
         let long = if left > FEW { count } else { count - left };
         if long > 0 {
@@ -128,8 +129,8 @@ impl Lanes {
 
 impl Lanes {
     /// Appends to `out` the ranges of the function's (first) output over
-    /// `count` boxes; nothing where it has to be asked about alone. `input`
-    /// is the range of an input over a box.
+    /// `count` boxes; none for a box that has to be evaluated alone. `input` is
+    /// the range of an input over a box.
     pub(crate) fn ranges(
         &mut self,
         f: &VmFunction,
@@ -152,8 +153,8 @@ impl Lanes {
         });
     }
 
-    /// Appends the ranges of the output and of its slopes to `out`; nothing
-    /// where a box has to be asked about alone.
+    /// Appends to `out` the ranges of the output and of its slopes; none for a
+    /// box that has to be evaluated alone.
     pub(crate) fn bounds(
         &mut self,
         f: &VmFunction,
@@ -178,7 +179,8 @@ impl Lanes {
 }
 
 /// The numbers of a list from place `from` on. Spare lanes repeat the last
-/// number: numbers left from an earlier pass could be slow to compute with.
+/// number, since numbers left from an earlier pass could be slow to compute
+/// with.
 #[inline(always)]
 fn load(list: &[f32], from: usize) -> Wide {
     if let Some(all) = list.get(from..from + WIDTH)
@@ -385,7 +387,7 @@ mod tests {
             0 => AWKWARD[k / 3 % AWKWARD.len()],
             _ => (k as f32 * 0.7311).sin() * 6.0,
         };
-        // This takes more than one pass, the last of which is not full.
+        // The points need more than one pass, and the last pass is not full.
         let n = 3 * LANES + 7;
         let points: [Vec<f32>; 3] = [7, 11, 13]
             .map(|step| (0..n).map(|k| pick(k * step + step)).collect());
@@ -402,7 +404,7 @@ mod tests {
             Lanes::default().eval(&f, &inputs, n, &mut out);
             for (a, b) in out.iter().zip(&expected[0]) {
                 let bits = a.to_bits() == b.to_bits();
-                // Sines and the like are our own, not the system's.
+                // Sines and other functions are our own, not the system's.
                 let near = (a - b).abs() <= 2e-6 * (1.0 + b.abs());
                 let same = bits || near || a.is_nan() && b.is_nan();
                 assert!(same, "{k}: {a} for {b}");

@@ -5,11 +5,11 @@ use crate::Length;
 use crate::plane::Rect;
 use glam::DVec2;
 
-/// Nodes at equal distances over the part's box and a margin around it. The
-/// same for all layers; a whole number of leaves wide and high.
+/// Nodes at equal distances over the part's box and a margin around it. All
+/// layers have one lattice, a whole number of leaves wide and high.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
-    /// x of the node columns. These are `f32`, as the field is evaluated there:
+    /// x of the node columns. It is in `f32`, in which the field is evaluated:
     /// a vertex between nodes must lie between these very values.
     pub x: Vec<f32>,
     /// y of the node rows.
@@ -18,21 +18,21 @@ pub struct Lattice {
     pub spacing: Length,
 }
 
-/// Fractions of a cell by which the lattice is moved against the box, so that
-/// the flat faces of simple models do not fall on nodes, where f = 0 exactly
-/// and inside and outside are a matter of rounding.
+/// Fractions of a cell by which the lattice is moved against the box. So the
+/// flat faces of simple models do not fall on nodes, where f = 0 exactly and
+/// rounding decides what is inside.
 const SHIFT: [f64; 2] = [0.414_213_56, 0.732_050_81];
 
 impl Lattice {
     /// The lattice over a box, with a margin of at least a cell.
     ///
     /// # Errors
-    /// If it would have more edges than fit a `u32`.
+    /// If the lattice would have more edges than fit a `u32`.
     pub fn over(bounds: Rect, spacing: Length) -> Result<Lattice, FieldError> {
         let size = bounds.max - bounds.min;
         let leaves = |extent: f64| (extent / spacing + 3.0) / LEAF as f64;
         let cells = [leaves(size.x), leaves(size.y)].map(|n| n.ceil() * 8.0);
-        // Two edges start at each node; one number means "none".
+        // Two edges start at each node. One number means that there is no edge.
         let nodes = (cells[0] + 1.0) * (cells[1] + 1.0);
         if nodes.is_nan() || nodes >= f64::from(u32::MAX / 2) {
             return Err(FieldError::TooLarge {

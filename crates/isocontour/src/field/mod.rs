@@ -1,9 +1,9 @@
-//! The scalar field of a slab of layers: where it may change sign, sampled.
+//! The scalar field of a slab of layers: samples where it may change its sign.
 //!
-//! In: the model's expression, a lattice over its box, the sample heights of
-//! a slab of layers. Out: for every 8 × 8-cell leaf of a layer that interval
-//! arithmetic could not prove empty or full, the field at its 9 × 9 nodes,
-//! together with a [`Sampler`] for further points near by.
+//! In: the model's expression, a lattice over its box, the sample heights of a
+//! slab of layers. Out: for every leaf of 8 × 8 cells of a layer that interval
+//! arithmetic cannot prove empty or full, the field at its 9 × 9 nodes, with a
+//! [`Sampler`] for further points near by.
 //!
 //! ```text
 //!  slab of ≤ 32 layers           block of ≤ 8 layers       leaf, one layer
@@ -13,16 +13,16 @@
 //! ```
 //!
 //! A tile that spans several layers shares its proof and its simplified
-//! expression with all of them. A leaf that is left out has no sign change
-//! on its nodes, up to rounding (the proofs are in `f64`, the samples in
-//! `f32`); `contour` notices such a leaf by the outline that stops at its
-//! border, and asks for it with [`Field::leaves`].
+//! expression with all of them. A leaf that is left out has no sign change on
+//! its nodes, up to rounding (the proofs are in `f64`, the samples in `f32`).
+//! If a leaf was left out wrongly, an outline stops at its border; `contour`
+//! notices that, and asks for the leaf with [`Field::leaves`].
 //!
-//! Sums of exponentials, as smooth unions have, get branches that proofs can
-//! rule out (`blend`). Parts that depend on one coordinate alone, like
-//! sin(k·x), are taken out of the expression (`hoist`, `split`) and evaluated
-//! once per column, row or layer (`axis`). `lanes` evaluates the rest, for many
-//! points or boxes at a time. `workspace` brings both together for the walk in
+//! Sums of exponentials, as in smooth unions, get branches that proofs can rule
+//! out (`blend`). Parts that depend on one coordinate alone, such as sin(k·x),
+//! are taken out of the expression (`hoist`, `split`) and evaluated once per
+//! column, row or layer (`axis`). `lanes` evaluates the rest, for many points
+//! or boxes at a time. `workspace` brings both together for the walk in
 //! `engine`. `sight` looks at the whole part from somewhere.
 //!
 //! This is the one place where `f64` millimetres become fidget's `f32`.
@@ -56,12 +56,12 @@ use split::Split;
 pub const LEAF: usize = 8;
 /// Nodes along a leaf's side.
 pub const NODES: usize = LEAF + 1;
-/// Layers that share one walk over the tiles, at most.
+/// Greatest number of layers that share one walk over the tiles.
 pub const SLAB: usize = 32;
-/// Greatest number of cells in a slab of a large lattice: the memory of its
-/// layers' outlines is then bounded by the extent in the plane, and not by the
-/// height. A cell with an outline takes some 60 bytes until the slab is done.
-/// More layers would save only proofs.
+/// Greatest number of cells in a slab of a large lattice. It bounds the memory
+/// of the layers' outlines by the extent in the plane, and not by the height. A
+/// cell with an outline takes some 60 bytes until the slab is done. More layers
+/// would save only proofs.
 const SLAB_CELLS: usize = 4_000_000;
 
 /// Why a field cannot be evaluated.
@@ -87,17 +87,17 @@ pub enum FieldError {
         .at[0], .at[1], .at[2]
     )]
     TooFine {
-        /// A place where it does.
+        /// A place with such changes.
         at: [Length; 3],
-        /// How wide its inside and outside are there, on average.
+        /// How wide the field's inside and outside are there, on average.
         width: Length,
-        /// Size of what is left out.
+        /// Size below which features are left out.
         smallest: Length,
     },
-    /// Looking at it takes more operations than were allowed for it.
+    /// A look at the part takes more operations than are allowed.
     #[error("a look at the part takes more than {most} operations")]
     Costly {
-        /// How many were allowed.
+        /// Number of operations that are allowed.
         most: u64,
     },
     /// fidget refused the expression, which is a bug, ours or fidget's.
@@ -108,7 +108,7 @@ pub enum FieldError {
     Cancelled(#[from] Cancelled),
 }
 
-/// An error that only a mistake of ours or of fidget's can cause.
+/// The error for what only a mistake in this crate or in fidget can cause.
 fn bug(e: impl std::fmt::Display) -> FieldError {
     FieldError::Evaluator(e.to_string())
 }
@@ -125,12 +125,12 @@ pub struct Leaf {
 }
 
 /// Evaluates the field at any points within one lattice cell of a batch of
-/// leaves, at their layers' heights.
+/// leaves, at the heights of their layers.
 pub trait Sampler {
-    /// Field values at the points, written over `out`.
+    /// Writes field values at the points to `out`.
     ///
     /// # Errors
-    /// If the work is to stop.
+    /// If the work has to stop.
     fn values(
         &mut self,
         x: &[f32],
@@ -157,13 +157,13 @@ pub trait Sampler {
 pub struct Batch<'a> {
     /// The leaves.
     pub leaves: &'a [Leaf],
-    /// Their node values, 81 per leaf, row by row.
+    /// The leaves' node values, 81 per leaf, row by row.
     pub values: &'a [f32],
-    /// For points in and next to the leaves.
+    /// Evaluates the field in and next to the leaves.
     pub sampler: &'a mut dyn Sampler,
 }
 
-/// What is done with a batch.
+/// What a caller does with a batch.
 pub type Visit<'a> = dyn FnMut(Batch<'_>) -> Result<(), FieldError> + 'a;
 
 /// A model's expression on a lattice over its box.
@@ -206,7 +206,7 @@ impl Field {
         })
     }
 
-    /// Stops work on the field when `cancel` says so.
+    /// Lets `cancel` stop work on the field.
     pub fn with_cancel(mut self, cancel: Cancel) -> Field {
         self.cancel = cancel;
         self
@@ -217,20 +217,21 @@ impl Field {
         &self.cancel
     }
 
-    /// Stops if that was asked.
+    /// Stops if the hook asks for it.
     ///
-    /// # Errors If the hook asked to stop.
+    /// # Errors
+    /// If the hook asks to stop.
     pub(crate) fn check(&self) -> Result<(), FieldError> {
         Ok(self.cancel.check()?)
     }
 
-    /// The lattice the field is sampled on.
+    /// The lattice on which the field is sampled.
     pub fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
-    /// Layers to be walked at a time: [`SLAB`], or a power of two less for
-    /// a large lattice.
+    /// Number of layers to walk at a time: [`SLAB`], or a power of two below it
+    /// for a large lattice.
     pub fn slab_layers(&self) -> usize {
         let cells = self.lattice.width() * self.lattice.height();
         let mut layers = SLAB;
@@ -254,7 +255,7 @@ impl Field {
         self.engine.slab(&z, &self.cancel, visit)
     }
 
-    /// Visits given leaves, without asking whether they matter.
+    /// Visits given leaves, whether or not they may have a sign change.
     ///
     /// # Errors
     /// If the evaluator fails, or `visit` does.

@@ -1,5 +1,5 @@
-//! An expression split into parts that depend on one coordinate, and the rest;
-//! and where the rest's inputs come from.
+//! An expression split into parts that depend on one coordinate, and the rest,
+//! with the sources of the rest's inputs.
 
 use super::axis::{Axis, Level};
 use super::hoist::{Hoisted, hoist};
@@ -11,12 +11,13 @@ use fidget::var::Var;
 use fidget::vm::VmFunction;
 use std::collections::HashMap;
 
-/// Where the value of a tape's input comes from.
+/// Where the value of a tape's input is from.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Source {
     /// A coordinate.
     Coordinate(usize),
-    /// A part that depends on one coordinate: the axis, its number there.
+    /// A part that depends on one coordinate: the axis, and the part's number
+    /// there.
     Part(usize, usize),
 }
 
@@ -27,7 +28,7 @@ pub(super) struct Split {
     pub root: Node,
     /// The parts, by axis.
     pub parts: [Vec<VmFunction>; 3],
-    /// By variable of the rest, where its value comes from.
+    /// For each variable of the rest, where its value is from.
     pub sources: HashMap<Var, Source>,
 }
 
@@ -66,8 +67,8 @@ impl Split {
 pub(super) struct Axes<'a>(pub [&'a Axis; 3]);
 
 impl<'a> Axes<'a> {
-    /// The values of a source at the nodes of its axis, whose number comes
-    /// first.
+    /// The number of a source's axis, and the source's values at the nodes of
+    /// that axis.
     pub(super) fn along(&self, source: Source) -> (usize, &'a [f32]) {
         match source {
             Source::Coordinate(a) => (a, self.0[a].nodes()),
@@ -75,7 +76,7 @@ impl<'a> Axes<'a> {
         }
     }
 
-    /// The range of a source over box number `at` of the `level`s.
+    /// The range of a source over box number `at` of a level.
     pub(super) fn over(
         &self,
         source: Option<&Source>,

@@ -1,4 +1,4 @@
-//! Evaluators and buffers: the memory to prove and to sample with.
+//! Evaluators and buffers: what a thread needs to prove and to sample.
 
 use super::axis::{self, Level, Located};
 use super::boxes::{Bound, Boxes, Slope, coordinate, slope_of};
@@ -10,38 +10,38 @@ use crate::interval::Interval;
 use fidget::eval::Function;
 use fidget::vm::VmFunction;
 
-/// Leaves evaluated at once: their memory fits a core's cache.
+/// Number of leaves evaluated at once. Their memory fits a core's cache.
 const AT_ONCE: usize = 12;
 
 /// What interval arithmetic says of a box.
 pub(super) enum Proof {
-    /// No sign change in it.
+    /// The box has no sign change.
     Uniform,
-    /// It may have a sign change. The expression is one for use inside the box,
-    /// if a simpler one exists.
+    /// The box may have a sign change. The expression is for use inside the
+    /// box, if a simpler one exists.
     Ambiguous(Option<Expr>),
 }
 
 /// Evaluators and buffers of one thread.
 pub(super) struct Workspace<'a> {
     parts: &'a [Vec<VmFunction>; 3],
-    /// By input of the tapes. Simplified tapes keep the order.
+    /// The source of each input of the tapes. Simplified tapes keep the order.
     sources: Vec<Source>,
     alone: Boxes,
-    /// By box, what is known of it.
+    /// What is known of each box.
     found: Vec<Option<Interval>>,
-    /// By input, its bounds over each box.
+    /// For each input, its bounds over each box.
     bounds: Vec<Vec<Slope>>,
     lanes: Lanes,
     simplify: <VmFunction as Function>::Workspace,
     axis: axis::Scratch,
-    /// Memory of functions that are no longer needed, to be used again.
+    /// Memory of functions that are no longer needed, for the next ones.
     functions: Vec<<VmFunction as Function>::Storage>,
-    /// By input: what it is at each point.
+    /// For each input, its value at each point.
     values: Vec<Vec<f32>>,
-    /// By input: its slope at each point.
+    /// For each input, its slope at each point.
     slopes: Vec<Vec<f32>>,
-    /// By axis: the nodes the points are on.
+    /// For each axis, the nodes on which the points are.
     located: [Located; 3],
 }
 
@@ -72,7 +72,7 @@ impl<'a> Workspace<'a> {
         }
     }
 
-    /// Keeps those boxes in which the field may change its sign; a box is given
+    /// Keeps the boxes in which the field may change its sign. A box is given
     /// by its numbers along the axes on a `level`.
     pub(super) fn sift(
         &mut self,
@@ -110,8 +110,8 @@ impl<'a> Workspace<'a> {
         Ok(())
     }
 
-    /// Evaluates over the box number `at` of the axes' `level`s and, if
-    /// wished, simplifies for it.
+    /// Evaluates over box number `at` of a level, and simplifies for it if that
+    /// is wanted.
     pub(super) fn prove(
         &mut self,
         expr: &Expr,
@@ -142,8 +142,8 @@ impl<'a> Workspace<'a> {
         Ok(Proof::Ambiguous(simpler))
     }
 
-    /// The field's bounds over any boxes, given by their extent along each
-    /// axis, written over `out`.
+    /// Writes the field's bounds over any boxes to `out`. Boxes are given by
+    /// their extent along each axis.
     pub(super) fn bounds(
         &mut self,
         expr: &Expr,
@@ -185,7 +185,7 @@ impl<'a> Workspace<'a> {
         }
     }
 
-    /// The field at the nodes of leaves, written over `out`.
+    /// Writes the field at the nodes of leaves to `out`.
     pub(super) fn leaves(
         &mut self,
         expr: &Expr,
@@ -218,7 +218,8 @@ impl<'a> Workspace<'a> {
                     }
                 }
             }
-            // Inputs that are not read may be anything of the right length.
+            // Inputs that are not read may have any values, as long as there
+            // are enough.
             let any = used.first().copied().unwrap_or(0);
             if used.is_empty() {
                 self.values[0].resize(count, 0.0);
@@ -232,7 +233,7 @@ impl<'a> Workspace<'a> {
         }
     }
 
-    /// Which nodes the points are on, for the axes that have parts.
+    /// Finds the nodes on which the points are, for the axes that have parts.
     fn locate(&mut self, used: &[usize], axes: Axes<'_>, points: [&[f32]; 3]) {
         let found = self.located.iter_mut().zip(points).enumerate();
         for (a, (located, points)) in found {
@@ -243,7 +244,7 @@ impl<'a> Workspace<'a> {
         }
     }
 
-    /// The field at any points, written over `out`.
+    /// Writes the field at any points to `out`.
     pub(super) fn values(
         &mut self,
         expr: &Expr,
@@ -276,7 +277,7 @@ impl<'a> Workspace<'a> {
         self.lanes.eval(&expr.f, &vars, count, out);
     }
 
-    /// Value and in-plane slopes at any points, written over `out`.
+    /// Writes value and in-plane slopes at any points to `out`.
     pub(super) fn slopes(
         &mut self,
         expr: &Expr,
@@ -303,7 +304,7 @@ impl<'a> Workspace<'a> {
             slopes,
             axis,
         };
-        // Inputs that are not read may be anything.
+        // Inputs that are not read may have any values.
         let mut seeds = vec![seed(points[0], None, 0); self.values.len()];
         for &slot in used {
             seeds[slot] = match self.sources[slot] {
@@ -319,7 +320,7 @@ impl<'a> Workspace<'a> {
         lanes.slopes(&expr.f, &seeds, points[0].len(), out);
     }
 
-    /// Takes back the memory of an expression that is done with.
+    /// Takes back the memory of an expression that is not needed any more.
     pub(super) fn recycle(&mut self, expr: Expr) {
         self.functions.extend(expr.f.recycle());
     }

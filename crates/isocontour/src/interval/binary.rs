@@ -7,7 +7,8 @@ impl Interval {
     #[inline]
     pub(crate) fn add(self, o: Self) -> Self {
         let (lo, hi) = (self.lo + o.lo, self.hi + o.hi);
-        // This is nearly always so: then no end is infinite, and no operand is empty.
+        // This is nearly always so. Then no end is infinite, and no operand is
+        // empty.
         if lo.is_finite() && hi.is_finite() {
             let nan = self.nan || o.nan;
             return Self { lo, hi, nan };
@@ -35,13 +36,13 @@ impl Interval {
         self.add(o.neg())
     }
 
-    /// The range of four finite numbers, be they products or quotients of
-    /// ends; nothing if one is not finite.
+    /// The range of four finite numbers, which are products or quotients of
+    /// ends; none if one is not finite.
     #[inline]
     fn of_four(p: [f64; 4], nan: bool) -> Option<Self> {
         let least = |a: f64, b: f64| if a < b { a } else { b };
         let most = |a: f64, b: f64| if a > b { a } else { b };
-        // No negative zero.
+        // This avoids a negative zero.
         ((p[0] + p[1]) + (p[2] + p[3])).is_finite().then(|| Self {
             lo: least(least(p[0], p[1]), least(p[2], p[3])) + 0.0,
             hi: most(most(p[0], p[1]), most(p[2], p[3])) + 0.0,
@@ -66,7 +67,8 @@ impl Interval {
             self.hi * o.lo,
             self.hi * o.hi,
         ];
-        // This is nearly always so: then no end is infinite, and no operand is empty.
+        // This is nearly always so. Then no end is infinite, and no operand is
+        // empty.
         Self::of_four(p, self.nan || o.nan)
             .unwrap_or_else(|| self.mul_infinite(o))
     }
@@ -100,7 +102,8 @@ impl Interval {
         let undefined = self.contains(0.0) && o.contains(0.0)
             || !self.is_finite() && !o.is_finite();
         let q = if o.lo > 0.0 || o.hi < 0.0 {
-            // Direct, not by the reciprocal: exact ends stay exact.
+            // The quotient is computed directly, not by the reciprocal, so that
+            // exact ends stay exact.
             let q = [
                 self.lo / o.lo,
                 self.lo / o.hi,
@@ -175,19 +178,19 @@ impl Interval {
         Self::sane(0.0, o.magnitude(), nan)
     }
 
-    /// Whether all of `self` lies in one period of the constant `o`, so
-    /// that the remainder is continuous.
+    /// True if all of `self` lies in one period of the constant `o`, so that
+    /// the remainder is continuous.
     pub(crate) fn same_period(self, o: Self) -> bool {
         o.lo == o.hi
             && o.lo != 0.0
             && o.is_finite()
             && self.is_finite()
-            // Beyond this f64 cannot tell one period from the next.
+            // Beyond this, f64 cannot tell one period from the next.
             && self.magnitude() < 1e15 * o.lo.abs()
             && (self.lo / o.lo.abs()).floor() == (self.hi / o.lo.abs()).floor()
     }
 
-    /// -1, 0 or 1.
+    /// -1, 0 or 1, as in [`Number::compare`](crate::number::Number::compare).
     pub(crate) fn compare(self, o: Self) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;

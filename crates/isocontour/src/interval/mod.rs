@@ -3,14 +3,14 @@
 //! In: boxes of values. Out: an interval that holds every number the
 //! operation can return, and whether it can return NaN.
 //!
-//! Guarantees: no operation panics, whatever its operands (fidget's own
-//! intervals do, and abort the process from compiled code, when one end
-//! becomes NaN); NaN is a flag beside the numbers, so `sqrt(x)` over
-//! [-1, 4] is "[0, 2] or NaN" and not "anything".
+//! Guarantees: no operation panics, whatever its operands. (fidget's own
+//! intervals panic, and abort the process from compiled code, when one end
+//! becomes NaN.) NaN is a flag beside the numbers, so `sqrt(x)` over [-1, 4] is
+//! "[0, 2] or NaN" and not "anything".
 //!
 //! Not guaranteed: outward rounding. The ends are rounded to nearest, so a
-//! bound may be wrong by a few parts in 10^16, ten orders of magnitude below
-//! the tolerance of the search.
+//! bound may be wrong by a few parts in 10¹⁶, ten orders of magnitude below the
+//! tolerance of the search.
 
 mod binary;
 #[cfg(test)]

@@ -1,22 +1,22 @@
-//! These intervals against those of the `maryada` crate, which rounds
-//! outwards as IEEE 1788.1 asks: an oracle that shares no code with them.
+//! These intervals against those of the `maryada` crate, which rounds outwards
+//! as IEEE 1788.1 asks. The oracle shares no code with these intervals.
 //!
-//! Two things are asked of random operands. Ours must hold what the oracle
-//! says of single points inside, and its ends must be the oracle's ends.
+//! Random operands are tested in two ways: an interval must hold what the
+//! oracle says of single points inside, and its ends must be the oracle's ends.
 //!
 //! The oracle has no `compare`, `modulo`, `and`, `or` and `not`. The first two
-//! are put together from what it has. The last three only choose between
-//! their operands, so there is no arithmetic to judge.
+//! are put together from what it has. The last three only choose between their
+//! operands, so there is no arithmetic to judge.
 
 use super::Interval;
 use fastrand::Rng;
 use maryada::{self as oracle, IntervalOps};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// How far an end may be from the oracle's, in units of its last digit. Ours
-/// are rounded to nearest, most of them once and a quotient by the reciprocal
-/// twice, and the standard library's functions add another digit. The oracle's
-/// are rounded outwards, its own functions in several steps.
+/// How far an end may be from the oracle's, in units of its last digit. Our
+/// ends are rounded to nearest, most of them once, quotients by the reciprocal
+/// twice. The standard library's functions add another digit. The oracle's ends
+/// are rounded outwards, and its own functions in several steps.
 const ULPS: f64 = 16.0;
 
 fn theirs(i: Interval) -> oracle::Interval {
@@ -39,7 +39,7 @@ fn number(rng: &mut Rng, infinite: bool) -> f64 {
         6 => 500.0 * rng.f64(),
         _ => 10_f64.powf(rng.f64() * 12.0 - 6.0),
     };
-    // No negative zero: to the oracle there is but one zero.
+    // This avoids a negative zero: to the oracle there is only one zero.
     sign * size + 0.0
 }
 
@@ -50,7 +50,8 @@ fn interval(rng: &mut Rng) -> Interval {
         1..4 if a.is_finite() => a + number(rng, false) * 0.01,
         _ => number(rng, true),
     };
-    // An infinity is an end, but no number that an interval could be of.
+    // An infinity may be an end, but it is no number that an interval could
+    // hold.
     let b = if a.is_infinite() && a == b { 0.0 } else { b };
     Interval::new(a.min(b), a.max(b))
 }
@@ -66,14 +67,14 @@ fn members(i: Interval, rng: &mut Rng) -> Vec<f64> {
         .collect()
 }
 
-/// Digits that may be lost at a value, where the operands' own rounding is
-/// worth `absolute`.
+/// Digits that may be lost at a value. `absolute` is what the rounding of the
+/// operands themselves amounts to.
 fn slack(v: f64, absolute: f64) -> f64 {
     ULPS * f64::EPSILON * (v.abs().min(f64::MAX / ULPS) + absolute)
         + f64::MIN_POSITIVE
 }
 
-/// Whether an interval holds some of what the oracle says of a point: the
+/// True if an interval holds some of what the oracle says of a point. The
 /// point's exact value is in there as well.
 fn holds(ours: Interval, point: (f64, f64), absolute: f64) -> bool {
     ours.lo - slack(point.1, absolute) <= point.1
@@ -81,17 +82,19 @@ fn holds(ours: Interval, point: (f64, f64), absolute: f64) -> bool {
 }
 
 fn same(a: f64, b: f64, absolute: f64) -> bool {
-    // Rounded inwards what is too large is the largest number, not infinite.
+    // Rounded inwards, what is too large is the largest number, and not
+    // infinite.
     let overflow = |v: f64| v.abs() == f64::MAX;
     (overflow(b) && a.is_infinite() && a.signum() == b.signum())
         || a == b
         || (a - b).abs() <= slack(b, absolute)
 }
 
-/// How much a function's value `v` moves with its operand: where that is
-/// much, the oracle's own operands have lost digits that its value shows.
+/// How much a function's value `v` moves with its operand. Where it moves much,
+/// the oracle's own operands have lost digits that its value shows.
 fn slope(name: &str, v: f64) -> f64 {
-    // The arcs are as steep as a difference to 1 can be told.
+    // No slope of the arcs is steeper, since differences to 1 are not told more
+    // exactly.
     let steepest = f64::EPSILON.sqrt().recip();
     match name {
         "tan" => 1.0 + v * v,
@@ -132,8 +135,8 @@ fn functions_of_one_interval_are_the_oracles() {
             let out = f(i);
             let value = exact(oracle::new_dec(theirs(i)));
             // A cosine is the sine of a sum, whose last digit is lost. So is
-            // the last digit of an angle that the oracle reduces to less than
-            // a turn. Its logarithms and arcs are sums of what is near 1.
+            // the last digit of an angle that the oracle reduces to less than a
+            // turn. Its logarithms and arcs are sums of numbers near 1.
             let absolute = match name {
                 "sin" | "cos" | "tan" if i.is_finite() => {
                     i.magnitude() + FRAC_PI_2
@@ -141,11 +144,11 @@ fn functions_of_one_interval_are_the_oracles() {
                 "ln" | "asin" | "acos" => 1.0,
                 _ => 0.0,
             };
-            // Nothing but the four has places where it is no number.
+            // Only these four functions are NaN somewhere.
             let undefined = oracle::decoration_part(value)
                 == oracle::Decoration::Trv
                 && matches!(name, "sqrt" | "ln" | "asin" | "acos");
-            // At 0 itself ours has the logarithm's limit.
+            // At 0 itself our result is the logarithm's limit.
             if i.lo != 0.0 || name != "ln" {
                 let periodic = matches!(name, "sin" | "cos" | "tan");
                 let nan = undefined || periodic && !i.is_finite();
@@ -213,12 +216,12 @@ fn functions_of_two_intervals_are_the_oracles() {
             let Some((lo, hi)) = ends(exact(theirs(a), theirs(b))) else {
                 continue;
             };
-            // At the origin the angle is 0 to ours, and nothing to the oracle.
+            // At the origin the angle is 0 here, and undefined for the oracle.
             if name == "atan2" && a.contains(0.0) && b == Interval::ZERO {
                 continue;
             }
-            // Where the angle jumps ours is the whole turn, though only one
-            // of both sides may be there.
+            // Where the angle jumps, our result is the whole turn, though only
+            // one of the two sides may occur.
             if name == "atan2" && a.contains(0.0) && b.lo < 0.0 {
                 assert_eq!((out.lo, out.hi), (-PI, PI), "{a:?}, {b:?}");
                 continue;
@@ -233,7 +236,7 @@ fn functions_of_two_intervals_are_the_oracles() {
     }
 }
 
-/// What the oracle lacks, put together from what it has, at points inside.
+/// What the oracle lacks is put together from what it has, at points inside.
 #[test]
 fn remainders_and_comparisons_hold_what_the_oracle_says_of_points() {
     let mut rng = Rng::with_seed(19);
@@ -248,8 +251,8 @@ fn remainders_and_comparisons_hold_what_the_oracle_says_of_points() {
                 let (lo, hi) = ends(sign).unwrap();
                 assert_eq!(lo, hi, "{v}, {w}");
                 assert!(order.contains(lo), "{v}, {w} in {a:?}, {b:?}");
-                // A quotient that may be on either side of a whole number
-                // says nothing.
+                // A quotient that may be on either side of a whole number says
+                // nothing.
                 let turns = oracle::floor(oracle::div(x, oracle::abs(y)));
                 if ends(turns).is_none_or(|(lo, hi)| lo != hi) {
                     continue;

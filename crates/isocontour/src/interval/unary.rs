@@ -4,7 +4,7 @@ use super::Interval;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 impl Interval {
-    /// A monotone rising function applied to both ends.
+    /// The range of a function that rises: its values at both ends.
     fn rising(self, f: impl Fn(f64) -> f64) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
@@ -50,7 +50,7 @@ impl Interval {
         if lo > 0.0 || hi < 0.0 {
             Self::sane(1.0 / hi, 1.0 / lo, self.nan)
         } else if lo == 0.0 && hi > 0.0 {
-            // 1/-0 is -inf, but an infinite value is never a surface.
+            // 1/-0 is -inf, but no surface is where a value is infinite.
             Self::sane(1.0 / hi, f64::INFINITY, self.nan)
         } else if hi == 0.0 && lo < 0.0 {
             Self::sane(f64::NEG_INFINITY, 1.0 / lo, self.nan)
@@ -118,7 +118,7 @@ impl Interval {
     }
 
     pub(crate) fn acos(self) -> Self {
-        // acos falls: negate the argument, and pi - acos(-v) = acos(v).
+        // acos falls, so the argument is negated: pi - acos(-v) = acos(v).
         let d = self.unit_domain();
         if d.is_empty() {
             return d;
@@ -132,13 +132,14 @@ impl Interval {
         }
         // The sine of an infinity is NaN.
         let nan = self.nan || !self.is_finite();
-        // Negated so that an infinite or NaN width is a full turn as well.
+        // The condition is negated so that a width that is infinite or NaN is a
+        // full turn as well.
         let within_a_turn = self.hi - self.lo < TAU;
         if !within_a_turn {
             return Self::new(-1.0, 1.0).or_nan(nan);
         }
         let (a, b) = (self.lo.sin(), self.hi.sin());
-        // Is there a k with `peak` + k·TAU inside?
+        // True if `peak` + k·TAU is inside for some whole k.
         let reaches = |peak: f64| {
             let k = ((self.lo - peak) / TAU).ceil();
             peak + k * TAU <= self.hi

@@ -6,23 +6,24 @@
 //! surface's unit normal, on all of the surface within the bin, and the heights
 //! of level faces, which the bounds leave out.
 //!
-//! How: boxes are evaluated with intervals of f's slopes and cut in two, those
-//! that may be the most level first, as long as they may hold some of the
-//! surface. |n_z| = |f_z| / |∇f|, so the
-//! ranges of the slopes bound it, for each of the surfaces that f = 0 is made of
-//! there (`program::surfaces`). A box is done when it is less level than anybody
-//! cares, when its bins are known to be as level as the box, or when its bound
-//! is within 4 % of its least value. A surface whose slopes along x and y are
-//! exactly 0 is level; its height is found by bisection and counts if f changes
-//! its sign there.
+//! How: boxes are evaluated with intervals of f's slopes and cut in two, as
+//! long as they may hold some of the surface. Those that may be the most level
+//! come first. Since |n_z| = |f_z| / |∇f|, the ranges of the slopes bound it,
+//! for each of the surfaces of which f = 0 consists there
+//! (`program::surfaces`). A box is done when it is less level than the options
+//! ask for, when its bins are known to be as level as the box, or when its
+//! bound is within 4 % of its least value. A surface whose slopes along x and y
+//! are exactly 0 is level. Its height is found by bisection, and counts if f
+//! changes its sign there.
 //!
-//! Guarantees: deterministic, and bounded work. What cannot be bounded, for lack
-//! of work or because f has a kink, jumps or is NaN, counts as level (1), except
-//! within `tolerance` of a level face or of the box's top and bottom: no layer
-//! that ends there is wrong by more than that.
+//! Guarantees: the result is deterministic, and the work is bounded. Some of
+//! the surface cannot be bounded, for lack of work or because f has a kink,
+//! jumps or is NaN. It counts as level (1), except within `tolerance` of a
+//! level face or of the box's top and bottom: no layer that ends there is wrong
+//! by more than that.
 //!
-//! Not guaranteed: level faces smaller than some 0.1 mm may be missed as such;
-//! the bounds hold, they then count as level.
+//! Not guaranteed: level faces smaller than some 0.1 mm may be missed as such.
+//! The bounds hold all the same, and then count the face as level.
 
 mod slopes;
 
@@ -42,13 +43,13 @@ use std::rc::Rc;
 pub struct LeanOptions {
     /// Height of a bin.
     pub bin: Length,
-    /// |n_z| up to which nobody cares how level the surface is.
+    /// |n_z| up to which it does not matter how level the surface is.
     pub enough: f64,
-    /// |n_z| from which on nobody cares.
+    /// |n_z| from which on it does not matter how level the surface is.
     pub most: f64,
     /// Height that does not matter beside a level face.
     pub tolerance: Length,
-    /// Look at this range of the bins only; those beyond keep `enough`.
+    /// The range of bins to look at. All other bins keep `enough`.
     pub bins: (usize, usize),
     /// Budget, in interval operations.
     pub max_work: u64,
@@ -61,23 +62,22 @@ pub struct Lean {
     pub bottom: Length,
     /// Height of a bin; the last one may reach beyond the box.
     pub bin: Length,
-    /// For each bin, a bound of |n_z|; where it is less than
-    /// [`LeanOptions::enough`] it is that.
+    /// For each bin, a bound of |n_z|, at least [`LeanOptions::enough`].
     pub most_level: Vec<f64>,
     /// Heights of level faces, from the lowest to the highest.
     pub faces: Vec<Length>,
-    /// Height of all bins together in which something was not proved, and
-    /// counts as level.
+    /// Height of all bins together in which something was not proved and counts
+    /// as level.
     pub unproved: Length,
 }
 
 impl Lean {
-    /// Bins of the height `bin` in a box.
+    /// Number of bins of the height `bin` in a box.
     pub fn count(bounds: &Bounds, bin: Length) -> usize {
         (bounds.size().z / bin - 1e-9).ceil().max(1.0) as usize
     }
 
-    /// What is known by two looks at different bins.
+    /// The results of two looks at different bins as one.
     #[must_use]
     pub fn joined(mut self, other: Lean) -> Lean {
         for (a, b) in self.most_level.iter_mut().zip(other.most_level) {
@@ -103,15 +103,15 @@ pub enum LeanError {
     Expression(#[from] ExpandError),
 }
 
-/// Bins of a slab, which is searched by itself.
+/// Number of bins of a slab. Slabs are searched one by one.
 const SLAB_BINS: usize = 64;
-/// Bins of a box that may be done.
+/// Greatest number of bins of a box that may be done.
 const DONE_BINS: f64 = 8.0;
-/// A box is not cut across x or y if it is smaller.
+/// Size below which a box is not cut across x or y.
 const THIN: Length = 0.02;
-/// How much of a bound is slack.
+/// Share of a bound that is slack.
 const SLACK: f64 = 0.04;
-/// Faces nearer to one another are one.
+/// Distance below which two faces are one.
 const SAME: Length = 1e-5;
 
 /// Finds how level the surface f = 0 is within `bounds`.
@@ -169,7 +169,7 @@ struct Search<'a> {
     bottom: Length,
     found: Vec<f64>,
     faces: Vec<Length>,
-    /// Heights between which something was not proved, and what was.
+    /// Heights between which something was not proved, each with its bound.
     doubts: Vec<([Length; 2], f64)>,
     scratch: Scratch,
 }
@@ -178,16 +178,17 @@ struct Search<'a> {
 struct Open {
     cell: Cell,
     program: Rc<Program>,
-    /// Bound of |n_z| of what is not exactly level.
+    /// Bound of |n_z| for all that is not exactly level.
     most: f64,
-    /// Some of what is in it is exactly level, at a height not known yet.
+    /// True if some of the surface in the cell is exactly level, at a height
+    /// that is not known yet.
     has_faces: bool,
     axis: usize,
     number: u64,
 }
 
 impl Ord for Open {
-    /// The most level first, of these the oldest.
+    /// The most level cell comes first, and of equally level ones the oldest.
     fn cmp(&self, other: &Self) -> Ordering {
         let by_level = self.most.total_cmp(&other.most);
         by_level.then(other.number.cmp(&self.number))
@@ -209,7 +210,7 @@ impl PartialEq for Open {
 impl Eq for Open {}
 
 impl Open {
-    /// |n_z| at most, if nothing more is found.
+    /// Bound of |n_z| if nothing more is found.
     fn worst(&self) -> f64 {
         if self.has_faces { 1.0 } else { self.most }
     }
@@ -218,7 +219,8 @@ impl Open {
 impl Search<'_> {
     /// The bins that a cell reaches into.
     fn bins(&self, lo: Length, hi: Length) -> std::ops::Range<usize> {
-        /// A cell that only touches a bin is not in it, whatever rounding says.
+        /// Distance below which a cell only touches a bin, and is not in it,
+        /// whatever the rounding.
         const TOUCH: f64 = 1e-7;
         let at = |z: Length| (z - self.bottom) / self.options.bin;
         let last = self.found.len() - 1;
@@ -235,7 +237,7 @@ impl Search<'_> {
 
     fn raise(&mut self, lo: Length, hi: Length, to: f64) {
         let bins = self.bins(lo, hi);
-        // From here on nobody cares.
+        // From `most` on it does not matter how level the surface is.
         let to = if to >= self.options.most { 1.0 } else { to };
         for found in &mut self.found[bins] {
             *found = found.max(to);
@@ -258,8 +260,7 @@ impl Search<'_> {
             }
             let least = self.least_of(&open.cell);
             if open.most <= least * (1.0 + SLACK) && !open.has_faces {
-                // No cell is more level that is still open, so this cannot add
-                // up.
+                // No open cell is more level, so this cannot add up.
                 self.raise(open.cell.lo[2], open.cell.hi[2], open.most);
                 continue;
             }
@@ -276,7 +277,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Looks at a cell; returns it if it has to be cut.
+    /// Looks at a cell, and returns it if it has to be cut.
     fn look(
         &mut self,
         cell: Cell,
@@ -309,7 +310,7 @@ impl Search<'_> {
         })
     }
 
-    /// Notes what is known of a cell, if that is enough.
+    /// Notes what is known of a cell, and returns true if that suffices.
     fn is_done(&mut self, cell: &Cell, known: &Known) -> bool {
         if known.most <= self.least_of(cell) {
             return true;
@@ -324,7 +325,7 @@ impl Search<'_> {
         done
     }
 
-    /// Whether all level faces in a cell are known now.
+    /// True if all level faces in a cell are known now.
     fn level_faces(
         &mut self,
         cell: &Cell,
@@ -342,7 +343,7 @@ impl Search<'_> {
             if self.faces.iter().any(|f| (f - z).abs() <= SAME) {
                 return true;
             }
-            // It is a part of f = 0 if f changes its sign there.
+            // The face is a part of f = 0 if f changes its sign there.
             let step = 1e-7 * (1.0 + z.abs());
             let [below, above] = [z - step, z + step].map(|z| {
                 program.beside(surface, [x, y, z], &mut self.scratch)[0]
@@ -355,8 +356,8 @@ impl Search<'_> {
         })
     }
 
-    /// Whether a level surface may be in a cell although it has one sign at its
-    /// top and bottom: it may be there twice.
+    /// True if a level surface may be in a cell although it has one sign at the
+    /// cell's top and bottom: it may be there twice.
     fn reaches(
         &mut self,
         cell: &Cell,
@@ -397,7 +398,7 @@ impl Search<'_> {
         Some(0.5 * (lo + hi))
     }
 
-    /// The axis to cut a cell across, if a cut can tell more.
+    /// The axis across which to cut a cell, if a cut can tell more.
     fn axis(&self, cell: &Cell, known: &Known) -> Option<usize> {
         let bin = self.options.bin;
         let high = DONE_BINS * bin;
@@ -416,7 +417,7 @@ impl Search<'_> {
         if in_plane > THIN {
             return Some(widest);
         }
-        // Only where a doubt may be forgiven is it worth to be so exact.
+        // Only where a doubt may be forgiven is it worth being so exact.
         let unknown = known.least < self.options.most;
         (unknown && z > 0.5 * self.options.tolerance).then_some(2)
     }

@@ -5,13 +5,14 @@ use crate::program::Surface;
 
 /// What is known of the surface in a box.
 pub(super) struct Known {
-    /// Range of the greatest |n_z| of what is not exactly level.
+    /// Range of the greatest |n_z| among all that is not exactly level.
     pub least: f64,
     pub most: f64,
     pub level: Vec<Surface>,
 }
 
-/// The lean of some surfaces; of anything if they are not known.
+/// The lean of some surfaces. If the surfaces are not known, it may be
+/// anything.
 pub(super) fn known(surfaces: Option<Vec<Surface>>) -> Known {
     let mut known = Known {
         least: 0.0,
@@ -42,7 +43,7 @@ pub(super) fn known(surfaces: Option<Vec<Surface>>) -> Known {
     known
 }
 
-/// Range of |n_z|, by those of the slopes.
+/// Range of |n_z|, given the ranges of the slopes.
 fn vertical(x: Interval, y: Interval, z: Interval) -> (f64, f64) {
     if z == Interval::ZERO {
         return (0.0, 0.0);

@@ -1,9 +1,9 @@
 //! Values together with their derivatives along some axes.
 //!
-//! The chain rule, operation by operation, for eight points at a time or for
-//! eight boxes. At a point where an operation has no derivative (a step, |0|,
-//! the tip of `min`), the derivatives are those of one side, or zero; over a box
-//! they are all that occur, and not known if there is a step.
+//! The chain rule, operation by operation, for eight points or eight boxes at a
+//! time. At a point where an operation has no derivative (a step, |0|, the tip
+//! of `min`), the derivatives are those of one side, or zero. Over a box they
+//! are all that occur, and unknown if there is a step.
 
 use super::{Number, Part};
 
@@ -63,7 +63,8 @@ impl<T: Part, const D: usize> Dual<T, D> {
         self.steps(self, v)
     }
 
-    /// The value `v`, made of two operands, if it goes in steps.
+    /// A number with the value `v`, made of two operands in an operation that
+    /// goes in steps.
     #[inline(always)]
     fn steps(self, o: Self, v: T) -> Self {
         self.zip(o, v, |a, b| v.step(a, b))
@@ -87,8 +88,7 @@ impl<T: Part, const D: usize> Number for Dual<T, D> {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        // Where the value is less than zero, the derivative is the negative
-        // one.
+        // Where the value is less than zero, the derivative changes its sign.
         let zero = T::splat(0.0);
         let of = |d: T| T::choose(self.v, zero, d.neg(), d);
         self.map(self.v.abs(), of)

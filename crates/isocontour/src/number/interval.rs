@@ -49,7 +49,7 @@ impl Number for Interval {
     }
 }
 
-/// The derivative along an axis along which nothing changes.
+/// True if nothing changes along the axis of the derivative.
 fn is_flat(d: Interval) -> bool {
     d == Interval::ZERO
 }
@@ -57,7 +57,7 @@ fn is_flat(d: Interval) -> bool {
 impl Part for Interval {
     #[inline]
     fn along(self, by: Self) -> Self {
-        // Without this 0 · ∞ would be any number.
+        // Otherwise 0 · ∞ would be any number.
         if is_flat(self) { self } else { self.mul(by) }
     }
     #[inline]

@@ -6,9 +6,10 @@
 //! | [`Interval`](crate::interval::Interval) | all values over a box |
 //! | [`Wide`](wide::Wide) | eight values, in f32 |
 //! | [`Span`](span::Span) | all values over each of eight boxes |
-//! | [`Dual`](dual::Dual) | one of these with its derivatives |
+//! | [`Dual`](dual::Dual) | a value of one of these kinds, with its derivatives |
+//! | `Slot` of `program/slot.rs` | an `Interval`, its derivatives and the value in the box's middle |
 //!
-//! [`run`](run::run) evaluates fidget's tapes on any of them; `unary` and
+//! [`run`](run::run) evaluates fidget's tapes on any kind; `unary` and
 //! `binary` do single operations. A new kind implements [`Number`], and
 //! [`Part`] if it is to have derivatives.
 
@@ -24,9 +25,10 @@ pub(crate) mod wide;
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 
 /// Values on which fidget's operations can be carried out. The methods are
-/// named after the operations, and do what fidget's evaluators do: a NaN in an
-/// operand of `min` or `max`, for one, makes the result NaN.
+/// named after the operations, and do what fidget's evaluators do: for example,
+/// a NaN in an operand of `min` or `max` makes the result NaN.
 pub(crate) trait Number: Copy {
+    /// The constant `v`.
     fn splat(v: f32) -> Self;
     fn neg(self) -> Self;
     fn abs(self) -> Self;
@@ -44,7 +46,9 @@ pub(crate) trait Number: Copy {
     fn atan(self) -> Self;
     fn exp(self) -> Self;
     fn ln(self) -> Self;
+    /// 1 where `self` is 0, else 0.
     fn not(self) -> Self;
+    /// A number from 0 to 1, made of the bits of `self`.
     fn rand(self) -> Self;
     fn add(self, o: Self) -> Self;
     fn sub(self, o: Self) -> Self;
@@ -52,13 +56,19 @@ pub(crate) trait Number: Copy {
     /// The product with a constant.
     fn scale(self, by: f32) -> Self;
     fn div(self, o: Self) -> Self;
+    /// The angle of the point with y = `self` and x = `o`.
     fn atan2(self, o: Self) -> Self;
+    /// The remainder of Euclid's division, which is never negative.
     fn modulo(self, o: Self) -> Self;
+    /// -1, 0 or 1 where `self` is less than, equal to or greater than `o`.
     fn compare(self, o: Self) -> Self;
+    /// A number whose bits are made of the bits of both operands.
     fn mix(self, o: Self) -> Self;
     fn min(self, o: Self) -> Self;
     fn max(self, o: Self) -> Self;
+    /// `self` where it is 0, else `o`.
     fn and(self, o: Self) -> Self;
+    /// `self` where it is not 0, else `o`.
     fn or(self, o: Self) -> Self;
 }
 
@@ -75,21 +85,21 @@ pub(crate) trait Part: Number {
     fn choose(a: Self, b: Self, x: Self, y: Self) -> Self;
     /// `x` where `a` is zero, else `y`.
     fn choose_zero(a: Self, x: Self, y: Self) -> Self;
-    /// `self`, but `instead` where `a` or `b` is not a number. Kinds that
-    /// cannot tell keep `self`.
+    /// `instead` where `a` or `b` is NaN, else `self`. Kinds that cannot tell
+    /// keep `self`.
     #[inline(always)]
     fn unless_nan(self, _a: Self, _b: Self, _instead: f32) -> Self {
         self
     }
-    /// The derivative of `self`, a value that goes in steps; `a` and `b` are the
-    /// derivatives of its operands.
+    /// The derivative of `self`, the value of an operation that goes in steps.
+    /// `a` and `b` are the derivatives of the operands.
     fn step(self, a: Self, b: Self) -> Self;
     /// A term of the derivative of `self.atan2(x)`, added to the smooth part. It
     /// is zero, or unknown where the angle may jump by a turn. `along` is the
     /// derivative of `self`.
     fn leap(self, x: Self, along: Self) -> Self;
-    /// The derivative of the remainder of `self` by `o`; `a` and `b` are the
-    /// derivatives of the two.
+    /// The derivative of the remainder of `self` by `o`, whose derivatives are
+    /// `a` and `b`.
     fn wrap(self, o: Self, a: Self, b: Self) -> Self;
 }
 

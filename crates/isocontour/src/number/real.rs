@@ -1,4 +1,4 @@
-//! Single values, as fidget defines its operations, but in f64.
+//! Single values: fidget's operations, but in f64.
 
 use super::Number;
 use fidget::types::FloatExt;

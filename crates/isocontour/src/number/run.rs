@@ -12,9 +12,11 @@ pub(crate) enum Pick {
     Or,
 }
 
-/// Runs a tape on `N` numbers at a time: `input` fills in those of an input,
-/// `output` is shown the result, and `pick` the operands of every operation
-/// that passes one of them on, in their order. `v` are the registers.
+/// Runs a tape on `N` numbers at a time. `input` fills in the numbers of an
+/// input, and `output` gets the result. `pick` gets the operands of every
+/// operation that passes one of them on, in the order of the operations. `v`
+/// are the registers: the tape's `slot_count` of them. `field::boxes` has the
+/// shortest calls.
 #[inline(always)]
 pub(crate) fn run<T: Number, const N: usize>(
     tape: &RegTape,
@@ -51,7 +53,7 @@ pub(crate) fn run<T: Number, const N: usize>(
             right!($o, $a, $imm, $f)
         }};
     }
-    // These have a constant on the right, or on the left.
+    // These operations have a constant on the right, or on the left.
     macro_rules! right {
         ($o:ident, $a:ident, $imm:ident, $f:expr) => {{
             let imm = T::splat($imm);

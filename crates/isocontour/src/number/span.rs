@@ -1,9 +1,9 @@
-//! Ranges of the field over many boxes at a time.
+//! Ranges of values over eight boxes at a time.
 //!
 //! Interval arithmetic for eight boxes in step, in vector instructions. Where
-//! the result may not be a number, or depends on cases, a box drops out: its
-//! ends become NaN, and it has to be evaluated on its own, as an [`Interval`].
-//! Few boxes drop out.
+//! the result may be NaN, or depends on cases, a box drops out: its ends become
+//! NaN, and it has to be evaluated on its own, as an [`Interval`]. Few boxes
+//! drop out.
 
 use super::wide::{self, Turn};
 use super::{Number, Part};
@@ -18,7 +18,7 @@ const SLACK: f64 = 2e-9;
 
 type Ends = [f64; BOXES];
 
-/// Some ranges; both ends are NaN where one is not known.
+/// Some ranges. Both ends of a range are NaN if it is unknown.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub(crate) struct Span {
@@ -55,7 +55,7 @@ fn most(a: f64, b: f64) -> f64 {
 }
 
 impl Span {
-    /// Ranges of which nothing is known.
+    /// Unknown ranges.
     pub(crate) const UNKNOWN: Span = Span {
         lo: [f64::NAN; BOXES],
         hi: [f64::NAN; BOXES],
@@ -75,7 +75,7 @@ impl Span {
         (lo <= hi).then_some(Interval::new(lo, hi))
     }
 
-    /// The ranges with both ends NaN where one end is.
+    /// The ranges, with both ends NaN where one end is.
     #[inline(always)]
     fn sane(lo: Ends, hi: Ends) -> Span {
         let mut out = Span { lo, hi };
@@ -87,8 +87,8 @@ impl Span {
         out
     }
 
-    /// The range of a function that rises, and may be off by a share of its
-    /// value.
+    /// The range of a function that rises, and whose values may be off by a
+    /// share of themselves.
     #[inline(always)]
     fn rising(self, f: impl Fn(f64) -> f64) -> Span {
         let (lo, hi) = (map(self.lo, &f), map(self.hi, &f));
@@ -151,7 +151,7 @@ impl Number for Span {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        // The result is not a number below zero.
+        // Below zero the result is NaN.
         Span::sane(map(self.lo, f64::sqrt), map(self.hi, f64::sqrt))
     }
     #[inline(always)]
@@ -189,7 +189,7 @@ impl Number for Span {
         for k in 0..BOXES {
             let (lo, hi) = (self.lo[k], self.hi[k]);
             let (a, b) = (Turn::of(lo).sin, Turn::of(hi).sin);
-            // Whether the range has a peak inside; peaks are 2π apart.
+            // True if the range has a peak inside. Peaks are 2π apart.
             let reaches = |peak: f64| {
                 let turns = ((lo - peak) / TAU).ceil();
                 peak + turns * TAU <= hi
@@ -236,7 +236,7 @@ impl Number for Span {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        // The result is not known where the series does not hold.
+        // The result is unknown where the series does not hold.
         self.rising(|v| {
             if v.abs() < 700.0 {
                 wide::exp(v)
@@ -275,7 +275,7 @@ impl Number for Span {
         for k in 0..BOXES {
             let (a, b) = (self.lo[k] * o.lo[k], self.lo[k] * o.hi[k]);
             let (c, d) = (self.hi[k] * o.lo[k], self.hi[k] * o.hi[k]);
-            // Infinite ends may make a product that is not a number.
+            // Infinite ends may make a product that is NaN.
             let known = !((a + b) + (c + d)).is_nan();
             let lo = least(least(a, b), least(c, d));
             let hi = most(most(a, b), most(c, d));
@@ -316,7 +316,7 @@ impl Number for Span {
     }
     #[inline(always)]
     fn min(self, o: Self) -> Self {
-        // Where one operand is not known, the result is not known, either.
+        // Where one operand is unknown, the result is unknown, too.
         let ends = |a: f64, b: f64| least(a, b) + 0.0 * (a + b);
         Span::sane(zip(self.lo, o.lo, ends), zip(self.hi, o.hi, ends))
     }

@@ -1,11 +1,11 @@
-//! Eight numbers at a time, and the functions of them.
+//! Eight numbers at a time, and functions of them.
 //!
 //! Every function is a fixed sequence of additions, multiplications and
 //! divisions, each rounded as IEEE 754 says, without a branch. So the compiler
 //! can turn it into whatever vector instructions there are, and the result is
-//! the same, bit for bit, on any processor, which the system's sine is not.
-//! Inside, the functions reckon in `f64`. They return the nearest `f32`, except
-//! for one case in thousands, where they return the one next to it.
+//! equal, bit for bit, on any processor. (The system's sine does not give equal
+//! results.) Inside, the functions compute in `f64`. They return the nearest
+//! `f32`, or the one next to it in one of thousands of cases.
 //!
 //! Sine and cosine: the kernels `__kernel_sindf` and `__kernel_cosdf` of
 //! FreeBSD's msun (Bruce D. Evans), after reduction by multiples of π/2 in two
@@ -50,7 +50,7 @@ impl Wide {
         out
     }
 
-    /// The numbers of `a` where `mask` is true of the values of `self` and
+    /// The numbers of `a` where `mask` is true for the values of `self` and
     /// another, and those of `b` elsewhere.
     #[inline(always)]
     pub(crate) fn choose_by(
@@ -68,7 +68,7 @@ impl Wide {
         out
     }
 
-    /// A function of an angle's sine and cosine; `rare` computes it where a
+    /// A function of an angle's sine and cosine. `rare` computes it where a
     /// number is too large for the common way.
     #[inline(always)]
     fn turn(self, f: impl Fn(Turn) -> f64, rare: impl Fn(f32) -> f32) -> Wide {
@@ -85,8 +85,8 @@ impl Wide {
     }
 }
 
-/// Adding and subtracting it rounds to a whole number, which then stands in
-/// the lowest bits.
+/// Adding and subtracting this number rounds to a whole number, which stands in
+/// the lowest bits of the sum.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
 /// Sine and cosine of an angle.
@@ -120,8 +120,8 @@ impl Turn {
         let cos = ((1.0 + z * -4.999_999_972_510_031e-1)
             + w * 4.166_662_332_373_906e-2)
             + (w * z) * r;
-        // The quarter of the turn tells which of the two is the sine, and the
-        // signs.
+        // The quarter of the turn tells which of the two is the sine, and which
+        // signs they have.
         let n = raised.to_bits();
         let swap = n & 1 != 0;
         let (a, b) = if swap { (cos, sin) } else { (sin, cos) };
@@ -151,7 +151,7 @@ pub(crate) fn exp(x: f64) -> f64 {
 /// The natural logarithm of a normal positive number, within a part in 10⁹.
 #[inline(always)]
 pub(crate) fn ln(v: f64) -> f64 {
-    /// √½, from which to its double the mantissas go.
+    /// √½. The mantissas go from it to its double.
     const LEAST: u64 = 0x3fe6_a09e_667f_3bcd;
     const ONE: u64 = 0x3ff0_0000_0000_0000;
     const MANTISSA: u64 = (1 << 52) - 1;
@@ -174,7 +174,7 @@ pub(crate) fn ln(v: f64) -> f64 {
 /// eˣ of an `f32`.
 #[inline(always)]
 fn exp_single(v: f32) -> f32 {
-    // Beyond these ends the result is infinite or zero.
+    // Below and above these ends the result is zero or infinite.
     let x = f64::from(v);
     let x = if x > 90.0 { 90.0 } else { x };
     let x = if x < -110.0 { -110.0 } else { x };
@@ -187,7 +187,7 @@ fn ln_single(v: f32) -> f32 {
     let log = ln(f64::from(v)) as f32;
     let log = if v == 0.0 { f32::NEG_INFINITY } else { log };
     let log = if v < 0.0 { f32::NAN } else { log };
-    // Infinite or not a number.
+    // The number is infinite or NaN.
     if v < f32::INFINITY { log } else { v }
 }
 
@@ -366,7 +366,7 @@ impl Number for Wide {
 mod tests {
     use super::*;
 
-    /// Distance of two numbers in steps from one `f32` to the next.
+    /// Distance of two numbers, in steps from one `f32` to the next.
     fn steps(a: f32, b: f32) -> u64 {
         if a == b || a.is_nan() && b.is_nan() {
             return 0;
@@ -381,8 +381,8 @@ mod tests {
     #[test]
     fn functions_are_right_to_the_last_bit_or_next_to_it() {
         type Case = (&'static str, fn(Wide) -> Wide, fn(f64) -> f64, u64);
-        // The last number says that one in so many results may be off. The
-        // tangents of very large numbers are libm's.
+        // The last number of a case says that one in so many results may be
+        // off. The tangents of very large numbers are libm's.
         let cases: [Case; 5] = [
             ("exp", Wide::exp, f64::exp, 1000),
             ("ln", Wide::ln, f64::ln, 1000),
@@ -422,7 +422,8 @@ mod tests {
             let mut seed = 1u64;
             for _ in 0..300_000 {
                 seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-                // Half of the numbers have any bits, half are such as occur.
+                // Half of the numbers have any bits; the other half are numbers
+                // that occur.
                 check(f32::from_bits((seed >> 32) as u32));
                 check((seed >> 40) as f32 / (1 << 18) as f32 - 32.0);
             }

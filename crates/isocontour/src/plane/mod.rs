@@ -53,7 +53,7 @@ impl Rect {
         }
     }
 
-    /// The box with a margin on all sides; a negative one takes it away.
+    /// The box with a margin on all sides. A negative margin is taken away.
     #[inline]
     pub fn grown(self, by: Length) -> Rect {
         Rect {
@@ -62,7 +62,7 @@ impl Rect {
         }
     }
 
-    /// True if the two have a point in common.
+    /// True if the two boxes have a point in common.
     #[inline]
     pub fn meets(&self, other: Rect) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
@@ -132,7 +132,7 @@ impl Area {
         if holes.is_empty() {
             return islands;
         }
-        // Of the outer rings around a hole the smallest is its own.
+        // Of the outer rings around a hole the smallest is the hole's own.
         let nest = nest::Nest::new(outers.iter().copied());
         for hole in holes {
             let owner = hole.first().and_then(|&p| nest.around(p));
@@ -158,9 +158,9 @@ pub fn path_length(points: &[DVec2], closed: bool) -> Length {
 #[inline]
 pub fn signed_area(ring: &[DVec2]) -> Content {
     let Some(&o) = ring.first() else { return 0.0 };
-    // Relative to the first point: far from the origin the products of
-    // coordinates would swallow the digits of a small ring's content.
-    // The edges from and to it are worth nothing.
+    // Points are taken relative to the first one. Far from the origin the
+    // products of coordinates would swallow the digits of a small ring's
+    // content. The edges to and from the first point add nothing.
     let twice = |p: &[DVec2]| (p[0] - o).perp_dot(p[1] - o);
     0.5 * ring.windows(2).map(twice).sum::<f64>()
 }
@@ -171,8 +171,9 @@ pub fn ring_length(ring: &[DVec2]) -> Length {
     edges(ring).map(|(a, b)| a.distance(b)).sum()
 }
 
-/// A point just inside an outer ring (or outside a hole), 1 µm off the middle
-/// of its longest edge: for asking what a part is in that shares its border.
+/// A point just inside an outer ring, or just outside a hole, 1 µm off the
+/// middle of its longest edge. It tells what surrounds a part that shares the
+/// ring as its border.
 #[inline]
 pub fn point_beside(ring: &[DVec2]) -> Option<DVec2> {
     const OFF: Length = 1e-3;

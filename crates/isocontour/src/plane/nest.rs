@@ -1,9 +1,9 @@
 //! Which outer ring a point is in, for many points.
 //!
 //! The rings' edges are sorted into bands of the plane, and a point looks at
-//! those of its own band only. With n rings of a layer that is about √n of
-//! them instead of all: near enough to linear growth for a layer of many
-//! thousand islands or holes.
+//! the edges of its own band only. With n rings of a layer that is about √n of
+//! them instead of all. This is near enough to linear growth for a layer of
+//! many thousand islands or holes.
 
 use super::{Ring, edges, signed_area};
 use crate::{Content, Length};
@@ -22,7 +22,7 @@ pub struct Nest {
 }
 
 impl Nest {
-    /// Takes up the rings; their order numbers them.
+    /// A nest of the rings, which are numbered in their order.
     pub fn new<'a>(rings: impl Iterator<Item = &'a Ring> + Clone) -> Nest {
         let contents: Vec<Content> =
             rings.clone().map(|r| signed_area(r).abs()).collect();
@@ -43,8 +43,8 @@ impl Nest {
         if count == 0 {
             (bottom, top) = (0.0, 0.0);
         }
-        // No band lower than the edges' mean height: an edge is then in two
-        // bands or so. No more bands than edges.
+        // No band is lower than the edges' mean height, so that an edge is in
+        // about two bands. There are no more bands than edges.
         let mean = rise.max(top - bottom) / count.max(1) as f64;
         let band = mean.max(1e-9);
         let bands = ((top - bottom) / band) as usize + 1;
@@ -77,7 +77,7 @@ impl Nest {
         nest
     }
 
-    /// The bands an edge passes through.
+    /// The bands that an edge passes through.
     fn bands(&self, a: DVec2, b: DVec2) -> std::ops::RangeInclusive<usize> {
         self.of(a.y.min(b.y))..=self.of(a.y.max(b.y))
     }
@@ -94,8 +94,8 @@ impl Nest {
         let k = self.of(p.y);
         let (from, to) = (self.starts[k], self.starts[k + 1]);
         let members = &self.members[from as usize..to as usize];
-        // A ring crossed an odd number of times on the way to the right is
-        // around the point. Its edges follow each other.
+        // A ring that is crossed an odd number of times on the way to the right
+        // is around the point. The edges of a ring follow each other.
         let mut best: Option<usize> = None;
         let mut rest = members;
         while let Some(&(ring, ..)) = rest.first() {

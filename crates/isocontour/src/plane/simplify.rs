@@ -3,22 +3,22 @@
 //! ```text
 //!     ╲  ·  ╱        Each point has a gate across the path, as wide as the
 //!   ───╲───╱───      tolerance to both sides. From a corner of the result a
-//!     ·│   │·        straight edge goes through as many gates as one can, and
-//!   ───│───│───      the next edge begins where it leaves the strip between
+//!     ·│   │·        straight edge goes through as many gates as one edge can.
+//!   ───│───│───      The next edge begins where it leaves the strip between
 //!      │   │         two gates.
 //! ```
 //!
 //! This is the greedy walk of Guibas, Hershberger, Mitchell and Snoeyink 1993
-//! (*Approximating polygons and subdivisions with minimum-link paths*), with a
-//! point instead of a region to go on from. Edges of a circle then reach from
-//! outside of it to inside and out again, and are inside a little more than
-//! outside. So the gates are narrower than the tolerance, and in the end all
-//! corners move to where the edges fit the path best, by least squares.
+//! (*Approximating polygons and subdivisions with minimum-link paths*), but
+//! each edge begins at a point instead of in a region. Edges of a circle then
+//! reach from outside of it to inside and out again, and are inside a little
+//! more than outside. So the gates are narrower than the tolerance, and in the
+//! end all corners move to where the edges fit the path best, by least squares.
 //!
 //! Guarantee: points of the input are within `tolerance` of the result, and
 //! points of the result within `tolerance` of the input. Not guaranteed: that
-//! rings closer than the tolerance to each other (or to themselves) do not
-//! cross afterwards.
+//! rings that are closer than the tolerance to each other (or to themselves) do
+//! not cross afterwards.
 
 mod fit;
 mod points;
@@ -32,13 +32,13 @@ use glam::DVec2;
 use points::Points;
 use walk::{GATE, Walk};
 
-/// The ring with as few points as the tolerance permits; empty if less
+/// The ring with as few points as the tolerance permits. It is empty if less
 /// than a triangle would be left.
 pub fn simplify(ring: &[DVec2], tolerance: Length) -> Ring {
     simplify_but(ring, tolerance, |_| false)
 }
 
-/// As [`simplify`], but keeps the points for which `stays` is true as they are.
+/// Does what [`simplify`] does, but keeps the points for which `stays` is true.
 pub fn simplify_but(
     ring: &[DVec2],
     tolerance: Length,
@@ -52,8 +52,8 @@ pub fn simplify_but(
     if points.len() < 3 {
         return Ring::new();
     }
-    // The point farthest from another is a good one to begin at: a corner,
-    // if there is one.
+    // The point farthest from another point is a good beginning: it is a
+    // corner, if there is one.
     let from = points[0];
     let distance = |i: &usize| points[*i].distance_squared(from);
     let farthest =
@@ -82,14 +82,14 @@ pub fn simplify_but(
 }
 
 /// A path with as few points as the tolerance permits, each with the number of
-/// the input's point that it stands for. An open path keeps its ends. A closed
+/// the input's point for which it stands. An open path keeps its ends. A closed
 /// path does not repeat its first point, neither here nor in the result, and
 /// may begin elsewhere.
 ///
-/// A piece of the path may become a line only if `fits` says so, which gets the
-/// numbers of the points at which the piece begins and ends. In a closed path
-/// the second number may be greater than that of the last point: it then counts
-/// on from the first point.
+/// A piece of the path may become a line only if `fits` is true for the numbers
+/// of the points at which the piece begins and ends. In a closed path the
+/// second number may be greater than that of the last point. It then counts on
+/// from the first point.
 pub fn simplify_path(
     path: &[DVec2],
     closed: bool,
@@ -104,7 +104,8 @@ pub fn simplify_path(
     let mut points = path.to_vec();
     let mut first = 0;
     if closed {
-        // A path that begins in the middle of a line would keep a point there.
+        // A path that begins in the middle of a line would keep its first
+        // point.
         let corner = |k: &usize| {
             let (a, b) = (path[(k + n - 1) % n], path[(k + 1) % n]);
             (path[*k] - a).perp_dot(b - path[*k]).abs()
@@ -141,11 +142,11 @@ pub fn simplify_path(
     out
 }
 
-/// Distance from the line between its neighbours below which a point says
-/// nothing.
+/// Distance from the line between its neighbours below which a point does not
+/// count.
 const STRAIGHT: f64 = 1e-7;
 
-/// Takes out the points at which a ring goes on straight, or straight back.
+/// Takes out the points at which a ring goes straight on, or straight back.
 fn drop_straight(ring: &mut Ring) {
     ring.dedup();
     while ring.len() > 1 && ring.first() == ring.last() {
@@ -160,7 +161,7 @@ fn drop_straight(ring: &mut Ring) {
     for k in 0..n {
         let (b, c) = (ring[k], ring[if k + 1 == n { 0 } else { k + 1 }]);
         let (u, v) = (b - a, c - b);
-        // Also a spike that has no width.
+        // This also takes out a spike without width.
         let longest = u.length_squared().max(v.length_squared());
         let side = u.perp_dot(v);
         if side * side > STRAIGHT * STRAIGHT * longest {
@@ -187,7 +188,7 @@ mod tests {
         for r in [0.5, 5.0, 50.0] {
             let tolerance = 0.005;
             let s = simplify(&circle(r, 20_000), tolerance);
-            // A chord of sagitta 1.44 × tolerance.
+            // The chord's height is 1.44 × the tolerance.
             let ideal = PI / (1.0 - 1.44 * tolerance / r).acos();
             assert!((s.len() as f64) < 1.1 * ideal, "{} {ideal}", s.len());
             let mut mean = 0.0;
@@ -236,8 +237,8 @@ mod tests {
         }
     }
 
-    /// A curve whose bends turn to both sides, with neighbouring lines that do
-    /// not meet near it.
+    /// The curve bends to both sides, and has neighbouring lines that do not
+    /// meet near it.
     #[test]
     fn points_of_a_wave_are_within_the_tolerance() {
         for (length, height) in [(0.9, 0.02), (1.7, 0.03), (0.3, 0.006)] {

@@ -1,9 +1,10 @@
 //! Soft unions: min(a, b) − max(r − |a − b|, 0)² / 4r.
 //!
-//! Taken operation by operation, the range of such a union is r/4 too low
-//! wherever the two may be as near to one another as r, and that of a thousand,
-//! each of the last one and another body, 250 r. As a function of a and b it
-//! never falls where one of them rises, and rises by as much as both do:
+//! Operation by operation, the range of such a union is r/4 too low wherever
+//! the two fields may be as near to one another as r. For a thousand unions,
+//! each of the last one and another body, the range is 250 r too low. As a
+//! function of a and b the union never falls where one of them rises, and rises
+//! by as much as both do:
 //!
 //! ```text
 //!   b ╱╱╱╱╱╱   ranges: from where both are least to where both are greatest;
@@ -12,8 +13,8 @@
 //!                      to 1.
 //! ```
 //!
-//! In: an operation of an expression. Out: the union that it is, if it is one;
-//! what is known of it over a box.
+//! In: an operation of an expression. Out: the soft union that it is, if it is
+//! one, and what is known of the union over a box.
 
 use super::slot::{Slot, tightened};
 use crate::interval::Interval;
@@ -23,12 +24,12 @@ use fidget::context::{BinaryOpcode, Context, Node, Op, UnaryOpcode};
 /// A soft union of two fields.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Blend {
-    /// The two are blended where they differ by less.
+    /// Difference of the two fields below which they are blended.
     pub radius: f32,
 }
 
 impl Blend {
-    /// The soft union that `root` is, and what it unites.
+    /// The soft union that `root` is, and the two fields that it unites.
     pub(super) fn of(ctx: &Context, root: Node) -> Option<(Self, [Node; 2])> {
         let is = |node: Node, wanted: BinaryOpcode| match ctx.get_op(node)? {
             Op::Binary(op, a, b) if *op == wanted => Some([*a, *b]),
@@ -42,7 +43,8 @@ impl Blend {
             Op::Const(c) => Some(c.0),
             _ => None,
         };
-        // The number among two operands that may be swapped, and the other.
+        // The number among two operands, which may be swapped, and the other
+        // operand.
         let times = |[a, b]: [Node; 2]| match (number(a), number(b)) {
             (Some(n), None) => Some((n, b)),
             (None, Some(n)) => Some((n, a)),
@@ -50,7 +52,7 @@ impl Blend {
         };
         let [least, taken] = is(root, BinaryOpcode::Sub)?;
         let [a, b] = is(least, BinaryOpcode::Min)?;
-        // A factor of 1 is left out.
+        // An expression leaves out a factor of 1.
         let (factor, square) =
             is(taken, BinaryOpcode::Mul).map_or(Some((1.0, taken)), times)?;
         let cut = of(square, UnaryOpcode::Square)?;
@@ -58,7 +60,7 @@ impl Blend {
         let [radius, distance] = is(near, BinaryOpcode::Sub)?;
         let radius = number(radius)?;
         let apart = is(of(distance, UnaryOpcode::Abs)?, BinaryOpcode::Sub)?;
-        // The factor is 1 / 4r, which f32 has rounded.
+        // The factor is 1 / 4r, rounded to f32.
         let share = 4.0 * f64::from(factor) * f64::from(radius);
         let is_one = zero == 0.0
             && radius > 0.0
@@ -67,14 +69,14 @@ impl Blend {
         is_one.then_some((Blend { radius }, [a, b]))
     }
 
-    /// Its value, or what the operations make of ranges.
+    /// The union's value, or the range that the operations give.
     pub(super) fn value<T: Number>(self, a: T, b: T) -> T {
         let near = T::splat(self.radius).sub(a.sub(b).abs());
         let depth = near.max(T::splat(0.0)).square();
         a.min(b).sub(depth.scale(0.25 / self.radius))
     }
 
-    /// What is known of it over a box with these half sides.
+    /// What is known of the union over a box with these half sides.
     pub(super) fn over(self, a: &Slot, b: &Slot, half: [f64; 3]) -> Slot {
         let plain = |s: &Slot| s.range.is_finite() && !s.range.nan;
         if !plain(a) || !plain(b) {
@@ -103,8 +105,8 @@ impl Blend {
         )
     }
 
-    /// Which of the two it is wherever they are in these ranges, as far as
-    /// values beyond `high` are as good as that: false for the first one.
+    /// Which of the two fields the union is wherever they are in these ranges,
+    /// if values above `high` count as `high`: false for the first field.
     pub(super) fn passes(
         self,
         a: Interval,
@@ -126,8 +128,8 @@ impl Blend {
     }
 }
 
-/// A slope between two, the first of which has the share `w`. A slope without
-/// a share does not count, even if it is not known.
+/// A slope between two, the first of which has the share `w`. A slope without a
+/// share does not count, even if it is unknown.
 fn mixed(w: f64, a: Interval, b: Interval) -> Interval {
     if w == 0.0 {
         return b;
@@ -151,7 +153,7 @@ mod tests {
         ((ax - x).square() + y.square() + z.square()).sqrt() - 2.0
     }
 
-    /// As fidget's shapes write it.
+    /// The union as fidget's shapes write it.
     fn soft(a: &Tree, b: &Tree, radius: f32) -> Tree {
         let near = (radius - (a.clone() - b.clone()).abs()).max(0.0);
         a.min(b.clone()) - 1.0 / (4.0 * radius) * near.square()
@@ -168,11 +170,12 @@ mod tests {
         p.steps.iter().filter(is).count()
     }
 
-    /// Soft unions of x and y of several radii, and what is nearly one.
+    /// Soft unions of x and y with several radii, and expressions that are
+    /// nearly soft unions.
     #[test]
     fn a_soft_union_is_known_by_its_operations() {
         let (x, y, _) = Tree::axes();
-        // 0.25 leaves the factor out.
+        // With 0.25 there is no factor.
         for radius in [0.25, 0.3, 1.0, 7.0] {
             assert_eq!(blends(&program(&soft(&x, &y, radius))), 1);
         }
@@ -180,8 +183,8 @@ mod tests {
         assert_eq!(blends(&program(&(x.min(y) - 0.3 * steep))), 0);
     }
 
-    /// Far from a thousand balls, each blended with all before it, the union
-    /// is at most one radius nearer than the nearest of them.
+    /// Far from a thousand balls, each blended with all balls before it, the
+    /// union is at most one radius nearer than the nearest ball.
     #[test]
     fn a_long_chain_adds_no_slack() {
         let chain = (1..1000)
@@ -194,7 +197,7 @@ mod tests {
         let mut scratch = Scratch::default();
         let all = p.enclose(&cell, &mut scratch);
         assert!(all.range.lo > 17.4, "{:?}", all.range);
-        // What is known of one ball's slope.
+        // This is what is known of one ball's slope.
         assert!(all.steepness[1] <= 2.0, "{:?}", all.steepness);
     }
 }

@@ -3,19 +3,19 @@
 //! In: an expression, a box. Out: a range that holds every value of the field
 //! in the box, the value at the box's centre, and the range of the gradient.
 //!
-//! Every operation's range is the intersection of two: the natural one, made
-//! from its operands' ranges ([`Dual`](crate::number::dual::Dual)), and the centred form c + G·(p - centre)
-//! with the range G of its gradient (`slot`). The natural one is exact where a
-//! coordinate occurs once, the centred form has an error that shrinks with the
-//! square of the box, which keeps the number of boxes along a curved or turned
-//! surface small. (Moore, Kearfott, Cloud, *Introduction to Interval Analysis*,
-//! chapter 6; intersecting at every node lets `max` and `min` of several
-//! surfaces each have their own.)
+//! Every operation's range is the intersection of two: the natural range, made
+//! from its operands' ranges ([`Dual`](crate::number::dual::Dual)), and the
+//! centred form c + G·(p - centre) with the range G of its gradient (`slot`).
+//! The natural range is exact where a coordinate occurs once. The centred form
+//! has an error that shrinks with the square of the box, which keeps the number
+//! of boxes along a curved or turned surface small. (Moore, Kearfott, Cloud,
+//! *Introduction to Interval Analysis*, chapter 6. Intersecting at every node
+//! lets `max` and `min` of several surfaces each have their own.)
 //!
-//! Soft unions are taken as a whole (`blend`).
-//! Operations that jump are smooth in pieces (`piece`), and a program may be
-//! about one piece of some of them. What does not decide the sign of f in a box
-//! is left out of the program for it (`simplify`).
+//! Soft unions are taken as a whole (`blend`). Operations that jump are smooth
+//! in pieces (`piece`), and a program may be about one piece of some of them.
+//! What does not decide the sign of f in a box is left out of the box's program
+//! (`simplify`).
 //!
 //! Why not fidget's interval evaluators: they are f32, and they panic (the
 //! compiled ones abort) on fields whose ranges overflow. See `interval`.
@@ -42,7 +42,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 pub(super) use surfaces::Surface;
 
-/// One operation; operands are indices of earlier steps.
+/// One operation. Its operands are indices of earlier steps.
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Axis(usize),
@@ -53,7 +53,7 @@ enum Step {
 }
 
 impl Step {
-    /// The steps whose values it takes.
+    /// The steps whose values this step takes.
     fn operands(&self) -> impl Iterator<Item = u32> {
         let (a, b) = match *self {
             Step::Axis(_) | Step::Const(_) => (None, None),
@@ -68,15 +68,15 @@ impl Step {
 #[derive(Clone, Debug)]
 pub(super) struct Program {
     steps: Rc<[Step]>,
-    /// Steps that are taken for one of their pieces, in order. The program
-    /// is then only about the points where that is the true one.
+    /// The steps that stand for one of their pieces, in order. The program is
+    /// then only about the points where this piece is the true one.
     pieces: Vec<Piece>,
 }
 
 /// What is known of the field over a box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Enclosure {
-    /// Holds every value that is not NaN.
+    /// Range of every value that is not NaN.
     pub range: Interval,
     /// Value at the centre of the box, perhaps NaN.
     pub centre: f64,
@@ -85,7 +85,7 @@ pub(super) struct Enclosure {
 }
 
 impl Enclosure {
-    /// There is no such point.
+    /// What is known if the box has no point of the program.
     const NONE: Self = Self {
         range: Interval::EMPTY,
         centre: f64::NAN,
@@ -93,7 +93,7 @@ impl Enclosure {
     };
 }
 
-/// Reusable memory of the evaluation.
+/// Memory of the evaluation, which is used again.
 #[derive(Default)]
 pub(super) struct Scratch {
     slots: Vec<Slot>,
@@ -101,12 +101,13 @@ pub(super) struct Scratch {
     /// Operations evaluated so far: the measure of work, which does not
     /// depend on the machine.
     pub work: u64,
-    /// Whether slopes are to be as narrow as can be, for more work.
+    /// True if slopes are to be as narrow as possible, at the cost of more
+    /// work.
     sharp: bool,
 }
 
 impl Scratch {
-    /// For slopes as narrow as can be.
+    /// Memory for slopes that are as narrow as possible.
     pub(crate) fn sharp() -> Self {
         Self {
             sharp: true,
@@ -115,26 +116,27 @@ impl Scratch {
     }
 }
 
-/// What a box costs beside its operations, in operations: it is kept in a
-/// queue, with an expression of its own.
+/// Cost of a box besides its operations, in operations. It is kept in a queue,
+/// with an expression of its own.
 const BOX_WORK: u64 = 24;
 
 impl Program {
-    /// Flattens the part of `context` that `root` depends on.
+    /// Flattens the part of `context` on which `root` depends.
     ///
     /// `Err` holds a variable other than x, y, z.
     pub(crate) fn new(context: &Context, root: Node) -> Result<Self, Var> {
         let mut steps: Vec<Step> = Vec::with_capacity(context.len());
         let mut index: HashMap<Node, u32> = HashMap::new();
-        // (node, whether its operands are done)
+        // Each entry has a node, and true if its operands are done.
         let mut todo = vec![(root, false)];
         while let Some((node, ready)) = todo.pop() {
             if index.contains_key(&node) {
                 continue;
             }
             let Some(op) = context.get_op(node) else {
-                // A node of another context: the caller's mistake, which
-                // the type cannot rule out. A NaN field has no inside.
+                // The node is from another context, which is the caller's
+                // mistake and which the type cannot rule out. A field that is
+                // NaN has no inside.
                 return Ok(Self {
                     steps: Rc::new([Step::Const(f64::NAN)]),
                     pieces: Vec::new(),
@@ -187,7 +189,7 @@ impl Program {
         }
     }
 
-    /// Whether the field may depend on x (0), y (1) or z (2).
+    /// True if the field may depend on x (0), y (1) or z (2).
     pub(crate) fn depends_on(&self, axis: usize) -> bool {
         let is_it = |s: &Step| matches!(s, Step::Axis(a) if *a == axis);
         self.steps.iter().any(is_it)
@@ -215,8 +217,8 @@ impl Program {
         ))
     }
 
-    /// Value at a point, perhaps NaN; it is NaN where another piece is the
-    /// true one.
+    /// Value at a point, perhaps NaN. It is NaN where another piece is the true
+    /// one.
     pub(crate) fn value(&self, point: [f64; 3], scratch: &mut Scratch) -> f64 {
         scratch.work += self.steps.len() as u64 / 8 + 1;
         let v = &mut scratch.values;
@@ -322,9 +324,9 @@ impl Program {
         }
     }
 
-    /// The program once for each piece of its first step that jumps in the
-    /// box of the last `enclose` (of this program, with this scratch); empty
-    /// if there is none, or none with few pieces.
+    /// The program once for each piece of its first step that jumps in the box
+    /// of the last `enclose` (of this program, with this scratch). Empty if no
+    /// step jumps, or none with few pieces.
     pub(crate) fn by_pieces(&self, scratch: &Scratch) -> Vec<Self> {
         let s = &scratch.slots;
         if s.len() != self.steps.len() || self.pieces.len() >= MOST_PIECES {
@@ -361,8 +363,8 @@ impl Program {
     }
 
     /// The part of the box of the last `enclose` (of this program, with this
-    /// scratch) that the program's pieces leave of it, as far as slopes tell.
-    /// Perhaps none: then an upper end is below its lower one.
+    /// scratch) that the program's pieces leave, as far as slopes tell. If
+    /// nothing is left, an upper end is below its lower end.
     pub(crate) fn contracted(&self, whole: &Cell, scratch: &Scratch) -> Cell {
         let s = &scratch.slots;
         let mut cell = *whole;
@@ -377,10 +379,10 @@ impl Program {
     }
 }
 
-/// Steps of which a program may be about one piece only.
+/// Greatest number of steps that may stand for one piece only.
 const MOST_PIECES: usize = 16;
 
-/// The slots of a step's operands; where it has none, any.
+/// The slots of a step's operands. If it has none, they are arbitrary.
 fn slots_of<'a>(s: &'a [Slot], step: &Step) -> [&'a Slot; 2] {
     const NONE: Slot = Slot {
         range: Interval::ZERO,

@@ -1,11 +1,11 @@
 //! The smooth pieces of the operations that jump.
 //!
-//! `floor`, `mod`, `atan2` and their like are smooth between their jumps. Over
-//! a box that a jump crosses, a range has to hold what is on both sides and
-//! all that lies between, and tells nothing however small the box gets. So
-//! the box is looked at once for each side: with a smooth piece in place of
-//! the operation, and the condition under which that piece is the true one.
-//! The condition rules out the part of the box on the other side.
+//! `floor`, `mod`, `atan2` and similar operations are smooth between their
+//! jumps. Over a box that a jump crosses, a range has to hold what is on both
+//! sides and all that lies between, and tells nothing however small the box
+//! gets. So the box is looked at once for each side: with a smooth piece in
+//! place of the operation, and the condition under which that piece is the true
+//! one. The condition rules out the part of the box on the other side.
 
 use super::Step;
 use super::slot::Slot;
@@ -15,14 +15,15 @@ use crate::number::{Number, binary, unary};
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Beyond this f64 cannot tell one period from the next.
+/// Greatest number of periods. Beyond it, f64 cannot tell one period from the
+/// next.
 const MOST_PERIODS: f64 = 1e15;
 
 /// One piece of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
     pub step: u32,
-    /// Which of the step's pieces.
+    /// Number of the piece among the step's pieces.
     pub index: f64,
 }
 
@@ -35,13 +36,13 @@ struct Condition {
 
 /// A piece over a box.
 pub(super) struct Over {
-    /// What takes the step's place; it may go on beyond the condition.
+    /// What replaces the step. It may also hold beyond the condition.
     pub slot: Slot,
-    /// Whether the piece is the true one at the centre of the box.
+    /// True if the piece is the true one at the centre of the box.
     pub at_centre: bool,
 }
 
-/// The piece that a point's operands lie in.
+/// The piece in which a point's operands lie.
 pub(super) fn piece_at(step: &Step, a: f64, b: f64) -> f64 {
     let side = |v: f64| if v >= 0.0 { 1.0 } else { 0.0 };
     match step {
@@ -62,8 +63,8 @@ pub(super) fn piece_at(step: &Step, a: f64, b: f64) -> f64 {
     }
 }
 
-/// The pieces of a step that a box may meet: two or three, or none if it
-/// does not jump there, or too often.
+/// The pieces of a step that a box may meet: two or three. None if the step
+/// does not jump there, or jumps too often.
 pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
     let (first, last) = match step {
         Step::Unary(op, _) => {
@@ -99,8 +100,8 @@ pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
                 if r.lo == r.hi {
                     return Vec::new();
                 }
-                // Where the two are equal only on a surface, that has no
-                // thickness.
+                // If the two operands are equal on a surface only, the piece
+                // between has no thickness.
                 return match grows(&difference(a, b)) {
                     true => vec![-1.0, 1.0],
                     false => vec![-1.0, 0.0, 1.0],
@@ -118,7 +119,7 @@ pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
 }
 
 /// A piece of a step over a box with this centre; `None` if the step has
-/// another one everywhere in the box.
+/// another piece everywhere in the box.
 pub(super) fn over(
     step: &Step,
     index: f64,
@@ -130,14 +131,14 @@ pub(super) fn over(
     if range.hi < condition.lo || range.lo > condition.hi {
         return None;
     }
-    // What only touches the piece from outside does so on a surface.
+    // A range that only touches the piece from outside touches it on a surface.
     let touches = range.hi == condition.lo || range.lo == condition.hi;
     if touches && grows(&condition.slot) {
         return None;
     }
     let at_centre = piece_at(step, a.centre, b.centre) == index;
     let mut slot = piece_slot(step, index, a, b);
-    // A pole cannot be passed.
+    // There is no way past a pole.
     let pole = matches!(
         step,
         Step::Unary(UnaryOpcode::Tan | UnaryOpcode::Recip, _)
@@ -149,8 +150,9 @@ pub(super) fn over(
     Some(Over { slot, at_centre })
 }
 
-/// Removes from `cell`, a part of the box `whole` that the operands are about,
-/// what fails the condition of a piece, as far as the slopes tell.
+/// Removes from `cell` what fails the condition of a piece, as far as the
+/// slopes tell. `cell` is a part of the box `whole`, which the operands are
+/// about.
 pub(super) fn contract(
     step: &Step,
     index: f64,
@@ -164,8 +166,8 @@ pub(super) fn contract(
     keep_above(&slot.neg(), -hi, whole, cell);
 }
 
-/// Removes from a part of the box that `slot` is about where its value is
-/// less than `least`.
+/// Removes from `cell` the places where the value of `slot` is less than
+/// `least`.
 fn keep_above(slot: &Slot, least: f64, whole: &Cell, cell: &mut Cell) {
     let known = !slot.range.nan
         && slot.centre.is_finite()
@@ -191,8 +193,8 @@ fn keep_above(slot: &Slot, least: f64, whole: &Cell, cell: &mut Cell) {
     }
 }
 
-/// Whether a value changes along some axis all over the box, so that it has
-/// any one value on a surface only.
+/// True if a value changes along some axis all over the box. Then it has any
+/// one value on a surface only.
 fn grows(slot: &Slot) -> bool {
     !slot.range.nan && slot.slope.iter().any(|g| g.lo > 0.0 || g.hi < 0.0)
 }
@@ -227,7 +229,7 @@ fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
     Condition { slot, lo, hi }
 }
 
-/// a - index·|b|: the remainder in that period, and on beyond it.
+/// a - index·|b|: the remainder in that period, continued beyond it.
 fn remainder(index: f64, a: &Slot, b: &Slot) -> Slot {
     let times = Slot::constant(index);
     difference(a, &b.abs().mul(times))
@@ -239,7 +241,7 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
         centre: value,
         slope: super::slot::FLAT,
     };
-    // The part of an operand on its side of a pole.
+    // The part of an operand's range on its side of a pole.
     let beside = |slot: &Slot| {
         let mut slot = *slot;
         match index > 0.0 {
@@ -252,8 +254,8 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
         Step::Unary(op, _) => match op {
             UnaryOpcode::Tan => {
                 let mut within = *a;
-                // f64 knows the poles to their last digits only: the ends
-                // of the range are on the safe side.
+                // f64 knows the poles to their last digits only, so the ends of
+                // the range are on the safe side.
                 let (lo, hi) = ((index - 0.5) * PI, (index + 0.5) * PI);
                 let (low, high) = (a.range.lo <= lo, a.range.hi >= hi);
                 within.range.lo = a.range.lo.max(lo + 1e-9);
@@ -279,7 +281,7 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
         Step::Binary(op, ..) => match op {
             BinaryOpcode::Mod => remainder(index, a, b),
             BinaryOpcode::Atan => {
-                // Left of the pole: ±π + atan(y/x).
+                // Left of the pole the angle is ±π + atan(y/x).
                 let turn = if index > 0.0 { PI } else { -PI };
                 a.div(*b).atan().add(Slot::constant(turn))
             }

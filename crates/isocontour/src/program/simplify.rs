@@ -1,11 +1,12 @@
 //! What of a program decides the field's sign in a box, and the program
 //! without the rest.
 //!
-//! A branch of a `min` is irrelevant where it is above the other one, or above
-//! anything that the operations further on still look at: the other branches
-//! of a union of thousands, and in the end 0, since only the sign counts. So
-//! the limits beyond which a value makes no difference are handed down from
-//! the field to its operands, as the window of an alpha-beta search is.
+//! A branch of a `min` is irrelevant where it is above the other branch, or
+//! above anything to which later operations are still sensitive: the other
+//! branches of a union of thousands, and in the end 0, since only the sign
+//! counts. So the limits beyond which a value makes no difference are passed
+//! down from the field to its operands, as the window of an alpha-beta search
+//! is.
 
 use super::piece::{Piece, pieces_of};
 use super::slot::Slot;
@@ -13,8 +14,8 @@ use super::{Program, Scratch, Step, slots_of};
 use crate::interval::Interval;
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 
-/// Values above `hi` are as good as `hi` to all that look at them, values
-/// below `lo` as good as `lo`.
+/// The window of values that make a difference: values above `hi` count as
+/// `hi`, values below `lo` as `lo`.
 #[derive(Clone, Copy)]
 struct Window {
     lo: f64,
@@ -22,13 +23,13 @@ struct Window {
 }
 
 impl Window {
-    /// Nobody looks.
+    /// No value makes a difference.
     const SHUT: Self = Self {
         lo: f64::INFINITY,
         hi: f64::NEG_INFINITY,
     };
 
-    /// Every value counts.
+    /// Every value makes a difference.
     const OPEN: Self = Self {
         lo: f64::NEG_INFINITY,
         hi: f64::INFINITY,
@@ -37,7 +38,7 @@ impl Window {
     /// Only the sign counts.
     const SIGN: Self = Self { lo: 0.0, hi: 0.0 };
 
-    /// For one more to look.
+    /// Widens the window for one more operation that depends on the value.
     fn widen(&mut self, other: Self) {
         self.lo = self.lo.min(other.lo);
         self.hi = self.hi.max(other.hi);
@@ -56,7 +57,8 @@ impl Window {
 }
 
 impl Program {
-    /// Which step each step's value comes from, and which are needed.
+    /// For each step the step whose value it has, and true if the step is
+    /// needed.
     fn needed(&self, s: &[Slot]) -> (Vec<u32>, Vec<bool>) {
         let n = self.steps.len();
         let mut source: Vec<u32> = (0..n as u32).collect();
@@ -77,7 +79,7 @@ impl Program {
             if !live[i] {
                 continue;
             }
-            // To widen by nothing tells the window.
+            // Widening by nothing returns the window.
             let window = look(i as u32, Window::SHUT, &mut live);
             match self.steps[i] {
                 Step::Axis(_) | Step::Const(_) => {}
@@ -108,8 +110,8 @@ impl Program {
                         look(from, window, &mut live);
                         continue;
                     }
-                    // Farther above the other one than its radius, neither
-                    // makes a difference.
+                    // A field that is above the other one by more than the
+                    // radius makes no difference.
                     let radius = f64::from(blend.radius);
                     let of = |other: Interval| Window {
                         lo: window.lo,
@@ -126,18 +128,18 @@ impl Program {
         (source, live)
     }
 
-    /// Which steps decide the field's sign in the box of these slots.
+    /// True for each step that decides the field's sign in the box of these
+    /// slots.
     pub(super) fn live(&self, s: &[Slot]) -> Vec<bool> {
         self.needed(s).1
     }
 
     /// The program without the branches of `min` and `max` that the last
-    /// `enclose` (of this program, with this scratch) proved not to decide
-    /// the sign; `None` if that would save little.
+    /// `enclose` (of this program, with this scratch) proved not to decide the
+    /// sign; `None` if that would save little.
     ///
-    /// The result has the program's sign everywhere in that box, except that
-    /// a dropped branch's NaN, were it possible, would be lost: such branches
-    /// are kept.
+    /// The result has the program's sign everywhere in that box. A branch that
+    /// may be NaN is kept, since dropping it would lose the NaN.
     pub(crate) fn simplify(&self, scratch: &Scratch) -> Option<Self> {
         let s = &scratch.slots;
         let n = self.steps.len();
@@ -146,8 +148,8 @@ impl Program {
         }
         let (source, live) = self.needed(s);
         let kept = live.iter().filter(|l| **l).count();
-        // A copy that saves less than a quarter costs more than it gives,
-        // and would let the memory of a deep search add up.
+        // A copy that saves less than a quarter costs more than it gives, and
+        // would let the memory of a deep search add up.
         if kept * 4 > n * 3 {
             return None;
         }
@@ -164,7 +166,7 @@ impl Program {
             position[i] = steps.len() as u32;
             steps.push(step);
         }
-        // The field is the last step, also where a piece lies behind it.
+        // The field is the last step, even where a piece comes after it.
         let root = position[source[n - 1] as usize];
         if root as usize + 1 != steps.len() {
             steps.push(Step::Binary(BinaryOpcode::Max, root, root));
@@ -178,7 +180,7 @@ impl Program {
             pieces: self
                 .pieces
                 .iter()
-                // What is one piece by itself needs no condition.
+                // A step with a single piece needs no condition.
                 .filter(|p| {
                     let step = &self.steps[p.step as usize];
                     let [a, b] = slots_of(s, step);
@@ -190,12 +192,13 @@ impl Program {
     }
 }
 
-/// Whether a step has more than one piece in the box of these slots.
+/// True if a step has more than one piece in the box of these slots.
 fn jumps(step: &Step, a: &Slot, b: &Slot) -> bool {
     !pieces_of(step, a, b).is_empty()
 }
 
-/// The operand that a `min` or `max` passes on, as far as anybody looks.
+/// The operand that a `min` or `max` passes on, as far as it makes a
+/// difference.
 fn chosen(
     op: BinaryOpcode,
     a: u32,
@@ -227,7 +230,7 @@ fn chosen(
     }
 }
 
-/// What an operation that is looked at through a window looks at.
+/// The windows of an operation's operands, given the operation's own window.
 fn handed_down(
     op: BinaryOpcode,
     a: u32,

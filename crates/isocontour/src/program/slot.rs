@@ -1,7 +1,7 @@
 //! What is known of one operation over a box, and what the box adds to it.
 //!
-//! The range made from the operands' ranges is cut down by the centred form,
-//! and that of a `max` or `min` by a blend of the two surfaces that meet.
+//! The centred form cuts down the range made from the operands' ranges. A blend
+//! of the two surfaces that meet cuts down the range of a `max` or `min`.
 
 use crate::interval::Interval;
 use crate::number::Number;
@@ -17,12 +17,12 @@ pub(super) struct Slot {
     pub range: Interval,
     /// Value at the centre of the box, perhaps NaN.
     pub centre: f64,
-    /// Range of the partial derivatives; anything where unknown.
+    /// Range of the partial derivatives; any number where unknown.
     pub slope: [Interval; 3],
 }
 
 impl Slot {
-    /// What does not change within the box.
+    /// A slot that does not change within the box.
     pub(super) fn constant(value: f64) -> Slot {
         Slot {
             range: Interval::point(value),
@@ -47,7 +47,8 @@ impl Slot {
     }
 }
 
-// By the trait: f64 has a `min` and a `max` of its own, which lose NaN.
+// The trait's methods are called by name, since `min` and `max` of f64 itself
+// lose NaN.
 macro_rules! both {
     ($($name:ident)*) => {
         $(fn $name(self) -> Self {
@@ -78,7 +79,7 @@ impl Number for Slot {
 
 /// The slot with its range cut down by the centred form.
 pub(super) fn tightened(mut slot: Slot, half: [f64; 3]) -> Slot {
-    // Across a hole in the domain (NaN) the mean value theorem is void.
+    // The mean value theorem does not hold across a hole in the domain (NaN).
     if slot.range.nan || !slot.centre.is_finite() {
         return slot;
     }
@@ -92,7 +93,7 @@ pub(super) fn tightened(mut slot: Slot, half: [f64; 3]) -> Slot {
     }
     let lo = slot.range.lo.max(slot.centre - reach);
     let hi = slot.range.hi.min(slot.centre + reach);
-    // The two can only miss each other by rounding.
+    // The two ranges miss each other only by rounding.
     if lo <= hi {
         slot.range.lo = lo;
         slot.range.hi = hi;

@@ -1,10 +1,10 @@
-//! Narrower slopes of two operations, for who asks for them.
+//! Narrower slopes of two operations, for callers that ask for them.
 //!
-//! Soft unions may be logarithms of sums of powers of e. The slope of ln(exp(a₁) + exp(a₂) + …) is a mean of the slopes of a₁, a₂, …,
-//! weighted by the powers. Operation by operation the weights would be ranges
-//! that know nothing of one another, and need not add up to 1. So the slope is
-//! made of one term's slope, and of what the others differ from it, times their
-//! weights.
+//! Soft unions may be logarithms of sums of powers of e. The slope of
+//! ln(exp(a₁) + exp(a₂) + …) is a mean of the slopes of a₁, a₂, …, weighted by
+//! the powers. Operation by operation the weights would be independent ranges,
+//! and need not add up to 1. So the slope is made of one term's slope, and of
+//! the other terms' differences from it, times their weights.
 
 use super::slot::Slot;
 use super::{Program, Step};
@@ -13,7 +13,8 @@ use crate::number::{Number, Part};
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 
 impl Program {
-    /// The slope of the logarithm of a step, if that is a sum of powers of e.
+    /// The slope of the logarithm of a step, if the step is a sum of powers of
+    /// e.
     pub(super) fn soft_slope(
         &self,
         of: u32,
@@ -54,7 +55,8 @@ impl Program {
             if k == main {
                 continue;
             }
-            // e / (e + others), which grows with e and falls with others.
+            // The weight e / (e + others) grows with e and falls with the
+            // others.
             let most = hi / (hi + (low - lo).max(0.0));
             let least = lo / (lo + (high - hi).max(0.0));
             if most.is_nan() || least.is_nan() {
@@ -72,8 +74,8 @@ impl Program {
     }
 }
 
-/// The slope of atan2(y, x) where y is nowhere less than 0, as |v| is: the angle
-/// does not jump there, although y may be 0 where x is less.
+/// The slope of atan2(y, x) where y is nowhere less than 0, as |v| is. The
+/// angle does not jump there, although y may be 0 where x is less than 0.
 pub(super) fn turn(y: &Slot, x: &Slot) -> [Interval; 3] {
     let by = Number::recip(y.range.square().add(x.range.square()));
     [0, 1, 2].map(|i| {
@@ -82,13 +84,13 @@ pub(super) fn turn(y: &Slot, x: &Slot) -> [Interval; 3] {
     })
 }
 
-/// What two ranges of one thing have in common.
+/// What two ranges of one value have in common.
 pub(super) fn common(a: Interval, b: Interval) -> Interval {
     if a.nan || a.is_empty() {
         return b;
     }
     let (lo, hi) = (a.lo.max(b.lo), a.hi.min(b.hi));
-    // They can only miss each other by rounding.
+    // The two ranges miss each other only by rounding.
     match !b.nan && lo <= hi {
         true => Interval::new(lo, hi),
         false => a,

@@ -1,10 +1,10 @@
-//! The surfaces that f = 0 is made of in a box.
+//! The surfaces of which f = 0 consists in a box.
 //!
 //! The zero set of max(a, b) is a part of those of a and of b, and so is that
 //! of min(a, b). Where the two meet, the slope of max(a, b) is anything between
 //! both, but each of them has a slope of its own. So a surface with an edge is
 //! looked at face by face. Functions of one operand that keep its level sets,
-//! such as a root or a sum with a constant, are looked through.
+//! such as a root or a sum with a constant, are replaced by the operand.
 
 use super::{Program, Scratch, Step};
 use crate::interval::Interval;
@@ -21,12 +21,12 @@ pub(crate) struct Surface {
 
 impl Program {
     /// The surfaces in the box of the last `enclose` (of this program, with
-    /// this scratch) of which the border of f < 0 is a part. `None` if they are
-    /// too many. The slope of what may not be a number is anything, but 0 along
-    /// an axis that it does not depend on.
+    /// this scratch) of which the border of f < 0 is a part. `None` if there
+    /// are too many. A step that may be NaN has any slope, but 0 along an axis
+    /// on which it does not depend.
     pub(crate) fn surfaces(&self, scratch: &Scratch) -> Option<Vec<Surface>> {
-        /// More steps are not looked through: shared ones are seen again and
-        /// again.
+        /// Greatest number of steps that are replaced by their operands. Shared
+        /// steps are met many times.
         const MOST: usize = 256;
         let s = &scratch.slots;
         if s.len() != self.steps.len() {
@@ -103,7 +103,7 @@ impl Program {
         Some(found)
     }
 
-    /// A surface of a step that may not be a number.
+    /// A surface of a step that may be NaN.
     fn unknown(&self, step: u32, level: f64) -> Surface {
         let mut depends = vec![false; step as usize + 1];
         let slope = [0, 1, 2].map(|axis| {
@@ -120,8 +120,8 @@ impl Program {
         Surface { step, level, slope }
     }
 
-    /// Value of f, and how far a surface's step is above its level, at a
-    /// point; either may be NaN.
+    /// Value of f at a point, and how far a surface's step is above its level
+    /// there. Either may be NaN.
     pub(crate) fn beside(
         &self,
         surface: &Surface,
@@ -134,8 +134,8 @@ impl Program {
     }
 }
 
-/// The operand of a sum, product or quotient with a constant, and its value
-/// where the result has that `level`.
+/// The operand of a sum, product or quotient with a constant, and the operand's
+/// value where the result has that `level`.
 fn shifted(
     op: BinaryOpcode,
     a: u32,

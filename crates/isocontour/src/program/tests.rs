@@ -21,7 +21,7 @@ fn mixture() -> Tree {
         .min(blended())
 }
 
-/// Soft unions of which both parts, one, or none count.
+/// Soft unions in places where both parts count, one, or none.
 fn blended() -> Tree {
     let (x, y, z) = Tree::axes();
     let soft = |a: Tree, b: Tree, radius: f32| {
@@ -100,8 +100,8 @@ fn pieces_hold_all_that_the_whole_has() {
             lo,
             hi: lo.map(|v| v + size),
         };
-        // All ways to take the steps that jump, each with what is left of
-        // the box.
+        // All choices of pieces for the steps that jump, each with what is left
+        // of the box.
         let mut parts = Vec::new();
         let mut todo = vec![p.clone()];
         while let Some(part) = todo.pop() {
@@ -158,7 +158,8 @@ fn a_turned_plane_is_enclosed_exactly() {
 
 #[test]
 fn the_centred_form_shrinks_with_the_square_of_the_box() {
-    // x·x - 2x + 1 = (x - 1)², whose natural range is linear in the box.
+    // x·x - 2x + 1 is (x - 1)². The error of its natural range is linear in the
+    // box.
     let (x, _, _) = Tree::axes();
     let p = program(&(x.clone() * x.clone() - x * 2.0 + 1.0));
     let cell = Cell {

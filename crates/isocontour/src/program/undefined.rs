@@ -1,13 +1,13 @@
-//! What is wrong with an operation that has no value, in words.
+//! Says what is wrong with an operation that has no value.
 
 use super::Step;
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 
-/// What a step is asked that has no answer, in words.
+/// What the step tries to compute, in words.
 pub(super) fn no_number(step: &Step, operands: &[f64]) -> String {
     let shown = |i: usize| match operands.get(i) {
-        // As few digits as tell it: what is just out of range must not be
-        // rounded into it.
+        // The number gets as few digits as suffice, but what is just out of
+        // range must not be rounded into it.
         Some(v) if *v == 0.0 => "0".to_owned(),
         Some(v) if (1e-4..1e5).contains(&v.abs()) => format!("{}", *v as f32),
         Some(v) => format!("{v:.3e}"),

@@ -5,11 +5,12 @@ use crate::Slicer;
 use crate::translate::{Given, Value};
 use crate::values::{parse, share};
 
-/// A bed whose corner lies this far below 0 is one that begins at 0, mm.
+/// Greatest distance of a bed's corner below 0 at which the bed counts as
+/// beginning at 0, mm.
 const ABOUT_ZERO: f64 = 15.0;
-/// Flow without a limit, mm³/s.
+/// Flow that counts as unlimited, mm³/s.
 const NO_LIMIT: f64 = 500.0;
-/// Wiping if its length is not given, mm.
+/// Length of a wipe if none is given, mm.
 const USUAL_WIPE: f64 = 2.0;
 
 fn lost(why: impl Into<String>) -> Outcome {
@@ -20,12 +21,12 @@ fn nothing(why: &str) -> Outcome {
     Outcome::Nothing(why.to_owned())
 }
 
-/// The first number of the keys.
+/// The first number among the values of the keys.
 fn number(given: &Given<'_>, keys: &[&str]) -> Option<f64> {
     keys.iter().find_map(|key| given.number(key))
 }
 
-/// The least positive number of the keys.
+/// The least positive number among the values of the keys.
 fn least(given: &Given<'_>, keys: &[&str]) -> Option<f64> {
     let all = keys.iter().filter_map(|key| given.positive(key));
     all.reduce(f64::min)
@@ -75,8 +76,8 @@ pub(super) fn bed(given: &Given<'_>) -> Outcome {
     ])
 }
 
-/// The name that the firmware of a Prusa printer knows, as the start G-code
-/// checks it.
+/// The name that the firmware of a Prusa printer has for it, as the start
+/// G-code checks it.
 fn model_checked(given: &Given<'_>) -> Option<String> {
     let start = given
         .values
@@ -110,7 +111,7 @@ pub(super) fn flavour(given: &Given<'_>) -> Outcome {
         "marlin" | "marlin2" | "marlinfirmware" => "marlin",
         "klipper" => "klipper",
         "reprapfirmware" | "rrf" => "rrf",
-        // Sprinter, the common ancestor.
+        // Sprinter is the common ancestor.
         "reprap" => "marlin",
         _ => {
             return lost(format!(
@@ -129,7 +130,7 @@ pub(super) fn model(given: &Given<'_>) -> Outcome {
     nothing("the printer checks no model")
 }
 
-/// Lines of a template besides marks that isoslice writes itself.
+/// Lines of a template without marks that isoslice writes itself.
 fn without_marks(text: &str) -> String {
     let keep = |line: &&str| {
         let code = line.split(';').next().unwrap_or("").trim();
@@ -190,7 +191,8 @@ pub(super) fn corner(given: &Given<'_>) -> Outcome {
     let deviation = given.positive("machine_max_junction_deviation");
     let acceleration = given.positive("machine_max_acceleration_extruding");
     let speed = match (deviation, acceleration) {
-        // Marlin: v² = a J sin(θ/2) / (1 − sin(θ/2)), θ a right angle.
+        // Marlin has v² = a J sin(θ/2) / (1 − sin(θ/2)), where θ is a right
+        // angle.
         (Some(deviation), Some(a)) => {
             let half = std::f64::consts::FRAC_1_SQRT_2;
             let v = (a * deviation * half / (1.0 - half)).sqrt();
@@ -340,8 +342,8 @@ pub(super) fn nozzle_temperatures(given: &Given<'_>) -> Outcome {
 }
 
 /// The plates of OrcaSlicer: names in its lists, and the keys of their
-/// temperatures. The hot one comes first: most printers have a smooth or
-/// textured sheet that takes its figures.
+/// temperatures. The hot plate comes first, since most printers have a smooth
+/// or textured sheet that uses its temperatures.
 const PLATES: [(&str, &str); 7] = [
     ("high temp plate", "hot_plate_temp"),
     ("textured pei plate", "textured_plate_temp"),
@@ -374,7 +376,7 @@ pub(super) fn bed_temperatures(given: &Given<'_>) -> Outcome {
         .find_map(|key| given.values.first(key))
         .map(str::to_lowercase);
     let named = named.and_then(|name| {
-        // Some profiles give a number instead, which says nothing here.
+        // Some profiles give a number instead, which does not tell the plate.
         let by_name = PLATES.iter().find(|(plate, _)| *plate == name);
         by_name.map(|(_, key)| *key)
     });
@@ -384,7 +386,7 @@ pub(super) fn bed_temperatures(given: &Given<'_>) -> Outcome {
     let keys = named.into_iter().chain(PLATES.iter().map(|(_, key)| *key));
     let keys: Vec<&str> = keys.filter(usable).collect();
     let Some(key) = keys.first() else {
-        // No plate is to be heated.
+        // No plate has to be heated.
         both(Some(0.0), Some(0.0));
         return Outcome::of(out);
     };
@@ -456,8 +458,8 @@ pub(super) fn filament_end(given: &Given<'_>) -> Outcome {
 /// The fan's speed in long layers.
 fn layers_fan(given: &Given<'_>) -> Option<f64> {
     let least = number(given, &["min_fan_speed", "fan_min_speed"])?;
-    // In PrusaSlicer the fan of long layers may be off; in OrcaSlicer the
-    // switch is called after the fan's stops and starts.
+    // In PrusaSlicer the fan of long layers may be off. In OrcaSlicer the
+    // switch has its name from the fan's stops and starts.
     let always =
         !given.off("fan_always_on") && !given.off("reduce_fan_stop_start_freq");
     Some(if always { least } else { 0.0 })
@@ -471,7 +473,8 @@ pub(super) fn fan(given: &Given<'_>) -> Outcome {
     if let Some(speed) = layers_fan(given) {
         out.push(("cooling.fan_speed", speed.into()));
     }
-    // Without automatic cooling short layers are as others.
+    // Without automatic cooling the fan of short layers is that of other
+    // layers.
     if let Some(most) = most.filter(|_| !given.off("cooling")) {
         out.push(("cooling.short_layer_fan_speed", most.into()));
     }
@@ -481,7 +484,7 @@ pub(super) fn fan(given: &Given<'_>) -> Outcome {
     Outcome::of(out)
 }
 
-/// The fan of bridges and overhangs. Internal bridges have that of bridges,
+/// The fan of bridges and overhangs. Internal bridges have the fan of bridges,
 /// unless the profile gives them one of their own, in a later row.
 pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
     let mut out = Vec::new();
@@ -530,7 +533,7 @@ pub(super) fn min_layer_time(given: &Given<'_>) -> Outcome {
     Outcome::of(time.into_iter().collect())
 }
 
-/// The width of lines of one kind, or of all; nothing if the slicer chooses.
+/// The width of lines of one kind, or of all lines; none if the slicer chooses.
 fn width(given: &Given<'_>, own: &[&str]) -> Result<Option<Value>, String> {
     for key in own.iter().chain(&["extrusion_width", "line_width"]) {
         let Some(text) = given.values.first(key) else {
@@ -603,8 +606,8 @@ fn shell(
     match (layers, thickness) {
         (Some(0.0), _) => Outcome::of(vec![(names[0], 0.0.into())]),
         (Some(n), Some(t)) if height.is_none_or(|h| n * h < t - 1e-9) => {
-            // Without layers of its own the profile is for layers of many
-            // heights, for which the thickness is what holds.
+            // Without a number of layers the profile is for layers of many
+            // heights, for which the thickness counts.
             Outcome::of(vec![(names[1], t.into())])
         }
         (Some(n), _) => Outcome::of(vec![(names[0], n.into())]),
@@ -649,7 +652,7 @@ pub(super) fn overlap(given: &Given<'_>) -> Outcome {
     let text = given.values.first(key).unwrap_or("");
     let percent = match (share(text), parse(text)) {
         (Some(percent), _) => percent,
-        // OrcaSlicer's is always a share.
+        // OrcaSlicer's value is always a share.
         (None, Some(x)) if given.slicer == Slicer::Orca => x,
         (None, Some(length)) => {
             let keys = ["infill_extrusion_width", "extrusion_width"];
@@ -703,7 +706,7 @@ pub(super) fn scarf(given: &Given<'_>) -> Outcome {
     };
     let mut out = vec![
         ("seam_scarf", length.into()),
-        // Slopes of other slicers rise.
+        // Scarfs of other slicers rise.
         ("seam_scarf_rise", true.into()),
     ];
     let start = ["seam_slope_start_height", "scarf_seam_start_height"]
@@ -743,7 +746,7 @@ pub(super) fn ironing(given: &Given<'_>) -> Outcome {
     let word = given.values.first("ironing_type");
     let on = match given.switch("ironing") {
         Some(on) => on,
-        // In PrusaSlicer the type says only which tops would be ironed.
+        // In PrusaSlicer the type only says which tops would be ironed.
         None if given.slicer == Slicer::Prusa => {
             return nothing("whether to iron is not said");
         }
@@ -803,8 +806,8 @@ pub(super) fn small_length(given: &Given<'_>) -> Outcome {
 
 pub(super) fn overhang_speed(given: &Given<'_>) -> Outcome {
     let (on, keys) = if given.slicer == Slicer::Prusa {
-        // Its keys are named by what lies on the layer below, and are off
-        // unless they are switched on.
+        // The keys' names tell how much of a line lies on the layer below. They
+        // are off unless they are switched on.
         let on = given.on("enable_dynamic_overhang_speeds");
         let keys = [
             "overhang_speed_3",
@@ -831,7 +834,7 @@ pub(super) fn overhang_speed(given: &Given<'_>) -> Outcome {
             continue;
         };
         let speed = match (parse(text), share(text)) {
-            // The speed of the wall itself.
+            // This is the speed of the wall itself.
             (Some(0.0), _) | (_, Some(0.0)) => "100%".to_owned(),
             (Some(v), _) => v.to_string(),
             (None, Some(percent)) => format!("{}%", percent.clamp(1.0, 100.0)),

@@ -1,5 +1,5 @@
-//! What every key of the other slicers means: the table, from which both the
-//! translation and the documentation follow.
+//! The table of what every key of the other slicers means. Both the translation
+//! and the documentation follow from it.
 
 mod cura;
 mod filament;
@@ -11,7 +11,7 @@ use crate::Slicer;
 pub use crate::translate::As;
 use crate::translate::{Given, Value};
 
-/// What a profile, or a key, is of.
+/// The kind of a profile, or of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// A machine.
@@ -43,16 +43,17 @@ impl Kind {
     }
 }
 
-/// What some keys become.
+/// A row of the table: some keys, and what they become.
 #[derive(Debug)]
 pub struct Row {
     /// Slicers that have these keys.
     pub of: &'static [Slicer],
-    /// What they are of.
+    /// The kind of the keys.
     pub kind: Kind,
-    /// The keys. If they become one setting, the first one there is counts.
+    /// The keys. If they become one setting, the first key that is there
+    /// counts.
     pub keys: &'static [&'static str],
-    /// What they become.
+    /// What the keys become.
     pub rule: Rule,
 }
 
@@ -65,19 +66,19 @@ pub enum Rule {
     Made {
         /// The settings.
         settings: &'static [&'static str],
-        /// How, in a sentence.
+        /// How the settings are made, in a sentence.
         how: &'static str,
-        /// Makes them.
+        /// Makes the settings.
         make: Make,
     },
-    /// Nothing, since isoslice needs it not; why.
+    /// Nothing, since isoslice does not need it; the reason.
     Ignored(&'static str),
-    /// Nothing, although it would change the print, unless it has one of these
-    /// values; why, and what to do.
+    /// Nothing, although the key would change the print, unless it has one of
+    /// these values; the reason, and what to do.
     Lost(&'static [&'static str], &'static str),
 }
 
-/// Makes settings of several keys.
+/// Makes settings from several keys.
 pub struct Make(pub(crate) fn(&Given<'_>) -> Outcome);
 
 impl std::fmt::Debug for Make {
@@ -90,9 +91,9 @@ impl std::fmt::Debug for Make {
 pub(crate) enum Outcome {
     /// Settings.
     Set(Vec<(&'static str, Value)>),
-    /// Nothing is needed; why.
+    /// Nothing is needed; the reason.
     Nothing(String),
-    /// They have no counterpart; why, and what to do.
+    /// The keys have no counterpart; the reason, and what to do.
     Lost(String),
 }
 
@@ -147,8 +148,8 @@ fn is_superslicers(given: &Given<'_>) -> bool {
     keys.iter().any(|key| given.values.has(key))
 }
 
-/// What a share in the value of a key is a share of; of several the first that
-/// the profile has.
+/// The key of which a share in the value of another key is a share. Of several
+/// keys it is the first that the profile has.
 pub(crate) fn share_of(
     given: &Given<'_>,
     key: &str,
@@ -334,7 +335,7 @@ mod tests {
                  draft_shield_height_limitation=limited",
                 "draft_shield=12".into(),
             ),
-            // What follows from other values in Cura.
+            // Some values in Cura follow from others.
             (
                 Cura,
                 "line_width=0.5; skin_line_width=0.6",

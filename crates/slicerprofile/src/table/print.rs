@@ -22,7 +22,7 @@ const JERK: &str = "the speed through corners is one for all: \
                     printer.square_corner_velocity";
 const LOCKED: &str = "isoslice has no infill of two zones";
 
-/// Patterns of infill, and isoslice's own that is most like each.
+/// Patterns of infill, each with isoslice's most similar one.
 const PATTERNS: As = As::Words(&[
     ("rectilinear", "rectilinear"),
     ("alignedrectilinear", "rectilinear"),

@@ -1,5 +1,5 @@
-//! Looks along the lines of one column of tiles: tiles, blocks, boxes,
-//! samples, each only where the larger one leaves it open.
+//! Looks along the lines of one column of tiles: tiles, blocks, boxes, samples.
+//! Each is looked at only where the larger one is undecided.
 
 use super::{Grid, Hit, Sight};
 use crate::field::boxes::Boxes;
@@ -14,7 +14,7 @@ use glam::Vec3;
 pub(super) const TILE: usize = 64;
 /// Samples along the side of a block.
 const BLOCK: usize = 16;
-/// Samples along the side of a box: those of one are a pass of [`Lanes`].
+/// Samples along the side of a box. A box is one pass of [`Lanes`].
 const BOX: usize = 4;
 
 /// What is known of a cube of samples.
@@ -33,12 +33,12 @@ pub(super) struct Eye<'a> {
     at: [usize; 2],
     /// What the lines meet, row by row of the tile.
     pub hits: Vec<Option<Hit>>,
-    /// Lines that have just met something, at which sample.
+    /// Lines that have just met something, each with its sample.
     fresh: Vec<(usize, usize)>,
     ranges: Boxes,
     lanes: Lanes,
     simplify: <VmFunction as Function>::Workspace,
-    /// Memory of functions that are no longer needed, to be used again.
+    /// Memory of functions that are no longer needed, for the next ones.
     storage: Vec<<VmFunction as Function>::Storage>,
     points: [Vec<f32>; 3],
     values: Vec<f32>,
@@ -80,7 +80,7 @@ impl<'a> Eye<'a> {
         Ok(())
     }
 
-    /// One cube of a tile's or a block's size.
+    /// Looks at one cube of a tile's or a block's size.
     fn visit(
         &mut self,
         f: &VmFunction,
@@ -109,7 +109,7 @@ impl<'a> Eye<'a> {
         let g = own.as_ref().unwrap_or(f);
         let side = if size == TILE { BLOCK } else { BOX };
         let n = size / side;
-        // Nearest first.
+        // The nearest parts come first.
         let parts: Vec<[usize; 3]> = (0..n * n * n)
             .map(|m| [m % n, m / n % n, n - 1 - m / (n * n)])
             .map(|part| [0, 1, 2].map(|a| at[a] + part[a] * side))
@@ -133,7 +133,7 @@ impl<'a> Eye<'a> {
         Ok(())
     }
 
-    /// What is known of cubes of that size, where there may be something.
+    /// What is known of cubes of one size, where there may be something.
     fn sift(
         &mut self,
         f: &VmFunction,
@@ -196,12 +196,12 @@ impl<'a> Eye<'a> {
             .flat_map(move |j| (i..i + width).map(move |i| j * TILE + i))
     }
 
-    /// True if something is met before a cube all over.
+    /// True if every line meets something before it reaches a cube.
     fn is_covered(&self, at: [usize; 3], size: usize) -> bool {
         self.lines(at, size).all(|line| self.hits[line].is_some())
     }
 
-    /// Lines that have met nothing meet the front of a cube.
+    /// Lets lines that have met nothing meet the front of a cube.
     fn fill(&mut self, at: [usize; 3], size: usize) {
         let front = (at[2] + size).min(self.grid.size[2]) - 1;
         for line in self.lines(at, size) {
@@ -209,7 +209,7 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// A line meets its first sample inside.
+    /// Notes that a line meets its first sample inside.
     fn meet(&mut self, line: usize, sample: usize) {
         if self.hits[line].is_none() {
             self.hits[line] = Some(Hit {
@@ -220,7 +220,7 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// Adds a sample to those to be evaluated.
+    /// Adds a sample to those that are to be evaluated.
     fn ask(&mut self, line: usize, sample: usize) {
         let Grid { origin, steps, .. } = self.grid;
         let (i, j) = (line % TILE + self.at[0], line / TILE + self.at[1]);
@@ -233,7 +233,7 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// Looks into boxes beside each other.
+    /// Looks into several boxes beside each other.
     fn boxes(
         &mut self,
         f: &VmFunction,
@@ -275,7 +275,7 @@ impl<'a> Eye<'a> {
     }
 
     /// Finds the gradients where lines have just met something, and with them
-    /// the surface itself, which is between two samples.
+    /// the surface itself, which lies between two samples.
     fn arrive(&mut self, f: &VmFunction) -> Result<(), FieldError> {
         // The gradient takes two evaluations, each of a value and two slopes.
         self.sight.spend(f, 6 * self.fresh.len())?;
@@ -311,7 +311,7 @@ impl<'a> Eye<'a> {
             let beyond = match beyond >= 0.0 {
                 true => beyond.min(1.0),
                 // The field does not rise towards the viewer, or its slope is
-                // not known.
+                // unknown.
                 false => 0.5,
             };
             self.hits[line] = Some(Hit {

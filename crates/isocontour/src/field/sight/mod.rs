@@ -1,7 +1,7 @@
-//! What is met first along parallel lines of samples: a part as it is seen.
+//! What parallel lines of samples meet first: a part as it is seen.
 //!
 //! In: an expression, a grid of samples in front of a viewer. Out: for each
-//! line of samples towards the viewer the nearest one inside, with the place
+//! line of samples towards the viewer the nearest sample inside, with the place
 //! of the surface before it and the gradient there.
 //!
 //! ```text
@@ -9,14 +9,13 @@
 //!   ┌───────┬───────┬───────┐           block  16 × 16 × 16
 //!   │ empty │   ?   │ full  │           box     4 ×  4 ×  4
 //!   └───────┴───────┴───────┘
-//!     what interval arithmetic proves need not be sampled, and for what it
-//!     does not prove the expression is simplified; nothing is asked behind
-//!     what is met
+//!     What interval arithmetic proves need not be sampled. The expression is
+//!     simplified for the rest. Nothing is evaluated behind what is met.
 //! ```
 //!
-//! The result is equal, but for rounding, to that of sampling everything:
-//! features between the samples are missed. It depends neither on the number of
-//! threads nor on the processor.
+//! The result equals, but for rounding, that of sampling everything: features
+//! between the samples are missed. It depends neither on the number of threads
+//! nor on the processor.
 
 mod eye;
 #[cfg(test)]
@@ -40,16 +39,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct Grid {
     /// The first sample of the first column and row: the farthest one.
     pub origin: DVec3,
-    /// From one column, row or sample to the next.
+    /// The steps from one column, row or sample to the next.
     pub steps: [DVec3; 3],
-    /// Columns, rows, samples along a line.
+    /// Number of columns, of rows, and of samples along a line.
     pub size: [usize; 3],
 }
 
 /// Where a line of sight meets the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// How far along the line, in samples.
+    /// Distance along the line, in samples.
     pub depth: f32,
     /// The field's gradient there, along x, y and z.
     pub gradient: Vec3,
@@ -100,21 +99,21 @@ impl Sight {
         })
     }
 
-    /// Stops looking when `cancel` says so.
+    /// Lets `cancel` stop the look.
     pub fn with_cancel(mut self, cancel: Cancel) -> Sight {
         self.cancel = cancel;
         self
     }
 
-    /// Gives up once all looks together have taken more than so many
-    /// operations. Whether they do depends neither on time nor on the number
-    /// of threads: what each tile takes does not depend on the others.
+    /// Gives up once all looks together have taken more operations than this.
+    /// Whether they do depends neither on time nor on the number of threads,
+    /// since what each tile takes does not depend on the others.
     pub fn at_most(mut self, operations: u64) -> Sight {
         self.most = operations;
         self
     }
 
-    /// Notes that a function is evaluated for so many numbers.
+    /// Notes that a function is evaluated for `count` numbers.
     fn spend(&self, f: &VmFunction, count: usize) -> Result<(), FieldError> {
         let now = f.size() as u64 * count as u64;
         let taken = self.taken.fetch_add(now, Ordering::Relaxed);
@@ -136,17 +135,17 @@ impl Sight {
         Ok(out)
     }
 
-    /// Hands over, a row at a time, what each line of sight meets: some rows
-    /// are in memory at once.
+    /// Passes on, a row at a time, what each line of sight meets. Only some
+    /// rows are in memory at once.
     ///
     /// # Errors
-    /// As [`Sight::look`].
+    /// Those of [`Sight::look`].
     pub fn look_by_rows(
         &self,
         grid: &Grid,
         each: &mut dyn FnMut(&[Option<Hit>]),
     ) -> Result<(), FieldError> {
-        /// Tiles in memory at once: enough for many threads.
+        /// Number of tiles in memory at once: enough for many threads.
         const TILES: usize = 256;
         let [width, height, _] = grid.size;
         let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));

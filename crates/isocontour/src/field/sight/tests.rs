@@ -1,6 +1,6 @@
 use super::*;
 
-/// Everything sampled.
+/// Samples everything.
 fn dense(tree: &Tree, grid: &Grid) -> Vec<Option<usize>> {
     let mut ctx = Context::new();
     let root = ctx.import(tree);
@@ -28,14 +28,14 @@ fn what_is_met_is_what_all_samples_say() {
     let shapes = [
         wave.max(ball.clone()),
         ball.clone().max(nowhere.neg()),
-        // Not a number in half of space.
+        // The field is NaN in half of space.
         ball.clone().max(x.sqrt().neg()),
         Tree::constant(-1.0),
         Tree::constant(1.0),
     ];
     let turn = glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2);
     let steps = turn.to_cols_array_2d().map(|c| DVec3::from_array(c) * 0.19);
-    // Neither whole tiles nor whole boxes.
+    // The grid is neither whole tiles nor whole boxes.
     let size = [69, 75, 90];
     let half: DVec3 = (0..3).map(|a| steps[a] * (0.5 * size[a] as f64)).sum();
     let grid = Grid {
@@ -88,7 +88,7 @@ fn surfaces_are_found_between_the_samples() {
             + grid.steps[0] * (line % n) as f64
             + grid.steps[1] * (line / n) as f64
             + grid.steps[2] * f64::from(hit.depth);
-        // Where it is not seen too flat.
+        // Only places that are not seen too flat count.
         if p.y < -2.5 {
             assert!((p.length() - 5.0).abs() < 0.01, "{p}");
             let off = hit.gradient.as_dvec3() - p / 5.0;

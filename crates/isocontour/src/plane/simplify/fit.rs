@@ -4,24 +4,25 @@ use super::points::{Joint, Points};
 use crate::Length;
 use glam::DVec2;
 
-/// How often each corner is fitted to its neighbours. Each round leaves a
-/// quarter of the error: a corner weighs twice as much as both of them.
+/// Number of rounds in which each corner is fitted to its neighbours. Each
+/// round leaves a quarter of the error, since a corner weighs twice as much as
+/// both neighbours.
 const ROUNDS: usize = 8;
 
-/// Tries to fit the corners, after which all of them are held back.
+/// Number of tries to fit the corners. After them all corners are held back.
 const TRIES: usize = 16;
 
-/// A step of the path, seen from the edge that takes its place: how far along
-/// the edge it begins and ends, from 0 to 1, and how far to the left.
+/// A step of the path, seen from the edge that replaces it: how far along the
+/// edge it begins and ends, from 0 to 1, and how far to the left.
 type Step = ((f64, Length), (f64, Length));
 
 /// Moves each corner across the path so that the squares of the distances
 /// between the path and its edges are least.
 ///
-/// Corners that stay do not move. Those beside an edge that would leave the
-/// path farther away than `tolerance` move by at most `least`, so that edges
-/// which are off by no more than the difference remain within the tolerance.
-/// The first corner of a closed path is in the list once more, at its end.
+/// Corners that stay do not move. Corners beside an edge that would be farther
+/// from the path than `tolerance` move by at most `least`. So edges that are
+/// off by no more than the difference remain within the tolerance. The first
+/// corner of a closed path is listed again at the end.
 pub(super) fn settle(
     points: &Points<'_>,
     joints: &mut [Joint],
@@ -33,7 +34,8 @@ pub(super) fn settle(
     let mut tries = 0;
     while fit.hold_where_off(points, joints, tolerance, least) {
         tries += 1;
-        // One corner after the other would take the square of the time.
+        // Holding back one corner after another would take time by the square
+        // of their number.
         if tries == TRIES {
             fit.hold_all(least);
         }
@@ -45,34 +47,35 @@ pub(super) fn settle(
 /// How far a corner moves, and in which direction.
 #[derive(Clone, Copy)]
 struct Move {
-    /// One unit along it takes both edges a unit to their left, as far as the
-    /// angle between them permits.
+    /// Direction in which a move by one unit takes both edges a unit to their
+    /// left, as far as the angle between them permits.
     way: DVec2,
     by: Length,
-    /// The farthest that it may move to either side.
+    /// Greatest way of the corner to either side.
     most: Length,
-    /// Where it is best if its neighbours do not move.
+    /// The best move if the corner's neighbours do not move.
     best: Length,
-    /// By how much less that is for each unit that the corner before it moves,
-    /// and the one after it.
+    /// By how much the best move is less for each unit by which the corner
+    /// before it moves, and the corner after it.
     less: [f64; 2],
 }
 
-/// What an edge asks of the corners at its ends.
+/// What an edge contributes to the moves of the corners at its ends.
 #[derive(Clone, Copy)]
 struct Edge {
     left: DVec2,
     length: Length,
-    /// How far the path is to the left of it, summed over its length: weighed
-    /// by the nearness of its beginning, and of its end.
+    /// How far the path is to the left of the edge, summed over its length, and
+    /// weighted by the nearness of its beginning, and of its end.
     off: [f64; 2],
 }
 
-/// The corners and edges of a path, and how far the corners are to move.
+/// The corners and edges of a path, and how far the corners move.
 struct Fit {
-    /// One for each corner; the first of a closed path is not repeated.
+    /// One move for each corner. The first corner of a closed path is not
+    /// repeated.
     moves: Vec<Move>,
-    /// Edge `i` goes from corner `i` to the next one.
+    /// Edge `i` goes from corner `i` to the next corner.
     edges: Vec<Edge>,
 }
 
@@ -84,7 +87,8 @@ impl Fit {
                 let along = ends[1].at - ends[0].at;
                 let mut off = [0.0; 2];
                 for ((u, d), (v, e)) in steps(points, &ends[0], &ends[1]) {
-                    // Exact for a product of two linear functions (Simpson).
+                    // Simpson's rule is exact for a product of two linear
+                    // functions.
                     let share = (v - u) * along.length() / 6.0;
                     let (middle, mean) = (0.5 * (u + v), 0.5 * (d + e));
                     let end = u * d + 4.0 * middle * mean + v * e;
@@ -113,8 +117,8 @@ impl Fit {
                 let after = (i + 1) % corners;
                 let (mut weight, mut asked) = (0.0, 0.0);
                 let mut less = [0.0; 2];
-                // Each edge beside it, the corner at the other end of that
-                // edge, and at which end this corner is.
+                // For each edge beside the corner: the corner at the edge's
+                // other end, and the end at which this corner is.
                 for (edge, other, end) in [(before, before, 1), (i, after, 0)] {
                     let Some(edge) = edges.get(edge) else {
                         continue;
@@ -155,14 +159,14 @@ impl Fit {
         }
     }
 
-    /// The corner after one.
+    /// The corner that follows corner `i`.
     fn after(&self, i: usize) -> usize {
         (i + 1) % self.moves.len()
     }
 
-    /// Holds back the corners beside edges that leave the path farther away
-    /// than the tolerance: they move by at most `least`. True if one of them
-    /// could move farther before.
+    /// Holds back the corners beside edges that are farther from the path than
+    /// the tolerance: they move by at most `least`. True if one of them could
+    /// move farther before.
     fn hold_where_off(
         &mut self,
         points: &Points<'_>,

@@ -1,13 +1,14 @@
-//! The path that is thinned, and the corners of what comes of it.
+//! The path that is thinned, and the corners of the result.
 
 use crate::Length;
 use glam::DVec2;
 
-/// Turn at a point, in radians, from which it is a corner that stays.
+/// Least turn at a point, in radians, for which the point is a corner that
+/// stays.
 const CORNER: f64 = 0.45;
 
-/// The points of a path. Those of a closed one are counted on from the first
-/// after the last, which is not the first again.
+/// The points of a path. In a closed path numbers after the last point count on
+/// from the first point, which is not repeated.
 #[derive(Clone, Copy)]
 pub(super) struct Points<'a> {
     pub all: &'a [DVec2],
@@ -19,13 +20,14 @@ impl Points<'_> {
         self.all[k % self.all.len()]
     }
 
-    /// The place on the path that lies at a number of points and a part.
+    /// The place on the path at a number of points and a share of the next
+    /// step.
     pub(super) fn place(&self, at: f64) -> DVec2 {
         let k = at as usize;
         self.at(k).lerp(self.at(k + 1), at - k as f64)
     }
 
-    /// The ways to point `k` and on from it; none at the ends of an open path.
+    /// The ways to point `k` and on from it; none at an end of an open path.
     pub(super) fn ways(&self, k: usize) -> Option<(DVec2, DVec2)> {
         let n = self.all.len();
         if !self.closed && (k == 0 || k + 1 >= n) {
@@ -40,14 +42,14 @@ impl Points<'_> {
         let Some((u, v)) = self.ways(k) else {
             return true;
         };
-        // By the cosine: the angle itself costs ten times as much.
+        // The cosine decides, since the angle itself costs ten times as much.
         let along = u.dot(v);
         let bound = CORNER.cos().powi(2) * u.length_squared();
         along < 0.0 || along * along < bound * v.length_squared()
     }
 
-    /// True if a line between the points beside point `k` leaves it farther
-    /// away than the tolerance.
+    /// True if the line between the points beside point `k` is farther from it
+    /// than the tolerance.
     pub(super) fn stands_out(&self, k: usize, tolerance: Length) -> bool {
         self.ways(k).is_none_or(|(u, v)| {
             let reach = tolerance * (u + v).length();
@@ -55,8 +57,9 @@ impl Points<'_> {
         })
     }
 
-    /// From point `k` to the left end of a gate that reaches so far to both
-    /// sides. The gate is at the same angle to the ways before and after it.
+    /// The way from point `k` to the left end of a gate that reaches `half` to
+    /// both sides. The gate has equal angles to the ways before and after the
+    /// point.
     pub(super) fn gate(&self, k: usize, half: Length) -> DVec2 {
         let along = self.ways(k).map_or(DVec2::ZERO, |(u, v)| {
             u.normalize_or_zero() + v.normalize_or_zero()
@@ -69,8 +72,9 @@ impl Points<'_> {
 #[derive(Clone, Copy)]
 pub(super) struct Joint {
     pub at: DVec2,
-    /// The place on the path beside it, as a number of points and a part.
+    /// The place on the path beside the corner, as a number of points and a
+    /// share of the next step.
     pub place: f64,
-    /// It stays where it is.
+    /// True if the corner stays where it is.
     pub stays: bool,
 }

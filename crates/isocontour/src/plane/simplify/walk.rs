@@ -7,10 +7,10 @@ use glam::DVec2;
 
 /// Half the width of the gates, as a share of the tolerance.
 pub(super) const GATE: f64 = 0.72;
-/// Number of gates that are looked at together at first.
+/// Number of gates that are looked at together in the first try.
 const WINDOW: usize = 16;
-/// What lies between two directions, less than half a turn apart: a gate as it
-/// is seen from a point, or the ways that lead through some gates.
+/// All directions between two, which are less than half a turn apart: a gate as
+/// it is seen from a point, or the directions that lead through several gates.
 #[derive(Clone, Copy)]
 struct Gate {
     right: DVec2,
@@ -18,7 +18,7 @@ struct Gate {
 }
 
 impl Gate {
-    /// The direction in it that is nearest to another.
+    /// The gate's direction that is nearest to another direction.
     fn nearest_to(&self, along: DVec2) -> DVec2 {
         if self.left.perp_dot(along) > 0.0 {
             self.left
@@ -30,7 +30,8 @@ impl Gate {
     }
 }
 
-/// The ways through a gate that also lead through others, if there are any.
+/// The directions through a gate that also lead through others, if there are
+/// any.
 fn narrowed(others: Option<Gate>, gate: Gate) -> Option<Gate> {
     let mut wedge = others.unwrap_or(gate);
     if wedge.right.perp_dot(gate.right) > 0.0 {
@@ -39,24 +40,24 @@ fn narrowed(others: Option<Gate>, gate: Gate) -> Option<Gate> {
     if wedge.left.perp_dot(gate.left) < 0.0 {
         wedge.left = gate.left;
     }
-    // Of a gate that is crossed the wrong way the right end is on the left.
+    // If a gate is crossed the wrong way, its right end is on the left.
     let right_way = gate.right.perp_dot(gate.left) >= 0.0;
     (right_way && wedge.right.perp_dot(wedge.left) >= 0.0).then_some(wedge)
 }
 
-/// The gates that one edge leads through.
+/// The gates through which one edge leads.
 struct Reach {
-    /// Directions that lead through all of them.
+    /// Directions that lead through all of these gates.
     wedge: Gate,
-    /// The last of them, and its number.
+    /// The last of these gates, and its number.
     gate: Gate,
     last: usize,
-    /// The next one, if no direction leads through that as well.
+    /// The next gate, if no direction leads through it as well.
     beyond: Option<Gate>,
 }
 
-/// Where a ray from the origin meets the line through two points: the share of
-/// the way from the first to the second.
+/// Where a ray from the origin meets the line through two points, as a share of
+/// the way from the first point to the second.
 fn meet(along: DVec2, a: DVec2, b: DVec2) -> f64 {
     let share = along.perp_dot(a) / along.perp_dot(a - b);
     if share.is_finite() {
@@ -66,16 +67,17 @@ fn meet(along: DVec2, a: DVec2, b: DVec2) -> f64 {
     }
 }
 
-/// How to go along a path.
+/// A way to walk along a path.
 pub(super) struct Walk<'a, C, F> {
     pub points: Points<'a>,
     /// How far gates reach to each side.
     pub half: Length,
-    /// True for points that stay.
+    /// Tells whether a point stays.
     pub corner: C,
-    /// True if one edge may lead along the path from one point to another.
+    /// Tells whether one edge may lead along the path from one point to
+    /// another.
     pub fits: F,
-    /// Edges may meet between two gates; else they meet in gates.
+    /// True if edges may meet between two gates; otherwise they meet in gates.
     pub between: bool,
 }
 
@@ -92,7 +94,8 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         if !self.points.closed {
             end = fixed(n - 1);
         } else if !(self.corner)(0) {
-            // Any point would do: one in which an edge ends is a good one.
+            // Any point would do. One at which an edge ends is a good
+            // beginning.
             from = self.next(&from, &end);
             from.place %= n as f64;
             end = Joint {
@@ -116,8 +119,8 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         joints
     }
 
-    /// Makes the last two edges about equally long if the last one is a short
-    /// rest and they lead through all gates then as well.
+    /// Makes the last two edges about equally long if the last one is short and
+    /// both still lead through all gates.
     fn share_last(&self, joints: &mut [Joint], end: &Joint) {
         let [.., a, b, c] = joints else {
             return;
@@ -150,7 +153,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         }
     }
 
-    /// The ends of the gate `k` as seen from a point; nothing between them where
+    /// The ends of the gate `k` as seen from a point. Both are one point where
     /// edges end. The last gate is the end of the path.
     fn gate(&self, k: usize, end: &Joint, from: DVec2) -> Gate {
         let (p, to_left) = match k as f64 >= end.place {
@@ -164,8 +167,8 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         }
     }
 
-    /// The gates that one edge from a corner of the result leads through, up to
-    /// gate `most`; nothing if it reaches none.
+    /// The gates through which one edge from a corner of the result leads, up
+    /// to gate `most`; none if it reaches no gate.
     fn reach(&self, from: &Joint, end: &Joint, most: usize) -> Option<Reach> {
         let start = from.place as usize;
         let mut reach: Option<Reach> = None;
@@ -207,8 +210,8 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
                 stays: (self.corner)(k),
             },
         };
-        // A long straight piece may fit no farther than its first points, and
-        // one that fits all along may soon turn away.
+        // A long straight piece may fit no farther than its first points. A
+        // piece that fits all along may soon turn away.
         let all = end.place.ceil() as usize;
         let mut most = all.min(start + WINDOW);
         let mut found = self.reach(from, end, most);
@@ -220,7 +223,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
             found = self.reach(from, end, most);
         }
         let Some(mut reach) = found else {
-            // Gates that cross: the path is rough where points are closer to
+            // These gates cross. The path is rough where points are closer to
             // each other than the tolerance.
             return point(start + 1);
         };
@@ -240,8 +243,8 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         if gate.right == gate.left {
             return point(last);
         }
-        // The direction, and the ends of both gates on the side on which it
-        // leaves the strip between them.
+        // The direction, and the ends of both gates on the side on which the
+        // edge leaves the strip between them.
         let (along, border) = match beyond {
             Some(next) if wedge.left.perp_dot(next.right) > 0.0 => {
                 (wedge.left, Some((gate.right, next.right)))
@@ -263,12 +266,13 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
     }
 }
 
-/// The farthest end, up to `last`, of a piece that begins at the point
-/// `start`, and what `fit` says of a piece that ends there; nothing if the
-/// piece has but two points. `fit` says nothing of a piece that is too long.
+/// The farthest end, up to `last`, of a piece that begins at the point `start`,
+/// and the value of `fit` for the piece that ends there. None if the piece has
+/// only two points. `fit` is none for a piece that is too long.
 ///
 /// The piece is lengthened in growing steps until it no longer fits, then the
-/// rest is halved. The first try is as long as `like`, the piece before.
+/// rest is halved. The first try is as long as `like`, the length of the piece
+/// before.
 pub fn longest<T>(
     start: usize,
     last: usize,
