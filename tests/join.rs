@@ -164,7 +164,7 @@ fn gaps_and_overlaps_are_refused() {
     assert!(overlap(10, 10)(&why(&["1..10", "10..30"])));
     assert!(overlap(5, 7)(&why(&["1..20", "5..7", "21..30"])));
     assert!(overlap(1, 10)(&why(&["1..10", "1..10", "11..30"])));
-    assert!(matches!(join::<Vec<u8>>(&[]), Err(JoinError::Nothing)));
+    assert!(matches!(join(&[] as &[Vec<u8>]), Err(JoinError::Nothing)));
 }
 
 #[test]
