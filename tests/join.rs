@@ -182,7 +182,7 @@ fn other_prints_are_refused() {
     );
     let text = String::from_utf8(coarse(BALL, &[], "11..30")).unwrap();
     let version = text.replace("\"version\":\"isoslice", "\"version\":\"other");
-    assert_ne!(version, text);
+    assert!(version != text);
     // The manifest's place has not changed, only its length.
     assert!(join(&[first.clone(), version.into_bytes()]).is_err());
     let binary = file(
@@ -218,8 +218,8 @@ fn half_written_and_changed_files_are_refused() {
         assert!(join(&[&first, &changed]).is_err(), "byte {at}");
     }
     let text = String::from_utf8(second.clone()).unwrap();
-    let faster = text.replacen(" F1", " F2", 1);
-    assert_ne!(faster, text);
+    let faster = text.replacen(" F9000", " F8000", 1);
+    assert!(faster != text);
     let error = join(&[first.as_slice(), faster.as_bytes()]).unwrap_err();
     assert!(matches!(error, JoinError::Changed(_)), "{error}");
     let more = text.clone() + "M117 done\n";

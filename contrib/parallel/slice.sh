@@ -28,7 +28,7 @@ for file in "$model" ${FILES:-}; do
 done
 printf -v arguments '%q ' "$@"
 "$isoslice" split --parts "$parts" "$@" > "$work/ranges"
-parallel --sshlogin "$hosts" --workdir ... "${files[@]}" \
+parallel --sshlogin "$hosts" --workdir "isoslice-$(hostname)-$$" "${files[@]}" \
     --retries 3 --halt soon,fail=1 --joblog "$output.joblog" \
     --return "{#}.$kind" --cleanup \
     "$isoslice -qq slice $arguments --layers {} --threads 1 -o {#}.$kind" \

@@ -12,8 +12,8 @@
 # variables (man sbatch) choose a partition, an account or a time limit; CPUS is
 # the number of processors of a task (1), MEMORY its memory (1G).
 #
-# A task that is killed or whose node fails is begun again: its file is there as
-# a whole or not at all. The number of the joining job is printed.
+# A task that is killed, up to 3 times, or whose node fails, is begun again: its
+# file is there as a whole or not at all. The number of the joining job is printed.
 set -euo pipefail
 [ $# -ge 3 ] || { sed -n '2,16s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 parts=$1
@@ -34,9 +34,17 @@ set -euo pipefail
 isoslice=$1 work=$2 kind=$3
 range=$(sed -n "${SLURM_ARRAY_TASK_ID}p" "$work/ranges")
 mapfile -d '' -t arguments < "$work/arguments"
-exec "$isoslice" -qq slice "${arguments[@]}" --layers "$range" \
+code=0
+"$isoslice" -qq slice "${arguments[@]}" --layers "$range" \
     --threads "$SLURM_CPUS_ON_NODE" --time-limit none \
-    -o "$work/$SLURM_ARRAY_TASK_ID.$kind"
+    -o "$work/$SLURM_ARRAY_TASK_ID.$kind" || code=$?
+# Slurm begins again what has lost its node, not what a signal has ended.
+if [ "$code" -gt 128 ] && [ "${SLURM_RESTART_COUNT:-0}" -lt 3 ]; then
+    echo "ended by signal $((code - 128)); to be begun again"
+    scontrol requeue "$SLURM_JOB_ID"
+    sleep 60
+fi
+exit "$code"
 TASK
 
 cat > "$work/join" <<'JOIN'
