@@ -44,8 +44,8 @@
 //! 8. [`travel`] connects the beads, and decides where to retract.
 //! 9. [`pace`] gives every move its speed: by role, and slower where the hot
 //!    end or the cooling could not follow. It adds up the time.
-//! 10. [`gcode`] writes the G-code, and [`bgcode`] packs it for Prusa's
-//!     printers. [`reader`] reads G-code of any slicer, and [`mod@check`] tells
+//! 10. [`gcode`] writes the G-code, [`bgcode`] packs it for Prusa's printers and
+//!     [`package`] for Bambu Lab's. [`reader`] reads G-code of any slicer, and [`mod@check`] tells
 //!     whether it is safe to run. [`preview`] draws it. [`report`] measures how
 //!     far outlines and walls are from f = 0.
 //!
@@ -180,6 +180,7 @@ pub mod limits;
 pub mod model;
 mod order;
 mod pace;
+mod package;
 pub mod pipeline;
 mod plane;
 pub mod plate;

@@ -28,6 +28,7 @@ use std::process::ExitCode;
 const BROKEN_PIPE: u8 = 141;
 
 fn main() -> ExitCode {
+    cli::complete::answer();
     match cli::run(cli::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::from(BROKEN_PIPE),

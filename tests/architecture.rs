@@ -69,7 +69,9 @@ const ORDER: &[&[&str]] = &[
     // It moves beads that have their order and their ends.
     &["relief"],
     &["travel"],
-    // The binary form of G-code: text in, bytes out, and back.
+    // Archives with G-code: text in, bytes out, and back.
+    &["package"],
+    // The binary form of G-code. Whoever reads it also opens archives.
     &["bgcode"],
     // G-code of any slicer, back to moves. The clock of `pace` times them.
     &["reader"],

@@ -1140,16 +1140,9 @@ fn a_starter_overwrites_nothing() {
 }
 
 #[test]
-fn shells_and_manual_know_every_command() {
+fn the_manual_knows_every_command() {
     let folder = folder();
     let commands = ["slice", "info", "settings", "profiles", "new", "man"];
-    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        let script = stdout(isoslice(&folder).args(["completions", shell]));
-        for known in commands {
-            assert!(script.contains(known), "{shell}: {known}");
-        }
-        assert!(script.contains("infill") || script.contains("filament"));
-    }
     let page = stdout(isoslice(&folder).arg("man"));
     assert!(page.contains(".TH isoslice 1"), "{page}");
     for section in ["EXAMPLES", "EXIT CODES", "ENVIRONMENT", "SUBCOMMANDS"] {

@@ -93,6 +93,13 @@ const PRUSA: &[&str] = &[
     "M208", "M220", "M221", "M400", "M486", "M572", "M862.1", "M862.3", "M900",
 ];
 
+/// Bambu Lab's firmware: the commands in files of Bambu Studio.
+const BAMBU: &[&str] = &[
+    "G0", "G1", "G4", "G21", "G28", "G29", "G90", "G91", "G92", "M18", "M73",
+    "M82", "M83", "M104", "M106", "M109", "M140", "M190", "M204", "M205",
+    "M220", "M221", "M400", "M412", "M624", "M625", "M900", "M975", "M991",
+];
+
 /// A file's commands without comments.
 fn commands(gcode: &str) -> impl Iterator<Item = &str> {
     gcode
@@ -246,6 +253,39 @@ fn prusa_firmware_knows_every_line() {
         ];
         assert_head(name, gcode, &lines);
     });
+}
+
+#[test]
+fn bambu_firmware_knows_every_line() {
+    let own = [
+        "gcode.flavour=bambu",
+        "gcode.comments=bambu",
+        "gcode.relative_e=true",
+        "filament.pressure_advance=0.02",
+        "gcode.end=M104 S0\nM140 S0\nM18 X Y Z",
+    ];
+    let (model, settings) = ball(&own);
+    let (gcode, _) = slice(&model, &settings, 2);
+    assert_known(&gcode, BAMBU);
+    for line in ["M204 S1000", "M205 X5 Y5", "M900 K0.02 L1000 M10"] {
+        let head = gcode.split("; CHANGE_LAYER").next().unwrap();
+        assert!(head.lines().any(|l| l == line), "{line}: {head}");
+    }
+    let count = |line: &str| gcode.lines().filter(|l| *l == line).count();
+    let layers = count("; CHANGE_LAYER");
+    assert!(layers > 10);
+    for (k, number) in (1..=layers).enumerate() {
+        assert_eq!(count(&format!("M73 L{number}")), 1);
+        assert_eq!(count(&format!("M991 S0 P{k}")), 1);
+    }
+    assert_eq!(count("; model label id: 1"), 1);
+    // The first of 64 bits.
+    assert_eq!(count("M624 AQAAAAAAAAA="), layers);
+    assert_eq!(count("M625"), layers);
+    assert!(gcode.contains("\n; FEATURE: Outer wall\n"));
+    assert!(gcode.contains("\n; LINE_WIDTH: 0.45\n"));
+    assert!(!gcode.contains("\nM107"));
+    assert!(gcode.contains("\nM73 P100 R0\n"));
 }
 
 #[test]

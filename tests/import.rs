@@ -477,12 +477,59 @@ fn of_several_profiles_all_are_written_or_none() {
 
 /// A `.curaprofile` with one file of that text.
 fn zipped(path: &Path, text: &[u8]) {
+    entry(path, "fine", text);
+}
+
+/// An archive with one entry.
+fn entry(path: &Path, name: &str, text: &[u8]) {
     let mut zip = zip::ZipWriter::new(fs::File::create(path).unwrap());
     let options = zip::write::SimpleFileOptions::default()
         .compression_method(zip::CompressionMethod::Deflated);
-    zip.start_file("fine", options).unwrap();
+    zip.start_file(name, options).unwrap();
     zip.write_all(text).unwrap();
     zip.finish().unwrap();
+}
+
+#[test]
+fn projects_and_what_the_head_needs_are_taken_over() {
+    let dir = folder(&[(
+        "one.ini",
+        "bed_shape = 0x0,200x0,200x200,0x200\n\
+         extruder_clearance_radius = 45\nextruder_clearance_height = 13\n\
+         complete_objects = 1\nperimeters = 3\n",
+    )]);
+    let project = r#"{"printer_model": "Bambu Lab A1", "gcode_flavor": "marlin",
+        "printable_area": ["0x0", "256x0", "256x256", "0x256"],
+        "extruder_clearance_radius": "57", "extruder_clearance_max_radius": "73",
+        "extruder_clearance_height_to_rod": "25", "wall_loops": "4",
+        "print_sequence": "by object"}"#;
+    let settings = "Metadata/project_settings.config";
+    entry(&dir.path().join("p.3mf"), settings, project.as_bytes());
+    let imported = |file: &str| {
+        let args = ["profiles", "import", file, "-o", "same.toml", "--force"];
+        output(dir.path(), &args);
+        fs::read_to_string(dir.path().join("same.toml")).unwrap()
+    };
+    let bambu = imported("p.3mf");
+    for line in [
+        "flavour = \"bambu\"",
+        "model = \"Bambu Lab A1\"",
+        "head_clearance_radius = 73",
+        "gantry_height = 25",
+        "sequence = \"one-by-one\"",
+        "walls = 4",
+        "bed_x = 256",
+    ] {
+        assert!(bambu.contains(line), "{line}: {bambu}");
+    }
+    let prusa = imported("one.ini");
+    for line in [
+        "head_clearance_radius = 45",
+        "gantry_height = 13",
+        "sequence = \"one-by-one\"",
+    ] {
+        assert!(prusa.contains(line), "{line}: {prusa}");
+    }
 }
 
 #[test]
@@ -547,8 +594,20 @@ fn hostile_files_end_in_errors() {
     big.set_len(500 << 20).unwrap();
     // 100 MB of zeros in 100 kB.
     zipped(&dir.path().join("bomb.curaprofile"), &vec![0; 100 << 20]);
-    fs::write(dir.path().join("no.curaprofile"), b"PK\x03\x04 nothing")
-        .unwrap();
+    for name in ["no.curaprofile", "no.3mf"] {
+        fs::write(dir.path().join(name), b"PK\x03\x04 nothing").unwrap();
+    }
+    let settings = "Metadata/project_settings.config";
+    entry(
+        &dir.path().join("bomb.3mf"),
+        settings,
+        &vec![b'{'; 100 << 20],
+    );
+    entry(
+        &dir.path().join("models.3mf"),
+        "3D/3dmodel.model",
+        b"<model/>",
+    );
     for (file, words) in [
         ("deep.json", "no profile that isoslice knows"),
         ("circle.ini", "inherits from itself"),
@@ -559,7 +618,10 @@ fn hostile_files_end_in_errors() {
         ("bomb.curaprofile", "larger than 1 MB unpacked"),
         ("no.curaprofile", "its archive"),
         ("missing.ini", "cannot read"),
-        ("part.3mf", "no profiles from such files"),
+        ("bomb.3mf", "larger than 4 MB unpacked"),
+        ("models.3mf", "no configuration in it"),
+        ("no.3mf", "its archive"),
+        ("part.bgcode", "no profiles from such files"),
     ] {
         let mut args = vec!["profiles", "import", file];
         if file == "circle.ini" {

@@ -8,6 +8,7 @@
 use super::{
     BLOCK, Compression, Kind, MAGIC, VERSION, heatshrink, meatpack, number_of,
 };
+use crate::package::{self, Opened};
 use crate::settings::{ImageFormat, PictureSize};
 use flate2::read::ZlibDecoder;
 use std::io::{self, Read};
@@ -21,7 +22,7 @@ const LARGEST: u32 = 1 << 24;
 /// read.
 const LIKELY: u64 = 64;
 
-/// Why binary G-code cannot be read.
+/// Why packed G-code cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Damaged {
     /// Bytes are missing at the end of the file.
@@ -52,7 +53,7 @@ impl From<Damaged> for io::Error {
     }
 }
 
-/// Reads G-code as text, whether it is binary or not.
+/// Reads G-code as text, whether it is binary, in an archive, or text.
 #[derive(Debug)]
 pub struct Unpacked<R> {
     input: R,
@@ -82,11 +83,16 @@ enum OfBlocks {
     Pictures(Vec<(PictureSize, Vec<u8>)>),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 enum Form {
     Unknown,
     Text,
-    Binary { checksums: bool, has_text: bool },
+    Binary {
+        checksums: bool,
+        has_text: bool,
+    },
+    /// A plate of Bambu Lab's.
+    Plate(Box<Opened>),
 }
 
 impl<R: Read> Unpacked<R> {
@@ -121,6 +127,12 @@ impl<R: Read> Unpacked<R> {
     /// Finds out by the first bytes whether the input is text or binary.
     fn begin(&mut self) -> io::Result<()> {
         let first = self.up_to(MAGIC.len())?;
+        if first == package::MAGIC {
+            let mut archive = first.as_slice().chain(&mut self.input);
+            let opened = Opened::new(&mut archive)?;
+            self.form = Form::Plate(Box::new(opened));
+            return Ok(());
+        }
         if first != MAGIC {
             self.form = Form::Text;
             self.ready = first;
@@ -271,10 +283,11 @@ impl<R: Read> Read for Unpacked<R> {
                 self.at += n;
                 return Ok(n);
             }
-            match self.form {
+            match &mut self.form {
                 Form::Unknown => self.begin()?,
                 Form::Text => return self.input.read(out),
-                Form::Binary {
+                Form::Plate(text) => return text.read(out),
+                &mut Form::Binary {
                     checksums,
                     has_text,
                 } => {

@@ -17,6 +17,7 @@
 //! | no move of filament alone is longer than firmware takes | [`Kind::LongFeed`] |
 //! | nothing is faster than the printer | [`Kind::TooFast`], [`Kind::NoSpeed`] |
 //! | z rises by layers | [`Kind::Jump`], [`Kind::Low`] |
+//! | the head does not come near parts that are finished, where parts are printed one by one | [`Kind::Collision`] |
 //! | every island stands on something | [`Kind::InTheAir`] |
 //! | every line makes sense, and ends where any firmware ends it | [`Kind::Senseless`], [`Kind::LongLine`], [`Kind::LineEnd`] |
 //! | no command breaks what the check takes for granted (`words` is the table) | [`Kind::Harmful`], [`Kind::Changed`] |
@@ -40,6 +41,7 @@
 
 mod alongside;
 mod ending;
+mod finished;
 mod ground;
 mod heat;
 mod verdict;
@@ -56,6 +58,7 @@ use crate::reader::{
 use crate::settings::{Flavour, Settings};
 use crate::units::{Celsius, Mm, Mm2, MmPerSec};
 use ending::Ending;
+use finished::{Finished, HeadRoom};
 use glam::{DVec2, DVec3};
 use ground::Ground;
 use heat::{Heat, Readiness};
@@ -114,6 +117,9 @@ pub struct Rules {
     pub speed_z: MmPerSec,
     /// Least temperature of a nozzle that filament is pushed through.
     pub least_heat: Celsius,
+    /// What the head needs beside finished parts, if parts are printed one by
+    /// one.
+    pub(crate) head_room: Option<HeadRoom>,
     /// How hot the nozzle may be.
     pub(crate) nozzle_heat: HeatLimit,
     /// How hot the bed may be.
@@ -151,6 +157,7 @@ impl Rules {
             speed: printer.max_speed,
             speed_z: printer.max_speed_z,
             least_heat: settings.min_nozzle_temperature(),
+            head_room: HeadRoom::of(settings),
             // If the printer's own limits are not set, these hold: what usual
             // hot ends, beds and chambers bear, and what hardly any bears.
             nozzle_heat: HeatLimit::new(
@@ -240,6 +247,8 @@ struct Checker<'a> {
     firmware_back: u64,
     /// Greatest height of a bead of the print so far.
     top: Mm,
+    /// Parts that were printed before this one.
+    finished: Finished,
     layer: u32,
 }
 
@@ -258,6 +267,7 @@ impl<'a> Checker<'a> {
             back: [0.0; TOOLS as usize],
             firmware_back: 0,
             top: rules.base,
+            finished: Finished::default(),
             layer: 0,
         }
     }
@@ -490,6 +500,7 @@ impl<'a> Checker<'a> {
         } else if step.travels() && !template {
             self.travel(step);
         }
+        self.collide(step);
     }
 
     /// Reports a move that leads where the head cannot go.
@@ -725,6 +736,15 @@ impl<'a> Checker<'a> {
             return;
         }
         let z = step.from.z.max(step.to.z);
+        if rules.head_room.is_some() {
+            if z < self.top - rules.nozzle {
+                // The next part begins.
+                self.finished.next_part();
+                self.ground = Ground::default();
+                self.top = rules.base;
+            }
+            self.finished.bead(step);
+        }
         // A layer is no higher than the nozzle is wide, including the air above
         // a raft. The first layer may lie on a thick sheet.
         let most = self.top + rules.nozzle + ROUNDING;
@@ -746,6 +766,16 @@ impl<'a> Checker<'a> {
             rules.reach(step.from, BESIDE) && rules.reach(step.to, BESIDE);
         if within && !matches!(step.role, Role::SkirtBrim | Role::Ironing) {
             self.ground.bead(step);
+        }
+    }
+
+    /// Reports a head that would hit a finished part.
+    fn collide(&mut self, step: &Move) {
+        let room = self.rules.head_room.as_ref();
+        let hit = room.and_then(|room| self.finished.hit(step, room));
+        if let Some(what) = hit {
+            self.verdict
+                .add(Kind::Collision, step.line, step.to, || what);
         }
     }
 

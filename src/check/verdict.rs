@@ -54,6 +54,8 @@ pub enum Kind {
     NoSpeed,
     /// A travel leads below the top of the print.
     Low,
+    /// The head would hit a part that is finished.
+    Collision,
     /// An island stands on nothing.
     InTheAir,
     /// Something depends on what only the printer knows.
@@ -119,6 +121,7 @@ impl Kind {
             Kind::LongLine => "long-line",
             Kind::NoSpeed => "no-speed",
             Kind::Low => "low-travel",
+            Kind::Collision => "collision",
             Kind::InTheAir => "in-the-air",
             Kind::Unknown => "unknown",
             Kind::TooHot => "too-hot",

@@ -1,17 +1,18 @@
 //! Arguments that several commands share, and what they mean.
 
+use super::folder::ProfilesSource;
 use super::output::is_stream;
-use super::terminal;
+use super::{complete, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
-use etcetera::BaseStrategy;
+use clap_complete::engine::ArgValueCompleter;
 use glam::DVec3;
 use isoslice::files;
 use isoslice::model::{
     self, Bounds, BuildVolume, Model, Placement, Source, SourceKind,
 };
 use isoslice::plate::Wanted;
-use isoslice::settings::{Builder, Origin, ProfileKind, Profiles, Settings};
+use isoslice::settings::{Builder, Origin, ProfileKind, Settings};
 use std::path::{Path, PathBuf};
 
 /// Name of a model that is given as a formula.
@@ -58,6 +59,7 @@ pub(super) struct ModelArgs {
         long = "define",
         value_name = "NAME=VALUE",
         value_parser = define,
+        add = ArgValueCompleter::new(complete::parameters),
         help_heading = "Model"
     )]
     pub(super) defines: Vec<(String, String)>,
@@ -291,15 +293,27 @@ fn standard_input() -> anyhow::Result<String> {
 #[command(next_help_heading = "Settings")]
 pub(super) struct SettingsSource {
     /// Settings for this printer; `isoslice profiles` lists them
-    #[arg(long, value_name = "NAME")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        add = ArgValueCompleter::new(complete::printers)
+    )]
     pub(super) printer: Option<String>,
 
     /// Settings for this filament
-    #[arg(long, value_name = "NAME")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        add = ArgValueCompleter::new(complete::filaments)
+    )]
     pub(super) filament: Option<String>,
 
     /// Settings for this kind of print
-    #[arg(long, value_name = "NAME")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        add = ArgValueCompleter::new(complete::presets)
+    )]
     pub(super) preset: Option<String>,
 
     #[command(flatten)]
@@ -312,7 +326,11 @@ pub(super) struct SettingsSource {
 
     /// Set one setting, as in layer_height=0.15 or speed.outer_wall=30;
     /// wins over all others; `isoslice settings` lists them
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(
+        long,
+        value_name = "KEY=VALUE",
+        add = ArgValueCompleter::new(complete::settings)
+    )]
     pub(super) set: Vec<String>,
 }
 
@@ -369,43 +387,6 @@ impl SettingsSource {
             files,
             builder,
         })
-    }
-}
-
-/// Where the user's own profiles are.
-#[derive(Args, Clone, Debug, PartialEq)]
-pub(super) struct ProfilesSource {
-    /// Folder of your own profiles, which has the folders printers, filaments
-    /// and presets [default: $ISOSLICE_PROFILES, or isoslice in the folder
-    /// for configuration]
-    #[arg(long = "profiles", value_name = "DIR", help_heading = "Settings")]
-    folder: Option<PathBuf>,
-}
-
-impl ProfilesSource {
-    /// The folder, which need not exist.
-    pub(super) fn folder(&self) -> Option<PathBuf> {
-        let of_environment = || {
-            std::env::var_os("ISOSLICE_PROFILES")
-                .filter(|folder| !folder.is_empty())
-                .map(PathBuf::from)
-        };
-        let of_user = || {
-            let strategy = etcetera::choose_base_strategy().ok()?;
-            Some(strategy.config_dir().join("isoslice"))
-        };
-        self.folder.clone().or_else(of_environment).or_else(of_user)
-    }
-
-    /// All profiles of the program and of the folder.
-    pub(super) fn find(&self) -> anyhow::Result<Profiles> {
-        // The usual folder may be missing, but not one that was named.
-        if let Some(folder) = &self.folder
-            && !folder.is_dir()
-        {
-            bail!("there is no folder {} (--profiles)", folder.display());
-        }
-        Ok(Profiles::new(self.folder()))
     }
 }
 

@@ -49,6 +49,26 @@ const OTHERS: &[(&[&str], &str)] = &[
     ),
 ];
 
+/// The end of the names of plates for Bambu Lab's printers.
+const SLICED_PLATE: &str = "gcode.3mf";
+
+/// The extension of files of a format.
+pub(super) fn extension_of(format: Format) -> &'static str {
+    match format {
+        Format::Text => "gcode",
+        Format::Binary => "bgcode",
+        Format::Plate => SLICED_PLATE,
+    }
+}
+
+/// True if a file of this name is a plate for Bambu Lab's printers.
+pub(super) fn is_sliced_plate(path: &Path) -> bool {
+    let name = path.file_name().and_then(OsStr::to_str).unwrap_or("");
+    let name = name.to_ascii_lowercase();
+    let before = name.strip_suffix(SLICED_PLATE);
+    before.is_some_and(|before| before.ends_with('.'))
+}
+
 /// The format of a file of this name.
 ///
 /// # Errors
@@ -56,6 +76,9 @@ const OTHERS: &[(&[&str], &str)] = &[
 pub(super) fn format_of(path: &Path) -> anyhow::Result<Format> {
     if is_stream(path) {
         return Ok(Format::Text);
+    }
+    if is_sliced_plate(path) {
+        return Ok(Format::Plate);
     }
     let end = path.extension().and_then(OsStr::to_str).unwrap_or("");
     let end = end.to_ascii_lowercase();
@@ -65,8 +88,8 @@ pub(super) fn format_of(path: &Path) -> anyhow::Result<Format> {
     let is = |(ends, _): &&(&[&str], _)| ends.contains(&end.as_str());
     if let Some((_, what)) = OTHERS.iter().find(is) {
         bail!(
-            "cannot write {}: {what}; slice writes G-code, as text (.gcode) \
-             or binary (.bgcode)",
+            "cannot write {}: {what}; slice writes G-code, as text (.gcode), \
+             binary (.bgcode) or a plate for Bambu Lab's printers (.gcode.3mf)",
             path.display()
         );
     }

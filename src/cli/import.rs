@@ -1,6 +1,6 @@
 //! `isoslice profiles import`: makes profiles of those of other slicers.
 
-use super::args::ProfilesSource;
+use super::folder::ProfilesSource;
 use super::output::{Output, is_stream};
 use super::{plain, terminal};
 use anyhow::{Context, bail};

@@ -1,7 +1,8 @@
-//! `isoslice info`: shows what a model is, without slicing it.
+//! `isoslice info`: shows what a model is, without slicing it. Plate files are
+//! the matter of `plate_info`.
 
-use super::args::{ModelArgs, SettingsSource};
-use super::limits::{LimitArgs, watched};
+use super::args::{Gathered, ModelArgs, SettingsSource};
+use super::limits::LimitArgs;
 use super::{plain, print_json, terminal};
 use anyhow::Context;
 use clap::Args;
@@ -17,6 +18,7 @@ const EXAMPLES: &str = "\
 Examples:
   isoslice info part.rhai
   isoslice info part.rhai --supports
+  isoslice info plate.toml
   isoslice info part.vm --size 60 --set layer_height=0.1";
 
 /// Arguments of `isoslice info`.
@@ -28,27 +30,23 @@ Examples:
 )]
 pub(super) struct InfoArgs {
     #[command(flatten)]
-    model: ModelArgs,
+    pub(super) model: ModelArgs,
     #[command(flatten)]
-    settings: SettingsSource,
+    pub(super) settings: SettingsSource,
     #[command(flatten)]
-    limits: LimitArgs,
+    pub(super) limits: LimitArgs,
 
     /// Also list what would need supports, place by place
     #[arg(long, help_heading = "Output")]
-    supports: bool,
+    pub(super) supports: bool,
 
     /// Print JSON
     #[arg(long, help_heading = "Output")]
-    json: bool,
+    pub(super) json: bool,
 }
 
-pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
-    watched(&args.limits.watch(), || show(args))
-}
-
-fn show(args: &InfoArgs) -> anyhow::Result<()> {
-    let gathered = args.settings.gather()?;
+/// Shows a model.
+pub(super) fn show(args: &InfoArgs, gathered: &Gathered) -> anyhow::Result<()> {
     let settings = &gathered.settings;
     let model = args.model.load(settings)?;
     terminal::warn(&model.warnings);
@@ -212,7 +210,7 @@ pub(super) fn describe_steps(
 
 /// What would need supports.
 #[derive(Serialize)]
-struct SupportsJson {
+pub(super) struct SupportsJson {
     area_mm2: f64,
     begins_on_nothing_mm2: f64,
     leans_mm2: f64,
@@ -232,7 +230,7 @@ struct PlaceJson {
 }
 
 impl SupportsJson {
-    fn new(survey: &Survey) -> SupportsJson {
+    pub(super) fn new(survey: &Survey) -> SupportsJson {
         let Hanging {
             begins,
             leans,
@@ -262,7 +260,7 @@ impl SupportsJson {
 }
 
 /// The lines about what would need supports.
-fn describe_supports(
+pub(super) fn describe_supports(
     survey: &Survey,
     text: &mut String,
 ) -> Result<(), std::fmt::Error> {

@@ -110,7 +110,7 @@ fn check_format(
         return Ok(());
     }
     match format {
-        Format::Text => bail!(
+        Format::Text | Format::Plate => bail!(
             "the files are text, and {} would be binary; give it a name that \
              ends in .gcode, or slice the ranges to .bgcode files",
             path.display()

@@ -1,8 +1,9 @@
-//! `isoslice completions` and `isoslice man`: scripts for shells and manual
-//! pages, made of the command line's description.
+//! `isoslice completions` and `isoslice man`: scripts by which shells ask this
+//! program what may follow, and manual pages made of the command line's
+//! description.
 
-use super::Cli;
 use super::output::{Output, print};
+use super::{Cli, complete};
 use anyhow::{Context, bail};
 use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
@@ -46,10 +47,7 @@ pub(super) struct ManArgs {
 }
 
 pub(super) fn completions(args: &CompletionsArgs) -> anyhow::Result<()> {
-    let mut script = Vec::new();
-    let mut command = Cli::command();
-    clap_complete::generate(args.shell, &mut command, "isoslice", &mut script);
-    print(&script)
+    print(&complete::script(&args.shell.to_string())?)
 }
 
 pub(super) fn man(args: &ManArgs) -> anyhow::Result<()> {

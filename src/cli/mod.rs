@@ -7,7 +7,9 @@
 mod args;
 mod check;
 mod closed;
+pub(crate) mod complete;
 mod excerpt;
+mod folder;
 mod formats;
 mod hosts;
 mod import;
@@ -21,6 +23,7 @@ mod output;
 mod parse;
 mod patience;
 mod plain;
+mod plate_info;
 mod plates;
 mod preview;
 mod printers;
@@ -131,7 +134,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Preview(args) => preview::run(&args),
         Command::Watch(args) => watch::run(*args),
         Command::Check(args) => check::run(&args),
-        Command::Info(args) => info::run(&args),
+        Command::Info(args) => plate_info::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Send(args) => send::run(&args),
         Command::Printers(args) => printers::run(&args),

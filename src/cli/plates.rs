@@ -68,10 +68,10 @@ impl PlateArgs {
     }
 
     /// Where the G-code goes unless the user says.
-    pub(super) fn output(&self, model: &Path) -> PathBuf {
+    pub(super) fn output(&self, model: &Path, extension: &str) -> PathBuf {
         match self.more.is_empty() {
-            true => model.with_extension("gcode"),
-            false => model.with_file_name("plate.gcode"),
+            true => model.with_extension(extension),
+            false => model.with_file_name(format!("plate.{extension}")),
         }
     }
 

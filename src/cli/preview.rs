@@ -1,6 +1,7 @@
 //! `isoslice preview`: makes a page that shows G-code or a model.
 
 use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
+use super::formats::is_sliced_plate;
 use super::limits::{LimitArgs, watched};
 use super::output::Output;
 use super::{plain, terminal};
@@ -232,6 +233,7 @@ impl Sliced {
         }
         if let Some(kind @ ("stl" | "3mf" | "obj" | "step" | "stp")) =
             extension.as_deref()
+            && !is_sliced_plate(file)
         {
             bail!(
                 "{} is a mesh or a drawing (.{kind}); the preview shows \

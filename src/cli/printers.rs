@@ -1,10 +1,11 @@
 //! `isoslice printers`: the printers that files are sent to.
 
-use super::args::ProfilesSource;
+use super::folder::ProfilesSource;
 use super::hosts::{self, HostKind, Key, Printer, PrinterBook, Status};
-use super::{plain, terminal};
+use super::{complete, plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand, ValueEnum};
+use clap_complete::engine::ArgValueCompleter;
 use isoslice::files;
 use std::fmt::Write as _;
 use std::io::{IsTerminal, stdin};
@@ -53,6 +54,7 @@ struct FolderArgs {
 #[derive(Args, Debug)]
 struct OneArgs {
     /// Name of the printer
+    #[arg(add = ArgValueCompleter::new(complete::hosts))]
     name: String,
 
     #[command(flatten)]

@@ -1,6 +1,6 @@
 //! `isoslice profiles`: lists printers, filaments and presets.
 
-use super::args::ProfilesSource;
+use super::folder::ProfilesSource;
 use super::{import, plain, print_json, terminal};
 use anyhow::bail;
 use clap::{Args, Subcommand};

@@ -1,10 +1,12 @@
 //! `isoslice send`: sends G-code to the program that runs a printer.
 
-use super::args::ProfilesSource;
+use super::folder::ProfilesSource;
+use super::formats::is_sliced_plate;
 use super::hosts::{self, Printer, Sending, Sent};
-use super::{plain, printers, terminal};
+use super::{complete, plain, printers, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
+use clap_complete::engine::ArgValueCompleter;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -24,7 +26,11 @@ pub(super) struct SendArgs {
     file: PathBuf,
 
     /// The printer, as `isoslice printers` lists it
-    #[arg(long, value_name = "PRINTER")]
+    #[arg(
+        long,
+        value_name = "PRINTER",
+        add = ArgValueCompleter::new(complete::hosts)
+    )]
     to: String,
 
     /// Print the file, once all of it has arrived
@@ -52,6 +58,13 @@ pub(super) fn run(args: &SendArgs) -> anyhow::Result<()> {
     }
     let ending = args.file.extension().and_then(|e| e.to_str());
     let ending = ending.unwrap_or_default().to_ascii_lowercase();
+    if is_sliced_plate(&args.file) {
+        bail!(
+            "{shown} is a plate for Bambu Lab's printers, which none of these \
+             hosts runs; copy it to the printer's card, or open it in Bambu \
+             Studio or Bambu Connect and send it from there"
+        );
+    }
     if !["gcode", "gco", "g", "bgcode"].contains(&&*ending) {
         bail!(
             "{shown} is no G-code by its name (.gcode or .bgcode); isoslice \

@@ -2,7 +2,8 @@
 
 use super::args::{Gathered, SettingsSource};
 use super::{plain, print_json};
-use clap::Args;
+use clap::{Args, ValueEnum};
+use isoslice::plate;
 use isoslice::settings::{Key, keys, schema};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
@@ -12,7 +13,8 @@ Examples:
   isoslice settings > my.toml           all defaults, to edit
   isoslice settings --config my.toml --set walls=3 > mine.toml
   isoslice settings --effective --printer ender-3 --filament petg
-  isoslice settings --schema > isoslice.schema.json";
+  isoslice settings --schema > isoslice.schema.json
+  isoslice settings --schema=plate > plate.schema.json";
 
 /// Arguments of `isoslice settings`.
 #[derive(Args, Debug)]
@@ -30,15 +32,34 @@ pub(super) struct SettingsArgs {
     #[arg(long, conflicts_with = "effective")]
     json: bool,
 
-    /// Print a JSON Schema of settings files, for editors that complete and check
-    /// them; it depends on nothing else
-    #[arg(long, conflicts_with_all = ["effective", "json"])]
-    schema: bool,
+    /// Print a JSON Schema of settings files, or of plate files, for editors
+    /// that complete and check them; it depends on nothing else
+    #[arg(
+        long,
+        value_name = "OF",
+        value_enum,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "settings",
+        conflicts_with_all = ["effective", "json"]
+    )]
+    schema: Option<SchemaOf>,
+}
+
+/// What a schema is of.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SchemaOf {
+    /// Files of settings, and profiles.
+    Settings,
+    /// Plate files.
+    Plate,
 }
 
 pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<()> {
-    if args.schema {
-        return print_json(&schema());
+    match args.schema {
+        Some(SchemaOf::Settings) => return print_json(&schema()),
+        Some(SchemaOf::Plate) => return print_json(&plate::schema()),
+        None => {}
     }
     let gathered = args.source.gather()?;
     if args.json {

@@ -1,15 +1,17 @@
 //! `isoslice slice`: makes a G-code file of a model, and prints a summary.
 
 use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
-use super::formats::format_of;
+use super::formats::{extension_of, format_of};
 use super::hosts::Printer;
 use super::limits::{LimitArgs, watched};
 use super::output::{Output, is_stream, same_file};
 use super::plates::{self, PlateArgs};
 use super::summary::{Sums, describe};
-use super::{plain, printers, send, terminal};
+use super::{complete, plain, printers, send, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
+use clap_complete::engine::ArgValueCompleter;
+use isoslice::Format;
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
@@ -48,8 +50,9 @@ pub(super) struct SliceArgs {
     settings: SettingsSource,
 
     /// G-code file to write, - for standard output; binary if its name ends
-    /// in .bgcode [default: the model's name with .gcode, beside it;
-    /// formula.gcode for -e]
+    /// in .bgcode, a plate for Bambu Lab's printers if it ends in .gcode.3mf
+    /// [default: the model's name with .gcode, or with .gcode.3mf for those
+    /// printers, beside it; formula.gcode for -e]
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
 
@@ -84,7 +87,12 @@ pub(super) struct SliceArgs {
     timestamp: bool,
 
     /// Also send the G-code to this printer, as `isoslice send` does
-    #[arg(long, value_name = "PRINTER", help_heading = "Output")]
+    #[arg(
+        long,
+        value_name = "PRINTER",
+        add = ArgValueCompleter::new(complete::hosts),
+        help_heading = "Output"
+    )]
     send: Option<String>,
 
     /// With --send: print it, once all of it has arrived
@@ -125,7 +133,14 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
     let file = plates::file(&args.model, &args.plate, &gathered, sets)?;
     let of_file = file.as_ref().map_or(&[][..], |file| &file.models);
     let of_file = of_file.to_vec();
-    let path = args.output_path();
+    let of_all = file.as_ref().map(|file| &file.settings);
+    let of_all = of_all.unwrap_or(&gathered.settings);
+    let format = match args.layers {
+        // Plates hold whole prints.
+        Some(_) => Format::Text,
+        None => Format::usual_for(of_all),
+    };
+    let path = args.output_path(format);
     // Outputs are opened before the work, so that a mistaken name costs no
     // time.
     let mut inputs = args.model.inputs(&gathered);
@@ -242,14 +257,15 @@ impl SliceArgs {
         Ok(Some(book.find(name)?.clone()))
     }
 
-    fn output_path(&self) -> PathBuf {
+    fn output_path(&self, format: Format) -> PathBuf {
+        let extension = extension_of(format);
         match (&self.output, &self.model.model) {
             (Some(output), _) => output.clone(),
             _ if self.model.is_stdin() => {
-                Path::new(STDIN).with_extension("gcode")
+                Path::new(STDIN).with_extension(extension)
             }
-            (None, Some(model)) => self.plate.output(model),
-            (None, None) => Path::new(FORMULA).with_extension("gcode"),
+            (None, Some(model)) => self.plate.output(model, extension),
+            (None, None) => Path::new(FORMULA).with_extension(extension),
         }
     }
 

@@ -6,6 +6,7 @@
 //! |---|---|---|---|
 //! | `prusa`, the default | `;LAYER_CHANGE`, `;Z:` | `;TYPE:External perimeter` | `;WIDTH:`, `;HEIGHT:` |
 //! | `orca` | as `prusa` | `;TYPE:Outer wall` | as `prusa` |
+//! | `bambu` | `; CHANGE_LAYER`, `; Z_HEIGHT:` | `; FEATURE: Outer wall` | `; LINE_WIDTH:`, `; LAYER_HEIGHT:` |
 //! | `cura` | `;LAYER:` from 0 | `;TYPE:WALL-OUTER` | |
 //! | `none` | | | |
 //!
@@ -23,17 +24,57 @@ use crate::settings::{Comments, Flavour};
 /// files.
 pub(super) const END_OF_LAYERS: &str = "; end of layers";
 
-/// The comment before a wipe.
-pub(super) const WIPE_START: &str = ";WIPE_START";
+/// The comments before and after a wipe; nothing if the dialect has none.
+pub(super) fn wipe(dialect: Comments) -> Option<[&'static str; 2]> {
+    match dialect {
+        Comments::Prusa | Comments::Orca => Some([";WIPE_START", ";WIPE_END"]),
+        Comments::Bambu => Some(["; WIPE_START", "; WIPE_END"]),
+        Comments::Cura | Comments::None => None,
+    }
+}
 
-/// The comment after a wipe.
-pub(super) const WIPE_END: &str = ";WIPE_END";
+/// The mark of a layer, and what stands before heights, widths and roles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Words {
+    pub layer: &'static str,
+    pub z: &'static str,
+    pub height: &'static str,
+    pub width: &'static str,
+}
+
+/// The words of a dialect that tells widths and heights.
+pub(super) fn words(dialect: Comments) -> Option<Words> {
+    match dialect {
+        Comments::Prusa | Comments::Orca => Some(Words {
+            layer: ";LAYER_CHANGE",
+            z: ";Z:",
+            height: ";HEIGHT:",
+            width: ";WIDTH:",
+        }),
+        Comments::Bambu => Some(Words {
+            layer: "; CHANGE_LAYER",
+            z: "; Z_HEIGHT: ",
+            height: "; LAYER_HEIGHT: ",
+            width: "; LINE_WIDTH: ",
+        }),
+        Comments::Cura | Comments::None => None,
+    }
+}
+
+/// What stands before a role's name.
+pub(super) fn before_role(dialect: Comments) -> &'static str {
+    match dialect {
+        Comments::Bambu => "; FEATURE: ",
+        _ => ";TYPE:",
+    }
+}
 
 /// The role's name in a dialect; nothing if the dialect does not name roles.
 pub(super) fn role_name(dialect: Comments, role: Role) -> Option<&'static str> {
     match dialect {
         Comments::Prusa => Some(prusa(role)),
         Comments::Orca => Some(orca(role)),
+        Comments::Bambu => Some(bambu(role)),
         Comments::Cura => Some(cura(role)),
         Comments::None => None,
     }
@@ -42,14 +83,9 @@ pub(super) fn role_name(dialect: Comments, role: Role) -> Option<&'static str> {
 /// The role of what a start or end template prints. Cura has no word for it.
 pub(super) fn custom(dialect: Comments) -> Option<&'static str> {
     match dialect {
-        Comments::Prusa | Comments::Orca => Some("Custom"),
+        Comments::Prusa | Comments::Orca | Comments::Bambu => Some("Custom"),
         Comments::Cura | Comments::None => None,
     }
-}
-
-/// True if the dialect tells widths, heights, and where the nozzle is wiped.
-pub(super) fn has_sizes(dialect: Comments) -> bool {
-    matches!(dialect, Comments::Prusa | Comments::Orca)
 }
 
 /// Cura's name of a firmware. Cura reads a file with any other name as one for
@@ -57,7 +93,10 @@ pub(super) fn has_sizes(dialect: Comments) -> bool {
 pub(super) fn cura_flavour(flavour: Flavour) -> &'static str {
     match flavour {
         Flavour::Rrf => "RepRap",
-        Flavour::Marlin | Flavour::Klipper | Flavour::Prusa => "Marlin",
+        Flavour::Marlin
+        | Flavour::Klipper
+        | Flavour::Prusa
+        | Flavour::Bambu => "Marlin",
     }
 }
 
@@ -95,6 +134,14 @@ fn orca(role: Role) -> &'static str {
         Role::Ironing => "Ironing",
         Role::Support => "Support",
         Role::SupportInterface => "Support interface",
+    }
+}
+
+/// Bambu Studio has OrcaSlicer's names but for these.
+fn bambu(role: Role) -> &'static str {
+    match role {
+        Role::InternalBridge => "Bridge",
+        _ => orca(role),
     }
 }
 

@@ -5,11 +5,12 @@ use super::scan::{self, Heating, heating};
 use super::template::{TemplateError, Templates};
 use super::time::of_foot;
 use super::{
-    Format, Header, Thumbnail, Totals, WriteError, Writer, XYZ, comments,
-    flavour, limits, text, thumbnail,
+    Format, Header, Standing, Thumbnail, Totals, WriteError, Writer, XYZ,
+    comments, flavour, limits, text, thumbnail,
 };
 use crate::bgcode::{About, Key};
-use crate::settings::{Comments, Settings};
+use crate::package;
+use crate::settings::{Comments, Settings, Supports};
 use crate::units::filament_area;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -22,17 +23,22 @@ const MAKER: &str = concat!("isoslice ", env!("CARGO_PKG_VERSION"));
 /// clock does not change it.
 const DAY: &str = "2026-11-22";
 
-/// What the head of a text file says, kept for the tables of a binary file.
+/// What the head of a text file says, kept for what stands beside the text in
+/// other formats.
 pub(super) struct Said {
     pub at: Option<SystemTime>,
     pub thumbnails: Vec<Thumbnail>,
+    pub parts: Vec<Standing>,
+    pub one_by_one: bool,
 }
 
 /// What the end of the file needs of the head.
 pub(super) fn said(header: &Header) -> Option<Said> {
-    (header.format == Format::Binary).then(|| Said {
+    (header.format != Format::Text).then(|| Said {
         at: header.timestamp,
         thumbnails: header.thumbnails.clone(),
+        parts: header.parts.clone(),
+        one_by_one: header.one_by_one,
     })
 }
 
@@ -60,6 +66,47 @@ pub(super) fn about(said: Option<Said>, facts: &[Fact]) -> About {
     let pictures = said.thumbnails.into_iter();
     about.pictures = pictures.map(|p| (p.size, p.file)).collect();
     about
+}
+
+/// What stands beside the text in a plate of Bambu Lab's.
+pub(super) fn of_plate(
+    said: Option<Said>,
+    settings: &Settings,
+    totals: &Totals,
+    labelled: bool,
+) -> package::About {
+    let filament = &settings.filament;
+    let one_by_one = said.as_ref().is_some_and(|said| said.one_by_one);
+    let (parts, thumbnails) = match said {
+        Some(said) => (said.parts, said.thumbnails),
+        None => (Vec::new(), Vec::new()),
+    };
+    let part = |part: Standing| package::PartBox {
+        name: part.name,
+        min: part.min,
+        max: part.max,
+    };
+    package::About {
+        maker: MAKER.to_owned(),
+        printer: settings.printer.model.trim().to_owned(),
+        nozzle: settings.printer.nozzle_diameter,
+        material: filament.material.trim().to_owned(),
+        filament_diameter: filament.diameter,
+        density: filament.density,
+        time: totals.time,
+        length: totals.filament_length,
+        volume: totals.filament_volume,
+        mass_g: totals.filament_mass_g,
+        layers: totals.layers,
+        height: totals.height,
+        layer_height: settings.layer_height(),
+        bed: filament.first_layer_bed_temperature,
+        supports: settings.supports != Supports::Off,
+        one_by_one,
+        labelled,
+        parts: parts.into_iter().map(part).collect(),
+        pictures: thumbnails.into_iter().map(|p| (p.size, p.file)).collect(),
+    }
 }
 
 /// Cura's line that says how many layers a file has.
@@ -114,6 +161,11 @@ impl<W: Write> Writer<'_, W> {
     /// Writes what the file is, and its pictures.
     fn head_comments(&mut self, header: &Header) {
         let text = header.format == Format::Text;
+        if header.format == Format::Plate {
+            let head = package::blank(MAKER);
+            self.buffer.extend_from_slice(head.as_bytes());
+            self.line("; EXECUTABLE_BLOCK_START");
+        }
         // The name stands before the pictures: hosts look for it in the first
         // 10,000 characters.
         if text {

@@ -8,15 +8,16 @@
 //! advance, fan, progress and retraction, and the start and end templates
 //! used if the settings give none.
 //!
-//! | | Marlin 2 | Prusa | RepRapFirmware 3 | Klipper |
-//! |---|---|---|---|---|
-//! | acceleration | M204 P T | M204 P T | M204 P T | SET_VELOCITY_LIMIT, M204 S |
-//! | acceleration of a bead | M204 P | M204 P | M204 P | M204 S |
-//! | corners | M205 X Y J | M205 X Y | M566 X Y | SET_VELOCITY_LIMIT |
-//! | pressure advance | M900 K | M900 K, M572 S | M572 D0 S | SET_PRESSURE_ADVANCE |
-//! | fan off | M107 | M107 | M106 S0 | M107 |
-//! | fan full | M106 S255 | M106 S255 | M106 S1 | M106 S255 |
-//! | retraction | M207, M208 | M207, M208 | M207 | SET_RETRACTION |
+//! | | Marlin 2 | Prusa | RepRapFirmware 3 | Klipper | Bambu |
+//! |---|---|---|---|---|---|
+//! | acceleration | M204 P T | M204 P T | M204 P T | SET_VELOCITY_LIMIT, M204 S | M204 S |
+//! | acceleration of a bead | M204 P | M204 P | M204 P | M204 S | M204 S |
+//! | corners | M205 X Y J | M205 X Y | M566 X Y | SET_VELOCITY_LIMIT | M205 X Y |
+//! | pressure advance | M900 K | M900 K, M572 S | M572 D0 S | SET_PRESSURE_ADVANCE | M900 K L M |
+//! | fan off | M107 | M107 | M106 S0 | M107 | M106 S0 |
+//! | fan full | M106 S255 | M106 S255 | M106 S1 | M106 S255 | M106 S255 |
+//! | retraction | M207, M208 | M207, M208 | M207 | SET_RETRACTION | |
+//! | layers | | | | SET_PRINT_STATS_INFO | M73 L, M991 |
 //!
 //! Klipper knows none of M201, M203, M205, M900, M862, M486, G29 and, with one
 //! extruder, no `T0`; its M204 takes `S`, one acceleration for every move. In
@@ -54,31 +55,35 @@ const COARSE: u32 = 1;
 /// writer adds the heating before and after it.
 pub(super) fn default_start(flavour: Flavour) -> &'static str {
     match flavour {
-        Flavour::Marlin | Flavour::Klipper | Flavour::Rrf | Flavour::Prusa => {
-            START
-        }
+        Flavour::Marlin
+        | Flavour::Klipper
+        | Flavour::Rrf
+        | Flavour::Prusa
+        | Flavour::Bambu => START,
     }
 }
 
 /// The end template of a firmware, used if the settings' is empty.
 pub(super) fn default_end(flavour: Flavour) -> &'static str {
     match flavour {
-        Flavour::Marlin | Flavour::Klipper | Flavour::Rrf | Flavour::Prusa => {
-            END
-        }
+        Flavour::Marlin
+        | Flavour::Klipper
+        | Flavour::Rrf
+        | Flavour::Prusa
+        | Flavour::Bambu => END,
     }
 }
 
 /// True if the firmware keeps one acceleration for printing and travelling,
 /// which then has to be set before each change from one to the other.
 pub(super) fn one_acceleration(flavour: Flavour) -> bool {
-    flavour == Flavour::Klipper
+    matches!(flavour, Flavour::Klipper | Flavour::Bambu)
 }
 
 /// Sets the acceleration of printing moves to the number that follows.
 pub(super) fn print_acceleration(flavour: Flavour) -> &'static [u8] {
     match flavour {
-        Flavour::Klipper => b"M204 S",
+        Flavour::Klipper | Flavour::Bambu => b"M204 S",
         Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => b"M204 P",
     }
 }
@@ -95,6 +100,21 @@ pub(super) fn sets_acceleration(settings: &Settings) -> bool {
 /// layer's number from.
 pub(super) fn print_stats(flavour: Flavour) -> bool {
     flavour == Flavour::Klipper
+}
+
+/// Lines that tell the printer that a layer begins, by its number from 1.
+pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
+    match flavour {
+        Flavour::Klipper => {
+            vec![format!("SET_PRINT_STATS_INFO CURRENT_LAYER={number}")]
+        }
+        // The screen's layer, and the camera's.
+        Flavour::Bambu => vec![
+            format!("M73 L{number}"),
+            format!("M991 S0 P{}", number.saturating_sub(1)),
+        ],
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => Vec::new(),
+    }
 }
 
 /// The line that selects the extruder, for firmware that starts with none
@@ -181,6 +201,10 @@ pub(super) fn limits(settings: &Settings) -> Vec<String> {
             vec![two(), format!("M205 X{v} Y{v} J{}", text(deviation, 3))]
         }
         Flavour::Prusa => vec![two(), format!("M205 X{v} Y{v}")],
+        Flavour::Bambu => vec![
+            format!("M204 S{}", text(print, COARSE)),
+            format!("M205 X{v} Y{v}"),
+        ],
         Flavour::Rrf => {
             let v = text(feed_rate(corner), 0);
             vec![two(), format!("M566 X{v} Y{v}")]
@@ -202,6 +226,8 @@ pub(super) fn pressure_advance(settings: &Settings) -> Option<String> {
             Board::Old | Board::Mini | Board::Unknown => format!("M900 K{k}"),
         },
         Flavour::Rrf => format!("M572 D0 S{k}"),
+        // A linear model (M10) for flows up to L, mm³/s.
+        Flavour::Bambu => format!("M900 K{k} L1000 M10"),
         Flavour::Klipper => format!("SET_PRESSURE_ADVANCE ADVANCE={k}"),
     })
 }
@@ -219,7 +245,7 @@ pub(super) fn retraction(settings: &Settings) -> Vec<String> {
     let (back, forth) = (feed(retract.speed), feed(retract.prime_speed));
     match settings.gcode.flavour {
         // The file lifts the nozzle itself.
-        Flavour::Marlin | Flavour::Prusa => vec![
+        Flavour::Marlin | Flavour::Prusa | Flavour::Bambu => vec![
             format!("M207 S{length} F{back} Z0"),
             format!("M208 S{extra} F{forth}"),
         ],
@@ -239,6 +265,7 @@ pub(super) fn retraction(settings: &Settings) -> Vec<String> {
 pub(super) fn fan(flavour: Flavour, pwm: i64) -> String {
     match (flavour, pwm) {
         (Flavour::Rrf, _) => format!("M106 S{}", text(pwm as f64 / 255.0, 3)),
+        (Flavour::Bambu, 0) => "M106 S0".to_owned(),
         (_, 0) => "M107".to_owned(),
         _ => format!("M106 S{pwm}"),
     }
@@ -265,7 +292,7 @@ pub(super) fn progress(flavour: Flavour, now: Progress) -> String {
     match flavour {
         // Klipper counts the minutes itself.
         Flavour::Klipper => format!("M73 P{percent}"),
-        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => {
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa | Flavour::Bambu => {
             format!("M73 P{percent} R{minutes}")
         }
     }

@@ -26,6 +26,7 @@ use super::template::Templates;
 use super::{Format, Header, TemplateError, Thumbnail, Totals, facts};
 use crate::bgcode::{self, Unpacked};
 use crate::limits;
+use crate::package;
 use crate::settings::{Builder, Settings, SettingsError};
 use crate::units::{Mm, Seconds};
 use glam::DVec3;
@@ -140,6 +141,7 @@ fn kind(format: Format) -> &'static str {
     match format {
         Format::Text => "text",
         Format::Binary => "binary",
+        Format::Plate => "a plate",
     }
 }
 
@@ -300,8 +302,10 @@ impl Ranges {
         }
         let facts = facts::facts(&settings, &totals);
         let footer = match self.format {
-            Format::Text => ends::footer(&settings, &totals, &facts),
             Format::Binary => String::new(),
+            Format::Text | Format::Plate => {
+                ends::footer(&settings, &totals, &facts)
+            }
         };
         let whole = line(totals.time);
         for text in [&foot, end.as_bytes(), whole.as_bytes()] {
@@ -309,13 +313,18 @@ impl Ranges {
         }
         out.write_all(footer.as_bytes()).map_err(written)?;
         let said = match self.format {
-            Format::Text => None,
+            // Ranges are not written into plates.
+            Format::Text | Format::Plate => None,
             Format::Binary => Some(Said {
                 at: header.timestamp,
                 thumbnails: pictures(&first.path)?,
+                parts: Vec::new(),
+                one_by_one: false,
             }),
         };
-        out.finish(|| ends::about(said, &facts)).map_err(written)?;
+        let about = || ends::about(said, &facts);
+        out.finish(about, package::About::default)
+            .map_err(written)?;
         Ok(Joined {
             files: self.files.len(),
             layers: totals.layers,
@@ -397,6 +406,7 @@ impl RangeFile {
             thumbnails: Vec::new(),
             format,
             fingerprint: None,
+            one_by_one: false,
         }
     }
 

@@ -9,8 +9,13 @@ use super::Standing;
 use super::flavour::Board;
 use super::number::text;
 use crate::settings::{Emit, Flavour, Settings};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use glam::DVec2;
 use std::collections::BTreeSet;
+
+/// Most parts that Bambu Lab's firmware tells from one another.
+const MOST_BITS: usize = 64;
 
 /// Decimals of the outline, which is clicked on, not printed.
 const DECIMALS: u32 = 2;
@@ -36,16 +41,23 @@ pub(super) struct Around {
 impl Labels {
     /// The labels of the file's parts; none if the settings ask for none.
     pub(super) fn new(settings: &Settings, header: &Header) -> Labels {
-        if !wanted(settings) {
+        let flavour = settings.gcode.flavour;
+        let too_many =
+            flavour == Flavour::Bambu && header.parts.len() > MOST_BITS;
+        if !wanted(settings) || too_many {
             return Labels::default();
         }
-        let flavour = settings.gcode.flavour;
         let names = names(&header.parts);
         let named = || names.iter().zip(&header.parts);
         let around = |(k, name): (usize, &String)| match flavour {
             Flavour::Klipper => Around {
                 start: format!("EXCLUDE_OBJECT_START NAME={name}"),
                 end: format!("EXCLUDE_OBJECT_END NAME={name}"),
+            },
+            // Which of the parts follows, as a number of 64 bits.
+            Flavour::Bambu => Around {
+                start: format!("M624 {}", STANDARD.encode(bit(k))),
+                end: "M625".to_owned(),
             },
             _ => Around {
                 start: format!("M486 S{k}"),
@@ -55,6 +67,7 @@ impl Labels {
         let count = format!("M486 T{}", names.len());
         let mut define = match flavour {
             Flavour::Klipper => Vec::new(),
+            Flavour::Bambu => vec![numbers(names.len())],
             _ => vec![count],
         };
         for (k, (name, part)) in named().enumerate() {
@@ -63,7 +76,7 @@ impl Labels {
                     "EXCLUDE_OBJECT_DEFINE NAME={name} {}",
                     outline(part)
                 )),
-                Flavour::Marlin => {}
+                Flavour::Marlin | Flavour::Bambu => {}
                 Flavour::Rrf => define.push(format!("M486 S{k} A\"{name}\"")),
                 // The name has to be alone in its line.
                 Flavour::Prusa => define
@@ -76,6 +89,17 @@ impl Labels {
         let around = names.iter().enumerate().map(around).collect();
         Labels { define, around }
     }
+}
+
+/// The number that has the bit of a part alone, as bytes from the lowest on.
+fn bit(part: usize) -> [u8; MOST_BITS / 8] {
+    1u64.checked_shl(part as u32).unwrap_or(0).to_le_bytes()
+}
+
+/// The line that names the parts' numbers, from 1.
+fn numbers(count: usize) -> String {
+    let all: Vec<String> = (1..=count).map(|k| k.to_string()).collect();
+    format!("; model label id: {}", all.join(","))
 }
 
 /// A name for each part, none of them twice.
@@ -112,7 +136,7 @@ fn wanted(settings: &Settings) -> bool {
 /// only the newer one does.
 fn known(flavour: Flavour, settings: &Settings) -> bool {
     match flavour {
-        Flavour::Klipper | Flavour::Rrf => true,
+        Flavour::Klipper | Flavour::Rrf | Flavour::Bambu => true,
         Flavour::Marlin => false,
         Flavour::Prusa => {
             matches!(Board::of(settings), Board::Buddy | Board::Mini)

@@ -3,7 +3,7 @@
 use super::label::Around;
 use super::placeholders::Moment;
 use super::progress::Clock;
-use super::{FULL, WIDTH, WriteError, Writer, XYZ, flavour, scan};
+use super::{FULL, WIDTH, WriteError, Writer, XYZ, comments, flavour, scan};
 use crate::bead::{Bead, Role};
 use crate::pace::{OfPart, PacedLayer, PacedMove};
 use crate::settings::{Comments, Flavour};
@@ -19,12 +19,14 @@ impl<W: Write> Writer<'_, W> {
         layer: &PacedLayer,
         pass_on: impl Fn(&mut Self) -> Result<(), WriteError>,
     ) -> Result<(), WriteError> {
-        self.layer = layer.span.index;
+        self.layer = layer.before + layer.span.index;
         self.top = layer.span.top;
         self.layer_comments(layer)?;
         // The user's own lines may set another temperature, so they come later.
-        if self.layer == 1 {
-            self.second_layer_temperature();
+        match layer.span.index {
+            0 if layer.before > 0 => self.first_layer_again(),
+            1 => self.second_layer_temperature(),
+            _ => {}
         }
         if self.layer > 0 && self.nozzle != Some(layer.nozzle_temperature) {
             self.nozzle = Some(layer.nozzle_temperature);
@@ -32,17 +34,17 @@ impl<W: Write> Writer<'_, W> {
         }
         self.layer_template(layer)?;
         self.reset_filament();
-        if flavour::print_stats(self.settings.gcode.flavour) {
-            let current = self.layer + 1;
-            self.line(&format!("SET_PRINT_STATS_INFO CURRENT_LAYER={current}"));
+        let flavour = self.settings.gcode.flavour;
+        for line in flavour::layer_begins(flavour, self.layer + 1) {
+            self.line(&line);
         }
         self.set_fan(layer.fan);
         let mut labels = self.labels_in(layer).into_iter().peekable();
         let mut open: Option<(usize, String)> = None;
         // While it leaves out a part, such firmware forgets where it should be.
         let forgetful = matches!(
-            self.settings.gcode.flavour,
-            Flavour::Marlin | Flavour::Prusa
+            flavour,
+            Flavour::Marlin | Flavour::Prusa | Flavour::Bambu
         );
         let mut lifted = None;
         let mut clock = Clock::new(layer);
@@ -154,11 +156,10 @@ impl<W: Write> Writer<'_, W> {
         // role and width.
         self.role = None;
         self.width = None;
-        let comments = self.settings.gcode.comments;
-        if matches!(comments, Comments::Prusa | Comments::Orca) {
-            self.line(";LAYER_CHANGE");
-            self.comment_number(";Z:", z, XYZ);
-            self.comment_number(";HEIGHT:", height, WIDTH);
+        if let Some(words) = comments::words(self.settings.gcode.comments) {
+            self.line(words.layer);
+            self.comment_number(words.z, z, XYZ);
+            self.comment_number(words.height, height, WIDTH);
         }
         Ok(())
     }
@@ -188,6 +189,15 @@ impl<W: Write> Writer<'_, W> {
         self.acceleration = None;
         self.filament.zero = None;
         Ok(())
+    }
+
+    /// The first layer of a part that follows others. It does not wait: both
+    /// temperatures are near each other.
+    fn first_layer_again(&mut self) {
+        let f = &self.settings.filament;
+        if f.bed_temperature != f.first_layer_bed_temperature {
+            self.temperature("M140", f.first_layer_bed_temperature);
+        }
     }
 
     pub(super) fn second_layer_temperature(&mut self) {

@@ -27,7 +27,8 @@ impl<W: Write> Writer<'_, W> {
 
     pub(super) fn type_comment(&mut self, name: Option<&str>) {
         if let Some(name) = name {
-            self.buffer.extend_from_slice(b";TYPE:");
+            let before = comments::before_role(self.settings.gcode.comments);
+            self.buffer.extend_from_slice(before.as_bytes());
             self.line(name);
         }
     }

@@ -76,6 +76,7 @@ use crate::bead::Role;
 use crate::pace::PacedLayer;
 use crate::settings::{Comments, Flavour, Settings};
 use crate::units::{Celsius, Mm, Mm3, Seconds};
+use crate::{bgcode, package};
 use filament::Filament;
 use glam::{DVec2, DVec3};
 use label::Labels;
@@ -109,17 +110,35 @@ pub enum Format {
     Text,
     /// Binary G-code for Prusa's printers: the text, packed.
     Binary,
+    /// A sliced plate for Bambu Lab's printers: an archive with the text.
+    Plate,
 }
 
 impl Format {
     /// A warning if the printer of these settings may not read such a file.
     pub fn unusual_for(self, settings: &Settings) -> Option<String> {
-        let prusa = settings.gcode.flavour == Flavour::Prusa;
-        (self == Format::Binary && !prusa).then(|| {
-            "binary G-code is for Prusa's printers from the MINI and MK3.5 \
-             on, but gcode.flavour is not \"prusa\""
-                .to_owned()
-        })
+        let flavour = settings.gcode.flavour;
+        let told = match self {
+            Format::Binary if flavour != Flavour::Prusa => {
+                "binary G-code is for Prusa's printers from the MINI and \
+                 MK3.5 on, but gcode.flavour is not \"prusa\""
+            }
+            Format::Plate if flavour != Flavour::Bambu => {
+                "a file .gcode.3mf is for Bambu Lab's printers, but \
+                 gcode.flavour is not \"bambu\"; --printer bambu-a1 sets it"
+            }
+            _ => return None,
+        };
+        Some(told.to_owned())
+    }
+
+    /// The format of files for the printer of these settings, if nobody names
+    /// another one.
+    pub fn usual_for(settings: &Settings) -> Format {
+        match settings.gcode.flavour {
+            Flavour::Bambu => Format::Plate,
+            _ => Format::Text,
+        }
     }
 }
 
@@ -159,6 +178,8 @@ pub(crate) struct Header {
     pub parts: Vec<Standing>,
     /// Pictures of the part.
     pub thumbnails: Vec<Thumbnail>,
+    /// True if parts are printed one by one.
+    pub one_by_one: bool,
     /// What the file is written as.
     pub format: Format,
     /// What the file has in common with those of other ranges; nothing of a
@@ -356,7 +377,7 @@ impl<'a, W: Write> Writer<'a, W> {
         self.totals.filament_length += fed;
         self.totals.time += layer.time;
         self.totals.layers += 1;
-        self.totals.height = layer.span.top;
+        self.totals.height = self.totals.height.max(layer.span.top);
         self.flush()
     }
 
@@ -442,7 +463,11 @@ impl<'a, W: Write> Writer<'a, W> {
             manifest.end = record.at(self.buffer.len());
         }
         let facts = facts::facts(self.settings, &self.totals);
-        if self.said.is_none() {
+        if let Sink::Plate(_) = self.out {
+            self.line("; EXECUTABLE_BLOCK_END");
+        }
+        // Binary files have it in their tables.
+        if !matches!(self.out, Sink::Binary(_)) {
             let footer = ends::footer(self.settings, &self.totals, &facts);
             self.buffer.extend_from_slice(footer.as_bytes());
         }
@@ -456,7 +481,18 @@ impl<'a, W: Write> Writer<'a, W> {
             waiting.release(&mut self.out, self.totals.time)?;
         }
         let said = self.said.take();
-        self.out.finish(|| ends::about(said, &facts))?;
+        let labelled = !self.labels.around.is_empty();
+        let (settings, totals) = (self.settings, &self.totals);
+        match &self.out {
+            Sink::Plate(_) => {
+                let about = ends::of_plate(said, settings, totals, labelled);
+                self.out.finish(bgcode::About::default, || about)?;
+            }
+            _ => {
+                let about = || ends::about(said, &facts);
+                self.out.finish(about, package::About::default)?;
+            }
+        }
         Ok(self.totals)
     }
 }

@@ -73,15 +73,15 @@ impl<W: Write> Writer<'_, W> {
         }
         let width = self.count("bead width", bead.width, WIDTH)?;
         let height = self.count("bead height", bead.height, WIDTH)?;
-        if comments::has_sizes(self.settings.gcode.comments) {
+        if let Some(words) = comments::words(self.settings.gcode.comments) {
             if self.shows_width(bead.role, width) {
                 self.width = Some(width);
-                self.comment_number(";WIDTH:", width, WIDTH);
+                self.comment_number(words.width, width, WIDTH);
             }
             self.on_way = true;
             if self.height != Some(height) {
                 self.height = Some(height);
-                self.comment_number(";HEIGHT:", height, WIDTH);
+                self.comment_number(words.height, height, WIDTH);
             }
         }
         self.accelerate_printing(acceleration);
@@ -258,9 +258,9 @@ impl<W: Write> Writer<'_, W> {
         speed: MmPerSec,
     ) -> Result<(), WriteError> {
         self.accelerate_travel();
-        let marked = comments::has_sizes(self.settings.gcode.comments);
-        if marked {
-            self.line(comments::WIPE_START);
+        let marks = comments::wipe(self.settings.gcode.comments);
+        if let Some([start, _]) = marks {
+            self.line(start);
         }
         let from = match self.xy {
             Some((x, y)) => DVec2::new(x as f64, y as f64) * MICRON,
@@ -282,8 +282,8 @@ impl<W: Write> Writer<'_, W> {
         self.filament.back = before + back;
         self.retracted = true;
         self.filament_move(self.settings.retract.speed)?;
-        if marked {
-            self.line(comments::WIPE_END);
+        if let Some([_, end]) = marks {
+            self.line(end);
         }
         Ok(())
     }

@@ -221,7 +221,10 @@ pub(super) fn tells_progress(settings: &Settings) -> bool {
         // A Marlin built without M73 says that it does not know it, and goes
         // on.
         Emit::Auto => {
-            matches!(settings.gcode.flavour, Flavour::Marlin | Flavour::Prusa)
+            matches!(
+                settings.gcode.flavour,
+                Flavour::Marlin | Flavour::Prusa | Flavour::Bambu
+            )
         }
     }
 }

@@ -1,31 +1,35 @@
-//! Where the text goes: into a text file, or packed into a binary one.
+//! Where the text goes: into a text file, or packed into another one.
 
 use super::Format;
-use crate::bgcode::{About, Packer};
+use crate::{bgcode, package};
 use std::io::{self, Write};
 
 #[derive(Debug)]
 pub(super) enum Sink<W: Write> {
     Text(W),
-    Binary(Packer<W>),
+    Binary(bgcode::Packer<W>),
+    Plate(package::Packer<W>),
 }
 
 impl<W: Write> Sink<W> {
     pub(super) fn new(out: W, format: Format) -> io::Result<Self> {
         Ok(match format {
             Format::Text => Sink::Text(out),
-            Format::Binary => Sink::Binary(Packer::new(out)?),
+            Format::Binary => Sink::Binary(bgcode::Packer::new(out)?),
+            Format::Plate => Sink::Plate(package::Packer::new(out)?),
         })
     }
 
-    /// Ends the file. Packed files begin with `about`.
+    /// Ends the file. Packed files have what stands beside the text.
     pub(super) fn finish(
         self,
-        about: impl FnOnce() -> About,
+        binary: impl FnOnce() -> bgcode::About,
+        plate: impl FnOnce() -> package::About,
     ) -> io::Result<()> {
         match self {
             Sink::Text(mut out) => out.flush(),
-            Sink::Binary(packer) => packer.finish(&about()),
+            Sink::Binary(packer) => packer.finish(&binary()),
+            Sink::Plate(packer) => packer.finish(&plate()),
         }
     }
 }
@@ -35,6 +39,7 @@ impl<W: Write> Write for Sink<W> {
         match self {
             Sink::Text(out) => out.write(bytes),
             Sink::Binary(packer) => packer.write(bytes),
+            Sink::Plate(packer) => packer.write(bytes),
         }
     }
 
@@ -42,6 +47,7 @@ impl<W: Write> Write for Sink<W> {
         match self {
             Sink::Text(out) => out.flush(),
             Sink::Binary(packer) => packer.flush(),
+            Sink::Plate(packer) => packer.flush(),
         }
     }
 }

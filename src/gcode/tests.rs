@@ -133,6 +133,7 @@ fn header(layer_count: usize) -> Header {
         thumbnails: Vec::new(),
         format: crate::gcode::Format::Text,
         fingerprint: None,
+        one_by_one: false,
     }
 }
 
@@ -608,6 +609,7 @@ fn what_is_no_number_is_an_error() {
         let mut writer = Writer::new(Vec::new(), &s, &header(1), &mut nobody)
             .expect("templates");
         let paced = PacedLayer {
+            before: 0,
             span: layer(7, vec![]).span,
             moves: vec![PacedMove::Travel {
                 points: vec![DVec2::new(bad, 1.0)],

@@ -171,6 +171,7 @@ fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
     let found = match extension {
         _ if path.is_dir() => "is a folder".to_owned(),
         _ if !path.exists() && looks_computed() => "is no file".to_owned(),
+        Some("3mf") if is_sliced(path) => "is G-code".to_owned(),
         Some("stl" | "3mf" | "obj" | "ply" | "amf" | "step" | "stp") => {
             "is a mesh or a drawing, and isoslice slices functions".to_owned()
         }
@@ -191,6 +192,13 @@ fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
         found,
         advice,
     }
+}
+
+/// True for the name of a sliced plate of Bambu Lab's, `part.gcode.3mf`.
+fn is_sliced(path: &Path) -> bool {
+    let stem = path.file_stem().map(Path::new);
+    let inner = stem.and_then(Path::extension);
+    inner.is_some_and(|e| e.eq_ignore_ascii_case("gcode"))
 }
 
 /// Largest file, or text, of a kind.

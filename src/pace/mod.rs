@@ -217,6 +217,7 @@ impl<'a> Pacer<'a> {
         let amounts = self.amounts(slowing);
         Ok(PacedLayer {
             span,
+            before: 0,
             moves: out,
             parts,
             fan,
@@ -294,6 +295,7 @@ impl<'a> Pacer<'a> {
             retract,
             hop,
             prime,
+            clear,
         } = travel;
         if points.is_empty() {
             return;
@@ -317,6 +319,10 @@ impl<'a> Pacer<'a> {
             hop = hop.max(z - span.top - self.raised);
         }
         let low = span.top + self.raised;
+        if let Some(clear) = clear {
+            self.lifted = true;
+            hop = hop.max(clear - low);
+        }
         // A hop may not leave the machine.
         let ceiling = settings.printer.height.max(low);
         let z = if self.lifted {

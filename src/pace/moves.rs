@@ -96,6 +96,8 @@ pub(crate) struct OfPart {
 pub(crate) struct PacedLayer {
     /// The layer.
     pub span: LayerSpan,
+    /// Layers of parts that were finished before this one began.
+    pub before: usize,
     /// The layer's moves in order.
     pub moves: Vec<PacedMove>,
     /// Which moves belong to which part, in order.

@@ -7,6 +7,7 @@
 //! one path, which is moved to each place. What one layer passes to the next is
 //! forgotten at the beginning of every block: see [`Exit::restart`].
 
+use super::layer::Ready;
 use super::part::{PartDone, PartExit, Passed};
 use super::supply::OnPlate;
 use super::{BLOCK, Options, SliceError};
@@ -18,12 +19,13 @@ use crate::limits;
 use crate::order::{begin_near, in_turn};
 use crate::pace::rates::{Rater, Site};
 use crate::pace::{PacedLayer, PacedMove, Pacer, Stretch};
+use crate::plate::Plate;
 use crate::preview::Pictures;
 use crate::report::{self, RoleSum};
 use crate::settings::Settings;
 use crate::timings::{Stage, Timings};
-use crate::travel::{LayerPath, Move, Travel, between_parts};
-use crate::units::Mm3;
+use crate::travel::{LayerPath, Move, Travel, between_parts, over_parts};
+use crate::units::{Mm, Mm3};
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::io;
@@ -54,6 +56,13 @@ pub(super) struct Exit<'a, 'w> {
     layers: Range<usize>,
     /// The layer that comes next.
     next: usize,
+    /// Where parts are printed one by one: which of the places has its turn, how
+    /// many layers were printed before, how high the finished parts are, and how
+    /// high the head is to be on its way to the next one.
+    turn: Option<usize>,
+    before: usize,
+    finished: Mm,
+    clear: Option<Mm>,
     timings: &'a Timings,
     printing: usize,
     slowed: usize,
@@ -118,6 +127,10 @@ impl<'a, 'w> Exit<'a, 'w> {
             pacer: Pacer::new(rater.settings()),
             writer,
             next: layers.start - layers.start % BLOCK,
+            turn: None,
+            before: 0,
+            finished: 0.0,
+            clear: None,
             layers,
             timings,
             printing: 0,
@@ -142,23 +155,70 @@ impl<'a, 'w> Exit<'a, 'w> {
         let mut passed: Vec<Option<Passed>> = Vec::new();
         passed.resize_with(self.parts.len(), || None);
         for (k, ready) in ready {
-            let layer = self.parts[k].layer(ready)?;
-            if let Some(figures) = &layer.figures {
-                self.figures.add(figures, self.options.report);
-            }
-            passed[k] = Some(layer);
+            passed[k] = Some(self.pass(k, ready)?);
         }
-        let stretches = self.stretches(&span, &passed);
+        self.print(span, written, &|part| passed[part].as_ref())
+    }
+
+    /// Makes the path of a part's next layer.
+    pub(super) fn pass(
+        &mut self,
+        part: usize,
+        ready: Ready,
+    ) -> Result<Passed, SliceError> {
+        let layer = self.parts[part].layer(ready)?;
+        if let Some(figures) = &layer.figures {
+            self.figures.add(figures, self.options.report);
+        }
+        Ok(layer)
+    }
+
+    /// Begins with the part in a place, which is finished before the next one
+    /// begins. The one before was as high as `below`.
+    pub(super) fn begin(&mut self, place: usize, below: Mm) {
+        self.finished = self.finished.max(below);
+        self.clear = self.turn.map(|_| Plate::clear_of(self.finished));
+        self.turn = Some(place);
+        self.before = self.next;
+        self.last = None;
+    }
+
+    /// Prints the next layer of the part whose turn it is.
+    pub(super) fn print_turn(
+        &mut self,
+        part: usize,
+        passed: &Passed,
+    ) -> Result<(), SliceError> {
+        let span = passed.path.span;
+        self.print(span, true, &|k| (k == part).then_some(passed))
+    }
+
+    /// Prints a layer, of which the path of each part is known, if that is in
+    /// it.
+    fn print<'p>(
+        &mut self,
+        span: LayerSpan,
+        written: bool,
+        passed: &dyn Fn(usize) -> Option<&'p Passed>,
+    ) -> Result<(), SliceError>
+    where
+        'a: 'p,
+    {
+        let stretches = self.stretches(&span, passed);
         if written && let Some(pictures) = &self.pictures {
             let moves = stretches.iter().flat_map(|s| s.moves.clone());
             let moves = moves.collect();
+            // Pictures count all layers of the file.
+            let index = self.before + span.index;
+            let span = LayerSpan { index, ..span };
             pictures.draw(&LayerPath { span, moves }).map_err(|e| {
                 SliceError::Picture(pictures.folder().to_owned(), e)
             })?;
         }
-        let paced = self.timings.time(Stage::Pace, || {
+        let mut paced = self.timings.time(Stage::Pace, || {
             self.pacer.layer(span, stretches, self.rater)
         })?;
+        paced.before = self.before;
         if written {
             self.printing += paced.printing;
             self.slowed += paced.slowed;
@@ -188,7 +248,7 @@ impl<'a, 'w> Exit<'a, 'w> {
     fn stretches<'p>(
         &mut self,
         span: &LayerSpan,
-        passed: &'p [Option<Passed>],
+        passed: &dyn Fn(usize) -> Option<&'p Passed>,
     ) -> Vec<Stretch<'a, 'p>>
     where
         'a: 'p,
@@ -209,7 +269,10 @@ impl<'a, 'w> Exit<'a, 'w> {
         let mut there = Vec::new();
         let mut ways = Vec::new();
         for (place, &(part, shift)) in self.places.iter().enumerate() {
-            let Some(passed) = &passed[part] else {
+            if self.turn.is_some_and(|turn| turn != place) {
+                continue;
+            }
+            let Some(passed) = passed(part) else {
                 continue;
             };
             match passed.path.ends() {
@@ -231,7 +294,10 @@ impl<'a, 'w> Exit<'a, 'w> {
             if !alone && !goes_on {
                 let prints = |step: &Move| matches!(step, Move::Print(_));
                 let first = moves.iter().position(prints).unwrap_or(0);
-                let travel = between_parts(ways[k].0, self.settings);
+                let travel = match self.clear.take() {
+                    Some(clear) => over_parts(ways[k].0, clear),
+                    None => between_parts(ways[k].0, self.settings),
+                };
                 moves.splice(..first, [Move::Travel(travel)]);
             }
             if !alone {
@@ -250,7 +316,8 @@ impl<'a, 'w> Exit<'a, 'w> {
 
     /// The skirt round all parts in a layer, if it has one.
     fn skirt_moves(&mut self, span: &LayerSpan) -> Option<Vec<Move>> {
-        let skirt = self.skirt.as_ref()?;
+        // A finished part would be in the way of another's skirt.
+        let skirt = self.skirt.as_ref().filter(|_| self.before == 0)?;
         let mut loops = skirt.beads(span.index, span.height());
         let off_bed = keep_on_bed(&mut loops, DVec2::ZERO, self.settings);
         if span.index == 0 {

@@ -80,7 +80,7 @@ use fingerprint::fingerprint;
 use glam::{DVec2, DVec3};
 pub use hanging::{Survey, survey};
 use isocontour::{ExpandError, SLAB};
-use part::{PartDone, PartExit};
+use part::{PartDone, PartExit, Passed};
 use rayon::ThreadPool;
 pub use split::{Share, split};
 use stages::Stages;
@@ -287,6 +287,19 @@ pub enum SliceError {
          leave it out, or slice the parts one by one for their reports"
     )]
     ReportOfSeveral,
+    /// A range of layers where there is none.
+    #[error(
+        "--layers takes layers of all parts together, and plate.sequence = \
+         \"one-by-one\" prints one part after the other; leave it out, or set \
+         plate.sequence = \"all-at-once\""
+    )]
+    RangeOneByOne,
+    /// A range of layers for a file that holds whole prints.
+    #[error(
+        "a plate for Bambu Lab's printers (.gcode.3mf) holds a whole print, and \
+         --layers asks for a part of it; write the ranges as .gcode"
+    )]
+    RangeInPlate,
     /// The parts are too many or too large for layers whose heights follow the
     /// surfaces.
     #[error(
@@ -376,6 +389,14 @@ pub fn slice_plate(
 ) -> Result<Summary, SliceError> {
     if options.report && plate.place_count() > 1 {
         return Err(SliceError::ReportOfSeveral);
+    }
+    if options.layers != LayerRange::ALL {
+        if plate.turns().is_some() {
+            return Err(SliceError::RangeOneByOne);
+        }
+        if options.format == Format::Plate {
+            return Err(SliceError::RangeInPlate);
+        }
     }
     let pool = pool(options.threads)?;
     let on_bed = plate;
@@ -598,6 +619,13 @@ fn write(
     for span in &spans[layers.clone()] {
         rater.temperature(span)?;
     }
+    let turns = plate.turns();
+    // Of parts that are printed one by one the layers add up.
+    let count = match &turns {
+        Some(_) => plate.shifts().iter().map(|&(k, _)| all[k].1.len()).sum(),
+        None => spans.len(),
+    };
+    let layers = options.layers.indices(count)?;
     let timings = &all[0].0.timings;
     let pictures = pool.install(|| {
         timings.time(Stage::Picture, || pictures_of(on_bed, settings))
@@ -609,7 +637,7 @@ fn write(
     });
     let header = Header {
         model_name: plate.name.clone(),
-        layer_count: spans.len(),
+        layer_count: count,
         layers: layers.clone(),
         timestamp: options.timestamp,
         nozzle_temperature: match spans.get(layers.start) {
@@ -630,6 +658,7 @@ fn write(
             }
             false => None,
         },
+        one_by_one: turns.is_some(),
     };
     let frame = Rect {
         min: low.truncate(),
@@ -638,12 +667,20 @@ fn write(
     let drawings = options
         .svg_dir
         .map(|dir| {
-            Pictures::new(dir, frame, &layers, spans.len())
+            Pictures::new(dir, frame, &layers, count)
                 .map_err(|e| SliceError::Picture(dir.to_owned(), e))
         })
         .transpose()?;
     let writer = Writer::new(out, settings, &header, copy)?;
     let mut of_templates = writer.warnings().to_vec();
+    if turns.is_some() && !settings.gcode.layer.trim().is_empty() {
+        of_templates.push(
+            "gcode.layer is run at the height of each layer, while finished \
+             parts stand beside it (plate.sequence = \"one-by-one\"): it must \
+             not move the head, nor call a macro that does"
+                .to_owned(),
+        );
+    }
     // The parts' lines may be wider than those of the plate's settings.
     let of_parts = plate.parts.iter().filter_map(|p| thick_beads(&p.settings));
     for warning in of_parts {
@@ -660,7 +697,10 @@ fn write(
         parts.push(PartExit::new(
             part,
             &stages.timings,
-            layers.clone(),
+            match &turns {
+                Some(_) => 0..spans.len(),
+                None => layers.clone(),
+            },
             spans.len(),
             spiral,
             relief,
@@ -678,9 +718,14 @@ fn write(
         drawings,
         writer,
     );
-    let supplied = all.iter().map(|(stages, spans)| (stages, *spans));
-    Supplies::new(supplied, pool, &layers)
-        .each(pool, |ready| exit.layer(ready))?;
+    match &turns {
+        Some(turns) => one_by_one(&mut exit, turns, plate, &all, pool)?,
+        None => {
+            let supplied = all.iter().map(|(stages, spans)| (stages, *spans));
+            Supplies::new(supplied, pool, &layers)
+                .each(pool, |ready| exit.layer(ready))?;
+        }
+    }
     let done = exit.finish()?;
     let mut warnings = of_templates;
     warnings.extend(no_picture);
@@ -710,7 +755,7 @@ fn write(
     let mut summary = Summary {
         size: plate.size(),
         layers,
-        layer_count: spans.len(),
+        layer_count: count,
         raft_layers: settings.raft_layers(),
         steps: None,
         time: totals.time,
@@ -762,6 +807,52 @@ fn write(
     }
     summary.warnings = warnings;
     Ok(summary)
+}
+
+/// Prints parts one by one, in the order of `turns`. Parts in several places
+/// are sliced once: the paths of all of their layers are kept.
+fn one_by_one(
+    exit: &mut Exit<'_, '_>,
+    turns: &[usize],
+    plate: &Plate,
+    all: &[(Stages<'_>, &[LayerSpan])],
+    pool: &ThreadPool,
+) -> Result<(), SliceError> {
+    let shifts = plate.shifts();
+    let of_place = |place: usize| shifts[place].0;
+    let mut below = 0.0;
+    // Equal parts have equal heights, and so come one after the other.
+    for alike in turns.chunk_by(|&a, &b| of_place(a) == of_place(b)) {
+        let Some((&first, copies)) = alike.split_first() else {
+            continue;
+        };
+        let part = of_place(first);
+        let (stages, spans) = &all[part];
+        let layers = 0..spans.len();
+        exit.begin(first, below);
+        below = spans.last().map_or(0.0, |span| span.top);
+        let mut kept: Vec<Passed> = Vec::new();
+        Supplies::new([(stages, *spans)], pool, &layers).each(
+            pool,
+            |ready| {
+                for (_, ready) in ready {
+                    let passed = exit.pass(part, ready)?;
+                    exit.print_turn(part, &passed)?;
+                    if !copies.is_empty() {
+                        kept.push(passed);
+                    }
+                }
+                Ok(())
+            },
+        )?;
+        for &place in copies {
+            exit.begin(place, below);
+            for passed in &kept {
+                exit.print_turn(part, passed)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The rates of a part, or of the plate, by its settings.
@@ -853,6 +944,8 @@ fn skirt_round(
                 let outline = outline_of(&part.model, reach)?;
                 stages.seen_from_above(spans, &outline)
             }
+            // A higher one would be in the way of the head.
+            false if plate.turns().is_some() => stages.beside(spans, 1)?,
             false => stages.beside(spans, skirt.layers as usize)?,
         };
         // The hull of the parts' hulls is the hull of them all.
@@ -872,6 +965,9 @@ fn skirt_round(
         widest.brim = brim.brim.clone();
     }
     if !shield {
+        if plate.turns().is_some() {
+            widest.skirt.layers = 1;
+        }
         return Ok(Some(Skirt::new(&areas, &widest)));
     }
     let layers = all.iter().map(|(_, spans)| shielded(spans, settings));

@@ -53,6 +53,9 @@ pub fn split(
     parts: usize,
     threads: Option<usize>,
 ) -> Result<Vec<Share>, SliceError> {
+    if plate.turns().is_some() {
+        return Err(SliceError::RangeOneByOne);
+    }
     let pool = &pool(threads)?;
     let plate = &plate.raised()?;
     let (spans, _) = pool.install(|| layers_of(plate))?;

@@ -117,9 +117,9 @@ pub enum PlateError {
     /// A part finds no place.
     #[error(
         "there is no place for {name}, {size} mm{with} on the bed: {placed} of \
-         {count} parts fit on the bed of {bed} mm with plate.spacing = \
-         {spacing} mm; print fewer at a time, lower plate.spacing, or turn or \
-         scale them"
+         {count} parts fit on the bed of {bed} mm with {spacing} mm between \
+         them; print fewer at a time, lower plate.spacing (or, if they are \
+         printed one by one, print all at once), or turn or scale them"
     )]
     Full {
         /// The first part without a place.
@@ -136,6 +136,56 @@ pub enum PlateError {
         bed: String,
         /// The distance between them, mm.
         spacing: f64,
+    },
+    /// It is not known how much room the head needs.
+    #[error(
+        "plate.sequence = \"one-by-one\" needs to know how much room the head \
+         takes beside finished parts: set printer.head_clearance_radius, the \
+         distance from the nozzle to the head's farthest edge seen from above, \
+         and printer.gantry_height, the height above the nozzle's tip of the \
+         beam that carries the head"
+    )]
+    UnknownHead,
+    /// A wall round parts that are printed one by one.
+    #[error(
+        "a draft shield goes round all parts, and the head could not pass it \
+         with plate.sequence = \"one-by-one\"; set draft_shield = \"off\", or \
+         plate.sequence = \"all-at-once\""
+    )]
+    ShieldOneByOne,
+    /// The head would hit a part that is finished.
+    #[error(
+        "{later} is {apart:.1} mm beside {first}, which is finished before it: \
+         the head needs {radius:.1} mm (printer.head_clearance_radius) between \
+         their boxes; move them apart with `at`, leave that out to have places \
+         found, or set plate.sequence = \"all-at-once\""
+    )]
+    TooNear {
+        /// The part that is finished first.
+        first: String,
+        /// The one that is printed beside it.
+        later: String,
+        /// How far they are from each other, mm.
+        apart: f64,
+        /// How far they should be, mm.
+        radius: f64,
+    },
+    /// What carries the head would hit a part that is finished.
+    #[error(
+        "{first} is {height:.1} mm high, and {later} is printed after it: of \
+         parts that are printed one by one only the last may be higher than \
+         {gantry:.1} mm (printer.gantry_height); print one of them alone, or \
+         set plate.sequence = \"all-at-once\""
+    )]
+    TooHigh {
+        /// The part that is finished first.
+        first: String,
+        /// Its height, mm.
+        height: f64,
+        /// The one that is printed after it.
+        later: String,
+        /// How high it may be, mm.
+        gantry: f64,
     },
     /// A plate file cannot be read.
     #[error("cannot read the plate file {file}: {cause}")]

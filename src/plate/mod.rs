@@ -16,8 +16,10 @@
 //! | file | what it does |
 //! |---|---|
 //! | `file` | reads a plate from a file |
+//! | `schema` | says what a plate file may hold, for editors |
 //! | `shared` | which settings hold for the whole plate |
 //! | `arrange` | finds a place for the parts that have none |
+//! | `sequence` | the order of parts that are printed one by one, and whether the head has room |
 //!
 //! Guaranteed: the same plate for the same input; boxes of parts, with their
 //! brims, do not overlap and are on the bed. Not guaranteed: that everything is
@@ -26,10 +28,13 @@
 mod arrange;
 mod error;
 mod file;
+mod schema;
+mod sequence;
 mod shared;
 
 pub use error::PlateError;
 pub use file::PlateFile;
+pub use schema::schema;
 
 use crate::adhesion::brim_reach;
 use crate::model::{
@@ -155,7 +160,11 @@ impl Plate {
             settings: settings.clone(),
             parts: Vec::new(),
         };
+        if count > 1 && sequence::one_by_one(settings) {
+            plate.check_alone()?;
+        }
         place_all(&mut plate, parts, wanted)?;
+        plate.check_sequence()?;
         Ok(plate)
     }
 
@@ -206,7 +215,7 @@ impl Plate {
     }
 
     /// Extent of all parts together.
-    pub(crate) fn size(&self) -> DVec3 {
+    pub fn size(&self) -> DVec3 {
         if let ([part], 1) = (self.parts.as_slice(), self.place_count()) {
             return part.model.bounds.size();
         }
@@ -383,7 +392,7 @@ fn place_all(
     let printer = &settings.printer;
     let bed = Bed {
         size: DVec2::new(printer.bed_x, printer.bed_y),
-        spacing: settings.plate.spacing,
+        spacing: sequence::spacing(settings, parts.iter().map(|p| &p.0)),
     };
     // In the order in which they are asked for.
     let mut asked: Vec<(usize, usize)> = Vec::new();

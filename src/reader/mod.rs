@@ -12,8 +12,9 @@
 //! of PrusaSlicer, OrcaSlicer, BambuStudio and Cura. Every other command is
 //! an event, too.
 //!
-//! Binary G-code is unpacked ([`crate::bgcode`]); its lines count from the first
-//! one of the text.
+//! Binary G-code is unpacked ([`crate::bgcode`]), and so are the plates of Bambu
+//! Lab's printers ([`crate::package`]); their lines count from the first one of
+//! the text.
 //!
 //! Guarantees:
 //! - any bytes can be read: a line that makes no sense is passed over, reported
@@ -84,6 +85,7 @@ pub use role::Role;
 pub(crate) use words::Words;
 
 use crate::bgcode::Damaged;
+use crate::package::Broken;
 use crate::units::Mm;
 use lines::Lines;
 use parser::Parser;
@@ -107,6 +109,9 @@ pub enum ReadError {
     /// The file is damaged binary G-code.
     #[error("the binary G-code cannot be read: {0}")]
     Binary(Damaged),
+    /// The file is a damaged plate of Bambu Lab's.
+    #[error("the G-code in the archive cannot be read: {0}")]
+    Archive(Broken),
     /// The file is no G-code.
     #[error("this is no G-code: {0}")]
     NoGcode(NoGcode),
@@ -117,6 +122,10 @@ impl ReadError {
     fn new(line: u64, source: io::Error) -> Self {
         let source = match source.downcast() {
             Ok(damaged) => return ReadError::Binary(damaged),
+            Err(source) => source,
+        };
+        let source = match source.downcast() {
+            Ok(broken) => return ReadError::Archive(broken),
             Err(source) => source,
         };
         match source.downcast() {

@@ -225,13 +225,14 @@ impl Settings {
     ///
     /// Marlin gets its lines over a serial line mostly: 25 bytes at 115,200
     /// baud are 2 ms, and each line is answered before the next but a few comes.
-    /// Prusa's 32-bit boards and RepRapFirmware read the file themselves.
+    /// Prusa's 32-bit boards, RepRapFirmware and Bambu Lab's printers read the
+    /// file themselves.
     /// Klipper plans on the host.
     pub fn max_moves_per_second(&self) -> PerSec {
         let usual = match self.gcode.flavour {
             Flavour::Marlin => 200.0,
             Flavour::Prusa => 400.0,
-            Flavour::Rrf => 500.0,
+            Flavour::Rrf | Flavour::Bambu => 500.0,
             Flavour::Klipper => 1000.0,
         };
         self.printer.max_moves_per_second.unwrap_or(usual)

@@ -76,6 +76,7 @@ pub(crate) use steps::Steps;
 pub(crate) use value::Varying;
 pub(crate) use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
-    InfillMode, InfillPattern, InterfacePattern, LayerHeights, SeamRule,
-    SkinOrder, SkinPattern, SkinWhere, Supports, WallOffset, WallOrder,
+    InfillMode, InfillPattern, InterfacePattern, LayerHeights, PlateSequence,
+    SeamRule, SkinOrder, SkinPattern, SkinWhere, Supports, WallOffset,
+    WallOrder,
 };

@@ -490,6 +490,10 @@ table::settings! {
     plate: PlateSettings {
         /// Distance between parts, with their brims, where they are arranged.
         spacing: Mm = 5.0, in 0.0..=1000.0;
+        /// Whether all parts grow together, or one part is printed after the
+        /// other. Then the head must have room beside those that are finished
+        /// (printer.head_clearance_radius, printer.gantry_height).
+        sequence: PlateSequence = PlateSequence::AllAtOnce;
     }
     /// Loops beside the first layer that hold the part down.
     brim: Brim {
@@ -581,8 +585,9 @@ table::settings! {
     }
     /// The machine.
     printer: Printer {
-        /// Name by which a Prusa printer knows its model (MK3S, MINI, MK4, XL);
-        /// its firmware checks that the file is for it. Empty for no check.
+        /// Name by which a Prusa printer knows its model (MK3S, MINI, MK4, XL),
+        /// or under which a printer of Bambu Lab's is sold (Bambu Lab A1); its
+        /// firmware checks that the file is for it. Empty for no check.
         model: String = String::new();
         /// Width of the bed; x runs from 0 to this.
         bed_x: Mm = 220.0, in 1.0..=10_000.0;
@@ -614,9 +619,24 @@ table::settings! {
         square_corner_velocity: MmPerSec = 5.0, in 0.0..=200.0;
         /// Greatest speed in the plane; no move is faster.
         max_speed: MmPerSec = 500.0, in 1.0..=5000.0;
+        /// How far from the nozzle the head reaches, seen from above: the
+        /// radius of a circle around the nozzle that holds all of it. Parts
+        /// that are printed one by one keep that distance. auto if it is not
+        /// known.
+        head_clearance_radius: Option<Mm> = None, in 1.0..=500.0;
+        /// Height above the nozzle's tip up to which nothing but the nozzle is
+        /// within that circle: parts no higher than this may stand nearer to
+        /// those printed after them.
+        head_clearance_height: Mm = 0.0, in 0.0..=500.0;
+        /// Height above the nozzle's tip of whatever moves across the whole bed
+        /// with the head, such as the beam that carries it. Of parts that are
+        /// printed one by one only the last may be higher. auto if it is not
+        /// known.
+        gantry_height: Option<Mm> = None, in 1.0..=1000.0;
         /// How many moves a second the firmware takes: where beads bend more
         /// often, they are slowed. auto for what is usual: 200 for Marlin, 400
-        /// for Prusa's, 500 for RepRapFirmware, 1000 for Klipper.
+        /// for Prusa's, 500 for RepRapFirmware and Bambu Lab's, 1000 for
+        /// Klipper.
         max_moves_per_second: Option<PerSec> = None, in 10.0..=100_000.0;
         /// Whether the firmware follows arcs (G2 and G3) as closely as many
         /// short moves.
@@ -660,8 +680,8 @@ table::settings! {
         /// time.
         set_limits: bool = true;
         /// Whether layers tell how far the print has come, and the minutes left
-        /// (M73); auto does so for Marlin and Prusa's firmware. Only files of a
-        /// whole part can tell.
+        /// (M73); auto does so for Marlin, Prusa's and Bambu Lab's firmware. Only
+        /// files of a whole part can tell.
         progress: Emit = Emit::Auto;
         /// Whether the part has a label, by which hosts show and exclude it;
         /// auto labels it for firmware that always understands labels.

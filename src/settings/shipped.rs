@@ -79,6 +79,10 @@ macro_rules! nozzles {
 /// Name and text of each printer's profile with another nozzle.
 pub(super) const NOZZLES: &[(&str, &str)] = nozzles! {
     "anycubic-kobra-2" "Anycubic Kobra 2";
+    "bambu-a1" "Bambu Lab A1";
+    "bambu-a1-mini" "Bambu Lab A1 mini";
+    "bambu-p1s" "Bambu Lab P1S and P1P";
+    "bambu-x1c" "Bambu Lab X1 Carbon";
     "creality-k1" "Creality K1 and K1C";
     "creality-k1-max" "Creality K1 Max";
     "elegoo-centauri-carbon" "Elegoo Centauri Carbon";
@@ -116,6 +120,10 @@ pub(super) const NOZZLES: &[(&str, &str)] = nozzles! {
 pub(super) const SHIPPED: &[(ProfileKind, &str, &str)] = shipped! {
     Printer, "printers":
         "anycubic-kobra-2"
+        "bambu-a1"
+        "bambu-a1-mini"
+        "bambu-p1s"
+        "bambu-x1c"
         "creality-k1"
         "creality-k1-max"
         "elegoo-centauri-carbon"

@@ -13,6 +13,18 @@ value::words! {
         Rrf = "rrf",
         /// Prusa's firmware.
         Prusa = "prusa",
+        /// Bambu Lab's firmware.
+        Bambu = "bambu",
+    }
+}
+
+value::words! {
+    /// The order in which the parts of a plate are printed.
+    PlateSequence {
+        /// All grow together, layer by layer.
+        AllAtOnce = "all-at-once",
+        /// Each is finished before the next one begins.
+        OneByOne = "one-by-one",
     }
 }
 
@@ -33,6 +45,8 @@ value::words! {
         Prusa = "prusa",
         /// OrcaSlicer's.
         Orca = "orca",
+        /// Bambu Studio's.
+        Bambu = "bambu",
         /// Cura's.
         Cura = "cura",
         /// No comments but the file's first line and its pictures.

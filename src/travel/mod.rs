@@ -55,6 +55,8 @@ pub(crate) struct Travel {
     /// Filament to push forward at the end, mm. It replaces what oozed out on a
     /// travel without a retraction.
     pub prime: Mm,
+    /// Least height of the nozzle on the way, if something stands there.
+    pub clear: Option<Mm>,
 }
 
 /// The ordered moves of one layer, in print coordinates.
@@ -102,6 +104,15 @@ impl LayerPath {
 pub(crate) fn between_parts(to: DVec2, settings: &Settings) -> Travel {
     Travel {
         hop: settings.retract.z_hop > 0.0,
+        ..Travel::straight(to, true)
+    }
+}
+
+/// The travel to a part from one that is finished, above all that stands on
+/// the bed.
+pub(crate) fn over_parts(to: DVec2, clear: Mm) -> Travel {
+    Travel {
+        clear: Some(clear),
         ..Travel::straight(to, true)
     }
 }

@@ -47,6 +47,7 @@ mod gcode;
 mod ini;
 mod orca;
 mod parents;
+mod project;
 mod source;
 mod table;
 mod translate;

@@ -1,7 +1,7 @@
 //! A file of profiles, of whichever slicer.
 
 use crate::values::Values;
-use crate::{Error, Kind, cura, formula, gcode, ini, orca};
+use crate::{Error, Kind, cura, formula, gcode, ini, orca, project};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -111,7 +111,12 @@ impl Source {
                 None,
             ));
         }
-        if ends(&[".3mf", ".bgcode", ".stl", ".orca_printer", ".bbscfg"]) {
+        if ends(&[".3mf"]) {
+            let text = project::settings(path).map_err(wrong)?;
+            let own = orca::read(&text).map_err(wrong)?;
+            return Ok(Source::one(path, Slicer::Orca, own.values, None, None));
+        }
+        if ends(&[".bgcode", ".stl", ".orca_printer", ".bbscfg"]) {
             return Err(wrong(
                 "isoslice reads no profiles from such files; let the slicer \
                  export them as .ini or .json, or give its G-code as text"

@@ -297,6 +297,7 @@ pub fn try_templates(settings: &Settings) -> Vec<TemplateError> {
         thumbnails: Vec::new(),
         format: super::Format::Text,
         fingerprint: None,
+        one_by_one: false,
     };
     let mut wrong = Vec::new();
     let templates: [fn(&mut Settings) -> &mut String; 3] = [

@@ -14,6 +14,7 @@ pub(super) fn header() -> Header {
         thumbnails: Vec::new(),
         format: crate::gcode::Format::Text,
         fingerprint: None,
+        one_by_one: false,
     }
 }
 

@@ -152,7 +152,9 @@ impl Planner {
             Flavour::Marlin => Planner::Marlin {
                 deviation: Self::deviation(corner, acceleration),
             },
-            Flavour::Prusa => Planner::Prusa(jerk(PRUSA_JERK)),
+            // Bambu Lab's planner is not published. Their slicer estimates the
+            // time with the jerk of each axis.
+            Flavour::Prusa | Flavour::Bambu => Planner::Prusa(jerk(PRUSA_JERK)),
             Flavour::Rrf => Planner::Rrf(jerk(RRF_JERK)),
         }
     }

@@ -158,6 +158,14 @@ fn retraction(
     if s.gcode.flavour == Flavour::Klipper && retract.firmware {
         klipper_retraction(s)?;
     }
+    if s.gcode.flavour == Flavour::Bambu && retract.firmware {
+        return Err(conflict(
+            ["retract.firmware", "gcode.flavour", "retract.length"],
+            "retract.firmware = true, and Bambu Lab's firmware has no \
+             retraction of its own (G10); set it to false"
+                .to_owned(),
+        ));
+    }
     if retract.min_travel > retract.max_unretracted {
         warnings.push(format!(
             "retract.min_travel = {} mm is more than retract.max_unretracted \

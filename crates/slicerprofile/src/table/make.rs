@@ -103,11 +103,42 @@ fn is_prusas(given: &Given<'_>) -> bool {
         || model_checked(given).is_some()
 }
 
+/// True for Bambu Lab's own printers.
+fn is_bambus(given: &Given<'_>) -> bool {
+    let model = given.values.first("printer_model").unwrap_or("");
+    model.starts_with("Bambu Lab ")
+}
+
+/// What the head needs beside finished parts.
+pub(super) fn clearances(given: &Given<'_>) -> Outcome {
+    let number = |key: &&str| {
+        let value = given.values.first(key)?.trim().parse::<f64>().ok()?;
+        (value.is_finite() && value > 0.0).then_some(value)
+    };
+    let radii = ["extruder_clearance_radius", "extruder_clearance_max_radius"];
+    let heights = [
+        "extruder_clearance_height",
+        "extruder_clearance_height_to_rod",
+    ];
+    let radius = radii.iter().filter_map(number).reduce(f64::max);
+    let height = heights.iter().filter_map(number).reduce(f64::min);
+    let made = [
+        ("printer.head_clearance_radius", radius),
+        ("printer.gantry_height", height),
+    ];
+    let made = made.into_iter();
+    Outcome::of(
+        made.filter_map(|(key, value)| Some((key, value?.into())))
+            .collect(),
+    )
+}
+
 pub(super) fn flavour(given: &Given<'_>) -> Outcome {
     let word = given.values.first("gcode_flavor").unwrap_or("");
     let word = word.to_ascii_lowercase();
     let ours = match word.as_str() {
         "marlin" | "marlin2" | "marlinfirmware" if is_prusas(given) => "prusa",
+        "marlin" | "marlin2" | "marlinfirmware" if is_bambus(given) => "bambu",
         "marlin" | "marlin2" | "marlinfirmware" => "marlin",
         "klipper" => "klipper",
         "reprapfirmware" | "rrf" => "rrf",
@@ -116,7 +147,7 @@ pub(super) fn flavour(given: &Given<'_>) -> Outcome {
         _ => {
             return lost(format!(
                 "isoslice does not write for {word}: choose the nearest of \
-                 marlin, klipper, rrf and prusa"
+                 marlin, klipper, rrf, prusa and bambu"
             ));
         }
     };
@@ -125,6 +156,11 @@ pub(super) fn flavour(given: &Given<'_>) -> Outcome {
 
 pub(super) fn model(given: &Given<'_>) -> Outcome {
     if let Some(name) = model_checked(given).filter(|_| is_prusas(given)) {
+        return Outcome::of(vec![("printer.model", name.into())]);
+    }
+    if let Some(name) = given.values.first("printer_model")
+        && is_bambus(given)
+    {
         return Outcome::of(vec![("printer.model", name.into())]);
     }
     nothing("the printer checks no model")

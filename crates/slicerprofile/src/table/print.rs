@@ -1412,12 +1412,31 @@ pub(super) static ROWS: &[Row] = &[
         ),
     ),
     row(
+        PRUSA,
+        Print,
+        &["complete_objects"],
+        To(
+            "plate.sequence",
+            As::Words(&[("1", "one-by-one"), ("0", "all-at-once")]),
+        ),
+    ),
+    row(
+        ORCA,
+        Print,
+        &["print_sequence"],
+        To(
+            "plate.sequence",
+            As::Words(&[
+                ("by object", "one-by-one"),
+                ("by layer", "all-at-once"),
+            ]),
+        ),
+    ),
+    row(
         BOTH,
         Print,
         &[
-            "complete_objects",
             "complete_objects_sort",
-            "print_sequence",
             "clip_multipart_objects",
             "output_filename_format",
             "filename_format",

@@ -38,7 +38,8 @@ pub(super) static ROWS: &[Row] = &[
         &["gcode_flavor"],
         Made {
             settings: &["gcode.flavour"],
-            how: "marlin and marlin2 of Prusa's printers are prusa",
+            how: "marlin and marlin2 of Prusa's printers are prusa, of Bambu \
+                  Lab's bambu",
             make: Make(make::flavour),
         },
     ),
@@ -48,7 +49,8 @@ pub(super) static ROWS: &[Row] = &[
         &["printer_model"],
         Made {
             settings: &["printer.model"],
-            how: "of Prusa's printers, as the start G-code checks it",
+            how: "of Prusa's printers, as the start G-code checks it, and of \
+                  Bambu Lab's",
             make: Make(make::model),
         },
     ),
@@ -482,10 +484,24 @@ pub(super) static ROWS: &[Row] = &[
         BOTH,
         Printer,
         &[
-            "extruder_clearance_height",
             "extruder_clearance_radius",
             "extruder_clearance_max_radius",
+            "extruder_clearance_height",
             "extruder_clearance_height_to_rod",
+        ],
+        Made {
+            settings: &[
+                "printer.head_clearance_radius",
+                "printer.gantry_height",
+            ],
+            how: "the greatest radius, and the least height",
+            make: Make(make::clearances),
+        },
+    ),
+    row(
+        BOTH,
+        Printer,
+        &[
             "extruder_clearance_height_to_lid",
             "extruder_clearance_dist_to_rod",
             "between_objects_gcode",

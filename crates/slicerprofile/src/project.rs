@@ -1,0 +1,59 @@
+//! Projects of OrcaSlicer and Bambu Studio (`.3mf`): archives with models and
+//! one whole configuration.
+//!
+//! In: an archive. Out: the text of its configuration. Models are not unpacked,
+//! however large they are.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+use zip::result::ZipError;
+
+/// The entry with the configuration.
+const SETTINGS: &str = "Metadata/project_settings.config";
+
+/// Most entries of an archive, and most bytes of the configuration. Projects
+/// have some hundred, and some 100 kB.
+const MOST_ENTRIES: usize = 10_000;
+const MOST_BYTES: u64 = 4 << 20;
+
+/// The configuration in a project.
+///
+/// # Errors
+/// A sentence, if there is none, or it is too large.
+pub(crate) fn settings(path: &Path) -> Result<String, String> {
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    let damaged = |e: ZipError| format!("its archive: {e}");
+    let mut archive =
+        zip::ZipArchive::new(BufReader::new(file)).map_err(damaged)?;
+    if archive.len() > MOST_ENTRIES {
+        return Err(format!(
+            "it holds {} files, and a project at most {MOST_ENTRIES}",
+            archive.len()
+        ));
+    }
+    let entry = match archive.by_name(SETTINGS) {
+        Ok(entry) => entry,
+        Err(ZipError::FileNotFound) => {
+            return Err(format!(
+                "there is no configuration in it ({SETTINGS}), as projects of \
+                 OrcaSlicer and Bambu Studio have; let the slicer export its \
+                 profiles as .ini or .json"
+            ));
+        }
+        Err(error) => return Err(damaged(error)),
+    };
+    let mut bytes = Vec::new();
+    entry
+        .take(MOST_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|e| format!("its archive: {e}"))?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(format!(
+            "its configuration is larger than {} MB unpacked",
+            MOST_BYTES >> 20
+        ));
+    }
+    String::from_utf8(bytes)
+        .map_err(|_| "its configuration is not text".to_owned())
+}

@@ -1,0 +1,113 @@
+//! Parts that are finished while others are printed: does the head hit them?
+//!
+//! In: the beads and travels of a file whose parts are printed one by one. Out:
+//! what the head would hit. A part is finished once a bead lies well below its
+//! top; from then on its box must be out of the head's reach, and below
+//! whatever moves across the bed with the head.
+
+use crate::plane::Rect;
+use crate::reader::{Move, Role};
+use crate::settings::{PlateSequence, Settings};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// What the head needs beside finished parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct HeadRoom {
+    /// Radius of the head around the nozzle, and how far it is empty upwards
+    /// from the nozzle's tip.
+    radius: Mm,
+    free_below: Mm,
+    /// Height of what moves across the whole bed.
+    gantry: Mm,
+}
+
+impl HeadRoom {
+    /// The room that matters with these settings: none where all parts grow
+    /// together, or where it is not known.
+    pub(super) fn of(settings: &Settings) -> Option<HeadRoom> {
+        let printer = &settings.printer;
+        if settings.plate.sequence != PlateSequence::OneByOne {
+            return None;
+        }
+        Some(HeadRoom {
+            radius: printer.head_clearance_radius?,
+            free_below: printer.head_clearance_height,
+            gantry: printer.gantry_height?,
+        })
+    }
+}
+
+/// Something that stands on the bed.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    area: Rect,
+    top: Mm,
+}
+
+/// What is finished, and what is being printed.
+#[derive(Debug, Default)]
+pub(super) struct Finished {
+    done: Vec<Block>,
+    here: Option<Block>,
+}
+
+impl Finished {
+    /// Takes a bead. A skirt and a brim are no higher than a layer.
+    pub(super) fn bead(&mut self, step: &Move) {
+        if matches!(step.role, Role::SkirtBrim) {
+            return;
+        }
+        let (from, to) = (step.from.truncate(), step.to.truncate());
+        let own = Block {
+            area: Rect {
+                min: from.min(to),
+                max: from.max(to),
+            },
+            top: step.from.z.max(step.to.z),
+        };
+        let here = self.here.get_or_insert(own);
+        here.area.min = here.area.min.min(own.area.min);
+        here.area.max = here.area.max.max(own.area.max);
+        here.top = here.top.max(own.top);
+    }
+
+    /// The part being printed is finished.
+    pub(super) fn next_part(&mut self) {
+        self.done.extend(self.here.take());
+    }
+
+    /// What a move would hit, in words.
+    pub(super) fn hit(&self, step: &Move, room: &HeadRoom) -> Option<String> {
+        /// What rounding may take away, mm.
+        const ROUNDED: Mm = 1e-2;
+        let low = step.from.z.min(step.to.z);
+        let (from, to) = (step.from.truncate(), step.to.truncate());
+        let (min, max) = (from.min(to), from.max(to));
+        let height = |block: &Block| block.top - low;
+        for block in &self.done {
+            let Block { area, top } = block;
+            if height(block) > room.gantry + ROUNDED {
+                return Some(format!(
+                    "the nozzle is at z = {low:.3} while a part of {top:.3} mm \
+                     is finished, and what carries the head is only {} mm \
+                     above it (printer.gantry_height)",
+                    room.gantry
+                ));
+            }
+            let gap = (min - area.max).max(area.min - max);
+            let apart = gap.max(DVec2::ZERO).length();
+            if height(block) > room.free_below + ROUNDED
+                && apart < room.radius - ROUNDED
+            {
+                return Some(format!(
+                    "the nozzle is {apart:.2} mm beside a finished part of \
+                     {top:.3} mm, at z = {low:.3}, and the head reaches {} mm \
+                     (printer.head_clearance_radius)",
+                    room.radius
+                ));
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,49 @@
+//! Where the user's own profiles are, and the printers that files are sent to.
+
+use anyhow::bail;
+use clap::Args;
+use etcetera::BaseStrategy;
+use isoslice::settings::Profiles;
+use std::path::PathBuf;
+
+/// Where the user's own profiles are.
+#[derive(Args, Clone, Debug, PartialEq)]
+pub(super) struct ProfilesSource {
+    /// Folder of your own profiles, which has the folders printers, filaments
+    /// and presets [default: $ISOSLICE_PROFILES, or isoslice in the folder
+    /// for configuration]
+    #[arg(long = "profiles", value_name = "DIR", help_heading = "Settings")]
+    folder: Option<PathBuf>,
+}
+
+impl ProfilesSource {
+    /// A folder, or the usual one.
+    pub(super) fn new(folder: Option<PathBuf>) -> Self {
+        ProfilesSource { folder }
+    }
+
+    /// The folder, which need not exist.
+    pub(super) fn folder(&self) -> Option<PathBuf> {
+        let of_environment = || {
+            std::env::var_os("ISOSLICE_PROFILES")
+                .filter(|folder| !folder.is_empty())
+                .map(PathBuf::from)
+        };
+        let of_user = || {
+            let strategy = etcetera::choose_base_strategy().ok()?;
+            Some(strategy.config_dir().join("isoslice"))
+        };
+        self.folder.clone().or_else(of_environment).or_else(of_user)
+    }
+
+    /// All profiles of the program and of the folder.
+    pub(super) fn find(&self) -> anyhow::Result<Profiles> {
+        // The usual folder may be missing, but not one that was named.
+        if let Some(folder) = &self.folder
+            && !folder.is_dir()
+        {
+            bail!("there is no folder {} (--profiles)", folder.display());
+        }
+        Ok(Profiles::new(self.folder()))
+    }
+}

@@ -1,0 +1,230 @@
+//! Parts that are printed one after the other: in which order, and whether the
+//! head has room beside those that are finished.
+//!
+//! ```text
+//!        ├─ radius ─┤               gantry
+//!   ═════════════════════════════════════════
+//!             ║ head ║       ┌─────┐      ┬
+//!             ╚══╗╔══╝       │done │      │ gantry_height
+//!   ─────────────╨┴──────────┴─────┴──────┴──
+//!             nozzle
+//! ```
+//!
+//! In: a plate whose parts have their places. Out: the order of the places, or
+//! the two parts that are too near to each other, or the part that is too high.
+//!
+//! The head is a circle of `printer.head_clearance_radius` around the nozzle,
+//! empty below `printer.head_clearance_height`. The nozzle may be anywhere over
+//! what stands on the bed of the part that is printed: its box with its brim or
+//! raft, and with the room that its supports have. Nothing finished may be in
+//! the circle then. Whatever moves across the whole bed with the head is at
+//! `printer.gantry_height`: only the last part may be higher, so the lower ones
+//! come first. Between parts the head travels above all that is finished.
+//!
+//! Guaranteed: the order depends on the plate alone. Not guaranteed: that parts
+//! could not stand nearer; boxes are larger than parts.
+
+use super::{Part, Plate, PlateError};
+use crate::plane::Rect;
+use crate::settings::{DraftShield, PlateSequence, Settings, Supports};
+use crate::units::Mm;
+use glam::DVec2;
+
+/// How far above all that is finished the head travels from one part to the
+/// next, mm: more than threads and blobs stand up.
+const ABOVE: Mm = 2.0;
+
+/// What rounding may take away, mm.
+const ROUNDED: Mm = 1e-3;
+
+/// What the head needs.
+#[derive(Clone, Copy, Debug)]
+struct Head {
+    radius: Mm,
+    free_below: Mm,
+    gantry: Mm,
+}
+
+impl Head {
+    fn of(settings: &Settings) -> Option<Head> {
+        let printer = &settings.printer;
+        Some(Head {
+            radius: printer.head_clearance_radius?,
+            free_below: printer.head_clearance_height,
+            gantry: printer.gantry_height?,
+        })
+    }
+}
+
+/// A part in its place.
+struct Standing<'a> {
+    name: &'a str,
+    /// Where the nozzle may be while it is printed, and what stands there
+    /// afterwards.
+    area: Rect,
+    /// Its top above the bed.
+    top: Mm,
+}
+
+/// True if the parts are printed one by one.
+pub(super) fn one_by_one(settings: &Settings) -> bool {
+    settings.plate.sequence == PlateSequence::OneByOne
+}
+
+/// The distance at which parts of these are to be arranged.
+pub(super) fn spacing<'a>(
+    settings: &Settings,
+    parts: impl Iterator<Item = &'a Part>,
+) -> Mm {
+    let usual = settings.plate.spacing;
+    let Some(head) = Head::of(settings).filter(|_| one_by_one(settings)) else {
+        return usual;
+    };
+    let (mut high, mut supported) = (false, false);
+    for part in parts {
+        high |= part.top() > head.free_below;
+        supported |= part.settings.supports != Supports::Off;
+    }
+    // Supports reach into the room between parts.
+    let room = if supported { usual } else { 0.0 };
+    match high {
+        true => usual.max(head.radius + room),
+        false => usual,
+    }
+}
+
+impl Plate {
+    /// The places in the order in which their parts are printed one by one, as
+    /// [`Plate::shifts`] has them; nothing if all grow together.
+    pub(crate) fn turns(&self) -> Option<Vec<usize>> {
+        if !one_by_one(&self.settings) || self.place_count() < 2 {
+            return None;
+        }
+        let tops: Vec<Mm> = self
+            .shifts()
+            .iter()
+            .map(|&(part, _)| self.parts[part].top())
+            .collect();
+        let mut order: Vec<usize> = (0..tops.len()).collect();
+        // Equal parts stay together.
+        order.sort_by(|&a, &b| tops[a].total_cmp(&tops[b]));
+        Some(order)
+    }
+
+    /// The parts' names in the order in which they are printed one by one;
+    /// nothing if all grow together.
+    pub fn order(&self) -> Option<Vec<&str>> {
+        let places = self.parts.iter().flat_map(|part| &part.places);
+        let names: Vec<&str> = places.map(|place| &*place.name).collect();
+        let turns = self.turns()?;
+        Some(turns.into_iter().map(|place| names[place]).collect())
+    }
+
+    /// How high the head is to travel to a part, if one as high as `finished`
+    /// stands on the bed.
+    pub(crate) fn clear_of(finished: Mm) -> Mm {
+        finished + ABOVE
+    }
+
+    /// Refuses what parts that are printed one by one cannot have.
+    pub(super) fn check_alone(&self) -> Result<(), PlateError> {
+        if self.settings.draft_shield != DraftShield::Off {
+            return Err(PlateError::ShieldOneByOne);
+        }
+        match Head::of(&self.settings) {
+            Some(_) => Ok(()),
+            None => Err(PlateError::UnknownHead),
+        }
+    }
+
+    /// Refuses a plate whose parts cannot be printed one by one, if they are to
+    /// be.
+    pub(super) fn check_sequence(&self) -> Result<(), PlateError> {
+        let Some(turns) = self.turns() else {
+            return Ok(());
+        };
+        let Some(head) = Head::of(&self.settings) else {
+            return Err(PlateError::UnknownHead);
+        };
+        let places = self.parts.iter().flat_map(|part| {
+            part.places.iter().map(|place| Standing {
+                name: &place.name,
+                area: part.covers(place.shift),
+                top: part.top(),
+            })
+        });
+        let places: Vec<Standing<'_>> = places.collect();
+        for (k, &first) in turns.iter().enumerate() {
+            let first = &places[first];
+            for &later in &turns[k + 1..] {
+                let later = &places[later];
+                if first.top > head.gantry + ROUNDED {
+                    return Err(PlateError::TooHigh {
+                        first: first.name.to_owned(),
+                        height: first.top,
+                        later: later.name.to_owned(),
+                        gantry: head.gantry,
+                    });
+                }
+                let apart = distance(first.area, later.area);
+                if first.top > head.free_below + ROUNDED
+                    && apart < head.radius - ROUNDED
+                {
+                    return Err(PlateError::TooNear {
+                        first: first.name.to_owned(),
+                        later: later.name.to_owned(),
+                        apart,
+                        radius: head.radius,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Part {
+    /// Height of its top above the bed, on its raft.
+    fn top(&self) -> Mm {
+        let lift = self.settings.raft_height();
+        self.model.printed_bounds().max.z + lift
+    }
+
+    /// What it may cover of the bed in a place, with its supports.
+    fn covers(&self, shift: DVec2) -> Rect {
+        let foot = self.foot();
+        let mut area = foot;
+        if self.settings.supports != Supports::Off {
+            let room = self.room();
+            area.min = area.min.min(room.min);
+            area.max = area.max.max(room.max);
+        }
+        Rect {
+            min: area.min + shift,
+            max: area.max + shift,
+        }
+    }
+}
+
+/// Distance between two boxes; 0 if they touch or overlap.
+fn distance(a: Rect, b: Rect) -> Mm {
+    let gap = (a.min - b.max).max(b.min - a.max);
+    gap.max(DVec2::ZERO).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_are_apart_by_their_corners_too() {
+        let rect = |x: f64, y: f64| Rect {
+            min: DVec2::new(x, y),
+            max: DVec2::new(x + 10.0, y + 10.0),
+        };
+        assert_eq!(distance(rect(0.0, 0.0), rect(13.0, 14.0)), 5.0);
+        assert_eq!(distance(rect(13.0, 14.0), rect(0.0, 0.0)), 5.0);
+        assert_eq!(distance(rect(0.0, 0.0), rect(30.0, 5.0)), 20.0);
+        assert_eq!(distance(rect(0.0, 0.0), rect(5.0, 5.0)), 0.0);
+    }
+}

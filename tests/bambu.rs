@@ -1,0 +1,223 @@
+//! Plates for Bambu Lab's printers, as the program writes and reads them.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+const BALL: &str = "sqrt(x^2 + y^2 + (z - 4)^2) - 5";
+
+fn isoslice(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_isoslice"))
+        .current_dir(folder)
+        .args(args)
+        .output()
+        .unwrap()
+}
+
+#[track_caller]
+fn done(folder: &Path, args: &[&str]) -> String {
+    let output = isoslice(folder, args);
+    assert!(output.status.success(), "{args:?}: {output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+#[test]
+fn each_printer_gets_a_plate_that_the_check_takes() {
+    let folder = folder();
+    let path = folder.path();
+    for (printer, model) in [
+        ("bambu-a1", "N2S"),
+        ("bambu-a1-mini", "N1"),
+        ("bambu-p1s", "C12"),
+        ("bambu-x1c", "BL-P001"),
+    ] {
+        let args = ["slice", "-e", BALL, "--printer", printer, "--json"];
+        let summary = done(path, &args);
+        let summary: serde_json::Value =
+            serde_json::from_str(&summary).unwrap();
+        assert_eq!(summary["output"], "formula.gcode.3mf");
+        let bytes = fs::read(path.join("formula.gcode.3mf")).unwrap();
+        // The same input gives the same bytes.
+        done(path, &[&args[..], &["-o", "2.gcode.3mf"]].concat());
+        assert_eq!(fs::read(path.join("2.gcode.3mf")).unwrap(), bytes);
+        let file = fs::File::open(path.join("formula.gcode.3mf")).unwrap();
+        let mut zip = zip::ZipArchive::new(file).unwrap();
+        let mut text = |name: &str| {
+            let mut text = String::new();
+            let mut entry = zip.by_name(name).unwrap();
+            entry.read_to_string(&mut text).unwrap();
+            text
+        };
+        let info = text("Metadata/slice_info.config");
+        let id = format!("key=\"printer_model_id\" value=\"{model}\"");
+        assert!(info.contains(&id), "{info}");
+        let time = summary["print_time_s"].as_f64().unwrap();
+        let prediction = format!("key=\"prediction\" value=\"{time:.0}\"");
+        assert!(info.contains(&prediction), "{info}");
+        // The text is what `-o part.gcode` writes, behind its own head.
+        let gcode = text("Metadata/plate_1.gcode");
+        let plain = [&args[..], &["-o", "plain.gcode"]].concat();
+        done(path, &plain);
+        let plain = fs::read_to_string(path.join("plain.gcode")).unwrap();
+        let body = |text: &str| {
+            let from = text.find("\nM220").unwrap();
+            text[from..text.find("; end of layers").unwrap()].to_owned()
+        };
+        assert!(body(&gcode) == body(&plain), "{printer}");
+        let check = ["check", "formula.gcode.3mf", "--printer", printer];
+        let said = done(path, &check);
+        assert!(said.contains("0 faults, 0 warnings"), "{printer}: {said}");
+    }
+    let page = ["preview", "formula.gcode.3mf", "-o", "page.html"];
+    done(path, &page);
+    assert!(fs::metadata(path.join("page.html")).unwrap().len() > 10_000);
+}
+
+#[test]
+fn other_printers_are_warned_and_damaged_plates_refused() {
+    let folder = folder();
+    let path = folder.path();
+    let args = ["slice", "-e", BALL, "-o", "part.gcode.3mf"];
+    let output = isoslice(path, &args);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{told}");
+    assert!(told.contains("is for Bambu Lab's printers"), "{told}");
+    let mut bytes = fs::read(path.join("part.gcode.3mf")).unwrap();
+    bytes[2000] ^= 1;
+    fs::write(path.join("bad.gcode.3mf"), bytes).unwrap();
+    fs::write(path.join("no.gcode.3mf"), "PK\x03\x04 and no more").unwrap();
+    for (file, words) in [
+        ("bad.gcode.3mf", "archive cannot be read"),
+        ("no.gcode.3mf", "archive"),
+    ] {
+        let output = isoslice(path, &["check", file]);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(told.contains(words), "{told}");
+    }
+    let output = isoslice(path, &["slice", "-e", BALL, "-o", "part.3mf"]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(told.contains(".gcode.3mf"), "{told}");
+    let args = ["slice", "-e", BALL, "--printer", "bambu-a1", "--set"];
+    let firmware = [&args[..], &["retract.firmware=true"]].concat();
+    let output = isoslice(path, &firmware);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(told.contains("Bambu Lab's firmware"), "{told}");
+}
+
+#[test]
+fn what_is_on_a_plate_is_told() {
+    let folder = folder();
+    let path = folder.path();
+    let script = "let w = param(\"w\", 10.0);\n\
+                  draw(box(#{lower: [0, 0, 0], upper: [w, 8, 6]}));\n";
+    fs::write(path.join("part.rhai"), script).unwrap();
+    let plate = "settings = { plate.sequence = \"one-by-one\" }\n\
+                 [[part]]\nmodel = \"part.rhai\"\ncopies = 2\n\
+                 [[part]]\nmodel = \"part.rhai\"\nparams = { w = 30 }\n\
+                 at = [30, 40]\nsettings = { layer_height = 0.2 }\n";
+    fs::write(path.join("plate.toml"), plate).unwrap();
+    let args = ["info", "plate.toml", "--printer", "bambu-a1"];
+    let text = done(path, &args);
+    for line in [
+        "  parts       3",
+        "  one by one  part_1, part_2, part_3",
+        "part, 2 times",
+        "  size        30.00 × 8.00 × 6.00 mm",
+        "  layers      30 planned",
+        "  at          30.00, 40.00 mm  part_3",
+    ] {
+        assert!(text.lines().any(|l| l == line), "{line}: {text}");
+    }
+    let json = done(path, &[&args[..], &["--json", "--supports"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["parts"][1]["places"][0]["at_mm"][1], 40.0);
+    assert_eq!(json["order"].as_array().unwrap().len(), 3);
+    assert_eq!(json["parts"][0]["needs_support"]["area_mm2"], 0.0);
+    // Editors know what such a file may hold.
+    let schema = done(path, &["settings", "--schema=plate"]);
+    let schema: serde_json::Value = serde_json::from_str(&schema).unwrap();
+    let part = &schema["properties"]["part"]["items"]["properties"];
+    let keys: Vec<&String> = part.as_object().unwrap().keys().collect();
+    let known = [
+        "at", "copies", "model", "params", "rotate", "scale", "settings",
+        "size",
+    ];
+    let mut sorted = keys.clone();
+    sorted.sort();
+    assert_eq!(sorted, known);
+    let of_part = &part["settings"]["properties"];
+    assert!(of_part["walls"].is_object() && of_part["support"].is_object());
+    // All parts share these.
+    for shared in ["printer", "filament", "layer_height"] {
+        assert!(of_part[shared].is_null(), "{shared}");
+        let of_all = &schema["properties"]["settings"]["properties"][shared];
+        assert!(of_all.is_object(), "{shared}");
+    }
+    assert!(of_part["speed"]["properties"]["travel"].is_null());
+    assert!(of_part["speed"]["properties"]["outer_wall"].is_object());
+}
+
+/// Names that a shell, an archive or a host could trip over, and many parts.
+#[test]
+fn hostile_names_and_a_thousand_models_are_bounded() {
+    let folder = folder();
+    let path = folder.path();
+    let names = ["a\"><b", "..%2f", "; M112", "ü 'x' & y", "\u{202e}x"];
+    let mut plate = String::new();
+    for name in names {
+        let file = format!("{name}.rhai");
+        let script = "draw(box(#{lower: [0, 0, 0], upper: [2, 2, 1]}));";
+        fs::write(path.join(&file), script).unwrap();
+        let model = toml::Value::String(file).to_string();
+        plate += &format!("[[part]]\nmodel = {model}\n");
+    }
+    fs::write(path.join("plate.toml"), &plate).unwrap();
+    let args = ["slice", "plate.toml", "--printer", "bambu-a1"];
+    done(path, &args);
+    let said =
+        done(path, &["check", "plate.gcode.3mf", "--printer", "bambu-a1"]);
+    assert!(said.contains("0 faults"), "{said}");
+    done(
+        path,
+        &["slice", "plate.toml", "--set", "gcode.flavour=klipper"],
+    );
+    let gcode = fs::read_to_string(path.join("plate.gcode")).unwrap();
+    let lines = gcode.lines().map(|l| l.split(';').next().unwrap().trim());
+    for line in lines.filter(|line| line.starts_with("EXCLUDE_OBJECT_START")) {
+        let name = line.rsplit('=').next().unwrap();
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        assert!(name.chars().all(plain), "{line}");
+    }
+    // As many different parts as there may be, and one more.
+    let part = |i: usize| {
+        format!(
+            "[[part]]\nmodel = \"p.rhai\"\nparams = {{ w = {} }}\n",
+            1.0 + i as f64 * 1e-4
+        )
+    };
+    let script = "let w = param(\"w\", 1.0);\n\
+                  draw(box(#{lower: [0, 0, 0], upper: [w, 1, 0.4]}));\n";
+    fs::write(path.join("p.rhai"), script).unwrap();
+    let many: String = (0..1001).map(part).collect();
+    fs::write(path.join("many.toml"), &many).unwrap();
+    let output = isoslice(path, &["info", "many.toml"]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(told.contains("at most 1000"), "{told}");
+    let many: String = (0..1000).map(part).collect();
+    let many = format!("settings = {{ plate.spacing = 1.5 }}\n{many}");
+    fs::write(path.join("many.toml"), &many).unwrap();
+    let started = std::time::Instant::now();
+    done(path, &["slice", "many.toml", "-o", "many.gcode"]);
+    assert!(started.elapsed().as_secs() < 240, "{:?}", started.elapsed());
+    let gcode = fs::read_to_string(path.join("many.gcode")).unwrap();
+    assert_eq!(gcode.matches(";LAYER_CHANGE").count(), 2);
+}

@@ -1,0 +1,173 @@
+//! What shells offer while a command is typed.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may unwrap, too")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use tempfile::TempDir;
+
+const SCRIPT: &str = "let w = param(\"width\", 10.0, \"of the box\");\n\
+                      let kind = param(\"wall\", 1, \"\", #{choices: [1, 2]});\n\
+                      draw(box(#{lower: [0, 0, 0], upper: [w, 8, 6]}));\n";
+
+fn isoslice(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_isoslice"));
+    command
+        .current_dir(folder)
+        .env("ISOSLICE_PROFILES", folder.join("own"))
+        .env_remove("ISOSLICE_COMPLETE");
+    command
+}
+
+/// A folder with a script, a profile and a host.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("part.rhai"), SCRIPT).unwrap();
+    fs::create_dir_all(path.join("own/printers")).unwrap();
+    let mine = "description = \"Mine\"\ninherits = \"ender-3\"\n";
+    fs::write(path.join("own/printers/ender-mine.toml"), mine).unwrap();
+    let added = isoslice(path)
+        .args(["printers", "add", "workshop", "--host", "octoprint"])
+        .args(["--url", "http://127.0.0.1:1", "--no-key"])
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    assert!(added.status.success(), "{added:?}");
+    folder
+}
+
+/// What a shell is offered for the last of these words.
+fn offered(shell: &str, folder: &Path, words: &[&str]) -> Vec<String> {
+    let mut command = isoslice(folder);
+    command
+        .env("ISOSLICE_COMPLETE", shell)
+        .env("_CLAP_IFS", "\n")
+        .env("_CLAP_COMPLETE_INDEX", words.len().to_string())
+        .env("_CLAP_COMPLETE_COMP_TYPE", "9")
+        .env("_CLAP_COMPLETE_SPACE", "false")
+        .args(["--", "isoslice"])
+        .args(words);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    // What follows a tab or, in zsh, a colon describes the word.
+    let end = |line: &str| match shell {
+        "zsh" => line
+            .replace("\\:", "\u{0}")
+            .split(':')
+            .next()
+            .map(str::to_owned),
+        _ => line.split('\t').next().map(str::to_owned),
+    };
+    text.lines().filter_map(end).collect()
+}
+
+#[test]
+fn settings_profiles_hosts_and_parameters_are_offered_to_every_shell() {
+    let folder = folder();
+    let path = folder.path();
+    for shell in ["bash", "zsh", "fish"] {
+        for (words, expected) in [
+            (
+                &["slice", "part.rhai", "--set", "gcode.flavour=b"][..],
+                &["gcode.flavour=bambu"][..],
+            ),
+            (
+                &["info", "--set", "plate.sequence="],
+                &["plate.sequence=all-at-once", "plate.sequence=one-by-one"],
+            ),
+            (&["settings", "--printer", "bambu-x"], &["bambu-x1c"]),
+            (&["slice", "--filament", "pet"], &["petg"]),
+            (&["slice", "--preset", "fi"], &["fine"]),
+            (&["send", "part.gcode", "--to", "w"], &["workshop"]),
+            (&["slice", "part.rhai", "-D", "w"], &["width=", "wall="]),
+            (&["info", "part.rhai", "-D", "wall="], &["wall=1", "wall=2"]),
+        ] {
+            let found = offered(shell, path, words);
+            assert_eq!(found, expected, "{shell}: {words:?}");
+        }
+        // The user's own profiles as well.
+        let printers = offered(shell, path, &["slice", "--printer", "ender-"]);
+        for name in ["ender-3", "ender-mine"] {
+            assert!(
+                printers.iter().any(|p| p == name),
+                "{shell}: {printers:?}"
+            );
+        }
+        let settings = offered(shell, path, &["slice", "--set", "infill_"]);
+        assert!(settings.iter().any(|s| s == "infill_density="));
+        assert!(settings.iter().all(|s| s.starts_with("infill_")));
+        let commands = offered(shell, path, &["pr"]);
+        for name in ["preview", "printers", "profiles"] {
+            assert!(
+                commands.iter().any(|c| c == name),
+                "{shell}: {commands:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_read_offers_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("wrong.rhai"), "let a = ; loop {}").unwrap();
+    fs::write(path.join("endless.rhai"), "loop {}").unwrap();
+    for script in ["wrong.rhai", "endless.rhai", "missing.rhai"] {
+        let words = ["slice", script, "-D", ""];
+        let found = offered("bash", path, &words);
+        assert!(found.is_empty(), "{script}: {found:?}");
+    }
+    let hosts = offered("bash", path, &["send", "a.gcode", "--to", ""]);
+    assert!(hosts.is_empty(), "{hosts:?}");
+}
+
+#[test]
+fn scripts_call_this_program_back() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let output = isoslice(folder.path())
+            .args(["completions", shell])
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{shell}");
+        let script = String::from_utf8(output.stdout).unwrap();
+        assert!(script.contains("ISOSLICE_COMPLETE"), "{shell}: {script}");
+        assert!(script.contains("isoslice"), "{shell}: {script}");
+    }
+}
+
+/// The script works in the shell that it is for.
+#[cfg(unix)]
+#[test]
+fn bash_completes_a_line() {
+    let folder = folder();
+    let bin = Path::new(env!("CARGO_BIN_EXE_isoslice")).parent().unwrap();
+    let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
+    let line = "\
+        source <(isoslice completions bash) || exit 3\n\
+        COMP_WORDS=(isoslice slice part.rhai -D wi)\n\
+        COMP_CWORD=4\n\
+        COMP_TYPE=9\n\
+        COMP_LINE='isoslice slice part.rhai -D wi'\n\
+        compopt() { :; }\n\
+        $(complete -p isoslice | sed 's/.*-F \\([^ ]*\\).*/\\1/') isoslice wi -D\n\
+        printf '%s\\n' \"${COMPREPLY[@]}\"\n";
+    let output = Command::new("bash")
+        .args(["--norc", "-c", line])
+        .current_dir(folder.path())
+        .env("PATH", path)
+        .env("ISOSLICE_PROFILES", folder.path().join("own"))
+        .output();
+    let output = match output {
+        Ok(output) => output,
+        Err(error) => {
+            eprintln!("skipped: no bash ({error})");
+            return;
+        }
+    };
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(text.trim(), "width=", "{output:?}");
+}
