@@ -70,6 +70,7 @@ pub use value::{Range, Varying};
 pub use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
     InfillMode, InfillPattern, InterfacePattern, LayerHeights, SeamRule,
-    SkinOrder, SkinPattern, SkinWhere, Supports, WallOffset, WallOrder,
+    SkinOrder, SkinPattern, SkinWhere, SupportStyle, Supports, WallOffset,
+    WallOrder,
 };
 pub use write::suggestions;
