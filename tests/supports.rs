@@ -106,6 +106,78 @@ fn a_support_on_the_part_has_the_gap_below_it_too() {
     }
 }
 
+/// How far supports reach in each layer that has some, along x.
+fn reach(gcode: &str) -> Vec<f64> {
+    let far = |ends: Vec<DVec2>| {
+        ends.iter().map(|p| p.x.abs()).reduce(f64::max).into_iter()
+    };
+    supported(gcode).into_iter().flat_map(far).collect()
+}
+
+#[test]
+fn columns_go_straight_down() {
+    let of = |style: &str| {
+        let style = format!("support.style={style}");
+        let (gcode, summary) = run(TEE, &["supports=auto", &style]);
+        assert_eq!(summary.warnings, Vec::<String>::new());
+        let filament: f64 = tops(&gcode).iter().map(|t| t.1).sum();
+        (reach(&gcode), filament)
+    };
+    let (tree, of_tree) = of("tree");
+    let (snug, of_snug) = of("snug");
+    let (grid, of_grid) = of("grid");
+    // The posts are far inside; 49 layers lie under the gap below the arms.
+    assert!(tree[0] < 22.0, "{}", tree[0]);
+    assert_eq!((snug.len(), grid.len()), (49, 49));
+    // As far as the arms, and by squares of 4 mm.
+    assert!(snug.iter().all(|x| (x - 24.0).abs() < 0.5), "{snug:?}");
+    assert!(grid.iter().all(|x| (x - 28.0).abs() < 0.5), "{grid:?}");
+    assert!(of_snug > 1.5 * of_tree && of_grid > of_snug);
+}
+
+#[test]
+fn low_wide_faces_are_held_by_columns() {
+    // 864 mm² at a height of 4 mm, and of 14 mm.
+    let plate = |height: f64| {
+        format!(
+            "min(max(max(abs(x), abs(y)) - 3, abs(z - {h}) - {h}), \
+             max(max(abs(x), abs(y)) - 15, abs(z - {height} - 1) - 1))",
+            h = 0.5 * height
+        )
+    };
+    let of = |height: f64, style: &str| {
+        let style = format!("support.style={style}");
+        supported(&run(&plate(height), &["supports=auto", &style]).0)
+    };
+    let low = of(4.0, "auto");
+    assert_eq!(low, of(4.0, "snug"));
+    assert_ne!(low, of(4.0, "tree"));
+    let high = of(14.0, "auto");
+    assert_eq!(high, of(14.0, "tree"));
+    assert_ne!(high, of(14.0, "snug"));
+}
+
+#[test]
+fn supports_in_a_closed_cavity_are_told_of() {
+    // A ball with walls of 3 mm, on a flat of its own, and the same with a
+    // hole of 6 mm in its side.
+    let ball = "max(abs(sqrt(x*x + y*y + z*z) - 13.5) - 1.5, -13 - z)";
+    let vented =
+        format!("max({ball}, min(x + 1, 3 - sqrt(y*y + (z + 5)*(z + 5))))");
+    let warnings =
+        |text: &str, set: &[&str]| run(text, set).1.warnings.join("\n");
+    let told = warnings(ball, &["supports=auto"]);
+    assert!(told.contains("mm³ stand in closed cavities"), "{told}");
+    let told = warnings(&vented, &["supports=auto"]);
+    assert!(!told.contains("cavities"), "{told}");
+    // A bell is open below.
+    let bell = "max(abs(sqrt(x*x + y*y + z*z) - 13.5) - 1.5, -z)";
+    let (_, summary) = run(bell, &["supports=auto"]);
+    assert!(summary.support_length > 0.0);
+    let told = summary.warnings.join("\n");
+    assert!(!told.contains("cavities"), "{told}");
+}
+
 #[test]
 fn a_formula_leaves_one_arm_of_a_tee_alone() {
     let set = ["supports=auto", "support.where=expr: min(x, 0)"];

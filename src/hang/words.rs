@@ -35,7 +35,8 @@ impl Hanging {
             all.push(format!(
                 "what begins at {} hangs in a cavity of the part{}: nothing \
                  holds it while it is printed, and a support could hardly be \
-                 taken out",
+                 taken out; turn the part, or give the cavity a hole through \
+                 which supports fit, and set supports = \"auto\"",
                 place(inside),
                 others(inside.count)
             ));

@@ -9,11 +9,11 @@ use crate::settings::{
     self, InfillPattern, InterfacePattern, Settings, Supports, Varying,
     WallOffset,
 };
-use crate::support::{Plan, Slice, Unheld};
+use crate::support::{Plan, Slice};
 use crate::units::{Mm, Mm2, Percent};
 use crate::vary::Surroundings;
 use crate::walls;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// Area from which on something that hangs without a support is reported, mm².
 const UNHELD: Mm2 = 1.0;
@@ -64,8 +64,8 @@ impl<'a> Supported<'a> {
         offset: DVec2,
         settings: &Settings,
     ) -> Vec<String> {
-        let place = |unheld: Unheld| {
-            let at = unheld.worst + offset.extend(self.lift);
+        let place = |worst: DVec3| {
+            let at = worst + offset.extend(self.lift);
             format!(
                 "x = {:.1}, y = {:.1}, z = {:.1} on the bed",
                 at.x, at.y, at.z
@@ -75,6 +75,7 @@ impl<'a> Supported<'a> {
         let Plan {
             unheld,
             unmet,
+            enclosed,
             idle,
             ..
         } = self.plan;
@@ -83,7 +84,7 @@ impl<'a> Supported<'a> {
                 "{:.1} mm² that need supports get none, the largest of it at \
                  {}: no support reaches it from below{}",
                 unheld.area,
-                place(unheld),
+                place(unheld.worst),
                 match settings.supports {
                     Supports::Plate =>
                         "; supports = auto may stand on the part",
@@ -98,7 +99,17 @@ impl<'a> Supported<'a> {
                  below, or the face is so steep that support.xy_gap leaves no \
                  room beside it",
                 unmet.area,
-                place(unmet),
+                place(unmet.worst),
+            ));
+        }
+        if enclosed.volume > 0.0 {
+            all.push(format!(
+                "supports of {:.1} mm³ stand in closed cavities of the part, \
+                 where nobody can take them out, the largest of them at {}: \
+                 give the cavity a hole that they fit through, turn the part, \
+                 or leave them out by support.where",
+                enclosed.volume,
+                place(enclosed.worst),
             ));
         }
         if idle {

@@ -77,6 +77,6 @@ pub(crate) use value::Varying;
 pub(crate) use words::{
     BrimPlace, Combing, Comments, Emit, Flavour, Hidden, HopWhen, InfillCentre,
     InfillMode, InfillPattern, InterfacePattern, LayerHeights, PlateSequence,
-    SeamRule, SkinOrder, SkinPattern, SkinWhere, Supports, WallOffset,
-    WallOrder,
+    SeamRule, SkinOrder, SkinPattern, SkinWhere, SupportStyle, Supports,
+    WallOffset, WallOrder,
 };

@@ -296,6 +296,8 @@ table::settings! {
         /// negative, under none; where it is 0, by the angle. z is the height
         /// of the underside above the bed. A number holds everywhere.
         where_: Varying = Varying::Constant(0.0), in -10.0..=10.0;
+        /// What supports look like below their dense tops.
+        style: SupportStyle = SupportStyle::Auto;
         /// Distance between supports and the part beside them.
         xy_gap: Mm = 0.35, in 0.0..=10.0;
         /// Gap between a support and the underside above it, whatever the

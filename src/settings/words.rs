@@ -186,6 +186,21 @@ value::words! {
 }
 
 value::words! {
+    /// What supports look like below their tops.
+    SupportStyle {
+        /// Columns under flat faces that are wide and too low for branches to
+        /// be drawn together, branches elsewhere.
+        Auto = "auto",
+        /// Branches that are drawn together until they are posts.
+        Tree = "tree",
+        /// Straight columns of squares, which are wide and sturdy.
+        Grid = "grid",
+        /// Straight columns, no wider than what they hold.
+        Snug = "snug",
+    }
+}
+
+value::words! {
     /// Pattern of the dense layers of supports.
     InterfacePattern {
         /// Parallel lines, turned by a right angle every layer.

@@ -8,6 +8,8 @@
 //!       ╱  ╲          and has a foot on the bed
 //! ```
 //!
+//! A column is a branch that is not drawn together.
+//!
 //! A branch is kept as its core: where the middle of a disc of radius
 //! [`Size::core`] may be, so that no neck is thinner than that disc. Where the
 //! part is in the way the core goes around it, as far as a branch may lean.
@@ -66,8 +68,9 @@ pub(super) struct Branch {
     pub core: Area,
     /// What it stands on.
     pub foot: Foot,
-    /// The cell of the plane in which its first face was.
-    pub cell: [u32; 2],
+    /// The cell of the plane in which its first face was; nothing for a
+    /// column.
+    pub cell: Option<[u32; 2]>,
     /// Height of the highest thing that it holds, above the bed.
     pub top: Mm,
     /// Area of what it holds.
@@ -75,6 +78,11 @@ pub(super) struct Branch {
 }
 
 impl Branch {
+    /// True if it goes straight down, but for what the part is in the way of.
+    pub(super) fn is_column(&self) -> bool {
+        self.cell.is_none()
+    }
+
     /// The middle of its core.
     pub(super) fn middle(&self) -> DVec2 {
         middle(&self.core)
@@ -149,6 +157,7 @@ impl Branch {
         crate::limits::check();
         let middle = self.middle();
         let pulled = match self.is_post() {
+            _ if self.is_column() => self.core.clone(),
             true => {
                 // Halfway: the other one comes as well.
                 let half = |other| 0.5 * (other - middle);
@@ -170,11 +179,14 @@ impl Branch {
         let near = bounds.grown(step.lean + 5.0 * TOLERANCE);
         let blocked = step.room.blocked(step.layer, self.foot, near);
         if blocked.is_empty() {
-            self.core = finely(pulled);
+            // To thin a column in every layer would let it drift.
+            if !self.is_column() {
+                self.core = finely(pulled);
+            }
             return;
         }
         let mut core = difference(&pulled, &blocked);
-        if self.is_post() && !core.is_empty() {
+        if self.is_post() && !self.is_column() && !core.is_empty() {
             // All of it can go to what is left of it.
             self.core = largest(core);
             return;
@@ -193,6 +205,9 @@ impl Branch {
                 true => largest(aside),
                 false => union(&core, &aside),
             };
+        } else if self.is_column() {
+            self.core = core;
+            return;
         }
         self.core = finely(core);
     }

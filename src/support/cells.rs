@@ -8,7 +8,7 @@ use glam::DVec2;
 
 /// Width of a cell, mm, about. A wider one takes branches longer to be drawn
 /// together; narrower ones have more posts.
-const CELL: Mm = 12.0;
+pub(super) const CELL: Mm = 12.0;
 /// A face that is no wider than so many cells is not cut.
 const UNCUT: f64 = 1.5;
 /// What is smaller than this share of a cell goes with what is beside it.

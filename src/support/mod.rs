@@ -22,6 +22,7 @@
 //!    `support.branch_angle` until it is a post, and posts that can meet do.
 //! 4. From the bottom up, each island of support that rests on nothing is taken
 //!    out, so none begins in the air.
+//! 5. [`cavity`] tells which of them nobody can take out.
 //!
 //! The plan depends on the part and on the settings only, and is made of all
 //! layers, whichever are written.
@@ -35,6 +36,7 @@
 use crate::units::{Mm, Mm2};
 
 mod branch;
+mod cavity;
 mod cells;
 mod heights;
 mod need;
@@ -46,7 +48,7 @@ mod tree;
 mod wish;
 
 pub(crate) use heights::Heights;
-pub(crate) use plan::{Plan, Slice, Unheld};
+pub(crate) use plan::{Plan, Slice};
 pub(crate) use survey::{Asked, Survey, coarse};
 pub(crate) use wish::Wishes;
 

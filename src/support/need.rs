@@ -4,18 +4,24 @@
 //! stick out by more than h·tan(`support.angle`), without what bridges span.
 //!
 //! Straight lines across a gap, held at both ends and at most `bridge_max`
-//! long, need nothing, and the skin lays them where [`direction`] says so.
+//! long, need nothing, and the skin lays them where [`direction`] says so. Near
+//! the layer's rim are walls, which follow it: there only lines that run along
+//! it are ever laid.
 
 use super::wish::Wish;
 use crate::plane::clip::{difference, intersection, union, unite};
-use crate::plane::hatch::Lines;
+use crate::plane::clusters::clusters;
+use crate::plane::grid::EdgeGrid;
+use crate::plane::hatch::{Lines, Segment};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Solid};
 use crate::region::floating::floating;
+use crate::region::neighbour::Neighbour;
 use crate::settings::Settings;
 use crate::skin::bridge::{direction, hung};
-use crate::units::{Mm, Mm2};
+use crate::units::{Degrees, Mm, Mm2};
 use glam::DVec2;
+use std::cell::OnceCell;
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.01;
@@ -26,6 +32,8 @@ const SLACK: Mm = 0.02;
 const SPECK: Mm2 = 0.03;
 /// Lines that are looked at across a gap, about.
 const LINES: f64 = 400.0;
+/// A line runs along a rim if the angle between them is no more than that.
+const ALONG: Degrees = 30.0;
 
 /// What of a layer gets a support.
 #[derive(Clone, Debug, Default)]
@@ -87,16 +95,54 @@ fn sticks_out(
         return beyond;
     }
     let around = offset(&beyond, held + TOLERANCE, TOLERANCE);
+    // Most of a layer is far from all that sticks out.
+    let own = Neighbour::new(here);
+    let under = Neighbour::new(below.area());
+    let rim = Rim {
+        outline: here,
+        grid: OnceCell::new(),
+        walls: f64::from(settings.walls) * settings.outer_wall_width(),
+    };
     let mut rings = Vec::new();
-    let open = difference(here, below.area());
-    for gap in intersection(&open, &around).islands() {
-        rings.extend(unspanned(gap, below, settings).rings);
+    for near in clusters(&around) {
+        let all = intersection(&own.near(&near.area), &near.area);
+        for gap in under.open(&all).islands() {
+            rings.extend(unspanned(gap, &rim, below, settings).rings);
+        }
     }
     large(intersection(&beyond, &unite(&Area { rings })))
 }
 
+/// The rim of a layer, and how wide the walls are that follow it.
+struct Rim<'a> {
+    outline: &'a Area,
+    grid: OnceCell<EdgeGrid>,
+    walls: Mm,
+}
+
+impl Rim<'_> {
+    /// True if walls are printed in the middle of a line, across it.
+    fn crosses(&self, line: Segment) -> bool {
+        let of_outline = || EdgeGrid::new(self.outline, self.walls);
+        let grid = self.grid.get_or_init(of_outline);
+        let middle = line.from.midpoint(line.to);
+        let Some((edge, _)) = grid.nearest_edge(middle, self.walls) else {
+            return false;
+        };
+        let (a, b) = grid.edge(edge);
+        let [wall, line] = [b - a, line.to - line.from];
+        let cos = wall.normalize_or_zero().dot(line.normalize_or_zero());
+        cos.abs() < ALONG.to_radians().cos()
+    }
+}
+
 /// What of a gap bridges do not span.
-fn unspanned(gap: Area, below: &Solid<'_>, settings: &Settings) -> Area {
+fn unspanned(
+    gap: Area,
+    rim: &Rim<'_>,
+    below: &Solid<'_>,
+    settings: &Settings,
+) -> Area {
     let width = settings.bottom_skin_width();
     let grid = below.grid();
     let Some(angle) = direction(&gap, grid, width) else {
@@ -114,7 +160,8 @@ fn unspanned(gap: Area, below: &Solid<'_>, settings: &Settings) -> Area {
     let mut spanned = Vec::new();
     for (line, ends) in hung(&gap, grid, lines, width) {
         let length = line.from.distance(line.to);
-        if ends == [true; 2] && length <= settings.bridge_max {
+        let held = ends == [true; 2] && length <= settings.bridge_max;
+        if held && !rim.crosses(line) {
             let aside = 0.51 * spacing * along.perp();
             let (a, b) = (line.from - width * along, line.to + width * along);
             spanned.push(vec![a - aside, b - aside, b + aside, a + aside]);
@@ -165,6 +212,20 @@ mod tests {
         let below = rect(0.0, 0.0, 10.0, 10.0);
         assert!((of(&pin, &below).content() - 1.0).abs() < 1e-6);
         assert!((of(&pin, &Area::EMPTY).content() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn walls_that_follow_the_rim_across_a_gap_are_no_bridges() {
+        let plate = rect(-10.0, -10.0, 10.0, 10.0);
+        let slit = |x: f64| rect(x, -7.0, x + 1.0, 7.0);
+        let over = |slit: &Area| of(&plate, &difference(&plate, slit));
+        // In the middle of a plate lines run from side to side.
+        assert!(over(&slit(0.0)).is_empty());
+        // Beside its edge walls run along the slit.
+        let held = 0.2 * 55f64.to_radians().tan() + SLACK;
+        let exact = (1.0 - 2.0 * held) * (14.0 - 2.0 * held);
+        let found = over(&slit(8.9)).content();
+        assert!((found - exact).abs() < 0.1, "{found}, {exact}");
     }
 
     #[test]

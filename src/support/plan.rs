@@ -1,5 +1,6 @@
 //! The areas of support of all layers.
 
+use super::cavity::{Enclosed, enclosed};
 use super::heights::Heights;
 use super::parts::Parts;
 use super::room::{Room, Size};
@@ -37,7 +38,7 @@ impl Slice {
     }
 
     /// True if nothing is printed.
-    fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.body.is_empty() && self.interface.is_empty()
     }
 }
@@ -63,6 +64,8 @@ pub(crate) struct Plan {
     pub unheld: Unheld,
     /// What is wanted to have one, does not need it, and has none.
     pub unmet: Unheld,
+    /// What of it nobody can take out.
+    pub enclosed: Enclosed,
     /// True if there are wishes, and none is for an underside of the part.
     pub idle: bool,
 }
@@ -105,6 +108,7 @@ impl Plan {
             ..Plan::default()
         };
         plan.settle(parts, settings);
+        plan.enclosed = enclosed(parts, &plan.slices);
         plan.unheld = plan.without(parts, &musts, settings);
         if wished {
             let wanted = needs.par_iter().zip(&musts);

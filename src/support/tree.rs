@@ -5,20 +5,21 @@
 //!
 //! 1. What is needed is cut into the cells of a grid ([`Cells`]), so that a
 //!    wide face is held by several branches.
-//! 2. Each branch is drawn together on its way down ([`Branch::lower`]).
+//! 2. Each branch is drawn together on its way down ([`Branch::lower`]). By
+//!    `support.style` there are columns instead, which are not.
 //! 3. A post leans towards the branch next to it, if the two can meet well
 //!    above the bed and nothing is in their way. Those that meet become one.
 
-use super::TOLERANCE;
 use super::branch::{Branch, POINT, Step, middle};
-use super::cells::Cells;
+use super::cells::{CELL, Cells};
 use super::parts::Parts;
 use super::room::{Foot, Room, Size};
-use crate::plane::clip::{intersection, unite};
+use super::{SPECK, TOLERANCE};
+use crate::plane::clip::{crop, difference, intersection, unite};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect, Solid};
-use crate::settings::{Settings, Supports};
-use crate::units::Mm;
+use crate::plane::{Area, Rect, Ring, Solid};
+use crate::settings::{Settings, SupportStyle, Supports};
+use crate::units::{Mm, Mm2};
 use glam::DVec2;
 use rayon::prelude::*;
 use rstar::RTree;
@@ -34,7 +35,12 @@ const NEAR: f64 = 0.5;
 /// So many of the branches next to a post are looked at.
 const LOOKED_AT: usize = 16;
 /// Size of the cells of outlines' grids, mm.
-const CELL: Mm = 2.0;
+const GRID: Mm = 2.0;
+/// Width of the squares of columns, mm.
+const SQUARE: Mm = 4.0;
+/// From so much on a low face is held by a column, mm²: it is cut into three
+/// cells or more.
+const WIDE: Mm2 = 3.0 * CELL * CELL;
 
 /// The area that branches have in each of some layers, for what is needed in
 /// each of the part's layers.
@@ -60,7 +66,7 @@ pub(super) fn grow(
     };
     let cells = Cells::new(bounds);
     let solids: Vec<Solid> =
-        parts.outlines.iter().map(|o| Solid::of(o, CELL)).collect();
+        parts.outlines.iter().map(|o| Solid::of(o, GRID)).collect();
     let mut areas = vec![Area::EMPTY; count];
     let mut branches: Vec<Branch> = Vec::new();
     for j in (0..count).rev() {
@@ -108,7 +114,7 @@ fn begun(
     let [to_bed, to_part] = step.room.split(core, layer);
     let mut new = Vec::new();
     let mut add = |area: &Area, foot: Foot| {
-        for (cell, core) in cells.cut(area) {
+        for (cell, core) in pieces(area, cells, step) {
             let near = || is_near(middle(&core), layer, parts, solids);
             let foot = match anywhere && near() {
                 true => Foot::Part,
@@ -128,6 +134,73 @@ fn begun(
         add(&to_part, Foot::Part);
     }
     new
+}
+
+/// The pieces of an area that one branch each can hold, and their cells. What
+/// columns are to hold has none.
+fn pieces(
+    area: &Area,
+    cells: &Cells,
+    step: Step<'_>,
+) -> Vec<(Option<[u32; 2]>, Area)> {
+    let in_cells = |area: &Area| {
+        let cut = cells.cut(area).into_iter();
+        cut.map(|(cell, core)| (Some(cell), core))
+    };
+    let columns = |area: &Area| area.islands().into_iter().map(|i| (None, i));
+    match step.settings.support.style {
+        SupportStyle::Tree => in_cells(area).collect(),
+        SupportStyle::Snug => columns(area).collect(),
+        SupportStyle::Grid => {
+            let all = squares(area);
+            let blocked =
+                step.room.blocked(step.layer, Foot::Part, all.bounds());
+            columns(&difference(&all, &blocked)).collect()
+        }
+        SupportStyle::Auto => {
+            let bottom = step.parts.spans()[step.layer].bottom;
+            // Branches would still be wide when they reach the bed.
+            let angle = step.settings.support.branch_angle;
+            let low = bottom * angle.to_radians().tan() < 0.5 * CELL;
+            let (wide, narrow): (Vec<Area>, Vec<Area>) = area
+                .islands()
+                .into_iter()
+                .partition(|island| low && island.content() > WIDE);
+            let narrow = Area {
+                rings: narrow.into_iter().flat_map(|i| i.rings).collect(),
+            };
+            let wide = wide.into_iter().map(|island| (None, island));
+            wide.chain(in_cells(&narrow)).collect()
+        }
+    }
+}
+
+/// The squares of a fixed grid that an area has a part of.
+fn squares(area: &Area) -> Area {
+    let Rect { min, max } = area.bounds();
+    let (first, last) = ((min / SQUARE).floor(), (max / SQUARE).floor());
+    let mut rings = Vec::new();
+    let mut y = first.y;
+    while y <= last.y {
+        let row = Rect {
+            min: DVec2::new(min.x, y * SQUARE),
+            max: DVec2::new(max.x, (y + 1.0) * SQUARE),
+        };
+        let row_of_area = crop(&area.rings, row);
+        let mut x = first.x;
+        while x <= last.x {
+            let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+            let corner = |(u, v)| SQUARE * DVec2::new(x + u, y + v);
+            let square: Ring = corners.map(corner).to_vec();
+            let has = crop(&row_of_area.rings, Rect::around(&square));
+            if unite(&has).content() > SPECK {
+                rings.push(square);
+            }
+            x += 1.0;
+        }
+        y += 1.0;
+    }
+    unite(&Area { rings })
 }
 
 /// True if the part is below a point of a layer, at less than [`NEAR`] of the
@@ -172,7 +245,7 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
     let middles: Vec<DVec2> = branches.iter().map(Branch::middle).collect();
     let places = places(&middles);
     let goal = |(k, branch): (usize, &Branch)| {
-        if !branch.is_post() {
+        if branch.is_column() || !branch.is_post() {
             return None;
         }
         let (from, here) = (middles[k], middles[k].to_array());

@@ -301,6 +301,13 @@ fn supports_without_effect(
             .to_owned(),
     );
     warn(
+        "support.style",
+        s.supports == Supports::Off,
+        "support.style has no effect, since supports = off prints none; set \
+         supports to \"auto\" or \"plate\""
+            .to_owned(),
+    );
+    warn(
         "support.where",
         s.supports == Supports::Off,
         "support.where has no effect, since supports = off prints none; set \

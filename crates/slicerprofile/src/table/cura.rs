@@ -609,6 +609,15 @@ pub(super) static ROWS: &[Row] = &[
     row(
         CURA,
         Print,
+        &["support_structure"],
+        To(
+            "support.style",
+            As::Words(&[("normal", "snug"), ("tree", "tree")]),
+        ),
+    ),
+    row(
+        CURA,
+        Print,
         &["support_angle"],
         To("support.angle", As::Number),
     ),
@@ -842,7 +851,6 @@ pub(super) static ROWS: &[Row] = &[
             "support_xy_distance_overhang",
             "support_offset",
             "support_wall_count",
-            "support_structure",
             "support_connect_zigzags",
             "support_interface_skip_height",
             "support_interface_line_width",

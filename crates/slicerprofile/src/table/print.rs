@@ -678,6 +678,24 @@ pub(super) static ROWS: &[Row] = &[
     row(
         BOTH,
         Print,
+        &["support_material_style", "support_style"],
+        To(
+            "support.style",
+            As::Words(&[
+                ("grid", "grid"),
+                ("snug", "snug"),
+                ("organic", "tree"),
+                ("tree", "tree"),
+                ("tree_slim", "tree"),
+                ("tree_strong", "tree"),
+                ("tree_hybrid", "auto"),
+                ("default", ""),
+            ]),
+        ),
+    ),
+    row(
+        BOTH,
+        Print,
         &[
             "support_tree_angle",
             "tree_support_branch_angle",
@@ -1225,8 +1243,6 @@ pub(super) static ROWS: &[Row] = &[
         BOTH,
         Print,
         &[
-            "support_material_style",
-            "support_style",
             "support_material_pattern",
             "support_base_pattern",
             "support_material_interface_contact_loops",

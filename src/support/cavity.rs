@@ -1,0 +1,204 @@
+//! Whether supports stand in cavities from which nobody can take them.
+//!
+//! ```text
+//!   ┌───────────────┐
+//!   │   ┌───┐       │     what is empty in a layer is one with what is empty
+//!   │   │   └───────┘     in the next where the one lies over the other
+//!   │   └─▒▒▒───────┐
+//!   └───────────────┘
+//! ```
+//!
+//! In: the outlines of all layers, and the supports in each. Out: how much of
+//! the supports is in holes that no way leads out of, and where.
+//!
+//! Holes are compared at some places beside each ring, a little inside what is
+//! empty. A way out that is narrower than that, or that is nowhere above itself,
+//! is not found. What is open below the lowest layer is open: a part is lifted
+//! off the bed.
+
+use super::parts::Parts;
+use super::plan::Slice;
+use crate::plane::nest::Nest;
+use crate::plane::{Area, edges, point_beside, signed_area};
+use crate::units::{Mm, Mm3};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// Distance from a ring to what is empty beside it, mm.
+const BESIDE: Mm = 0.02;
+/// Places that are looked at beside a ring, at most.
+const PLACES: usize = 16;
+/// The number of what is around the part.
+const OUTSIDE: usize = 0;
+
+/// Supports that cannot be taken out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Enclosed {
+    /// The space that they take.
+    pub volume: Mm3,
+    /// A point of the largest of them, in the model's plane, and its height
+    /// above the bed.
+    pub worst: DVec3,
+}
+
+/// The supports that stand in closed cavities.
+pub(super) fn enclosed(parts: Parts<'_>, slices: &[Slice]) -> Enclosed {
+    let outlines = parts.outlines;
+    let used = slices.iter().rposition(|slice| !slice.is_empty());
+    if used.is_none() || !outlines.iter().any(has_holes) {
+        return Enclosed::default();
+    }
+    let mut first = OUTSIDE + 1;
+    let numbers: Vec<usize> = outlines
+        .iter()
+        .map(|outline| {
+            first += outline.rings.len();
+            first - outline.rings.len()
+        })
+        .collect();
+    let levels: Vec<Level> = outlines
+        .par_iter()
+        .zip(numbers)
+        .map(|(outline, first)| Level::new(outline, first))
+        .collect();
+    let islands = |(j, slice): (usize, &Slice)| {
+        crate::limits::check();
+        let mut within = Vec::new();
+        for island in slice.area().islands() {
+            let at = island.rings.first().and_then(|r| point_beside(r));
+            let hole = at.and_then(|at| levels[j].empty(at));
+            if let (Some(at), Some(hole)) = (at, hole)
+                && hole != OUTSIDE
+            {
+                within.push((j, hole, at, island.content()));
+            }
+        }
+        within
+    };
+    let within = slices.par_iter().enumerate().flat_map_iter(islands);
+    let within: Vec<(usize, usize, DVec2, f64)> = within.collect();
+    if within.is_empty() {
+        return Enclosed::default();
+    }
+    let mut sets = Sets::new(first);
+    for end in levels.first().into_iter().chain(levels.last()) {
+        end.holes().for_each(|hole| sets.join(hole, OUTSIDE));
+    }
+    let pairs: Vec<Vec<[usize; 2]>> = levels
+        .par_windows(2)
+        .map(|pair| joins(&pair[0], &pair[1]))
+        .collect();
+    for [a, b] in pairs.into_iter().flatten() {
+        sets.join(a, b);
+    }
+    let outside = sets.of(OUTSIDE);
+    let mut enclosed = Enclosed::default();
+    let mut largest = 0.0;
+    for (j, hole, at, content) in within {
+        if sets.of(hole) == outside {
+            continue;
+        }
+        let Some(span) = parts.heights.span(j) else {
+            continue;
+        };
+        enclosed.volume += content * span.height();
+        if content > largest {
+            largest = content;
+            enclosed.worst = at.extend(span.bottom);
+        }
+    }
+    enclosed
+}
+
+/// True if an area has holes.
+fn has_holes(area: &Area) -> bool {
+    area.rings.iter().any(|ring| signed_area(ring) < 0.0)
+}
+
+/// What is empty in a layer.
+struct Level<'a> {
+    outline: &'a Area,
+    nest: Nest,
+    /// By ring, whether it is that of a hole.
+    is_hole: Vec<bool>,
+    /// The number of its first ring among those of all layers.
+    first: usize,
+}
+
+impl<'a> Level<'a> {
+    fn new(outline: &'a Area, first: usize) -> Level<'a> {
+        let rings = outline.rings.iter();
+        Level {
+            outline,
+            nest: Nest::new(rings.clone()),
+            is_hole: rings.map(|ring| signed_area(ring) < 0.0).collect(),
+            first,
+        }
+    }
+
+    /// The number of the hole that a point is in; nothing in solid.
+    fn empty(&self, at: DVec2) -> Option<usize> {
+        match self.nest.around(at) {
+            None => Some(OUTSIDE),
+            Some(ring) if self.is_hole[ring] => Some(self.first + ring),
+            Some(_) => None,
+        }
+    }
+
+    /// The numbers of its holes.
+    fn holes(&self) -> impl Iterator<Item = usize> {
+        let holes = self.is_hole.iter().enumerate().filter(|(_, hole)| **hole);
+        holes.map(|(ring, _)| self.first + ring)
+    }
+
+    /// Places in what is empty beside its rings.
+    fn beside(&self) -> impl Iterator<Item = DVec2> {
+        self.outline.rings.iter().flat_map(|ring| {
+            let every = ring.len().div_ceil(PLACES).max(1);
+            edges(ring).step_by(every).map(|(a, b)| {
+                // Solid is to the left.
+                let out = -(b - a).normalize_or_zero().perp();
+                a.midpoint(b) + BESIDE * out
+            })
+        })
+    }
+}
+
+/// What is empty in both of two layers that follow each other, by pairs of
+/// numbers.
+fn joins(a: &Level<'_>, b: &Level<'_>) -> Vec<[usize; 2]> {
+    crate::limits::check();
+    if a.holes().next().is_none() && b.holes().next().is_none() {
+        return Vec::new();
+    }
+    let of = |at: DVec2| Some([a.empty(at)?, b.empty(at)?]);
+    let mut pairs: Vec<[usize; 2]> =
+        a.beside().chain(b.beside()).filter_map(of).collect();
+    pairs.retain(|[a, b]| a != b);
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+/// Numbers that belong together.
+struct Sets(Vec<usize>);
+
+impl Sets {
+    fn new(count: usize) -> Sets {
+        Sets((0..count).collect())
+    }
+
+    /// The least number that one belongs to.
+    fn of(&mut self, mut k: usize) -> usize {
+        while self.0[k] != k {
+            self.0[k] = self.0[self.0[k]];
+            k = self.0[k];
+        }
+        k
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.of(a), self.of(b));
+        self.0[a.max(b)] = a.min(b);
+    }
+}
