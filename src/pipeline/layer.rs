@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Heights that differ by less are the same, mm: they are rounded to twice that.
-const SAME_HEIGHT: Mm = 0.5e-9;
+pub(super) const SAME_HEIGHT: Mm = 0.5e-9;
 
 /// A layer whose outline is known. Layers that are the same as the one below,
 /// as those of a prism are, share all of it.
@@ -114,6 +114,8 @@ pub(super) struct Filled {
     pub support: Option<Solid<'static>>,
     /// Height of their tops above the layer's, mm; negative below.
     pub support_rise: Mm,
+    /// Where supports stand on it, if its beads follow the surface.
+    pub under_support: Option<Solid<'static>>,
     /// Where supports hold it, if that matters for its walls.
     pub held: Option<Solid<'static>>,
     /// Area of gaps that nothing fills.
