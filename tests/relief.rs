@@ -265,9 +265,12 @@ fn material(step: &Step) -> f64 {
     HEIGHT * laid / section(HEIGHT)
 }
 
+/// A part and the height of its underside.
+type Underside = (String, fn(DVec3) -> f64);
+
 /// A block of 40 by 20 mm whose underside rises from the bed's by an angle, or in
 /// waves.
-fn undersides() -> [(String, fn(DVec3) -> f64); 3] {
+fn undersides() -> [Underside; 3] {
     let block = |underside: &str| {
         format!(
             "max(max(abs(x) - 20, abs(y) - 10), \
