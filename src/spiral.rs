@@ -1,7 +1,8 @@
 //! The spiral vase: one wall that climbs without a break.
 //!
 //! In: the outlines of the layers, in order, and the field. Out: for each layer
-//! one turn, a bead whose points have levels.
+//! one turn, a bead whose points have levels, and one more for each wall inside
+//! the first (`spiral_walls`).
 //!
 //! A turn runs round the middle line of the layer's wall, and rises from the
 //! layer's bottom to its top. It begins as the wall of the layer below, and
@@ -14,10 +15,16 @@
 //! last one is followed by a flat turn whose height goes back to nothing, so
 //! that the wall ends level.
 //!
+//! Walls inside climb beside the outer one, each as far from the surface as its
+//! place among the walls. A layer's turns go from the inside out, so the nozzle
+//! goes down by a layer's height between two of them. Where it is then, what is
+//! beside it is no higher. So the flat turns at the end come after all turns
+//! that climb.
+//!
 //! Not guaranteed: that a wall follows a surface that moves by more than 1 mm
 //! from one layer to the next. It is laid as if the surface did not move.
 
-use crate::bead::{Bead, Level, Role, Stroke};
+use crate::bead::{Bead, Level, Role, Stroke, spacing};
 use crate::layers::LayerSpan;
 use crate::model::{Model, Probe, ProbeError, Spot};
 use crate::order::begin_near;
@@ -71,6 +78,37 @@ pub enum SpiralError {
         /// Width of the wall, mm.
         width: Mm,
     },
+    /// A wall inside the first one has no room.
+    #[error(
+        "spiral_walls = {walls}: at z = {z:.2} mm (layer {layer}) there is no \
+         room for wall {wall} all the way round, beside x = {:.1}, y = {:.1}; \
+         make the part thicker there, or set spiral_walls = {}",
+        .at.x, .at.y, .wall - 1
+    )]
+    NoRoom {
+        /// How many walls were asked for.
+        walls: u32,
+        /// The wall, from the outside; that is wall 1.
+        wall: u32,
+        /// Height of the layer's middle, mm.
+        z: Mm,
+        /// Layer, from 1.
+        layer: usize,
+        /// A point on the wall outside of it, on the bed.
+        at: DVec2,
+    },
+    /// A high skirt would stand beside the wall.
+    #[error(
+        "skirt.layers = {skirt} would stand beside the climbing wall (spiral = \
+         true), which begins after {flat} flat layers and goes on without a \
+         stop; set skirt.layers to {flat} or less, or spiral = false"
+    )]
+    Skirt {
+        /// The skirt's layers.
+        skirt: usize,
+        /// Flat layers below the wall.
+        flat: usize,
+    },
     /// The field cannot be evaluated.
     #[error(transparent)]
     Probe(#[from] ProbeError),
@@ -97,9 +135,9 @@ pub(crate) struct Spiral<'a> {
     offset: DVec2,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
-    /// For each layer from the last flat one on, where its turn ends and that
-    /// of the next layer begins.
-    ends: Vec<DVec2>,
+    /// For each layer from the last flat one on, where the turn of each wall
+    /// ends and that of the next layer begins.
+    ends: Vec<Vec<DVec2>>,
     /// True if a layer has a hole, which gets no wall.
     holes: bool,
     /// The middle line of the highest layer so far.
@@ -124,12 +162,17 @@ impl<'a> Spiral<'a> {
     /// A spiral without turns.
     ///
     /// # Errors
-    /// If the field cannot be evaluated.
+    /// If the field cannot be evaluated, or a skirt would stand beside the wall.
     pub(crate) fn new(
         model: &Model,
         settings: &'a Settings,
         spans: &[LayerSpan],
     ) -> Result<Self, SpiralError> {
+        let flat = flat_layers(settings, spans).max(1);
+        let skirt = settings.skirt.layers as usize;
+        if settings.skirt.loops > 0 && skirt > flat {
+            return Err(SpiralError::Skirt { skirt, flat });
+        }
         Ok(Spiral {
             settings,
             probe: Probe::new(&model.tree)?,
@@ -139,7 +182,7 @@ impl<'a> Spiral<'a> {
             holes: false,
             ring: Ring::new(),
             flat: None,
-            first: flat_layers(settings, spans).max(1),
+            first: flat,
         })
     }
 
@@ -158,19 +201,24 @@ impl<'a> Spiral<'a> {
         span: &LayerSpan,
         outline: &Area,
     ) -> Result<(), SpiralError> {
-        let ring = self.middle_line(span, outline)?;
-        self.holes |= outline.rings.len() > 1;
-        let end = match self.ends.last() {
-            Some(&below) => begin(&ring, below)[0],
-            // At the back, where few look at it.
-            None => rear(&ring),
+        let rings = self.middle_lines(span, outline)?;
+        let Some((ring, inside)) = rings.split_first() else {
+            return Ok(());
         };
-        self.ends.push(end);
+        self.holes |= outline.rings.len() > 1;
+        let end = match self.ends.last().and_then(|below| below.first()) {
+            Some(&below) => begin(ring, below)[0],
+            // At the back, where few look at it.
+            None => rear(ring),
+        };
+        // The walls inside end beside it.
+        let beside = inside.iter().map(|ring| begin(ring, end)[0]);
+        self.ends.push([end].into_iter().chain(beside).collect());
         let width = self.settings.outer_wall_width();
-        if self.flat.is_none() && farthest(&ring, &self.ring) > width {
+        if self.flat.is_none() && farthest(ring, &self.ring) > width {
             self.flat = Some(span.bottom);
         }
-        self.ring = ring;
+        self.ring = ring.clone();
         Ok(())
     }
 
@@ -193,8 +241,13 @@ impl<'a> Spiral<'a> {
 
     /// Where the turn of a layer begins, if it goes on from one below.
     pub(crate) fn start(&self, layer: usize) -> Option<DVec2> {
-        let first = self.first;
-        self.ends.get(layer.checked_sub(first + 1)? + 1).copied()
+        self.start_of(layer, 0)
+    }
+
+    /// As [`Spiral::start`], of a wall.
+    fn start_of(&self, layer: usize, wall: usize) -> Option<DVec2> {
+        let number = layer.checked_sub(self.first + 1)? + 1;
+        self.ends.get(number)?.get(wall).copied()
     }
 
     /// True if the layer has a turn.
@@ -202,20 +255,44 @@ impl<'a> Spiral<'a> {
         layer >= self.first
     }
 
-    /// The turn of a layer that lies on a layer `below` and has an outline.
+    /// The turns of a layer that lies on a layer `below` and has an outline, in
+    /// print order: the outer wall's comes last.
     ///
     /// # Errors
     /// If there is no single wall round the outline.
-    pub(crate) fn turn(
+    pub(crate) fn turns(
         &self,
         span: &LayerSpan,
         below: &LayerSpan,
         outline: &Area,
-    ) -> Result<Bead, SpiralError> {
+    ) -> Result<Vec<Bead>, SpiralError> {
+        let rings = self.middle_lines(span, outline)?;
+        let alone = rings.len() == 1;
+        let (mut climbing, mut flat) = (Vec::new(), Vec::new());
+        for (wall, ring) in rings.into_iter().enumerate().rev() {
+            let (mut turn, last) = self.turn([span, below], ring, wall)?;
+            match last {
+                Some(last) if alone => turn.append(&last),
+                last => flat.extend(last.map(|last| bead(wall, last, span))),
+            }
+            climbing.push(bead(wall, turn, span));
+        }
+        climbing.extend(flat);
+        Ok(climbing)
+    }
+
+    /// A wall's turn round its middle line in a layer and on the one below, and
+    /// the flat turn after it if it is the highest.
+    fn turn(
+        &self,
+        [span, below]: [&LayerSpan; 2],
+        ring: Ring,
+        wall: usize,
+    ) -> Result<(Stroke, Option<Stroke>), SpiralError> {
         let first = self.first;
         let number = span.index - first;
-        let ring = self.middle_line(span, outline)?;
-        let ring = match self.ends.get(number + 1) {
+        let end = self.ends.get(number + 1).and_then(|ends| ends.get(wall));
+        let ring = match end {
             Some(&end) => begin(&ring, end),
             None => ring,
         };
@@ -226,10 +303,11 @@ impl<'a> Spiral<'a> {
         };
         let middle = |share: f64| low + share * (span.sample_z() - low);
         let points = points(&ring);
-        let mut way = self.moved(&points, middle)?;
+        let depth = self.depth(wall, span.height());
+        let mut way = self.moved(&points, depth, middle)?;
         // Turns meet in the very points that are known of their ends.
         if let (Some(start), Some(p)) =
-            (self.start(span.index), way.first_mut())
+            (self.start_of(span.index, wall), way.first_mut())
         {
             *p = start;
         }
@@ -238,8 +316,8 @@ impl<'a> Spiral<'a> {
         }
         // Its points are on the surface, so that it has the outline's share.
         let tolerance = OUTLINE_SHARE * self.settings.accuracy;
-        let mut stroke =
-            Stroke::new(Vec::new(), false, self.settings.outer_wall_width());
+        let width = self.width(wall);
+        let mut stroke = Stroke::new(Vec::new(), false, width);
         let height = span.height();
         for (p, i) in simplify_path(&way, false, tolerance, |_, _| true) {
             let share = points[i].share;
@@ -249,56 +327,93 @@ impl<'a> Spiral<'a> {
                 extra: (1.0 - share) * (from - height),
             });
         }
-        if number + 2 == self.ends.len() {
-            let flat: Vec<DVec2> = points.iter().map(|p| p.at).collect();
-            let thin = simplify_path(&flat, false, tolerance, |_, _| true);
-            for (p, i) in thin.into_iter().skip(1) {
-                stroke.points.push(p);
-                stroke.levels.push(Level {
-                    rise: 0.0,
-                    extra: -points[i].share * height,
-                });
-            }
+        if number + 2 != self.ends.len() {
+            return Ok((stroke, None));
         }
-        Ok(Bead::new(Role::OuterWall, stroke, height))
+        let flat: Vec<DVec2> = points.iter().map(|p| p.at).collect();
+        let mut last = Stroke::new(Vec::new(), false, width);
+        for (p, i) in simplify_path(&flat, false, tolerance, |_, _| true) {
+            last.points.push(p);
+            last.levels.push(Level {
+                rise: 0.0,
+                extra: -points[i].share * height,
+            });
+        }
+        Ok((stroke, Some(last)))
     }
 
-    /// The line that the nozzle follows round an outline.
-    fn middle_line(
+    /// Width of a wall, counted from the outside.
+    fn width(&self, wall: usize) -> Mm {
+        match wall {
+            0 => self.settings.outer_wall_width(),
+            _ => self.settings.inner_wall_width(),
+        }
+    }
+
+    /// Distance of a wall's middle from the outline, in a layer of a height.
+    fn depth(&self, wall: usize, height: Mm) -> Mm {
+        let pairs = (0..wall).map(|k| (self.width(k), self.width(k + 1)));
+        let between = pairs.map(|(a, b)| spacing(a, b, height));
+        0.5 * self.width(0) + between.sum::<Mm>()
+    }
+
+    /// The lines that the nozzle follows round an outline, from the outside.
+    fn middle_lines(
         &self,
         span: &LayerSpan,
         outline: &Area,
-    ) -> Result<Ring, SpiralError> {
-        let width = self.settings.outer_wall_width();
+    ) -> Result<Vec<Ring>, SpiralError> {
         let tolerance = OFFSET_SHARE * self.settings.accuracy;
-        let inner = offset(outline, -0.5 * width, tolerance);
-        let outer = inner.rings.into_iter();
-        let mut outer: Vec<Ring> =
-            outer.filter(|ring| signed_area(ring) > 0.0).collect();
-        outer.sort_by(|a, b| signed_area(b).total_cmp(&signed_area(a)));
         let (z, layer) = (span.sample_z(), span.index + 1);
-        let at = |i: usize| outer[i][0] + self.offset;
-        match outer.len() {
-            0 => Err(SpiralError::TooThin { z, layer, width }),
-            1 => Ok(outer.remove(0)),
-            count => Err(SpiralError::Pieces {
-                z,
-                layer,
-                count,
-                at: [at(0), at(1)],
-            }),
+        let walls = self.settings.spiral_walls;
+        let mut lines: Vec<Ring> = Vec::new();
+        for wall in 0..walls {
+            let depth = self.depth(wall as usize, span.height());
+            let inner = offset(outline, -depth, tolerance);
+            let outer = inner.rings.into_iter();
+            let mut outer: Vec<Ring> =
+                outer.filter(|ring| signed_area(ring) > 0.0).collect();
+            outer.sort_by(|a, b| signed_area(b).total_cmp(&signed_area(a)));
+            let at = |ring: &Ring| ring[0] + self.offset;
+            match (lines.last(), outer.as_slice()) {
+                (_, [one]) => lines.push(one.clone()),
+                (Some(outside), pieces) => {
+                    let near = lonely(outside, pieces);
+                    return Err(SpiralError::NoRoom {
+                        walls,
+                        wall: wall + 1,
+                        z,
+                        layer,
+                        at: near + self.offset,
+                    });
+                }
+                (None, []) => {
+                    let width = self.width(0);
+                    return Err(SpiralError::TooThin { z, layer, width });
+                }
+                (None, [a, b, ..]) => {
+                    return Err(SpiralError::Pieces {
+                        z,
+                        layer,
+                        count: outer.len(),
+                        at: [at(a), at(b)],
+                    });
+                }
+            }
         }
+        Ok(lines)
     }
 
-    /// The points moved as the part's surface moves that lies beside them, from
-    /// where it was to the height `middle` has for each of them.
+    /// The points moved as the part's surface moves that lies at a depth beside
+    /// them, from where it was to the height `middle` has for each of them.
     fn moved(
         &self,
         points: &[Point],
+        depth: Mm,
         middle: impl Fn(f64) -> Mm,
     ) -> Result<Vec<DVec2>, SpiralError> {
-        let beside = 0.5 * self.settings.outer_wall_width()
-            - self.settings.xy_compensation.constant().unwrap_or(0.0);
+        let beside =
+            depth - self.settings.xy_compensation.constant().unwrap_or(0.0);
         let spots = points.iter().flat_map(|p| {
             let z = middle(p.share) + self.bed;
             let at = |out: DVec2| p.at + beside * out;
@@ -326,6 +441,27 @@ impl Point {
         // It keeps its distance from both sides.
         DMat2::from_cols(a, b).transpose().inverse() * way
     }
+}
+
+/// A wall's stroke as a bead of a layer.
+fn bead(wall: usize, stroke: Stroke, span: &LayerSpan) -> Bead {
+    let role = match wall {
+        0 => Role::OuterWall,
+        _ => Role::InnerWall,
+    };
+    Bead::new(role, stroke, span.height())
+}
+
+/// The first point of a ring that is farthest from all of some pieces: beside it
+/// there is none of them.
+fn lonely(ring: &[DVec2], pieces: &[Ring]) -> DVec2 {
+    let away = |p: &DVec2| {
+        let to = pieces.iter().map(|piece| distance(*p, piece));
+        to.fold(f64::INFINITY, f64::min)
+    };
+    let far = ring.iter().map(|p| (away(p), *p));
+    let farthest = far.reduce(|a, b| if b.0 > a.0 { b } else { a });
+    farthest.map_or(DVec2::ZERO, |far| far.1)
 }
 
 /// Points along a ring, the first one once more at the end.
@@ -388,12 +524,14 @@ fn rear(ring: &[DVec2]) -> DVec2 {
 fn farthest(ring: &[DVec2], from: &[DVec2]) -> Mm {
     /// Points that are looked at.
     const LOOKS: usize = 64;
-    let distance = |p: DVec2| {
-        let sides = from.iter().zip(from.iter().cycle().skip(1));
-        let to = sides.map(|(&a, &b)| nearest_on(p, a, b).distance(p));
-        to.fold(f64::INFINITY, f64::min)
-    };
     let step = ring.len().div_ceil(LOOKS).max(1);
-    let looks = ring.iter().step_by(step).map(|&p| distance(p));
+    let looks = ring.iter().step_by(step).map(|&p| distance(p, from));
     looks.filter(|d| d.is_finite()).fold(0.0, f64::max)
+}
+
+/// Distance of a point from a ring.
+fn distance(p: DVec2, ring: &[DVec2]) -> Mm {
+    let sides = ring.iter().zip(ring.iter().cycle().skip(1));
+    let to = sides.map(|(&a, &b)| nearest_on(p, a, b).distance(p));
+    to.fold(f64::INFINITY, f64::min)
 }

@@ -203,6 +203,55 @@ fn every_end_is_held_whatever_the_infill() {
     }
 }
 
+/// The layers of the box that have bridges, and the direction of these.
+fn directions(layers: &[Vec<Step>]) -> Vec<(usize, DVec2)> {
+    let all = layers.iter().enumerate();
+    all.filter_map(|(i, layer)| {
+        let longest =
+            layer.iter().filter(|s| s.role == BRIDGE).max_by(|a, b| {
+                let length = |s: &Step| s.from.distance(s.to);
+                length(a).total_cmp(&length(b))
+            })?;
+        Some((i, (longest.to - longest.from).normalize()))
+    })
+    .collect()
+}
+
+#[test]
+fn over_sparse_infill_there_are_more_layers_each_across_the_other() {
+    for (more, expected) in [
+        (&["infill_density=8"][..], &[16, 17][..]),
+        (&["infill_density=10"], &[16]),
+        (&["infill_density=8", "internal_bridge_layers=1"], &[16]),
+        (
+            &["infill_density=15", "internal_bridge_layers=3"],
+            &[16, 17, 18],
+        ),
+        // As far apart as the lines of the first.
+        (&["infill_density=expr: 8"], &[16, 17]),
+        (&["infill_density=expr: 15"], &[16]),
+    ] {
+        let layers = layers(BOX, &settings(more));
+        let found = directions(&layers);
+        let with: Vec<usize> = found.iter().map(|f| f.0).collect();
+        assert_eq!(with, expected, "{more:?}");
+        for pair in found.windows(2) {
+            assert!(pair[0].1.dot(pair[1].1).abs() < 0.01, "{more:?}");
+        }
+        let (_, free, lines) = judged(&layers);
+        assert!(lines > 60 * expected.len() && free == 0, "{lines} {free}");
+        // Each of them fills its layer.
+        let laid = expected.iter().map(|&i| {
+            let all = layers[i].iter().filter(|s| s.role == BRIDGE);
+            all.map(|s| s.from.distance(s.to)).sum::<f64>()
+        });
+        let laid: Vec<f64> = laid.collect();
+        for own in &laid {
+            assert!((own / laid[0] - 1.0).abs() < 0.03, "{laid:?}");
+        }
+    }
+}
+
 #[test]
 fn they_have_speed_flow_and_fan_of_their_own() {
     let moves = |more: &[&str]| {

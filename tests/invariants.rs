@@ -416,10 +416,10 @@ fn wall_points(model: &Model, layer: &Layer) -> Vec<DVec2> {
 }
 
 /// Layers of a formula with walls offset in the plane and by the field.
-fn both_ways(text: &str) -> [(Model, Vec<Layer>); 2] {
+fn both_ways(text: &str, more: &[&str]) -> [(Model, Vec<Layer>); 2] {
     ["distance", "field"].map(|way| {
         let way = format!("wall_offset={way}");
-        let settings = settings(&[way.as_str(), "walls=3"]);
+        let settings = settings(&[&[way.as_str(), "walls=3"], more].concat());
         let model = formula(text, &settings);
         let (gcode, _) = slice(&model, &settings, 2);
         (model, parse(&gcode))
@@ -428,13 +428,29 @@ fn both_ways(text: &str) -> [(Model, Vec<Layer>); 2] {
 
 #[test]
 fn walls_by_field_are_walls_by_distance_on_a_cylinder() {
-    let [(model, distance), (_, field)] =
-        both_ways("max(sqrt(x^2 + y^2) - 9, abs(z) - 3)");
+    let cylinder = |height: &str| {
+        format!("max(sqrt(x^2 + y^2) - 9, abs(z - {height}) - {height})")
+    };
+    let both = both_ways(&cylinder("3"), &[]);
     // Between the skins: near its ends the field measures in z.
-    let middle = distance.len() / 2;
-    let [a, b] = [&distance[middle], &field[middle]];
+    let middle = both[0].1.len() / 2;
+    walls_are_the_same(&both, middle);
+    // Layers of different heights, whose walls are at different distances.
+    let both = both_ways(
+        &cylinder("5"),
+        &["layer_heights=expr: 0.1 + z/50", "layer_height_min=0.1"],
+    );
+    let count = both[0].1.len();
+    for layer in [count / 3, count / 2, 2 * count / 3] {
+        walls_are_the_same(&both, layer);
+    }
+}
+
+fn walls_are_the_same(both: &[(Model, Vec<Layer>); 2], layer: usize) {
+    let [(model, distance), (_, field)] = both;
+    let [a, b] = [&distance[layer], &field[layer]];
     let rings = |layer| {
-        let mut radii: Vec<f64> = wall_points(&model, layer)
+        let mut radii: Vec<f64> = wall_points(model, layer)
             .iter()
             .map(|p| p.length())
             .collect();
@@ -454,7 +470,7 @@ fn walls_by_field_are_walls_by_distance_on_a_cylinder() {
 #[test]
 fn walls_by_field_are_not_walls_by_distance_on_a_sphere() {
     let [(model, distance), (_, field)] =
-        both_ways("sqrt(x^2 + y^2 + z^2) - 6");
+        both_ways("sqrt(x^2 + y^2 + z^2) - 6", &[]);
     let outer = |layer: &Layer| {
         wall_points(&model, layer)
             .iter()

@@ -100,11 +100,23 @@ fn a_spiral() {
     let part = "max(sqrt(x^2 + y^2) - 8 - sin(0.2*z), max(-z, z - 30))";
     let model = common::formula(part, &settings);
     assert_same_in_ranges(&model, &settings, &[2, 40, 128, 131]);
+    let settings = common::settings(&[
+        "spiral=true",
+        "spiral_walls=2",
+        "accuracy=0.05",
+        "gcode.progress=off",
+    ]);
+    assert_same_in_ranges(&model, &settings, &[2, 40, 128, 131]);
 }
 
 #[test]
 fn a_surface_without_steps() {
-    let settings = common::settings(&["contour_z=100"]);
+    let settings = common::settings(&[
+        "contour_z=100",
+        "contour_z_below=true",
+        "supports=auto",
+        "gcode.progress=off",
+    ]);
     let part = "max(sqrt(x^2 + y^2) - 8, abs(z - 14) - 14 - 0.5*sin(x))";
     let model = common::formula(part, &settings);
     assert_same_in_ranges(&model, &settings, &[2, 40, 139]);
@@ -123,6 +135,30 @@ fn internal_bridges() {
                 max(-z, z - 29))";
     let model = common::formula(part, &settings);
     assert_same_in_ranges(&model, &settings, &[2, 40, 128, 130]);
+}
+
+#[test]
+fn more_layers_of_internal_bridges() {
+    // Stairs whose bridges lie on both sides of where a block begins.
+    for layers in ["2", "3"] {
+        let layers = format!("internal_bridge_layers={layers}");
+        let settings = common::settings(&[
+            "internal_bridges=true",
+            "infill_density=8",
+            "sample_spacing=0.3",
+            "accuracy=0.05",
+            "gcode.progress=off",
+            &layers,
+        ]);
+        for shift in ["1.4", "1.6", "1.8"] {
+            let part = format!(
+                "max(max(abs(x) - 50 + 3*floor((z + {shift})/2), abs(y) - 6), \
+                 max(-z, z - 29))"
+            );
+            let model = common::formula(&part, &settings);
+            assert_same_in_ranges(&model, &settings, &[40, 128, 129, 130]);
+        }
+    }
 }
 
 #[test]

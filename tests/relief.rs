@@ -110,6 +110,10 @@ struct Step {
     fed: f64,
     /// Top of the layer, mm.
     top: f64,
+    /// Width of the line, mm.
+    width: f64,
+    /// True if it is of a support.
+    support: bool,
     /// True if no other move lies between it and the one before.
     goes_on: bool,
 }
@@ -117,10 +121,16 @@ struct Step {
 fn steps(gcode: &str) -> Vec<Step> {
     let end = gcode.find("; end of layers").unwrap();
     let (mut at, mut top, mut steps) = (DVec3::NAN, 0.0, Vec::new());
-    let mut goes_on = false;
+    let (mut goes_on, mut width, mut support) = (false, 0.0, false);
     for line in gcode[..end].lines() {
         if let Some(z) = line.strip_prefix(";Z:") {
             top = z.parse().unwrap();
+        }
+        if let Some(role) = line.strip_prefix(";TYPE:") {
+            support = role.starts_with("Support");
+        }
+        if let Some(w) = line.strip_prefix(";WIDTH:") {
+            width = w.parse().unwrap();
         }
         if !line.starts_with("G1 ") {
             continue;
@@ -143,6 +153,8 @@ fn steps(gcode: &str) -> Vec<Step> {
                 to: at,
                 fed,
                 top,
+                width,
+                support,
                 goes_on,
             });
         }
@@ -239,6 +251,155 @@ fn tops_lie_on_the_surface() {
         assert!(rms(&off) > if part.parameter > 0.4 { 2.0 } else { 40.0 });
         assert!(flat.iter().all(|s| s.from.z == s.to.z));
     }
+}
+
+/// Height of the material of a step: as its volume fills the plane between its
+/// neighbours, mm.
+fn material(step: &Step) -> f64 {
+    let section = |h: f64| {
+        let w = step.width;
+        (w - h) * h + std::f64::consts::PI * 0.25 * h * h
+    };
+    let length = step.from.distance(step.to);
+    let laid = step.fed * common::filament_area(1.75) / length;
+    HEIGHT * laid / section(HEIGHT)
+}
+
+/// A part and the height of its underside.
+type Underside = (String, fn(DVec3) -> f64);
+
+/// A block of 40 by 20 mm whose underside rises from the bed's by an angle, or in
+/// waves.
+fn undersides() -> [Underside; 3] {
+    let block = |underside: &str| {
+        format!(
+            "max(max(abs(x) - 20, abs(y) - 10), \
+             max(z - 9, max(-z, 3*({underside} - z))))"
+        )
+    };
+    [
+        (block("0.0874887*(x + 20)"), |p| 0.0874887 * (p.x + 20.0)),
+        (block("0.176327*(x + 20)"), |p| 0.176327 * (p.x + 20.0)),
+        (block("2 + 2*sin(0.08*x)*cos(0.02*y)"), |p| {
+            2.0 + 2.0 * (0.08 * p.x).sin() * (0.02 * p.y).cos()
+        }),
+    ]
+}
+
+#[test]
+fn undersides_lie_on_the_surface() {
+    let below = [
+        "contour_z=100",
+        "contour_z_angle=30",
+        "contour_z_below=true",
+        "bridge_anchor=0",
+    ];
+    for (formula, surface) in undersides() {
+        let mut worst = [0.0_f64; 2];
+        let mut sums = [0.0_f64; 2];
+        let mut laid = [0.0_f64; 2];
+        let mut looks = 0;
+        for (k, more) in [&[][..], &below[..]].into_iter().enumerate() {
+            let settings = settings(more);
+            let model = common::formula(&formula, &settings);
+            let (gcode, _) = common::slice(&model, &settings, 2);
+            let steps = steps(&gcode);
+            laid[k] = volume(&steps);
+            looks = 0;
+            for step in &steps {
+                let p = step.from.lerp(step.to, 0.5);
+                // Undersides that lie open on all of a line's width.
+                let beside = [-0.23, 0.0, 0.23].map(|y| {
+                    [-0.23, 0.23].map(|x| surface(p + DVec3::new(x, y, 0.0)))
+                });
+                let low = beside.as_flattened().iter().copied();
+                let low = low.fold(f64::INFINITY, f64::min);
+                let high = beside.as_flattened().iter().copied();
+                let high = high.fold(0.0, f64::max);
+                let bottom = step.top - HEIGHT;
+                // Ends of lines at walls are narrower, or overlap.
+                let inside = p.x.abs() < 18.5 && p.y.abs() < 8.5;
+                let open = low > bottom - 0.5 * HEIGHT + 0.002
+                    && high < bottom + 0.5 * HEIGHT - 0.002;
+                let long = step.from.distance(step.to);
+                if !inside || !open || bottom < 0.1 || long < 0.05 {
+                    continue;
+                }
+                let off = p.z - material(step) - surface(p);
+                worst[k] = worst[k].max(off.abs());
+                sums[k] += off * off;
+                looks += 1;
+                // The nozzle stays in its layer.
+                assert!((step.to.z - step.top).abs() < 1e-9);
+            }
+            sums[k] = (sums[k] / f64::from(looks)).sqrt();
+        }
+        assert!(looks > 20, "{formula}: {looks}");
+        assert!(sums[0] > 0.008, "{sums:?}");
+        assert!(sums[1] < 0.005 && worst[1] < 0.02, "{sums:?} {worst:?}");
+        // Level layers are too low as often as too high.
+        assert!((laid[1] / laid[0] - 1.0).abs() < 0.004, "{laid:?}");
+    }
+}
+
+#[test]
+fn undersides_stay_level_unless_asked_for() {
+    let (formula, _) = &undersides()[0];
+    let with = |more: &[&str]| {
+        let settings = settings(more);
+        let model = common::formula(formula, &settings);
+        common::slice(&model, &settings, 2).0
+    };
+    let end = |text: &str| {
+        let from = text.find(";LAYER_CHANGE").unwrap();
+        text[from..text.find("; end of layers").unwrap()].to_owned()
+    };
+    // The top is a level face at a layer's top.
+    assert_eq!(end(&with(&[])), end(&with(&["contour_z=100"])));
+}
+
+#[test]
+fn tops_do_not_rise_into_the_gap_below_supports() {
+    // A foot whose top lies 0.08 mm above a layer, and a table above it.
+    let part = "min(max(max(abs(x) - 15, abs(y) - 10), abs(z - 1.54) - 1.54), \
+                min(max(max(abs(x) - 2, abs(y) - 2), abs(z - 5) - 5), \
+                max(max(abs(x) - 8, abs(y) - 8), abs(z - 9) - 1)))";
+    let settings =
+        settings(&["contour_z=100", "bridge_max=1", "supports=auto"]);
+    let model = common::formula(part, &settings);
+    let (gcode, _) = common::slice(&model, &settings, 2);
+    let steps = steps(&gcode);
+    let near = |p: DVec3, s: &Step| {
+        let (a, way) = (s.from.truncate(), (s.to - s.from).truncate());
+        let t = (p.truncate() - a).dot(way) / way.length_squared();
+        p.truncate().distance(a + t.clamp(0.0, 1.0) * way)
+    };
+    // What stands on the foot, above a gap of 0.2 mm.
+    let on_foot = |s: &&Step| {
+        let p = s.from;
+        s.support && s.top > 3.3 && s.top < 3.5 && p.x.abs() < 14.0
+    };
+    let posts: Vec<&Step> = steps.iter().filter(on_foot).collect();
+    let (mut below, mut open) = (0, 0);
+    let top = steps.iter().filter(|s| (s.top - 3.0).abs() < 1e-9);
+    for step in top.filter(|s| !s.support) {
+        for i in 0..=8 {
+            let p = step.from.lerp(step.to, f64::from(i) / 8.0);
+            let away = posts.iter().map(|s| near(p, s));
+            let away = away.fold(f64::INFINITY, f64::min);
+            // The stem and what it covers.
+            let covered = p.truncate().abs().max_element() < 3.5;
+            if away < 0.05 {
+                // At its border the way up may begin.
+                assert!(p.z < 3.02, "{p}");
+                below += usize::from(p.z < 3.001);
+            } else if away > 2.0 && !covered {
+                assert!((p.z - 3.08).abs() < 0.002, "{p} {away}");
+                open += 1;
+            }
+        }
+    }
+    assert!(below > 50 && open > 500, "{below} {open}");
 }
 
 #[test]

@@ -474,6 +474,10 @@ fn unwise_settings_are_warned_of() {
                 &["contour_z=100", "contour_z_angle=25"],
                 &["contour_z_gouge=50"],
                 &["internal_bridge_flow=90"],
+                &["layer_heights=adaptive", "layer_height=0.15"],
+                &["layer_height_min=0.1", "step_error=0.05"],
+                &["layer_heights=expr: 0.2", "step_error=0.05"],
+                &["spiral_walls=2"],
                 &["infill_mode=solid"],
                 &[
                     "infill=expr: sin(x)",

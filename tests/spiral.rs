@@ -136,6 +136,96 @@ fn it_lays_what_fills_the_wall() {
     assert!((laid / meant - 1.0).abs() < ends, "{laid} {meant}");
 }
 
+/// Distances of the middle of each of three walls of the cone from where it is to
+/// be, by the height of each point, mm; and the volume, mm³.
+#[test]
+fn walls_inside_climb_beside_the_outer_one() {
+    let (alone, _) = cone(&[]);
+    let (steps, text) = cone(&["spiral_walls=3", "inner_wall_width=0.5"]);
+    // Distances of neighbours: half of both widths, less what ends overlap.
+    let overlap = HEIGHT * (1.0 - std::f64::consts::FRAC_PI_4);
+    let depth =
+        [0.0, 0.475 - overlap, 0.975 - 2.0 * overlap].map(|d| 0.5 * WIDTH + d);
+    let mut seen = [0; 3];
+    let mut worst: f64 = 0.0;
+    for (from, to, _) in &steps {
+        if from.z < 0.4 + HEIGHT || from.z == 6.0 {
+            continue;
+        }
+        for i in 0..=4 {
+            let p = from.lerp(*to, 0.25 * f64::from(i));
+            let surface = 15.0 + 0.5 * (p.z - 0.5 * HEIGHT);
+            let own = surface - p.truncate().length();
+            let (wall, off) = depth
+                .iter()
+                .map(|d| (own - d).abs())
+                .enumerate()
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .unwrap();
+            seen[wall] += 1;
+            worst = worst.max(off);
+        }
+    }
+    assert!(worst < 0.005 + 0.001, "{worst}");
+    assert!(seen.iter().all(|n| *n > 28 * 50), "{seen:?}");
+    // The outer wall is the one that it is alone.
+    let outer = |s: &&Step| {
+        let p = s.0.lerp(s.1, 0.5);
+        let surface = 15.0 + 0.5 * (p.z - 0.5 * HEIGHT);
+        (surface - p.truncate().length() - depth[0]).abs() < 0.1
+    };
+    let fed = |all: &[Step]| all.iter().filter(outer).map(|s| s.2).sum::<f64>();
+    assert!((fed(&steps) / fed(&alone) - 1.0).abs() < 0.002);
+    // The nozzle goes to the next wall 3 times a layer, and pulls nothing back.
+    assert!(!text.contains("G10") && !text.contains("E-"));
+    let breaks = steps.windows(2).filter(|w| w[0].1 != w[1].0).count();
+    assert!(breaks <= 28 * 3 + 3, "{breaks}");
+    // No step is lower than what is printed beside it: where one of the lower
+    // ends, each other wall is as low or does not climb yet.
+    for (a, b) in steps.iter().zip(&steps[1..]) {
+        assert!(a.1.z - b.0.z < HEIGHT + 1e-6, "{a:?} {b:?}");
+        assert!(b.1.z >= b.0.z);
+    }
+}
+
+#[test]
+fn walls_without_room_are_an_error_that_says_where() {
+    let settings = settings(&["spiral_walls=2"]);
+    // A dumb-bell with a waist of 1 mm, up to 2.5 mm.
+    let part = "max(min(min(sqrt((x-9)^2 + y^2), sqrt((x+9)^2 + y^2)) - 6, \
+                max(abs(x) - 9, abs(y) - 0.5 - max(0, z - 2.5))), \
+                max(-z, z - 4))";
+    let model = common::formula(part, &settings);
+    let mut out = Vec::new();
+    let error =
+        pipeline::slice(&model, &settings, &Options::default(), &mut out)
+            .unwrap_err()
+            .to_string();
+    assert!(error.contains("no room for wall 2"), "{error}");
+    assert!(error.contains("z = 0.30 mm (layer 2)"), "{error}");
+    // In the waist, in the middle of the bed.
+    let at = error.split("beside x = ").nth(1).unwrap();
+    let x: f64 = at.split(',').next().unwrap().parse().unwrap();
+    assert!((x - 110.0).abs() < 3.5, "{error}");
+}
+
+#[test]
+fn a_high_skirt_is_refused_in_layers_of_any_height() {
+    let settings = settings(&[
+        "layer_heights=adaptive",
+        "skirt.loops=1",
+        "skirt.layers=9",
+    ]);
+    let part = "max(sqrt(x^2 + y^2) - 15 - 0.5*z, max(-z, z - 6))";
+    let model = common::formula(part, &settings);
+    let mut out = Vec::new();
+    let error =
+        pipeline::slice(&model, &settings, &Options::default(), &mut out)
+            .unwrap_err()
+            .to_string();
+    assert!(error.contains("set skirt.layers to 2 or less"), "{error}");
+}
+
 #[test]
 fn corners_stay_sharp() {
     let settings = settings(&[]);

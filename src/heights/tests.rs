@@ -105,6 +105,27 @@ fn a_screw_has_thin_layers_at_its_thread_only() {
 }
 
 #[test]
+fn a_thread_on_a_shank_takes_a_quarter_fewer_layers() {
+    // The radius of the thread is 5 + 0.6·sin(2π·z/3 − φ): where its cosine is 1,
+    // its slopes are 0.6·2π/3 along z and 0.6/5 round it.
+    let screw = "max(-z, min(max(sqrt(x^2 + y^2) - 6, z - 20), \
+                 max(sqrt(x^2 + y^2) - 5 - 0.6*sin(2*pi*z/3 - atan2(y, x)), \
+                 z - 32)))";
+    let along = 0.6 * std::f64::consts::TAU / 3.0;
+    let level = along / along.hypot(1.0).hypot(0.12);
+    let found = judged(screw, &adaptive(), |z| {
+        // The shank's top is a face at which a layer ends.
+        if z < 20.0 { 0.0 } else { level }
+    });
+    // How level the thread is, is not proved but feared.
+    let steps = found.steps.unwrap();
+    let share = found.spans.len() as f64 / steps.uniform_layers as f64;
+    assert!(share <= 0.75, "{steps:?}: {}", found.spans.len());
+    let hit = |z: Mm| found.spans.iter().any(|s| (s.top - z).abs() < 1e-6);
+    assert!(hit(20.0) && hit(32.0));
+}
+
+#[test]
 fn layers_end_at_level_faces_and_stay_thick() {
     let stairs = "min(max(max(abs(x) - 10, abs(y) - 8), abs(z - 2) - 2), \
                   min(max(max(abs(x) - 7, abs(y) - 8), abs(z - 3.617) \

@@ -61,8 +61,8 @@ pub(crate) struct LayerBeads {
     pub infill: Vec<Bead>,
     /// Skin areas.
     pub skin: Vec<Patch>,
-    /// A turn of a climbing wall, printed last and as it is.
-    pub turn: Option<Bead>,
+    /// Turns of climbing walls, printed last and as they are.
+    pub turns: Vec<Bead>,
 }
 
 impl LayerBeads {

@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Heights that differ by less are equal, mm: they are rounded to twice that.
-const SAME_HEIGHT: Mm = 0.5e-9;
+pub(super) const SAME_HEIGHT: Mm = 0.5e-9;
 
 /// A layer whose outline is known. A layer whose outlines equal those of the
 /// layer below, as in a prism, shares them all.
@@ -115,7 +115,9 @@ pub(super) struct Filled {
     pub support: Option<Solid<'static>>,
     /// Height of the supports' tops above the layer's, mm; negative below.
     pub support_rise: Mm,
-    /// Where supports hold the layer, if that matters for its walls.
+    /// Where supports stand on it, if its beads follow the surface.
+    pub under_support: Option<Solid<'static>>,
+    /// Where supports hold it, if that matters for its walls.
     pub held: Option<Solid<'static>>,
     /// Area of gaps that nothing fills.
     pub gap: Mm2,

@@ -691,7 +691,7 @@ fn write(
     let mut parts = Vec::new();
     for ((stages, spans), base) in all.iter().zip(&bases) {
         let Base { part, around, .. } = base;
-        let relief = Relief::new(&part.model, &part.settings, around)
+        let relief = Relief::new(&part.model, &part.settings, around, pool)
             .map_err(|e| plate.named(part, e.into()))?;
         let spiral = stages.spiral.as_ref();
         parts.push(PartExit::new(

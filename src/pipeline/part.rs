@@ -21,7 +21,7 @@ use crate::pace::rates;
 use crate::plane::Solid;
 use crate::plate::Part;
 use crate::region::wall_depths;
-use crate::relief::{Relief, Site};
+use crate::relief::{Relief, Side, Site};
 use crate::report::LayerFigures;
 use crate::seam::ending::{Ended, cut, endings};
 use crate::settings::Settings;
@@ -144,6 +144,7 @@ impl<'a> PartExit<'a> {
             support: supported,
             support_rise,
             held,
+            under_support,
             areas: _,
         } = ready.filled;
         let index = layer.span.index;
@@ -180,11 +181,11 @@ impl<'a> PartExit<'a> {
         self.follow_hanging(layer, look.as_ref(), written);
         let from = self.head.at;
         let solid = layer.outline.grid();
-        let turn = beads.turn.take();
-        let turns = turn.is_some();
+        let turns = std::mem::take(&mut beads.turns);
+        let climbs = !turns.is_empty();
         // A climbing wall leans on the turn below. A raft holds what is on it.
         let on_raft = index == self.settings.raft_layers();
-        let below = below.filter(|_| !turns && !on_raft);
+        let below = below.filter(|_| !climbs && !on_raft);
         let below = below.filter(|below| !layer.same_outline(below));
         let below: Option<Arc<Solid<'static>>> =
             below.map(|below| below.top().clone());
@@ -203,7 +204,7 @@ impl<'a> PartExit<'a> {
             let beads = linked(beads, solid, self.settings);
             let first = index == self.settings.raft_layers();
             let mut ended = endings(beads, solid, first, self.settings);
-            ended.extend(turn.map(Ended::from));
+            ended.extend(turns.into_iter().map(Ended::from));
             ended
         });
         self.head.at = ended.last().and_then(Ended::end).or(from);
@@ -217,9 +218,10 @@ impl<'a> PartExit<'a> {
             }),
             false => beads,
         };
-        let mut beads = self
-            .timings
-            .time(Stage::Skin, || self.on_surface(beads, layer, above))?;
+        let mut beads = self.timings.time(Stage::Skin, || {
+            let beside = [ready.below.as_ref(), above];
+            self.on_surface(beads, layer, beside, under_support.as_ref())
+        })?;
         if support_rise != 0.0 {
             let all = beads.iter_mut().map(|ended| &mut ended.bead);
             for bead in all.filter(|bead| bead.role.is_support()) {
@@ -307,21 +309,38 @@ impl<'a> PartExit<'a> {
         out
     }
 
-    /// A layer's beads, moved onto the surface above them if they have to
-    /// follow it.
+    /// A layer's beads, moved onto the surfaces above and below them if they
+    /// have to follow these. `under_support` is where supports stand on the
+    /// layer.
     fn on_surface(
         &self,
         beads: Vec<Ended>,
         layer: &Layer,
-        above: Option<&Layer>,
+        [below, above]: [Option<&Layer>; 2],
+        under_support: Option<&Solid<'static>>,
     ) -> Result<Vec<Ended>, SliceError> {
-        let covered = above.is_some_and(|above| layer.same_outline(above));
-        let Some(relief) = self.relief.as_ref().filter(|_| !covered) else {
+        let Some(relief) = self.relief.as_ref() else {
             return Ok(beads);
         };
+        fn side<'l>(layer: &Layer, other: Option<&'l Layer>) -> Side<'l> {
+            let Some(other) = other else {
+                return Side::Open;
+            };
+            match layer.same_outline(other) {
+                true => Side::Closed,
+                false => Side::Layer(other.span.height(), other.outline.grid()),
+            }
+        }
+        // The bed and a raft are flat.
+        let flat = layer.span.index <= self.settings.raft_layers();
         let site = Site {
             span: layer.span,
-            above: above.map(|a| (a.span.height(), a.outline.grid())),
+            above: side(layer, above),
+            below: match flat {
+                true => Side::Closed,
+                false => side(layer, below),
+            },
+            under_support: under_support.map(Solid::grid),
         };
         Ok(relief.apply(beads, site)?)
     }

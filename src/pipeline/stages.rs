@@ -4,7 +4,7 @@
 //! neighbours are known, its beads. Nothing here depends on the order in which
 //! layers are worked on.
 
-use super::layer::{Inside, Layer, faces, window};
+use super::layer::{Inside, Layer, SAME_HEIGHT, faces, window};
 use super::raft::{self, Raft};
 use super::sound::{self, Found};
 use super::supported::{Fills, Supported};
@@ -35,7 +35,7 @@ use crate::resolution::thin;
 use crate::seam::Seams;
 use crate::settings::{DraftShield, Settings, WallOffset};
 use crate::skin::Patch;
-use crate::skin::over_infill::{Over, Under, bridged};
+use crate::skin::over_infill::{Below, Level, Over, Under, bridged};
 use crate::spiral::Spiral;
 use crate::support::{Asked, Heights, Plan, Survey, Wishes, coarse};
 use crate::timings::{Stage, Timings};
@@ -63,16 +63,37 @@ const SKIRT_SAMPLES: usize = 64;
 /// second time.
 const KNOWN: usize = 2_000_000;
 
-/// What the stages of all layers have in common.
+/// The fields of the walls by their depths, if walls are offsets of the
+/// expression.
+enum WallFields {
+    /// They are not.
+    None,
+    /// All layers have the same.
+    Alike(Vec<(Mm, Field)>),
+    /// A wall's depth depends on its layer's height, so fields are made for each.
+    ByHeight,
+}
+
+/// The fields of the walls in a layer of a height, and that of what they leave,
+/// each with its depth.
+fn by_depth(
+    height: Mm,
+    settings: &Settings,
+    make: impl Fn(Mm) -> Result<Field, FieldError>,
+) -> Result<Vec<(Mm, Field)>, FieldError> {
+    let (depths, border) = wall_depths(height, settings);
+    let depths = depths.into_iter().chain([border]);
+    depths.map(|d| Ok((d, make(d)?))).collect()
+}
+
+/// What the layers have in common.
 pub(super) struct Stages<'a> {
     settings: &'a Settings,
     model: &'a Model,
     /// The part's box in the plane.
     rect: Rect,
     field: Field,
-    /// The fields of the walls by their depths, if they are offsets of the
-    /// expression.
-    wall_fields: Vec<(Mm, Field)>,
+    wall_fields: WallFields,
     seams: Seams<'a>,
     fuzzy: Option<Fuzzy<'a>>,
     /// The skirt, if more layers than the first have it.
@@ -112,16 +133,11 @@ impl<'a> Stages<'a> {
         let make = |depth: Mm| field(&model.tree, depth, rect, spacing);
         let field = make(0.0)?;
         let wall_fields = match settings.wall_offset {
-            WallOffset::Distance => Vec::new(),
-            WallOffset::Field => {
-                let height = settings.layer_height();
-                let (mut depths, border) = wall_depths(height, settings);
-                depths.push(border);
-                depths
-                    .into_iter()
-                    .map(|d| Ok((d, make(d)?)))
-                    .collect::<Result<_, FieldError>>()?
-            }
+            WallOffset::Distance => WallFields::None,
+            WallOffset::Field if settings.is_uniform() => WallFields::Alike(
+                by_depth(settings.layer_height(), settings, make)?,
+            ),
+            WallOffset::Field => WallFields::ByHeight,
         };
         let printer = &settings.printer;
         let bed = 0.5 * DVec2::new(printer.bed_x, printer.bed_y);
@@ -273,7 +289,8 @@ impl<'a> Stages<'a> {
             .collect();
         let of_slab = |slab: &[LayerSpan]| {
             let all = 0..usize::MAX;
-            let layers = self.layers_of(&self.field, &[], slab, &all)?;
+            let none = &WallFields::None;
+            let layers = self.layers_of(&self.field, none, slab, &all)?;
             let sections =
                 layers.iter().map(|l| coarse(l.area(), self.settings));
             Ok::<_, SliceError>(sections.collect())
@@ -400,6 +417,15 @@ impl<'a> Stages<'a> {
         self.support().map_or(0.0, |support| support.rise(span))
     }
 
+    /// Where supports stand on a layer, if its beads follow the surface.
+    pub(super) fn on_which_supports_stand(
+        &self,
+        span: &LayerSpan,
+    ) -> Option<Area> {
+        let follows = !self.settings.contour_z.is(0.0);
+        self.support().filter(|_| follows)?.on_top(span)
+    }
+
     /// Where supports hold a layer, if that matters for its walls.
     pub(super) fn held_by_support(&self, layer: usize) -> Option<Area> {
         let by_reach = self.settings.by_reach();
@@ -422,8 +448,9 @@ impl<'a> Stages<'a> {
         let all = last_flat..spans.len();
         for slab in spans.chunks(self.slab_layers()) {
             limits::check();
-            // Outlines of the wall fields are not needed.
-            let made = || self.layers_of(&self.field, &[], slab, &all);
+            // Offset fields are not asked for.
+            let none = &WallFields::None;
+            let made = || self.layers_of(&self.field, none, slab, &all);
             for layer in pool.install(made)? {
                 spiral.add(&layer.span, layer.area())?;
             }
@@ -432,19 +459,19 @@ impl<'a> Stages<'a> {
         Ok(())
     }
 
-    /// The turn of a layer's climbing wall, if it has one.
-    fn turn(
+    /// The turns of a layer's climbing walls; none if it is flat.
+    fn turns(
         &self,
         layers: &VecDeque<Layer>,
         i: usize,
-    ) -> Result<Option<Bead>, SliceError> {
+    ) -> Result<Vec<Bead>, SliceError> {
         let Layer { span, outline, .. } = &layers[i];
         let below = i.checked_sub(1).map(|k| layers[k].span);
         match (self.spiral_at(span.index), below) {
             (Some(spiral), Some(below)) => {
-                Ok(Some(spiral.turn(span, &below, outline.area())?))
+                Ok(spiral.turns(span, &below, outline.area())?)
             }
-            _ => Ok(None),
+            _ => Ok(Vec::new()),
         }
     }
 
@@ -481,7 +508,7 @@ impl<'a> Stages<'a> {
         // A turn lies on a layer that has to be known.
         let below = usize::from(self.settings.spiral);
         // Internal bridges lie on infill, which has to be known as well.
-        let infill = usize::from(self.bridges_infill());
+        let infill = self.rehearsed_bridges();
         self.exposure.reach_below().max(below) + infill
     }
 
@@ -515,42 +542,68 @@ impl<'a> Stages<'a> {
     fn layers_of(
         &self,
         field: &Field,
-        wall_fields: &[(Mm, Field)],
+        wall_fields: &WallFields,
         spans: &[LayerSpan],
         needed: &Range<usize>,
     ) -> Result<Vec<Layer>, SliceError> {
         // The part has nothing in the layers of a raft.
         let below = spans.iter().take_while(|s| s.index < self.raft_layers);
         let below = below.count();
-        let of_part = spans[below..].iter();
-        let z: Vec<Mm> = of_part.map(|s| s.sample_z() + self.bed).collect();
         let detail = Detail {
             accuracy: self.settings.accuracy * OUTLINE_SHARE,
             smallest: PRINTABLE * self.settings.outer_wall_width(),
         };
-        let make = |f: &Field| {
-            let mut all = vec![Outline::default(); below];
-            if !z.is_empty() {
-                let made = outlines(f, &z, detail, &self.timings)?;
-                let rings = made.iter().flat_map(|o| &o.area.rings);
-                limits::made(rings.map(|ring| ring.len()).sum());
-                all.extend(made);
+        let make = |f: &Field, spans: &[LayerSpan]| {
+            let z = spans.iter().map(|s| s.sample_z() + self.bed);
+            let z: Vec<Mm> = z.collect();
+            if z.is_empty() {
+                return Ok(Vec::new());
             }
-            Ok::<_, FieldError>(all)
+            let made = outlines(f, &z, detail, &self.timings)?;
+            let rings = made.iter().flat_map(|o| &o.area.rings);
+            limits::made(rings.map(|ring| ring.len()).sum());
+            Ok::<_, FieldError>(made)
         };
-        let outlines_of_slab = make(field)?;
-        // Outlines for walls that are offsets of the expression, by depth, then
-        // by layer.
-        let mut offset_outlines = wall_fields
-            .iter()
-            .map(|(depth, f)| Ok((*depth, make(f)?.into_iter())))
-            .collect::<Result<Vec<_>, FieldError>>()?;
+        let of_part = &spans[below..];
+        let mut outlines_of_slab = vec![Outline::default(); below];
+        outlines_of_slab.extend(make(field, of_part)?);
+        // For walls that are offsets of the expression: of each layer, by depth.
+        let mut offsets_of_slab = vec![Vec::new(); spans.len()];
+        let mut add = |first: usize,
+                       fields: &[(Mm, Field)],
+                       of: &[LayerSpan]| {
+            for (depth, field) in fields {
+                let made = make(field, of)?.into_iter();
+                let places = offsets_of_slab[first..].iter_mut();
+                places.zip(made).for_each(|(p, o)| p.push((*depth, o.area)));
+            }
+            Ok::<_, FieldError>(())
+        };
+        match wall_fields {
+            WallFields::None => {}
+            WallFields::Alike(fields) => add(below, fields, of_part)?,
+            WallFields::ByHeight => {
+                let mut first = below;
+                let alike = |a: &LayerSpan, b: &LayerSpan| {
+                    (a.height() - b.height()).abs() < SAME_HEIGHT
+                };
+                for run in of_part.chunk_by(alike) {
+                    limits::check();
+                    let spacing = self.settings.sample_spacing;
+                    let tree = &self.model.tree;
+                    let make = |d: Mm| {
+                        crate::contour::field(tree, d, self.rect, spacing)
+                    };
+                    let fields =
+                        by_depth(run[0].height(), self.settings, make)?;
+                    add(first, &fields, run)?;
+                    first += run.len();
+                }
+            }
+        }
         let mut layers: Vec<Layer> = Vec::with_capacity(spans.len());
-        for (&span, outline) in spans.iter().zip(outlines_of_slab) {
-            let mut offsets: Vec<(Mm, Area)> = offset_outlines
-                .iter_mut()
-                .filter_map(|(d, o)| o.next().map(|o| (*d, o.area)))
-                .collect();
+        let found = outlines_of_slab.into_iter().zip(offsets_of_slab);
+        for (&span, (outline, mut offsets)) in spans.iter().zip(found) {
             if !needed.contains(&span.index) {
                 continue;
             }
@@ -726,11 +779,12 @@ impl<'a> Stages<'a> {
             self.skirt.as_ref(),
             self.settings,
         );
-        let turn = self.timings.time(Stage::Walls, || self.turn(layers, i))?;
-        if turn.is_some() {
+        let turns =
+            self.timings.time(Stage::Walls, || self.turns(layers, i))?;
+        if !turns.is_empty() {
             let beads = LayerBeads {
                 skirt,
-                turn,
+                turns,
                 ..LayerBeads::default()
             };
             return Ok((beads, FillAreas::default()));
@@ -779,7 +833,7 @@ impl<'a> Stages<'a> {
             })?,
             support_last: !number.is_multiple_of(2),
             skirt,
-            turn: None,
+            turns: Vec::new(),
             walls,
             sites,
             infill: self.infill_in(&areas.sparse, &layers[i])?,
@@ -826,14 +880,27 @@ impl<'a> Stages<'a> {
         self.settings.internal_bridges && !self.settings.spiral
     }
 
+    /// How many layers below the first of a block have to be filled, since its
+    /// internal bridges lie on their infill or on their bridges.
+    pub(super) fn rehearsed_bridges(&self) -> usize {
+        let layers = self.settings.internal_bridge_layers;
+        match (self.bridges_infill(), layers) {
+            (false, _) => 0,
+            (true, Some(layers)) => layers as usize,
+            (true, None) => 2,
+        }
+    }
+
     /// Layer `i` of the window with internal bridges over the infill of the
-    /// layer below, if it has any. `areas` are those of layer `i`.
+    /// layer below, and over its bridges `levels`, if there are any. `areas` are
+    /// those of layer `i`.
     pub(super) fn over_infill(
         &self,
         layers: &VecDeque<Layer>,
         i: usize,
         areas: &FillAreas,
         under: Under<'_>,
+        levels: &[Below],
     ) -> Result<Option<OverInfill>, SliceError> {
         let faces = faces(layers, i);
         let Some(above) = faces.above else {
@@ -848,16 +915,16 @@ impl<'a> Stages<'a> {
             height,
         };
         let made = self.timings.time(Stage::Skin, || {
-            let bridged = bridged(over, under, self.settings)?;
+            let bridged = bridged(over, under, levels, self.settings)?;
             let number = layer.span.index;
             let rest = &bridged.skin;
             let mut skin =
                 skin::patches(rest, faces, number, height, self.settings);
             skin.extend(bridged.patches);
             self.thin(of_skin(&mut skin));
-            Some((skin, bridged.sparse))
+            Some((skin, bridged.sparse, bridged.levels))
         });
-        let Some((skin, sparse)) = made else {
+        let Some((skin, sparse, levels)) = made else {
             return Ok(None);
         };
         let mut infill = self.infill_in(&sparse, layer)?;
@@ -867,6 +934,7 @@ impl<'a> Stages<'a> {
             skin,
             infill,
             sparse,
+            levels,
         }))
     }
 
@@ -938,7 +1006,8 @@ impl<'a> Stages<'a> {
         let spacing = self.settings.sample_spacing;
         let field = field_in(&self.model.tree, window, spacing)?;
         let span = std::slice::from_ref(span);
-        let layers = self.layers_of(&field, &[], span, &(0..usize::MAX))?;
+        let none = &WallFields::None;
+        let layers = self.layers_of(&field, none, span, &(0..usize::MAX))?;
         let layer = layers.first();
         Ok(layer.map_or(Found::default(), |l| {
             found(l, &self.inside_below(l, None))
@@ -989,6 +1058,7 @@ pub(super) struct OverInfill {
     pub skin: Vec<Patch>,
     pub infill: Vec<Bead>,
     pub sparse: Area,
+    pub levels: Vec<Level>,
 }
 
 /// What is known of a layer that was looked at without its neighbours.

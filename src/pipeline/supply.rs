@@ -6,14 +6,13 @@
 //! has supports, whose plan is kept elsewhere.
 
 use super::layer::{Filled, Inside, Layer, Ready};
-use super::stages::Stages;
+use super::stages::{OverInfill, Stages};
 use super::{BLOCK, SliceError};
 use crate::layers::LayerSpan;
 use crate::limits;
 use crate::plane::Solid;
 use crate::plane::grid::EdgeGrid;
-use crate::skin::over_infill::Under;
-use crate::units::Mm;
+use crate::skin::over_infill::{Below, CELL, Level, Under};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -47,27 +46,33 @@ pub(super) struct Supply<'a> {
     /// The infill of the layer that was filled last, if internal bridges may
     /// lie on it.
     under: Option<Infilled>,
+    /// The same, as it is known to a block that begins soon: whatever its
+    /// lowest layers lie on, they lie on the same in each run.
+    early: Option<Infilled>,
 }
 
-/// A layer's sparse infill, on which beads may lie.
+/// A layer's sparse infill and its internal bridges, on which beads may lie.
 struct Infilled {
     sparse: Solid<'static>,
     lines: EdgeGrid,
+    levels: Vec<Below>,
 }
 
 impl Infilled {
-    fn new(filled: &Filled) -> Infilled {
-        /// Size of the grid's cells, mm.
-        const CELL: Mm = 1.0;
-        let lines = filled.beads.infill.iter().map(|bead| bead.path());
+    fn new(filled: &Filled, levels: Vec<Level>) -> Infilled {
+        let infill = &filled.beads.infill;
+        let lines = infill.iter().map(|bead| bead.path());
+        let beside = |level: Level| level.beside(filled.sparse.area(), infill);
         Infilled {
             sparse: filled.sparse.clone(),
             lines: EdgeGrid::of_lines(lines, CELL),
+            levels: levels.into_iter().map(beside).collect(),
         }
     }
 
     fn under(&self) -> Under<'_> {
         Under {
+            area: &self.sparse,
             sparse: &self.sparse,
             lines: &self.lines,
         }
@@ -90,9 +95,8 @@ impl<'a> Supply<'a> {
         let slabs: Vec<&[LayerSpan]> = spans.chunks(slab).collect();
         let slabs = &slabs[needed.start / slab..needed.end.div_ceil(slab)];
         let first = layers.start - layers.start % BLOCK;
-        // Internal bridges of the first layer lie on the infill of the layer
-        // below.
-        let below = usize::from(stages.bridges_infill());
+        // Internal bridges of the first layer lie on those below.
+        let below = stages.rehearsed_bridges();
         Supply {
             stages,
             pool,
@@ -102,6 +106,7 @@ impl<'a> Supply<'a> {
             next: first.saturating_sub(below),
             first,
             under: None,
+            early: None,
             layers,
         }
     }
@@ -220,6 +225,9 @@ impl<'a> Supply<'a> {
                 sparse: Solid::new(areas.sparse),
                 support: stages.support_area(index).map(Solid::new),
                 support_rise: stages.support_rise(&layers[i].span),
+                under_support: stages
+                    .on_which_supports_stand(&layers[i].span)
+                    .map(Solid::new),
                 held: stages.held_by_support(index).map(Solid::new),
                 look: stages.look(layers, i),
                 gap: inside.walls.gap,
@@ -275,33 +283,68 @@ impl<'a> Supply<'a> {
         all: &mut [Filled],
     ) -> Result<(), SliceError> {
         for (k, filled) in all.iter_mut().enumerate() {
-            // At a block's beginning only the infill of the layer below is
-            // known.
-            let next = self.window[start + k].span.index + 1;
-            let early =
-                next.is_multiple_of(BLOCK).then(|| Infilled::new(filled));
-            let over = match (&self.under, &filled.areas) {
-                (Some(below), Some(areas)) if !areas.skin.is_empty() => {
-                    let (layers, i) = (&self.window, start + k);
-                    let under = below.under();
-                    self.pool.install(|| {
-                        self.stages.over_infill(layers, i, areas, under)
-                    })?
-                }
-                _ => None,
-            };
-            if let Some(over) = over {
+            let i = start + k;
+            let from_block = self.early(i, filled)?;
+            let over = self.over(i, filled, self.under.as_ref())?;
+            let levels = over.map_or(Vec::new(), |over| {
                 filled.beads.skin = over.skin;
                 filled.beads.infill = over.infill;
                 filled.sparse = Solid::new(over.sparse);
-            }
-            self.under = early.or_else(|| Some(Infilled::new(filled)));
+                over.levels
+            });
+            let own = || Infilled::new(filled, levels);
+            self.under = from_block.or_else(|| Some(own()));
         }
         Ok(())
     }
 }
 
-/// All results, or the lowest layer's error, whichever thread is the fastest.
+impl Supply<'_> {
+    /// What internal bridges make of layer `i` of the window, if there are any.
+    fn over(
+        &self,
+        i: usize,
+        filled: &Filled,
+        under: Option<&Infilled>,
+    ) -> Result<Option<OverInfill>, SliceError> {
+        let (Some(below), Some(areas)) = (under, &filled.areas) else {
+            return Ok(None);
+        };
+        if areas.skin.is_empty() {
+            return Ok(None);
+        }
+        let (layers, levels) = (&self.window, &below.levels);
+        self.pool.install(|| {
+            self.stages
+                .over_infill(layers, i, areas, below.under(), levels)
+        })
+    }
+
+    /// What the next block's lowest layer lies on, if layer `i` of the window is
+    /// right below it. It follows from the layers that a run rehearses which
+    /// begins there, so their infill is as if nothing lay on what is below.
+    fn early(
+        &mut self,
+        i: usize,
+        filled: &Filled,
+    ) -> Result<Option<Infilled>, SliceError> {
+        let rehearsed = self.stages.rehearsed_bridges();
+        let away = BLOCK - self.window[i].span.index % BLOCK;
+        if away > rehearsed {
+            return Ok(None);
+        }
+        let below = match away == rehearsed {
+            true => None,
+            false => self.early.take(),
+        };
+        let over = self.over(i, filled, below.as_ref())?;
+        let levels = over.map_or(Vec::new(), |over| over.levels);
+        self.early = Some(Infilled::new(filled, levels));
+        Ok(if away == 1 { self.early.take() } else { None })
+    }
+}
+
+/// All results, or the lowest layer's error: not that of the fastest thread.
 fn all_or_first<T>(
     results: Vec<Result<T, SliceError>>,
 ) -> Result<Vec<T>, SliceError> {

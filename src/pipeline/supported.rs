@@ -4,6 +4,7 @@ use crate::bead::{Bead, Role, spacing};
 use crate::infill::{self, Infill, InfillError};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
+use crate::plane::clip::union;
 use crate::region::walls;
 use crate::settings::{
     self, InfillPattern, InterfacePattern, Settings, Supports, Varying,
@@ -153,7 +154,19 @@ impl<'a> Supported<'a> {
         self.plan.slice(below).map(Slice::area)
     }
 
-    /// The span of a layer's supports, if the layer can have some.
+    /// Where supports stand on a layer: their bottoms are a gap above.
+    pub(super) fn on_top(&self, span: &LayerSpan) -> Option<Area> {
+        let layer = span.index.checked_sub(self.raft)?;
+        let heights = &self.plan.heights;
+        let above = (layer + 1..heights.spans().len())
+            .map(|j| (j, heights.gap_below(j).start))
+            .take_while(|(_, on)| *on <= layer);
+        let standing = above.filter(|(_, on)| *on == layer);
+        let slices = standing.filter_map(|(j, _)| self.plan.slice(j));
+        slices.map(Slice::area).reduce(|a, b| union(&a, &b))
+    }
+
+    /// From where to where the supports of a layer reach, if it can have some.
     fn span(&self, span: &LayerSpan) -> Option<LayerSpan> {
         let layer = span.index.checked_sub(self.raft)?;
         let heights = &self.plan.heights;

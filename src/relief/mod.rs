@@ -8,8 +8,8 @@
 //!   ____|      middle              ╱___╱        covers them
 //! ```
 //!
-//! In: a layer's beads in print order, with all their ends, and the outline of
-//! the layer above. Out: the beads; those that lie open have levels.
+//! In: a layer's beads in print order, with all their ends, and the outlines of
+//! the layers above and below. Out: the beads; those that lie open have levels.
 //!
 //! A layer is exact at its middle. So what the next layer leaves open of it
 //! lies below a surface that is at most half a layer lower than the layer's top,
@@ -24,7 +24,14 @@
 //! of it, and those [`FADE`] steeper nothing: nowhere does it begin at once.
 //! Under the next layer a bead comes back to the layer's top.
 //!
-//! Not guaranteed: how smooth a face is across the beads, as each is level there.
+//! Undersides (`contour_z_below`) are the other way round. The nozzle stays at the
+//! layer's top, where the next layer is to lie, and the material goes as deep as
+//! the surface below, which is at most half a layer higher than the layer's
+//! bottom, or half of the layer below lower. So a bead's height ends on f = 0.
+//!
+//! Where supports stand above a top, no bead rises into the air below them.
+//!
+//! Not guaranteed: undersides of beads that lie open above as well. How smooth a face is across the beads, as each is level there.
 //! A bead whose middle is just covered leaves a groove along the next layer's
 //! edge, less than half a bead wide. A nozzle has a flat end, which cuts into
 //! higher beads beside it that are printed before. How deep is bounded
@@ -52,7 +59,9 @@ use crate::vary::{Quantity, Surroundings, VaryError};
 use chain::{Chain, Stop};
 use glam::DVec2;
 use profile::{Kind, Knot};
-use surface::{Spot, Window};
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use surface::{Facing, Spot, Window};
 
 /// How much steeper than at full strength a face is that gets nothing.
 const FADE: Degrees = 10.0;
@@ -89,22 +98,54 @@ pub(crate) struct Relief<'a> {
     around: &'a Surroundings<'a>,
     /// Height of the bed in the model's coordinates.
     bed: Mm,
+    /// What looks for the surface.
+    pool: &'a ThreadPool,
 }
 
-/// A layer and what covers it.
+/// A layer and what is beside it.
 #[derive(Clone, Copy)]
 pub(crate) struct Site<'a> {
     /// The layer.
     pub span: LayerSpan,
-    /// The next layer's height and outline, if there is a next layer.
-    pub above: Option<(Mm, &'a EdgeGrid)>,
+    /// What is above it.
+    pub above: Side<'a>,
+    /// What is below it.
+    pub below: Side<'a>,
+    /// Where supports stand on the layer, a gap above it.
+    pub under_support: Option<&'a EdgeGrid>,
 }
 
-/// A layer with what its heights permit.
+/// The layer above or below a layer.
+#[derive(Clone, Copy)]
+pub(crate) enum Side<'a> {
+    /// It is the same, or does not matter.
+    Closed,
+    /// There is none.
+    Open,
+    /// Its height, and its outline.
+    Layer(Mm, &'a EdgeGrid),
+}
+
+impl<'a> Side<'a> {
+    fn outline(self) -> Option<&'a EdgeGrid> {
+        match self {
+            Side::Layer(_, outline) => Some(outline),
+            Side::Closed | Side::Open => None,
+        }
+    }
+
+    fn is_closed(self) -> bool {
+        matches!(self, Side::Closed)
+    }
+}
+
+/// What the heights of a layer permit on one side of it.
 struct Bounds {
+    facing: Facing,
     /// Height of the layer, mm.
     height: Mm,
-    /// Least and greatest height of the nozzle above the layer's top, mm.
+    /// Least and greatest height of the surface beyond the layer's own face, out
+    /// of the layer, mm.
     low: Mm,
     high: Mm,
     /// Slope of a face up to which the strength is full.
@@ -120,6 +161,7 @@ impl<'a> Relief<'a> {
         model: &Model,
         settings: &'a Settings,
         around: &'a Surroundings<'a>,
+        pool: &'a ThreadPool,
     ) -> Result<Option<Relief<'a>>, ReliefError> {
         let strength = Quantity::new("contour_z", &settings.contour_z)?;
         if strength.constant() == Some(0.0) || settings.spiral {
@@ -131,6 +173,7 @@ impl<'a> Relief<'a> {
             strength,
             around,
             bed: -model.offset.z,
+            pool,
         }))
     }
 
@@ -140,23 +183,48 @@ impl<'a> Relief<'a> {
     /// If the strength has no value somewhere, or the evaluator fails.
     pub(crate) fn apply(
         &self,
-        beads: Vec<Ended>,
+        mut beads: Vec<Ended>,
         site: Site<'_>,
     ) -> Result<Vec<Ended>, ReliefError> {
-        let mut out = Vec::with_capacity(beads.len());
-        let mut chain: Vec<Ended> = Vec::new();
+        if !site.above.is_closed() {
+            beads = self.facing(beads, site, Facing::Up)?;
+        }
+        if self.settings.contour_z_below && !site.below.is_closed() {
+            beads = self.facing(beads, site, Facing::Down)?;
+        }
+        Ok(beads)
+    }
+
+    /// Lets beads follow the surface on one side of their layer.
+    fn facing(
+        &self,
+        beads: Vec<Ended>,
+        site: Site<'_>,
+        facing: Facing,
+    ) -> Result<Vec<Ended>, ReliefError> {
+        // Each either a path of beads that follow, or one that does not.
+        let mut paths: Vec<(Vec<Ended>, bool)> = Vec::new();
         for ended in beads {
-            crate::limits::check();
-            if !chain.last().is_some_and(|last| goes_on(last, &ended)) {
-                out.extend(self.chain(std::mem::take(&mut chain), site)?);
-            }
-            match follows(&ended.bead) {
-                true => chain.push(ended),
-                false => out.push(ended),
+            let own = follows(&ended.bead, facing);
+            match paths.last_mut() {
+                Some((path, true))
+                    if own
+                        && path.last().is_some_and(|l| goes_on(l, &ended)) =>
+                {
+                    path.push(ended);
+                }
+                _ => paths.push((vec![ended], own)),
             }
         }
-        out.extend(self.chain(chain, site)?);
-        Ok(out)
+        let led = |(path, follows): (Vec<Ended>, bool)| match follows {
+            true => self.chain(path, site, facing),
+            false => Ok(path),
+        };
+        let led: Vec<Result<Vec<Ended>, ReliefError>> = self
+            .pool
+            .install(|| paths.into_par_iter().map(led).collect());
+        let led: Vec<Vec<Ended>> = led.into_iter().collect::<Result<_, _>>()?;
+        Ok(led.into_iter().flatten().collect())
     }
 
     /// Beads each of which begins where the one before ends.
@@ -164,10 +232,12 @@ impl<'a> Relief<'a> {
         &self,
         beads: Vec<Ended>,
         site: Site<'_>,
+        facing: Facing,
     ) -> Result<Vec<Ended>, ReliefError> {
-        let cover = site.above.map(|above| above.1);
-        // Most of a part's beads lie below others.
-        if beads.is_empty() || !chain::any_open(&beads, cover) {
+        crate::limits::check();
+        let cover = site.side(facing).outline();
+        // Most of a part's beads lie below others, and on others.
+        if !chain::any_open(&beads, cover) {
             return Ok(beads);
         }
         let cut = |ended: &Ended| {
@@ -185,17 +255,22 @@ impl<'a> Relief<'a> {
         let parts: Vec<Ended> = beads.iter().flat_map(cut).collect();
         let chain = Chain::new(parts);
         let stops = chain.stops(cover, STEP);
-        let bounds = Bounds::new(site, self.settings);
+        let bounds = Bounds::new(site, facing, self.settings);
         let Some(knots) = self.knots(&chain, &stops, site, &bounds)? else {
             return Ok(beads);
         };
         let ramp = chain.width();
-        let knots = profile::filled(knots, ramp);
+        let mut knots = profile::filled(knots, ramp);
+        if facing == Facing::Down {
+            // What is below the nozzle goes deeper, and the nozzle stays.
+            knots.iter_mut().for_each(|knot| knot.rise = 0.0);
+        }
         Ok(chain.levelled(&knots, TOLERANCE, extra))
     }
 
     /// What is known of the heights at some stops of a chain; nothing if the
-    /// layer is right as it is.
+    /// layer is right as it is. Heights are counted out of the layer: upwards
+    /// from its top, or downwards from its bottom.
     fn knots(
         &self,
         chain: &Chain,
@@ -203,18 +278,25 @@ impl<'a> Relief<'a> {
         site: Site<'_>,
         bounds: &Bounds,
     ) -> Result<Option<Vec<Knot>>, ReliefError> {
-        let top = site.span.top + self.bed;
+        let face = self.bed
+            + match bounds.facing {
+                Facing::Up => site.span.top,
+                Facing::Down => site.span.bottom,
+            };
         let open: Vec<&Stop> = stops.iter().filter(|s| s.open).collect();
         let points: Vec<DVec2> = open.iter().map(|s| s.point).collect();
-        // Wide enough for the slope at the bounds to be seen.
-        let window = Window {
-            low: top - 1.5 * bounds.height,
-            high: top + bounds.high + 0.5 * bounds.height,
-        };
-        let spots = surface::spots(&self.probe, &points, window, BESIDE)?;
+        let window = bounds.window(face);
+        let spots = surface::spots(
+            &self.probe,
+            &points,
+            window,
+            bounds.facing,
+            BESIDE,
+        )?;
         let strengths = self.strengths(&points, &site.span)?;
         let mut found = open.iter().zip(spots).zip(strengths);
         let mut level = true;
+        let cover = site.side(bounds.facing).outline();
         let mut knot = |stop: &Stop| {
             let mut knot = Knot {
                 at: stop.at,
@@ -230,13 +312,15 @@ impl<'a> Relief<'a> {
             knot.kind = Kind::Bare;
             if let Some(((_, Some(spot)), strength)) = found {
                 let of_slope = 0.01 * strength * bounds.share(&spot);
+                let kept = site.is_under_support(stop.point, bounds.facing);
                 let rise = |more: Mm| {
-                    let rise = spot.height + more - top;
-                    bounds.clamped(of_slope * rise)
+                    let out =
+                        bounds.facing.sign() * (spot.height + more - face);
+                    let rise = bounds.clamped(of_slope * out);
+                    if kept { rise.min(0.0) } else { rise }
                 };
                 knot.kind = Kind::Open;
                 knot.rise = rise(0.0);
-                let cover = site.above.map(|above| above.1);
                 let (share, off) = chain.open_share(stop, cover);
                 knot.fill = share * rise(off.dot(spot.slope));
                 level &= knot.rise.abs() < LEVEL;
@@ -267,18 +351,67 @@ impl<'a> Relief<'a> {
     }
 }
 
+impl<'a> Site<'a> {
+    fn side(&self, facing: Facing) -> Side<'a> {
+        match facing {
+            Facing::Up => self.above,
+            Facing::Down => self.below,
+        }
+    }
+
+    /// True if a support stands on a place of a top.
+    fn is_under_support(&self, p: DVec2, facing: Facing) -> bool {
+        let support = self.under_support.filter(|_| facing == Facing::Up);
+        support.is_some_and(|support| support.contains(p))
+    }
+}
+
+impl Facing {
+    /// 1 if out of the part is up.
+    fn sign(self) -> f64 {
+        match self {
+            Facing::Up => 1.0,
+            Facing::Down => -1.0,
+        }
+    }
+}
+
 impl Bounds {
-    fn new(site: Site<'_>, settings: &Settings) -> Bounds {
+    fn new(site: Site<'_>, facing: Facing, settings: &Settings) -> Bounds {
         let height = site.span.height();
-        let next = site.above.map_or(height, |above| above.0);
+        let next = match site.side(facing) {
+            Side::Layer(next, _) => next,
+            Side::Closed | Side::Open => height,
+        };
         // What is higher than the nozzle's hole is wide would not touch what is
         // below it.
         let room = (settings.printer.nozzle_diameter - height).max(0.0);
         Bounds {
+            facing,
             height,
             low: -0.5 * height,
             high: room.min(0.5 * next),
-            full: settings.contour_z_full_angle(height),
+            // The nozzle's flat end cuts into nothing that is below.
+            full: match facing {
+                Facing::Up => settings.contour_z_full_angle(height),
+                Facing::Down => settings.contour_z_angle,
+            },
+        }
+    }
+
+    /// Where the surface is looked for beside a layer's face: wide enough for
+    /// the slope at the bounds to be seen.
+    fn window(&self, face: Mm) -> Window {
+        let (inner, outer) = (1.5 * self.height, self.high + 0.5 * self.height);
+        match self.facing {
+            Facing::Up => Window {
+                low: face - inner,
+                high: face + outer,
+            },
+            Facing::Down => Window {
+                low: face - outer,
+                high: face + inner,
+            },
         }
     }
 
@@ -295,14 +428,17 @@ impl Bounds {
     }
 }
 
-/// True if a bead may follow the surface. A bridge hangs straight, infill has
-/// its place, and what is beside the part has no surface.
-fn follows(bead: &Bead) -> bool {
+/// True if a bead may follow the surface. Infill has its place, and what is
+/// beside the part has no surface. A bridge hangs straight, so the nozzle does,
+/// and ironing lies on what is printed.
+fn follows(bead: &Bead, facing: Facing) -> bool {
+    let apart = match facing {
+        Facing::Up => Role::Bridge,
+        Facing::Down => Role::Ironing,
+    };
     bead.role.is_part()
-        && !matches!(
-            bead.role,
-            Role::Bridge | Role::InternalBridge | Role::SparseInfill
-        )
+        && !matches!(bead.role, Role::InternalBridge | Role::SparseInfill)
+        && bead.role != apart
         && bead.levels.is_empty()
         && bead.points.len() > 1
 }
@@ -313,7 +449,6 @@ fn goes_on(before: &Ended, next: &Ended) -> bool {
     before.wipe.is_none()
         && !bead.closed
         && !next.bead.closed
-        && follows(&next.bead)
         && bead.points.last() == next.bead.points.first()
 }
 

@@ -1,8 +1,8 @@
 //! Where the part's surface is above and below points of a layer.
 //!
 //! In: points in the plane, and a window of heights. Out: for each point the
-//! height at which the part ends upwards within the window, and how steep the
-//! surface is there. The field is evaluated as it is: only its sign matters,
+//! height at which the part ends upwards, or downwards, within the window, and
+//! how steep the surface is there. The field is evaluated as it is: only its sign matters,
 //! it need not be a distance, and NaN is outside.
 
 use crate::model::{Probe, ProbeError};
@@ -27,6 +27,15 @@ pub(super) struct Window {
     pub high: Mm,
 }
 
+/// Which way a face looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Facing {
+    /// The part ends upwards.
+    Up,
+    /// The part ends downwards.
+    Down,
+}
+
 /// A point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spot {
@@ -36,7 +45,7 @@ pub(super) struct Spot {
     pub slope: DVec2,
 }
 
-/// The surface above and below each point; nothing where there is none in the
+/// The surface above each point, or below it; nothing where there is none in the
 /// window, or where the point stands on an edge or a spike. `beside` is the
 /// distance at which the slope is measured.
 ///
@@ -46,6 +55,7 @@ pub(super) fn spots(
     probe: &Probe,
     points: &[DVec2],
     window: Window,
+    facing: Facing,
     beside: Mm,
 ) -> Result<Vec<Option<Spot>>, ProbeError> {
     let mut out = Vec::with_capacity(points.len());
@@ -57,7 +67,7 @@ pub(super) fn spots(
         };
         let columns: Vec<DVec2> =
             batch.iter().flat_map(|p| around(*p)).collect();
-        let heights = heights(probe, &columns, window)?;
+        let heights = heights(probe, &columns, window, facing)?;
         out.extend(heights.chunks_exact(5).map(|h| {
             let height = h[0]?;
             let along =
@@ -74,21 +84,27 @@ pub(super) fn spots(
     Ok(out)
 }
 
-/// The greatest height within the window at which the part ends upwards, for
-/// each point.
+/// The height within the window at which the part ends upwards, or downwards,
+/// for each point; of several the outermost one.
 fn heights(
     probe: &Probe,
     points: &[DVec2],
     window: Window,
+    facing: Facing,
 ) -> Result<Vec<Option<Mm>>, ProbeError> {
     let (x, y): (Vec<f32>, Vec<f32>) =
         points.iter().map(|p| (p.x as f32, p.y as f32)).unzip();
-    let step = (window.high - window.low) / (LOOKS - 1) as f64;
+    // From the part's inside outwards.
+    let (first, last) = match facing {
+        Facing::Up => (window.low, window.high),
+        Facing::Down => (window.high, window.low),
+    };
+    let step = (last - first) / (LOOKS - 1) as f64;
     // The heights between which the part ends, inside and outside.
     let mut brackets: Vec<Option<(Mm, Mm)>> = vec![None; points.len()];
     let mut inside = vec![false; points.len()];
     for look in 0..LOOKS {
-        let at = window.low + look as f64 * step;
+        let at = first + look as f64 * step;
         let z = vec![at as f32; points.len()];
         for (i, f) in probe.values(&x, &y, &z)?.into_iter().enumerate() {
             let before = std::mem::replace(&mut inside[i], f < 0.0);
@@ -141,7 +157,7 @@ mod tests {
     fn spot(f: Tree, x: f64) -> Option<Spot> {
         let probe = Probe::new(&f).unwrap();
         let points = [DVec2::new(x, 0.5)];
-        spots(&probe, &points, WINDOW, 0.1).unwrap()[0]
+        spots(&probe, &points, WINDOW, Facing::Up, 0.1).unwrap()[0]
     }
 
     #[test]
@@ -169,6 +185,26 @@ mod tests {
         let root = (3.0 - Tree::z()).sqrt() - 9.0 + 0.0 * Tree::x();
         let found = spot(root, 0.0).unwrap();
         assert!((found.height - 3.0).abs() < 2e-5);
+    }
+
+    #[test]
+    fn undersides_are_found_from_above() {
+        // A slab above a leaning face, with a slit in it.
+        let lean = || Tree::z() - 3.0 - 0.2 * Tree::x() + 0.0 * Tree::y();
+        let probe = Probe::new(&-lean()).unwrap();
+        let at = [DVec2::new(0.25, 0.5)];
+        let down = |probe: &Probe| {
+            spots(probe, &at, WINDOW, Facing::Down, 0.1).unwrap()[0]
+        };
+        let found = down(&probe).unwrap();
+        assert!((found.height - 3.05).abs() < 2e-5, "{found:?}");
+        let off = found.slope - DVec2::new(0.2, 0.0);
+        assert!(off.length() < 3e-4, "{found:?}");
+        // What has no top has none upwards, and the reverse.
+        assert!(
+            spots(&probe, &at, WINDOW, Facing::Up, 0.1).unwrap()[0].is_none()
+        );
+        assert!(down(&Probe::new(&lean()).unwrap()).is_none());
     }
 
     #[test]

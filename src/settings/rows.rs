@@ -69,6 +69,9 @@ table::settings! {
         /// and above them one wall that climbs without a break, without
         /// infill, tops, seams and retractions.
         spiral: bool = false;
+        /// Number of walls that climb side by side if spiral is true. The nozzle
+        /// goes from each to the next one outside of it once a turn.
+        spiral_walls: u32 = 1, in 1..=100;
         /// Line width of the outer wall; auto is 112.5% of the nozzle's
         /// diameter.
         outer_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
@@ -193,6 +196,10 @@ table::settings! {
         /// one it prints, as a share of the layer's height; faces so steep that
         /// it would cut deeper count as steeper than contour_z_angle.
         contour_z_gouge: Percent = 75.0, in 0.0..=1000.0;
+        /// Whether undersides over supports and bridges follow the surface below
+        /// them, as far as contour_z says: the nozzle stays at the layer's top,
+        /// and the material goes as deep as the surface.
+        contour_z_below: bool = false;
 
         ["Bridges and overhangs"]
         /// Whether skin over nothing gets lines across the gap, from support
@@ -209,6 +216,11 @@ table::settings! {
         /// those of the infill, which end on the infill or on walls. The
         /// following layers lie on it.
         internal_bridges: bool = false;
+        /// Number of layers of internal bridges over sparse infill, each across
+        /// the one below; auto is 2 where infill_density is below 10%, else 1.
+        /// Where the density is an expression it goes by how far the infill's
+        /// lines are apart.
+        internal_bridge_layers: Option<u32> = None, in 1..=10;
         /// Material of internal bridges, as a share of what skin would get.
         internal_bridge_flow: Percent = 100.0, in 10.0..=300.0;
         /// Share of its width by which a wall may hang over the layer below

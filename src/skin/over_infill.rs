@@ -14,6 +14,10 @@
 //! next are shortest: the directions across the infill's lines are tried, and a
 //! fan of angles. What three quarters of the lines' length stay below decides.
 //!
+//! Where the infill is so sparse that its bridges sag, more layers of bridges
+//! follow (`internal_bridge_layers`), each across the lines of the one below as
+//! if these were infill.
+//!
 //! Guarantees: each line ends on a line of infill, on what is solid below, or
 //! at a wall. It goes on into the layer's sparse area for that, or, where the
 //! next line of infill is far away, back to the last one that it crosses. Not
@@ -24,13 +28,13 @@ use super::bridge::shared;
 use super::strokes::strokes;
 use super::{Face, Fill, Patch};
 use crate::bead::{Bead, Role, Stroke, spacing};
-use crate::plane::clip::{difference, intersection, unite};
+use crate::plane::clip::{difference, intersection, union, unite};
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, hatch};
 use crate::plane::offset::offset;
 use crate::plane::{Area, Solid, signed_area};
 use crate::settings::Settings;
-use crate::units::{Degrees, Mm};
+use crate::units::{Degrees, Mm, Percent};
 use glam::DVec2;
 
 /// Tolerance of the offsets inside a part; nobody sees them.
@@ -52,16 +56,57 @@ const ROWS: f64 = 64.0;
 /// Share of the lines' length that counts.
 const COMMON: f64 = 0.75;
 
+/// Size of the cells of a grid of lines, mm.
+pub(crate) const CELL: Mm = 1.0;
+
 /// How far beyond its end is looked for what holds a line, mm.
 const BEYOND: Mm = 0.05;
 
-/// What the layer below has of infill.
+/// Infill that is sparser than this has more than one layer of bridges, where
+/// nobody says how many, %.
+const SPARSE: Percent = 10.0;
+
+/// What the layer below has of infill, or of bridges that sag.
 #[derive(Clone, Copy)]
 pub(crate) struct Under<'a> {
-    /// Where it has infill.
+    /// Where it has what is to be bridged.
+    pub area: &'a Solid<'a>,
+    /// Where lines alone hold what lies on it: all of its sparse area.
     pub sparse: &'a Solid<'a>,
-    /// The infill's lines.
+    /// All of these lines.
     pub lines: &'a EdgeGrid,
+}
+
+/// Bridges of a layer on which the next one is to lay more.
+pub(crate) struct Level {
+    area: Area,
+    lines: Vec<Vec<DVec2>>,
+    /// How many layers of bridges are to follow.
+    more: u32,
+}
+
+/// As [`Level`], with the infill beside it.
+pub(crate) struct Below {
+    area: Solid<'static>,
+    sparse: Solid<'static>,
+    lines: EdgeGrid,
+    more: u32,
+}
+
+impl Level {
+    /// With the sparse area and the infill of its layer.
+    pub(crate) fn beside(self, sparse: &Area, infill: &[Bead]) -> Below {
+        let infill = infill.iter().map(|bead| bead.path().collect());
+        let lines: Vec<Vec<DVec2>> =
+            self.lines.into_iter().chain(infill).collect();
+        let lines = lines.iter().map(|line| line.iter().copied());
+        Below {
+            sparse: Solid::new(union(&self.area, sparse)),
+            area: Solid::new(self.area),
+            lines: EdgeGrid::of_lines(lines, CELL),
+            more: self.more,
+        }
+    }
 }
 
 /// A layer that may lie on infill.
@@ -78,7 +123,6 @@ pub(crate) struct Over<'a> {
 }
 
 /// Internal bridges, and what they leave.
-#[derive(Clone, Debug)]
 pub(crate) struct Bridged {
     /// The bridges.
     pub patches: Vec<Patch>,
@@ -86,16 +130,81 @@ pub(crate) struct Bridged {
     pub skin: Area,
     /// The rest of the sparse area.
     pub sparse: Area,
+    /// Where bridges are to follow on them.
+    pub levels: Vec<Level>,
 }
 
-/// The internal bridges of a layer, if there are any.
+/// The internal bridges of a layer over the infill `under` it and over the
+/// bridges `levels` below it, if there are any.
 pub(crate) fn bridged(
     over: Over<'_>,
     under: Under<'_>,
+    levels: &[Below],
+    settings: &Settings,
+) -> Option<Bridged> {
+    let way = |way: Mm| more_layers(way, settings);
+    let mut all = on(over, under, &Area::EMPTY, way, settings);
+    for level in levels {
+        let under = Under {
+            area: &level.area,
+            sparse: &level.sparse,
+            lines: &level.lines,
+        };
+        let left = all.as_ref();
+        let left = left
+            .map_or((over.skin, over.sparse), |all| (&all.skin, &all.sparse));
+        let taken = union(
+            &difference(over.skin, left.0),
+            &difference(over.sparse, left.1),
+        );
+        let over = Over {
+            skin: left.0,
+            sparse: left.1,
+            ..over
+        };
+        let next = on(over, under, &taken, |_| level.more - 1, settings);
+        all = match (all, next) {
+            (Some(mut all), Some(mut next)) => {
+                all.patches.append(&mut next.patches);
+                all.levels.append(&mut next.levels);
+                Some(Bridged {
+                    patches: all.patches,
+                    levels: all.levels,
+                    ..next
+                })
+            }
+            (all, next) => next.or(all),
+        };
+    }
+    all
+}
+
+/// How many layers of bridges follow the lowest one over infill, where the way
+/// from one of its lines to the next is common.
+fn more_layers(way: Mm, settings: &Settings) -> u32 {
+    let sparse = || match settings.infill_density.constant() {
+        Some(density) if settings.infill_is_pattern() => density < SPARSE,
+        // As far apart as the lines of a pattern that is as sparse.
+        _ => way > settings.infill_width() * (100.0 / SPARSE - 1.0),
+    };
+    match settings.internal_bridge_layers {
+        Some(layers) => layers.saturating_sub(1),
+        None => u32::from(sparse()),
+    }
+}
+
+/// The internal bridges of a layer over one kind of thing, if there are any.
+/// `other` is where the layer has bridges already. `more` tells of a common way
+/// how many layers of bridges are to follow.
+fn on(
+    over: Over<'_>,
+    under: Under<'_>,
+    other: &Area,
+    more: impl Fn(Mm) -> u32,
     settings: &Settings,
 ) -> Option<Bridged> {
     let width = settings.skin_width();
-    let hanging = intersection(over.skin, under.sparse.area());
+    let hanging = intersection(over.skin, under.area.area());
     let hanging = intersection(&hanging, over.above.rough.area());
     // What is narrower than two lines lies on what is beside it.
     let core = offset(&hanging, -width, TOLERANCE);
@@ -113,7 +222,7 @@ pub(crate) fn bridged(
     let (parts, skin) = shared(over.skin, &grown);
     let ground = Ground {
         under,
-        skin: EdgeGrid::new(over.skin, 1.0),
+        skin: EdgeGrid::new(&union(over.skin, other), 1.0),
         sparse: EdgeGrid::new(over.sparse, 1.0),
         reach: 0.5 * settings.infill_width(),
         farthest: FARTHEST * way + width,
@@ -121,6 +230,7 @@ pub(crate) fn bridged(
     let space = spacing(width, width, over.height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
+    let mut laid = Area::EMPTY;
     for part in &parts {
         crate::limits::check();
         let lines = Lines {
@@ -151,6 +261,7 @@ pub(crate) fn bridged(
             }
         }
         if !beads.is_empty() {
+            laid.rings.extend_from_slice(&part.rings);
             patches.push(Patch {
                 rings: Vec::new(),
                 fills: vec![Fill {
@@ -168,11 +279,27 @@ pub(crate) fn bridged(
     // them, thinner than a line, are no place for infill.
     let taken = offset(&unite(&taken), 0.5 * space, TOLERANCE);
     let taken = offset(&taken, -0.5 * space, TOLERANCE);
+    let levels = match more(way) {
+        0 => Vec::new(),
+        more => vec![Level {
+            lines: lines_of(&patches),
+            area: unite(&laid),
+            more,
+        }],
+    };
     Some(Bridged {
         patches,
         skin,
         sparse: difference(over.sparse, &taken),
+        levels,
     })
+}
+
+/// The lines of some bridges.
+fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
+    let fills = patches.iter().flat_map(|patch| &patch.fills);
+    let lines = fills.flat_map(|fill| &fill.lines);
+    lines.map(|bead| bead.path().collect()).collect()
 }
 
 /// The rectangle on both sides of a way; nothing if it has no length.
@@ -191,7 +318,8 @@ fn strip(from: DVec2, to: DVec2, half: Mm) -> Option<Vec<DVec2>> {
 /// What lines may end on.
 struct Ground<'a> {
     under: Under<'a>,
-    /// The layer's own areas.
+    /// The layer's own areas: skin, also what other bridges are of it, and the
+    /// rest.
     skin: EdgeGrid,
     sparse: EdgeGrid,
     /// How far from its middle a line of infill holds what lies on it.
@@ -286,7 +414,7 @@ impl Ground<'_> {
 /// to the next are shortest, and the way that is common there. All of a layer
 /// has one direction, so that its lines do not get in one another's way.
 fn direction(under: Under<'_>, width: Mm) -> Option<(Mm, Degrees)> {
-    let across = infill_directions(under.lines, under.sparse.area());
+    let across = infill_directions(under.lines, under.area.area());
     let across = across.into_iter().map(|a| (a + 90.0).rem_euclid(180.0));
     let fan = (0..(180.0 / FAN) as usize).map(|i| i as f64 * FAN);
     across
@@ -331,7 +459,7 @@ fn infill_directions(lines: &EdgeGrid, area: &Area) -> Vec<Degrees> {
 /// The way from one line of infill to the next that most of the length of lines
 /// in a direction stays below; nothing if no line fits in.
 fn common_way(under: Under<'_>, angle: Degrees, width: Mm) -> Option<Mm> {
-    let gap = under.sparse.area();
+    let gap = under.area.area();
     let along = DVec2::from_angle(angle.to_radians());
     let v = gap.rings.iter().flatten().map(|p| along.perp().dot(*p));
     let (low, high) = v.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {

@@ -130,7 +130,7 @@ impl Heights {
     /// The layers below layer `j` of which the part keeps
     /// `support.z_gap_bottom` from a support in it, and the layer on which such
     /// a support stands.
-    pub(super) fn gap_below(&self, j: usize) -> Range<usize> {
+    pub(crate) fn gap_below(&self, j: usize) -> Range<usize> {
         let lowest = self.bottom(j) - self.gap_bottom + ROUNDED;
         let on = self.spans[..j].partition_point(|span| span.top <= lowest);
         on.saturating_sub(1)..j

@@ -120,12 +120,14 @@ pub(super) fn without_effect(
             round(s.nozzle_flat()),
         ),
     );
+    heights_without_effect(s, &mut warn);
     overhangs_without_effect(s, &mut warn);
     scarfs_without_effect(s, &mut warn);
     interlocking_without_effect(s, &mut warn);
     top_walls_without_effect(s, &mut warn);
     for key in [
         "internal_bridge_flow",
+        "internal_bridge_layers",
         "speed.internal_bridge",
         "cooling.internal_bridge_fan_speed",
     ] {
@@ -138,7 +140,7 @@ pub(super) fn without_effect(
             ),
         );
     }
-    for key in ["contour_z_angle", "contour_z_gouge"] {
+    for key in ["contour_z_angle", "contour_z_gouge", "contour_z_below"] {
         warn(
             key,
             s.contour_z.is(0.0),
@@ -163,7 +165,8 @@ pub(super) fn without_effect(
             s.spiral,
             format!(
                 "{key} has no effect above the flat layers, since spiral = \
-                 true prints one plain wall there; leave one of them out"
+                 true prints plain walls there, as many as spiral_walls; leave \
+                 one of them out"
             ),
         );
     }
@@ -183,10 +186,17 @@ pub(super) fn without_effect(
             s.spiral,
             format!(
                 "{key} has no effect, since spiral = true prints flat layers \
-                 and one plain wall only; leave one of them out"
+                 and plain walls only; leave one of them out"
             ),
         );
     }
+    warn(
+        "spiral_walls",
+        !s.spiral,
+        "spiral_walls has no effect, since spiral = false prints walls in \
+         layers; set walls, or spiral = true"
+            .to_owned(),
+    );
     supports_without_effect(s, &mut warn);
     for key in ["brim.ear_angle", "brim.ear_radius"] {
         warn(
@@ -312,6 +322,41 @@ fn supports_without_effect(
         s.supports == Supports::Off,
         "support.where has no effect, since supports = off prints none; set \
          supports to \"auto\" or \"plate\""
+            .to_owned(),
+    );
+}
+
+/// Warns of heights that the rule for heights does not ask for.
+fn heights_without_effect(
+    s: &Settings,
+    warn: &mut dyn FnMut(&str, bool, String),
+) {
+    // Rafts and supports go by the height of uniform layers in any case.
+    let part_alone = s.raft.layers == 0 && s.supports == Supports::Off;
+    warn(
+        "layer_height",
+        !s.is_uniform() && part_alone,
+        "layer_height has no effect, since layer_heights gives each layer a \
+         height of its own, between layer_height_min and layer_height_max; set \
+         these, or layer_heights to \"uniform\""
+            .to_owned(),
+    );
+    for key in ["layer_height_min", "layer_height_max", "step_error"] {
+        warn(
+            key,
+            s.is_uniform(),
+            format!(
+                "{key} has no effect, since layer_heights = uniform makes all \
+                 layers as high as layer_height; set layer_heights to \
+                 \"adaptive\""
+            ),
+        );
+    }
+    warn(
+        "step_error",
+        matches!(s.layer_heights, Varying::Expression(_)),
+        "step_error has no effect, since layer_heights is an expression, \
+         whatever steps its heights make; set layer_heights to \"adaptive\""
             .to_owned(),
     );
 }
