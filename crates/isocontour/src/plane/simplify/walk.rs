@@ -5,8 +5,11 @@ use super::points::{Joint, Points};
 use crate::Length;
 use glam::DVec2;
 
-/// Half the width of the gates, as a share of the tolerance.
+/// Half the width of the gates of a ring, as a share of the tolerance.
 pub(super) const GATE: f64 = 0.72;
+/// The same for paths, whose corners then hardly move: their middles are a little
+/// farther inside of a curve than their corners are outside of it.
+pub(super) const PATH_GATE: f64 = 0.95;
 /// Number of gates that are looked at together at first.
 const WINDOW: usize = 16;
 /// What lies between two directions, less than half a turn apart: a gate as it
@@ -71,6 +74,8 @@ pub(super) struct Walk<'a, C, F> {
     pub points: Points<'a>,
     /// How far gates reach to each side.
     pub half: Length,
+    /// How far the result may be off.
+    pub tolerance: Length,
     /// True for points that stay.
     pub corner: C,
     /// True if one edge may lead along the path from one point to another.
@@ -108,7 +113,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
                 self.share_last(&mut joints, &end);
             }
         }
-        let tolerance = self.half / GATE;
+        let tolerance = self.tolerance;
         settle(&self.points, &mut joints, tolerance, tolerance - self.half);
         if self.points.closed {
             joints.pop();
