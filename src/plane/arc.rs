@@ -1,15 +1,18 @@
 //! Arcs in place of many straight segments.
 //!
-//! In: a line of points, and a tolerance. Out: some of these points, and how
-//! the way leads from each to the next: straight, or along an arc.
+//! In: a line of points, and a tolerance. Out: points on it, and how the way leads
+//! from each to the next: straight, or along an arc.
 //!
-//! Guarantees: the way begins and ends where the line does; each of the line's
-//! points, and the middle of each of its segments, is within the tolerance of
-//! the way; no arc turns by more than 149° or has a radius of more than 2 m.
+//! Guarantees: the way begins and ends where the line does; each place where the
+//! line crosses the curve that it stands for ([`curve`]), and the middle
+//! between two of them, is within the tolerance of the way, and each of its
+//! corners within 2.5 times as much; no arc turns by more than 149° or has a
+//! radius of more than 2 m.
 //!
 //! Not guaranteed: that there are as few arcs as possible. Each arc is as long
 //! as it can be from the end of the arc before it.
 
+use super::curve::curve;
 use super::simplify::longest;
 use crate::units::Mm;
 use glam::DVec2;
@@ -20,6 +23,10 @@ const WIDEST: f64 = 1.3;
 
 /// Greatest radius, mm: what is flatter is straight to any printer.
 const FLATTEST: Mm = 2000.0;
+
+/// How far a corner may be from the line through the places beside it where the
+/// line crosses its curve, in tolerances.
+const CURVED: f64 = 1.5;
 
 /// An arc from one point to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +84,10 @@ pub(crate) fn fit(
     line: &[DVec2],
     tolerance: Mm,
 ) -> (Vec<DVec2>, Vec<Option<Turn>>) {
+    let line: Vec<DVec2> = curve(line, false, CURVED * tolerance)
+        .into_iter()
+        .map(|(point, _)| point)
+        .collect();
     let mut points: Vec<DVec2> = line.first().copied().into_iter().collect();
     let mut turns = Vec::new();
     let (mut start, mut like) = (0, 2);

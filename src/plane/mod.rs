@@ -24,6 +24,7 @@ pub(crate) mod bend;
 pub(crate) mod border;
 pub(crate) mod clip;
 pub(crate) mod clusters;
+pub(crate) mod curve;
 pub(crate) mod grid;
 pub(crate) mod hatch;
 pub(crate) mod offset;

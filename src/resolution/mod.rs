@@ -5,7 +5,7 @@
 //!
 //! Guarantees, of a stroke of a role whose tolerance is t ([`tolerance`]): each
 //! point of the input is within t of the output; the output lies on both sides
-//! of the input, so that rings do not shrink; an open stroke keeps its ends;
+//! of the input, so that rings hardly shrink; an open stroke keeps its ends;
 //! where the width varies, it is linear between the points that stay, to
 //! [`WIDTH`] of itself, and to t/2 on each edge of a stroke that shows; where it
 //! changes faster than a printer can follow, this holds for its mean.
@@ -21,7 +21,7 @@ mod runs;
 pub(crate) use runs::pieces_within;
 
 use crate::bead::{Bead, Role, Stroke};
-use crate::plane::simplify::simplify_path;
+use crate::plane::simplify::{simplify_line, simplify_path};
 use crate::settings::Settings;
 use crate::units::Mm;
 use glam::DVec2;
@@ -65,8 +65,6 @@ const ARCS: f64 = 0.7;
 
 /// How far arcs may be from the path of a bead of this role.
 pub(crate) fn arc_tolerance(role: Role, settings: &Settings) -> Mm {
-    // An outline's polygon lies on both sides of the curve that it stands for,
-    // and so does an arc along it: their deviations do not add up.
     match role.shows() {
         true => 0.75 * settings.accuracy,
         false => ARCS * settings.path_accuracy,
@@ -79,7 +77,12 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
     if n < 3 {
         return;
     }
-    let share = match (stroke.widths.len() == n, settings.arcs()) {
+    let varies = stroke.widths.len() == n;
+    // Arcs find the curve by themselves.
+    if role.shows() && settings.arcs() && !varies {
+        return;
+    }
+    let share = match (varies, settings.arcs()) {
         (true, _) => VARYING,
         (false, true) => 1.0 - ARCS,
         (false, false) => 1.0,
@@ -90,6 +93,10 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
         true => tolerance.min(WIDTH * width),
         false => WIDTH * width,
     };
+    if !varies {
+        stroke.points = simplify_line(&stroke.points, stroke.closed, tolerance);
+        return;
+    }
     let thinned = {
         let Stroke {
             points,
@@ -97,24 +104,22 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
             widths,
             ..
         } = &*stroke;
-        if widths.len() == n {
-            simplify_path(points, *closed, tolerance, |i, j| {
-                linear(points, widths, [i, j], short, slack)
-            })
-        } else {
-            simplify_path(points, *closed, tolerance, |_, _| true)
-        }
+        simplify_path(points, *closed, tolerance, |i, j| {
+            linear(points, widths, [i, j], short, slack)
+        })
     };
-    if stroke.widths.len() == n {
-        stroke.widths = thinned.iter().map(|t| stroke.widths[t.1]).collect();
-    }
+    stroke.widths = thinned.iter().map(|t| stroke.widths[t.1]).collect();
     stroke.points = thinned.into_iter().map(|t| t.0).collect();
 }
 
 /// The bead in pieces of constant width, as long as the tolerances of its role
 /// permit.
 pub(crate) fn pieces(bead: Bead, settings: &Settings) -> Vec<Bead> {
-    let path = (1.0 - VARYING) * tolerance(bead.role, settings);
+    // Arcs take what there is.
+    let path = match settings.arcs() {
+        true => 0.0,
+        false => (1.0 - VARYING) * tolerance(bead.role, settings),
+    };
     runs::pieces_within(bead, settings.accuracy, path)
 }
 

@@ -37,6 +37,9 @@ pub(crate) struct Support<'a> {
 /// A piece shorter than this, or a shorter gap between two pieces, goes with
 /// what is beside it, mm.
 const SHORT: Mm = 1.0;
+/// How far a piece's end may move along a wall to one of its points, in widths:
+/// to the end of the round end of a bead.
+const SNAP: f64 = 0.5;
 /// A wall that is wider than usual by this share reaches what is beside it.
 const WIDER: f64 = 0.1;
 /// How far from a bead's middle to look for something beside the bead, as a
@@ -150,7 +153,9 @@ impl<'a> Support<'a> {
             };
             add(&mut pieces, piece);
         }
-        join(pieces, bead)
+        let mut pieces = join(pieces, bead);
+        snap(&mut pieces, bead);
+        pieces
     }
 }
 
@@ -274,6 +279,22 @@ fn join(mut pieces: Vec<Piece>, bead: &Bead) -> Vec<Piece> {
         pieces = joined;
     }
     pieces
+}
+
+/// Lets pieces end at the bead's points that are near: a cut just beside one
+/// would cost a move of its own.
+fn snap(pieces: &mut [Piece], bead: &Bead) {
+    let near = SNAP * bead.width;
+    for i in 1..pieces.len() {
+        let (before, after) = (pieces[i - 1].from, pieces[i].to);
+        let place = pieces[i].from;
+        let point = place.round();
+        let apart = at(bead, place).0.distance(at(bead, point).0);
+        if point > before && point < after && apart <= near {
+            pieces[i - 1].to = point;
+            pieces[i].from = point;
+        }
+    }
 }
 
 #[cfg(test)]

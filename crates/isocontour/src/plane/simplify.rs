@@ -30,7 +30,7 @@ use super::{Ring, signed_area};
 use crate::Length;
 use glam::DVec2;
 use points::Points;
-use walk::{GATE, Walk};
+use walk::{GATE, PATH_GATE, Walk};
 
 /// The ring with as few points as the tolerance permits. It is empty if less
 /// than a triangle would be left.
@@ -68,6 +68,7 @@ pub fn simplify_but(
     let walk = Walk {
         points,
         half: GATE * tolerance,
+        tolerance,
         corner,
         fits: |_, _| true,
         between: true,
@@ -96,6 +97,28 @@ pub fn simplify_path(
     tolerance: Length,
     fits: impl Fn(usize, usize) -> bool,
 ) -> Vec<(DVec2, usize)> {
+    walk(path, closed, tolerance, fits, false)
+}
+
+/// As [`simplify_path`], of a path of which nothing but its points counts: edges
+/// may also meet between two of them, so that fewer are left.
+pub fn simplify_line(
+    path: &[DVec2],
+    closed: bool,
+    tolerance: Length,
+) -> Vec<DVec2> {
+    let all = walk(path, closed, tolerance, |_, _| true, true);
+    all.into_iter().map(|(point, _)| point).collect()
+}
+
+/// Thins a path. Edges may meet `between` its points.
+fn walk(
+    path: &[DVec2],
+    closed: bool,
+    tolerance: Length,
+    fits: impl Fn(usize, usize) -> bool,
+    between: bool,
+) -> Vec<(DVec2, usize)> {
     let n = path.len();
     let whole = || path.iter().copied().zip(0..n).collect();
     if n < 3 {
@@ -118,13 +141,14 @@ pub fn simplify_path(
         all: &points,
         closed,
     };
-    let half = GATE * tolerance;
+    let half = PATH_GATE * tolerance;
     let walk = Walk {
         points,
         half,
+        tolerance,
         corner: |k| points.turns(k) && points.stands_out(k, half),
         fits: |i, j| fits(first + i, first + j),
-        between: false,
+        between,
     };
     let out: Vec<(DVec2, usize)> = walk
         .joints()

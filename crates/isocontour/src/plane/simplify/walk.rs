@@ -5,8 +5,12 @@ use super::points::{Joint, Points};
 use crate::Length;
 use glam::DVec2;
 
-/// Half the width of the gates, as a share of the tolerance.
+/// Half the width of the gates of a ring, as a share of the tolerance.
 pub(super) const GATE: f64 = 0.72;
+/// Half the width of the gates of a path, as a share of the tolerance. The corners
+/// of a path hardly move when they are fitted: the middles of its edges are then a
+/// little farther inside of a curve than the corners are outside of it.
+pub(super) const PATH_GATE: f64 = 0.95;
 /// Number of gates that are looked at together in the first try.
 const WINDOW: usize = 16;
 /// All directions between two, which are less than half a turn apart: a gate as
@@ -72,6 +76,8 @@ pub(super) struct Walk<'a, C, F> {
     pub points: Points<'a>,
     /// How far gates reach to each side.
     pub half: Length,
+    /// How far the result may be off.
+    pub tolerance: Length,
     /// Tells whether a point stays.
     pub corner: C,
     /// Tells whether one edge may lead along the path from one point to
@@ -111,7 +117,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
                 self.share_last(&mut joints, &end);
             }
         }
-        let tolerance = self.half / GATE;
+        let tolerance = self.tolerance;
         settle(&self.points, &mut joints, tolerance, tolerance - self.half);
         if self.points.closed {
             joints.pop();
