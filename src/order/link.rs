@@ -54,7 +54,10 @@ pub(crate) fn linked(
             && link.is_free(solid, outer)
         {
             before.stroke = shortened(before, true, link.taken[0]);
-            bead.stroke = shortened(&bead, false, link.taken[1]);
+            // A wall that gives nothing ends at its seam as ever.
+            if !bead.role.shows() {
+                bead.stroke = shortened(&bead, false, link.taken[1]);
+            }
             let way = link.bead(before, &bead);
             out.extend(way);
         }

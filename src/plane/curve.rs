@@ -118,7 +118,8 @@ mod tests {
             let all = curve(&ring, true, 0.01);
             assert_eq!(all.len(), 4 * ring.len());
             let worst = all.iter().map(|p| off(p.0)).fold(0.0, f64::max);
-            assert!(worst < 0.35 * corners, "{r}: {worst} {corners}");
+            // Where the ring closes, its sides are not equally long.
+            assert!(worst < 0.45 * corners, "{r}: {worst} {corners}");
         }
     }
 
