@@ -59,6 +59,10 @@ const COMMON: f64 = 0.75;
 /// Size of the cells of a grid of lines, mm.
 pub(crate) const CELL: Mm = 1.0;
 
+/// What bridges on bridges leave stays skin if a line of about so much of the usual
+/// width fits in, on both sides of its middle.
+const LEFT: f64 = 0.4;
+
 /// How far beyond its end is looked for what holds a line, mm.
 const BEYOND: Mm = 0.05;
 
@@ -79,7 +83,10 @@ pub(crate) struct Under<'a> {
 
 /// Bridges of a layer on which the next one is to lay more.
 pub(crate) struct Level {
+    /// What their lines cover.
     area: Area,
+    /// What they were to cover: below the rest there is nothing.
+    meant: Area,
     lines: Vec<Vec<DVec2>>,
     /// How many layers of bridges are to follow.
     more: u32,
@@ -101,7 +108,7 @@ impl Level {
             self.lines.into_iter().chain(infill).collect();
         let lines = lines.iter().map(|line| line.iter().copied());
         Below {
-            sparse: Solid::new(union(&self.area, sparse)),
+            sparse: Solid::new(union(&union(&self.area, &self.meant), sparse)),
             area: Solid::new(self.area),
             lines: EdgeGrid::of_lines(lines, CELL),
             more: self.more,
@@ -143,7 +150,7 @@ pub(crate) fn bridged(
     settings: &Settings,
 ) -> Option<Bridged> {
     let way = |way: Mm| more_layers(way, settings);
-    let mut all = on(over, under, &Area::EMPTY, way, settings);
+    let mut all = on(over, under, None, way, settings);
     for level in levels {
         let under = Under {
             area: &level.area,
@@ -162,7 +169,7 @@ pub(crate) fn bridged(
             sparse: left.1,
             ..over
         };
-        let next = on(over, under, &taken, |_| level.more - 1, settings);
+        let next = on(over, under, Some(&taken), |_| level.more - 1, settings);
         all = match (all, next) {
             (Some(mut all), Some(mut next)) => {
                 all.patches.append(&mut next.patches);
@@ -194,12 +201,13 @@ fn more_layers(way: Mm, settings: &Settings) -> u32 {
 }
 
 /// The internal bridges of a layer over one kind of thing, if there are any.
-/// `other` is where the layer has bridges already. `more` tells of a common way
+/// If it is bridges, `other` is where the layer has some already; what gets no
+/// line then stays skin, since it does not sag far. `more` tells of a common way
 /// how many layers of bridges are to follow.
 fn on(
     over: Over<'_>,
     under: Under<'_>,
-    other: &Area,
+    other: Option<&Area>,
     more: impl Fn(Mm) -> u32,
     settings: &Settings,
 ) -> Option<Bridged> {
@@ -222,7 +230,10 @@ fn on(
     let (parts, skin) = shared(over.skin, &grown);
     let ground = Ground {
         under,
-        skin: EdgeGrid::new(&union(over.skin, other), 1.0),
+        skin: match other {
+            Some(other) => EdgeGrid::new(&union(over.skin, other), 1.0),
+            None => EdgeGrid::new(over.skin, 1.0),
+        },
         sparse: EdgeGrid::new(over.sparse, 1.0),
         reach: 0.5 * settings.infill_width(),
         farthest: FARTHEST * way + width,
@@ -230,7 +241,6 @@ fn on(
     let space = spacing(width, width, over.height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
-    let mut laid = Area::EMPTY;
     for part in &parts {
         crate::limits::check();
         let lines = Lines {
@@ -261,7 +271,6 @@ fn on(
             }
         }
         if !beads.is_empty() {
-            laid.rings.extend_from_slice(&part.rings);
             patches.push(Patch {
                 rings: Vec::new(),
                 fills: vec![Fill {
@@ -279,20 +288,37 @@ fn on(
     // them, thinner than a line, are no place for infill.
     let taken = offset(&unite(&taken), 0.5 * space, TOLERANCE);
     let taken = offset(&taken, -0.5 * space, TOLERANCE);
-    let levels = match more(way) {
-        0 => Vec::new(),
-        more => vec![Level {
-            lines: lines_of(&patches),
-            area: unite(&laid),
-            more,
-        }],
-    };
-    Some(Bridged {
+    let more = more(way);
+    let mut all = Bridged {
         patches,
         skin,
         sparse: difference(over.sparse, &taken),
-        levels,
-    })
+        levels: Vec::new(),
+    };
+    if more == 0 && other.is_none() {
+        return Some(all);
+    }
+    let lines = lines_of(&all.patches);
+    let area = covered(&lines, 0.5 * space + TOLERANCE);
+    let meant = parts.into_iter().flat_map(|part| part.rings);
+    let meant = unite(&Area {
+        rings: meant.collect(),
+    });
+    if other.is_some() {
+        let rest = difference(&meant, &area);
+        let rest = offset(&rest, -LEFT * width, TOLERANCE);
+        let rest = offset(&rest, LEFT * width, TOLERANCE);
+        all.skin = union(&all.skin, &rest);
+    }
+    if more > 0 {
+        all.levels.push(Level {
+            area,
+            meant,
+            lines,
+            more,
+        });
+    }
+    Some(all)
 }
 
 /// The lines of some bridges.
@@ -300,6 +326,15 @@ fn lines_of(patches: &[Patch]) -> Vec<Vec<DVec2>> {
     let fills = patches.iter().flat_map(|patch| &patch.fills);
     let lines = fills.flat_map(|fill| &fill.lines);
     lines.map(|bead| bead.path().collect()).collect()
+}
+
+/// What straight lines cover that reach so far to both sides.
+fn covered(lines: &[Vec<DVec2>], half: Mm) -> Area {
+    let ways = lines.iter().flat_map(|line| line.windows(2));
+    let strips = ways.filter_map(|way| strip(way[0], way[1], half));
+    unite(&Area {
+        rings: strips.collect(),
+    })
 }
 
 /// The rectangle on both sides of a way; nothing if it has no length.
