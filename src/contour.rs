@@ -9,6 +9,7 @@ use crate::timings::{Lap, Stage, Timings};
 use crate::units::Mm;
 use fidget::context::Tree;
 use isocontour::{Phase, outlines_in_phases};
+use std::ops::Range;
 
 pub(crate) use isocontour::{Detail, Field, FieldError, Outline};
 
@@ -56,11 +57,12 @@ pub(crate) fn field_in(
 pub(crate) fn outlines(
     field: &Field,
     z: &[Mm],
+    needed: &Range<usize>,
     detail: Detail,
     timings: &Timings,
 ) -> Result<Vec<Outline>, FieldError> {
     let mut lap: Option<Lap<'_>> = None;
-    let found = outlines_in_phases(field, z, detail, &mut |phase| {
+    let found = outlines_in_phases(field, z, needed, detail, &mut |phase| {
         // The last phase ends before the next one begins.
         lap = None;
         lap = Some(timings.begin(match phase {

@@ -60,6 +60,8 @@ fn help_reads_well() {
     for (name, args) in [
         ("help", &["--help"][..]),
         ("help_slice", &["slice", "--help"]),
+        ("help_split", &["split", "--help"]),
+        ("help_join", &["join", "--help"]),
         ("help_preview", &["preview", "--help"]),
         ("help_info", &["info", "--help"]),
         ("help_render", &["render", "--help"]),

@@ -15,7 +15,7 @@
 //! other models, settings, versions or layers, gaps, overlaps, and files that
 //! are cut off or were changed are errors. The layers' texts pass through a
 //! buffer: memory holds the manifests, some 100 bytes for each layer and 30 for
-//! each 5 s of the print. Not guaranteed: that the output was not begun when a
+//! each second of the print. Not guaranteed: that the output was not begun when a
 //! changed file is noticed, since each file is read once.
 
 use super::ends::{self, Said};

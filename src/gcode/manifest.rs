@@ -35,9 +35,9 @@ const OF: &str = "; range of: ";
 const WIDTH: usize = 100;
 /// Greatest length of the last line.
 pub(super) const LAST_LINE: u64 = 128;
-/// Greatest length of a manifest, bytes: 50,000 layers of an hour each come to
-/// some 600 MB, the largest prints to 10.
-pub(super) const LONGEST: u64 = 1 << 30;
+/// Greatest length of a manifest, bytes: that of a print of a year comes to some
+/// 1.4 GB.
+pub(super) const LONGEST: u64 = 1 << 31;
 
 /// What files have to have in common to be joined. Equal words stand for equal
 /// things.
@@ -295,7 +295,7 @@ impl Manifest {
     /// writes them.
     pub(super) fn read(lines: &str) -> Option<Manifest> {
         let mut json = String::with_capacity(lines.len());
-        for line in lines.lines() {
+        for line in lines.strip_suffix('\n')?.lines() {
             json.push_str(line.strip_prefix("; ")?);
         }
         let manifest: Manifest = serde_json::from_str(&json).ok()?;

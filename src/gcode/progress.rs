@@ -34,7 +34,7 @@ pub(super) struct Waiting {
 }
 
 /// Least time between a layer's moments, s.
-const MOMENT: Seconds = 5.0;
+const MOMENT: Seconds = 1.0;
 
 /// A place in a layer where there may be a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -241,7 +241,7 @@ fn negative(field: &Field, z: Mm, width: Mm) -> Result<Area, InfillError> {
     // These timings are dropped: the time belongs to the infill, not to the
     // part's outlines.
     let timings = Timings::default();
-    let found = outlines(field, &[z], detail, &timings)?;
+    let found = outlines(field, &[z], &(0..1), detail, &timings)?;
     Ok(found.into_iter().next().map_or(Area::EMPTY, |o| o.area))
 }
 

@@ -95,7 +95,11 @@ mod tests {
             kind: SourceKind::Formula,
             text: text.into(),
         };
-        let bed = BuildVolume::of(settings);
+        let bed = BuildVolume {
+            x: settings.printer.bed_x,
+            y: settings.printer.bed_y,
+            z: settings.printer.height,
+        };
         let loaded = load(&source, &[]).unwrap();
         let model = place(&loaded, &Placement::default(), bed).unwrap();
         let plate = Plate::of(&model, settings);

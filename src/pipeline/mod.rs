@@ -628,7 +628,11 @@ fn write(
     let layers = options.layers.indices(count)?;
     let timings = &all[0].0.timings;
     let pictures = pool.install(|| {
-        timings.time(Stage::Picture, || pictures_of(on_bed, settings))
+        // Only the first range's pictures come into the joined file.
+        timings.time(Stage::Picture, || match layers.start {
+            0 => pictures_of(on_bed, settings),
+            _ => Ok(Some(Vec::new())),
+        })
     })?;
     let no_picture = pictures.is_none().then(|| {
         "the file has no picture of the part, as drawing this expression would \

@@ -5,7 +5,7 @@
 //! the work on the block's lower layers.
 //!
 //! ```text
-//!   outlines of 64 layers  ──►  cost of each block  ──►  ranges
+//!   outlines of 32 layers  ──►  cost of each block  ──►  ranges
 //! ```
 //!
 //! Guaranteed: each layer is in one range, and no other ranges of as many
@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// How many layers are looked at.
-const LOOKS: usize = 64;
+const LOOKS: usize = 32;
 
 /// A range of layers.
 #[derive(Clone, Debug, PartialEq)]

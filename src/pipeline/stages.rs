@@ -559,7 +559,10 @@ impl<'a> Stages<'a> {
             if z.is_empty() {
                 return Ok(Vec::new());
             }
-            let made = outlines(f, &z, detail, &self.timings)?;
+            let first = spans.first().map_or(0, |s| s.index);
+            let asked = needed.start.saturating_sub(first)
+                ..needed.end.saturating_sub(first).min(z.len());
+            let made = outlines(f, &z, &asked, detail, &self.timings)?;
             let rings = made.iter().flat_map(|o| &o.area.rings);
             limits::made(rings.map(|ring| ring.len()).sum());
             Ok::<_, FieldError>(made)

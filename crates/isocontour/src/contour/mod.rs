@@ -42,10 +42,11 @@ mod trace;
 mod untangle;
 
 use crate::Length;
-use crate::field::{Batch, Field, FieldError, LEAF, Leaf};
+use crate::field::{Batch, Field, FieldError, LEAF, Leaf, NODES};
 use crate::plane::Area;
 use link::Chains;
 use march::{Marcher, Precision};
+use std::ops::Range;
 
 /// Outlines of one layer and what was met on the way.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -101,17 +102,20 @@ pub fn outlines(
     z: &[Length],
     detail: Detail,
 ) -> Result<Vec<Outline>, FieldError> {
-    outlines_in_phases(field, z, detail, &mut |_| {})
+    outlines_in_phases(field, z, &(0..z.len()), detail, &mut |_| {})
 }
 
-/// Does what [`outlines`] does, and tells when another phase begins, so that
-/// phases can be measured.
+/// Does what [`outlines`] does for the layers at some of the heights only; the
+/// others get an empty outline. What is found of a layer does not depend on which
+/// others are asked for. It also tells when another phase begins, so that phases
+/// can be measured.
 ///
 /// # Errors
-/// Those of [`outlines`].
+/// Those of [`outlines`], where only the layers that are asked for count.
 pub fn outlines_in_phases(
     field: &Field,
     z: &[Length],
+    needed: &Range<usize>,
     detail: Detail,
     begins: &mut dyn FnMut(Phase),
 ) -> Result<Vec<Outline>, FieldError> {
@@ -124,7 +128,24 @@ pub fn outlines_in_phases(
     begins(Phase::Sampling);
     field.slab(z, &mut |batch: Batch<'_>| {
         begins(Phase::Tracing);
-        marcher.march(batch, &mut layers)?;
+        let (mut leaves, mut values) = (Vec::new(), Vec::new());
+        if batch.leaves.iter().all(|leaf| needed.contains(&leaf.layer)) {
+            marcher.march(batch, &mut layers)?;
+        } else {
+            let of_leaf = batch.values.chunks_exact(NODES * NODES);
+            for (leaf, sampled) in batch.leaves.iter().zip(of_leaf) {
+                if needed.contains(&leaf.layer) {
+                    leaves.push(*leaf);
+                    values.extend_from_slice(sampled);
+                }
+            }
+            let batch = Batch {
+                leaves: &leaves,
+                values: &values,
+                sampler: batch.sampler,
+            };
+            marcher.march(batch, &mut layers)?;
+        }
         begins(Phase::Sampling);
         Ok(())
     })?;

@@ -28,8 +28,8 @@
 //! That is the share (r / R)² of the fan, and the rest is coarse enough. A
 //! field that waves finely all over does so in nearly all of these leaves.
 //!
-//! The verdict depends on the slab's layers and on nothing else. Not noticed:
-//! waves that the lattice's nodes all miss, which cost nothing.
+//! The verdict depends on the slab's layers that are asked for and on nothing
+//! else. Not noticed: waves that the lattice's nodes all miss, which cost nothing.
 
 use super::samples::Samples;
 use crate::cells::Place;
