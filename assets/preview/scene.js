@@ -6,8 +6,8 @@
 // round. Coarser still, a move is its nearest line alone.
 //
 // The points are in a texture, from which every corner takes what it needs: a
-// corner's number tells its move. Instances would say the same, but cost ten
-// times as much where there is no graphics card, and each is drawn by itself.
+// corner's number tells its move. Instances would say the same, but cost
+// twice as much where there is no graphics card.
 
 const TRAVEL = 16;
 const JUMP = 17;

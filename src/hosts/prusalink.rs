@@ -84,8 +84,9 @@ impl Host for PrusaLink {
         let name = format!("{storage}/{name}");
         let length = file.length;
         // PrusaLink on a Raspberry Pi looks for the file's kind in the wrong
-        // place if the kind is not said (0.8.1). Older ones print whatever
-        // comes with the header `Print-After-Upload`, even with its "no".
+        // place if the kind is not said (0.8.1). The header
+        // `Print-After-Upload` is left out: without it nothing is printed, and
+        // no server can misread its "no".
         let kind = if name.ends_with(".bgcode") {
             "application/octet-stream"
         } else {
