@@ -9,6 +9,7 @@
 use assert_cmd::Command;
 use isoslice::preview::{Toolpath, write_html};
 use isoslice::reader::{Event, Reader, Role};
+use isoslice::settings::Settings;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use std::f64::consts::PI;
@@ -204,7 +205,9 @@ fn a_model_is_sliced_first() {
         .success();
     let page = fs::read(folder.path().join("formula.html")).unwrap();
     let mut expected = Vec::new();
-    write_html(&mut expected, &toolpath(&text), "formula").unwrap();
+    // The settings know the bed; no file of ours tells it.
+    let path = toolpath(&text).with_settings(&Settings::default());
+    write_html(&mut expected, &path, "formula").unwrap();
     assert!(page == expected);
 }
 

@@ -50,12 +50,12 @@ class Camera {
     return [0, 4, 8].map(i => [camera[i], camera[i + 1], camera[i + 2]]);
   }
 
-  // For a window of this size in pixels.
-  matrix(width, height) {
-    // Room for the grid round the box, too.
-    const room = 1.5 * this.radius + 60;
+  // For a window of this size in pixels, in which everything within `reach` of
+  // the box is to be seen.
+  matrix(width, height, reach) {
+    const room = 1.5 * this.radius + reach;
     const near = Math.max(this.distance - room, this.distance / 100, 0.1);
-    const far = this.distance + 3 * this.radius + 500;
+    const far = this.distance + 3 * this.radius + 2 * reach + 500;
     const projection =
       twgl.m4.perspective(
         FIELD_OF_VIEW, width / height, near, far);
@@ -63,6 +63,20 @@ class Camera {
     const aside = twgl.m4.translation([2 * this.aside / width, 0, 0]);
     return twgl.m4.multiply(
       twgl.m4.multiply(aside, projection), twgl.m4.inverse(camera));
+  }
+
+  // The ray from the eye through a place of the window: where it begins, and a
+  // direction of length 1.
+  ray(x, y, width, height) {
+    const scale = 2 * Math.tan(FIELD_OF_VIEW / 2) / height;
+    const [right, up, back] = this.axes;
+    const across = (x - width / 2 - this.aside) * scale;
+    const above = (height / 2 - y) * scale;
+    return {
+      from: this.eye,
+      along: twgl.v3.normalize(
+        back.map((b, i) => across * right[i] + above * up[i] - b)),
+    };
   }
 
   turn(dx, dy) {
@@ -92,10 +106,16 @@ class Camera {
   }
 }
 
-// Leads `camera` by mouse, pen and fingers on `canvas`.
-function lead(camera, canvas, changed) {
+// Pixels that a pointer may move while it is pressed for a click.
+const STILL = 4;
+
+// Leads `camera` by mouse, pen and fingers on `canvas`; `clicked` is told of
+// places that are pressed and let go.
+function lead(camera, canvas, changed, clicked) {
   const held = new Map();
   let before = null;
+  // Where the only pointer was pressed, until it moves.
+  let pressed = null;
 
   const fromMiddle = (x, y) =>
     [x - canvas.clientWidth / 2 - camera.aside, y - canvas.clientHeight / 2];
@@ -113,10 +133,20 @@ function lead(camera, canvas, changed) {
     canvas.classList.add("held");
     held.set(event.pointerId, { x: event.clientX, y: event.clientY });
     before = summary();
+    const alone = held.size === 1 && event.button === 0 && !event.shiftKey;
+    pressed = alone ? { x: event.clientX, y: event.clientY } : null;
   });
   canvas.addEventListener("pointermove", event => {
     if (!held.has(event.pointerId)) {
       return;
+    }
+    if (pressed) {
+      const moved =
+        Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y);
+      if (moved <= STILL) {
+        return;
+      }
+      pressed = null;
     }
     held.set(event.pointerId, { x: event.clientX, y: event.clientY });
     const now = summary();
@@ -143,7 +173,13 @@ function lead(camera, canvas, changed) {
       before = summary();
     }
   };
-  canvas.addEventListener("pointerup", release);
+  canvas.addEventListener("pointerup", event => {
+    release(event);
+    if (pressed) {
+      clicked(event.clientX, event.clientY);
+    }
+    pressed = null;
+  });
   canvas.addEventListener("pointercancel", release);
   canvas.addEventListener("contextmenu", event => event.preventDefault());
   canvas.addEventListener("wheel", event => {

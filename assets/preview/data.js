@@ -58,6 +58,13 @@ class Planes {
   }
 }
 
+// The layer of each move.
+function layersOf({ moves, first }) {
+  const layers = new Uint32Array(moves);
+  first.forEach((start, layer) => layers.fill(layer, start));
+  return layers;
+}
+
 // All moves. `points` has x, y, z and, for the move that ends there, the
 // width of its bead: as the graphics card gets it.
 async function unpack(told, packed) {
@@ -75,10 +82,16 @@ async function unpack(told, packed) {
     heights: numbers(),
     areas: numbers(),
     speeds: numbers(),
+    heats: numbers(),
     roles: planes.take(count),
+    fans: planes.take(count),
     lines: planes.long(count),
+    // How many moves were made before each retraction.
+    retracted: planes.long(told.retracted),
+    layers: layersOf(told),
     width(i) { return points[4 * i + 7] * told.length_unit; },
     height(i) { return this.heights[i] * told.length_unit; },
+    heat(i) { return this.heats[i] * told.heat_unit; },
     speed(i) { return this.speeds[i] * told.speed_unit; },
     flow(i) { return this.areas[i] * told.area_unit * this.speed(i); },
     // Place after move i; before the first is -1.

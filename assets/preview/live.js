@@ -38,7 +38,7 @@ class Live {
       this.showView();
     });
     // The page's own parts, which other pages have as well, are a tab here.
-    for (const id of ["modes", "scale", "roles", "figures"]) {
+    for (const id of ["modes", "scale", "amounts", "roles", "cut"]) {
       $(id).classList.add("of-print");
     }
     this.openTab("model");
@@ -114,7 +114,7 @@ class Live {
     } else if (!busy && told) {
       listFigures();
     }
-    this.listWarnings();
+    this.sayWarnings();
     this.listPrinters();
     const current = Boolean(print) && !busy && !fault;
     const save = $("save-gcode");
@@ -134,6 +134,23 @@ class Live {
     const state = fault ? "wrong" : busy ? "busy" : "done";
     document.documentElement.dataset.state = state;
     this.showView();
+  }
+
+  // The layers, where the part may be shown now.
+  showLayers() {
+    this.view = "layers";
+    this.impatient = true;
+    this.showView();
+  }
+
+  // A line of the G-code that is shown.
+  async line(number) {
+    try {
+      const answer = await fetch(`line?print=${this.has.print}&line=${number}`);
+      return answer.ok ? await answer.text() : "";
+    } catch {
+      return "";
+    }
   }
 
   sayFault(text, excerpt) {
@@ -419,13 +436,17 @@ class Live {
     }));
   }
 
-  listWarnings() {
+  sayWarnings() {
     const { model, print, warnings } = this.told;
     const all = [
       ...warnings, ...model?.warnings ?? [],
       ...print?.of_model === model?.revision ? print?.warnings ?? [] : [],
     ];
-    $("warnings").replaceChildren(...all.map(text => element("li", text)));
+    const text = all.join("\n");
+    if (text !== this.warned) {
+      this.warned = text;
+      listWarnings(all);
+    }
   }
 
   async listSettings() {

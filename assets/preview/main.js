@@ -1,65 +1,32 @@
 // The page: what is shown, and how it is asked for.
 
-// In the order of the roles, then the travels.
-const COLOURS = [
-  "#e0703a", "#eebc4e", "#4458c9", "#3aa79a", "#d64550", "#5b8cc9", "#8a68bf",
-  "#58b4e0", "#ee9aa6", "#a85c4f", "#7ea35b", "#4d7a43", "#2f8f74", "#b9a57f",
-  "#a1a6ac", "#8d99a8", "#6485b5",
-];
-const CUSTOM = 14;
-// From low to high; light and dark grounds both leave it legible.
-const RAMP = [
-  "#4f3f96", "#4062a8", "#2f87a6", "#26a28d",
-  "#55bd68", "#98cf45", "#d8d63c", "#fbb92f",
-];
-const MODES = {
-  role: null,
-  speed: { unit: "mm/s", digits: 0, of: i => moves.speed(i) },
-  width: { unit: "mm", digits: 2, of: i => moves.width(i) },
-  height: { unit: "mm", digits: 2, of: i => moves.height(i) },
-  flow: { unit: "mm³/s", digits: 1, of: i => moves.flow(i) },
-};
-// Bars of the histogram.
-const BARS = 60;
 // After this long without a change the picture is drawn in full.
 const REST = 160;
+// A click is not the first of two after this time, milliseconds.
+const ONE_CLICK = 220;
 
-const $ = id => document.getElementById(id);
 // Of the print that is shown. A page that a program serves has none at first.
 let told = null;
-let figures, layerCount, moves, scene;
+let figures, layerCount, moves, scene, marks;
 let camera, layerSlider, moveSlider;
+const cut = new Cut();
 // What asks the program that serves this page; nothing for a file.
 const live = typeof Live === "undefined" ? null : new Live();
 
 const state = {
   mode: "role",
+  // What the table tells of the roles.
+  amount: "time",
+  marks: { seams: false, retractions: false },
+  // The move that was picked, and the place that a warning names.
+  picked: -1,
+  pointed: null,
   hidden: 1 << TRAVEL | 1 << JUMP,
   playing: false,
   // Only the highest layer, and which one was the lowest before that.
   only: false,
   lowBefore: 0,
 };
-
-function rgb(hex) {
-  return [1, 3, 5].map(i => parseInt(hex.trim().slice(i, i + 2), 16) / 255);
-}
-
-function duration(seconds) {
-  const s = Math.round(seconds);
-  const [h, m] = [Math.floor(s / 3600), Math.floor(s / 60) % 60];
-  return h > 0 ? `${h}h ${m}m` : m > 0 ? `${m}m ${s % 60}s` : `${s}s`;
-}
-
-function distance(mm) {
-  return mm < 1000 ? `${mm.toFixed(0)} mm` : `${(mm / 1000).toFixed(2)} m`;
-}
-
-function element(tag, text, properties = {}) {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  return Object.assign(made, properties);
-}
 
 const layerEnd = layer =>
   layer + 1 < layerCount ? told.first[layer + 1] : told.moves;
@@ -73,6 +40,7 @@ let lastFrame = 0;
 let lastDrawn = 0;
 let moving = false;
 let restTimer = 0;
+let pickTimer = 0;
 
 // Asks for a picture; `brisk` while the view or the range changes.
 function redraw(brisk = true) {
@@ -112,6 +80,7 @@ function readColours() {
   colours = {
     ground,
     grid: read("--grid"),
+    edge: read("--edge"),
     accent: read("--accent"),
     pale: ground.map((g, i) => 0.82 * g + 0.18 * read("--soft")[i]),
     colours: COLOURS.map(rgb),
@@ -130,7 +99,10 @@ function shown() {
     end,
     hidden: state.hidden >>> 0,
     partly,
-    marker: partly ? moves.place(end - 1) : null,
+    marker: partly ? moves.place(end - 1) : state.pointed,
+    marks: Object.keys(MARKS).filter(kind => state.marks[kind]),
+    picked: state.picked,
+    plane: cut.plane(figures.printed),
   };
 }
 
@@ -144,6 +116,7 @@ function layersChanged() {
   if (!told) {
     return;
   }
+  state.pointed = null;
   const { low, high } = layerSlider;
   moveSlider.set(told.first[high], layerEnd(high), told.first[high],
     layerEnd(high));
@@ -234,153 +207,7 @@ function play() {
   requestAnimationFrame(step);
 }
 
-// --- colours
-
-function setMode(mode) {
-  state.mode = mode;
-  for (const button of $("modes").children) {
-    button.setAttribute("aria-pressed", button.dataset.mode === mode);
-  }
-  if (!told) {
-    return;
-  }
-  const how = MODES[mode];
-  $("scale").hidden = how === null;
-  for (const row of $("roles").tBodies[0].rows) {
-    const role = Number(row.dataset.role);
-    const neutral = how !== null && role !== TRAVEL;
-    row.style.setProperty(
-      "--colour", neutral ? "var(--soft)" : COLOURS[role]);
-  }
-  if (how === null) {
-    scene.colourBy(null);
-  } else {
-    const scale = measure(how.of);
-    scene.colourBy(how.of, scale.low, scale.high);
-    showScale(scale, how);
-  }
-  redraw(false);
-}
-
-// Where most of the numbers lie, by length, and how they are spread.
-function measure(of) {
-  const counted = i => moves.roles[i] < TRAVEL && moves.roles[i] !== CUSTOM;
-  let [low, high] = [Infinity, -Infinity];
-  for (let i = 0; i < moves.count; i++) {
-    if (counted(i)) {
-      const number = of(i);
-      low = Math.min(low, number);
-      high = Math.max(high, number);
-    }
-  }
-  if (!(high > low)) {
-    const only = Number.isFinite(low) ? low : 0;
-    return { low: only, high: only, bars: [] };
-  }
-  const spread = bins => {
-    const bars = new Float64Array(bins);
-    const scale = bins / (high - low);
-    for (let i = 0; i < moves.count; i++) {
-      if (counted(i)) {
-        const bin = Math.floor((of(i) - low) * scale);
-        if (bin >= 0 && bin <= bins) {
-          bars[Math.min(bins - 1, bin)] += moves.length(i);
-        }
-      }
-    }
-    return bars;
-  };
-  // A few moves far out would leave one colour for all the others.
-  const fine = spread(4096);
-  const total = fine.reduce((sum, bar) => sum + bar, 0);
-  const at = share => {
-    let sum = 0;
-    return fine.findIndex(bar => (sum += bar) >= share * total);
-  };
-  const bin = (high - low) / fine.length;
-  const [from, to] = [at(0.002), at(0.998)];
-  if (from > 8) {
-    low += from * bin;
-  }
-  if (to >= 0 && to < fine.length - 9) {
-    high -= (fine.length - 1 - to) * bin;
-  }
-  return { low, high, bars: high > low ? spread(BARS) : [] };
-}
-
-function showScale({ low, high, bars }, { unit, digits }) {
-  const highest = Math.max(...bars, 1e-9);
-  const width = 240 / BARS;
-  // Roots, so that what is rare can be seen beside what is common.
-  const path = [...bars].map((bar, i) => {
-    const tall = 36 * Math.sqrt(bar / highest);
-    return tall > 0
-      ? `M${i * width} 36v${-tall.toFixed(1)}h${width}v${tall.toFixed(1)}z`
-      : "";
-  });
-  const shape = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  shape.setAttribute("d", path.join(""));
-  $("histogram").replaceChildren(shape);
-  $("ramp").style.background = `linear-gradient(90deg, ${RAMP.join(", ")})`;
-  const say = number => number.toFixed(digits);
-  $("scale-low").textContent = say(low);
-  $("scale-middle").textContent = `${say((low + high) / 2)} ${unit}`;
-  $("scale-high").textContent = say(high);
-}
-
-function toggleRole(role, alone) {
-  const all = [...$("roles").tBodies[0].rows]
-    .map(row => Number(row.dataset.role)).filter(r => r !== TRAVEL);
-  if (alone && role !== TRAVEL) {
-    const others = all.filter(r => r !== role);
-    const isAlone = others.every(r => state.hidden >> r & 1)
-      && !(state.hidden >> role & 1);
-    for (const other of others) {
-      state.hidden = isAlone
-        ? state.hidden & ~(1 << other) : state.hidden | 1 << other;
-    }
-    state.hidden &= ~(1 << role);
-  } else {
-    state.hidden ^= 1 << role;
-  }
-  for (const row of $("roles").tBodies[0].rows) {
-    const off = state.hidden >> Number(row.dataset.role) & 1;
-    row.classList.toggle("off", Boolean(off));
-    row.querySelector("button").setAttribute("aria-pressed", !off);
-  }
-  redraw(false);
-}
-
-function listRoles() {
-  const body = $("roles").tBodies[0];
-  body.replaceChildren();
-  const add = (role, name, share) => {
-    const row = body.insertRow();
-    row.dataset.role = role;
-    const button = element("button", "", { className: "role" });
-    button.append(
-      element("span", "", { className: "swatch" }), element("span", name));
-    button.title = role === TRAVEL
-      ? "Show or hide travels (T)" : "Show or hide; with Shift, only this";
-    button.addEventListener(
-      "click", event => toggleRole(role, event.shiftKey));
-    row.insertCell().append(button);
-    row.insertCell().textContent = distance(share.length);
-    row.insertCell().textContent = duration(share.time);
-    const off = Boolean(state.hidden >> role & 1);
-    button.setAttribute("aria-pressed", !off);
-    row.classList.toggle("off", off);
-    row.classList.toggle("travel", role === TRAVEL);
-  };
-  figures.roles.forEach((share, role) => {
-    if (share.moves > 0) {
-      add(role, told.role_names[role], share);
-    }
-  });
-  if (figures.travel.moves > 0) {
-    add(TRAVEL, "travel", figures.travel);
-  }
-}
+// --- figures
 
 function listFigures() {
   const list = $("figures");
@@ -393,6 +220,9 @@ function listFigures() {
     : `As the file says; estimated from the moves: ${duration(figures.time)}`);
   const mass = figures.mass === null ? "" : ` · ${figures.mass.toFixed(1)} g`;
   add("Filament", `${(figures.filament / 1000).toFixed(2)} m${mass}`);
+  if (figures.cost !== null) {
+    add("Cost", figures.cost.toFixed(2));
+  }
   if (figures.part) {
     const [min, max] = figures.part;
     const size = min.map((low, i) => (max[i] - low).toFixed(1));
@@ -401,7 +231,7 @@ function listFigures() {
   add("Layers", String(layerCount));
   add("Retractions", String(figures.retractions));
   const heat = [
-    figures.nozzle === null ? "" : `nozzle ${figures.nozzle.toFixed(0)} °C`,
+    figures.nozzle === null ? "" : `${figures.nozzle.toFixed(0)} °C`,
     figures.bed === null ? "" : `bed ${figures.bed.toFixed(0)} °C`,
   ].filter(Boolean);
   if (heat.length > 0) {
@@ -503,6 +333,11 @@ function onKey(event) {
     " ": play,
     o: onlyThis,
     t: () => toggleRole(TRAVEL),
+    s: () => toggleMark("seams"),
+    r: () => toggleMark("retractions"),
+    x: nextCut,
+    Enter: pickLast,
+    Escape: () => pick(-1),
     f: () => fit(),
     v: () => fit((camera.look + 1) % LOOKS.length),
     d: otherTheme,
@@ -514,8 +349,8 @@ function onKey(event) {
     keys[i + 1] = () => setMode(mode);
   });
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-  // Space presses the button that has the focus.
-  if (!keys[key] || (onButton && key === " ")) {
+  // Space and Enter press the button that has the focus.
+  if (!keys[key] || (onButton && (key === " " || key === "Enter"))) {
     return;
   }
   if (!told && !"dfvp".includes(key)) {
@@ -552,8 +387,24 @@ function begin(box) {
   showPanel(!matchMedia("(max-width: 640px)").matches);
   fit(0);
 
-  lead(camera, canvas, redraw);
-  canvas.addEventListener("dblclick", () => fit());
+  lead(camera, canvas, redraw, (x, y) => {
+    clearTimeout(pickTimer);
+    const can = () => told && !live?.showsPart;
+    pickTimer = setTimeout(() => can() && pickAt(x, y), ONE_CLICK);
+  });
+  canvas.addEventListener("dblclick", () => {
+    clearTimeout(pickTimer);
+    fit();
+  });
+  beginCut();
+  $("go-to-picked").addEventListener("click", goToPicked);
+  $("close-picked").addEventListener("click", () => {
+    pick(-1);
+    $("view").focus();
+  });
+  for (const button of $("amounts").children) {
+    button.addEventListener("click", () => setAmount(button.dataset.amount));
+  }
   addEventListener("resize", placeView);
   addEventListener("keydown", onKey);
   for (const button of $("modes").children) {
@@ -590,6 +441,7 @@ async function show(data, packed) {
   };
   [told, figures, moves] = [data, data.statistics, unpacked];
   layerCount = told.first.length;
+  marks = new Marks();
   const box = figures.printed;
   if (!camera) {
     begin(box);
@@ -597,6 +449,9 @@ async function show(data, packed) {
     camera.hold(box);
   }
   state.playing = false;
+  state.picked = -1;
+  state.pointed = null;
+  $("picked").hidden = true;
   const last = scene;
   last?.release();
   scene = new Scene($("view"), told, moves, box);
@@ -607,7 +462,11 @@ async function show(data, packed) {
     throw new Error("This browser has no WebGL 2, which the preview needs.");
   }
   listRoles();
+  listMarks();
   listFigures();
+  if (!live) {
+    listWarnings(figures.warnings);
+  }
   const [low, high] = before
     ? [layerAt(before.low), layerAt(before.high)] : [0, layerCount - 1];
   layerSlider.set(0, layerCount - 1, Math.min(low, high), high);

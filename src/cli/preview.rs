@@ -119,7 +119,10 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     let file_name = args.source.file_name();
     let toolpath = match kind {
         Kind::Model(gathered) => {
-            read(args.slice(&gathered.settings, watch)?, &file_name)?
+            let (gcode, warnings) = args.slice(&gathered.settings, watch)?;
+            read(gcode, &file_name)?
+                .with_settings(&gathered.settings)
+                .with_warnings(&warnings)
         }
         Kind::Stdin => read(io::stdin().lock(), "standard input")?,
         Kind::Gcode(path) => {
@@ -137,7 +140,9 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
             }
         }
     };
-    terminal::warn(&toolpath.problems().warnings(&file_name));
+    let problems = toolpath.problems().warnings(&file_name);
+    terminal::warn(&problems);
+    let toolpath = toolpath.with_warnings(&problems);
     let cannot = || format!("cannot write {}", path.display());
     write_html(&mut output, &toolpath, &name).with_context(cannot)?;
     let streamed = output.is_stream();
@@ -179,12 +184,13 @@ impl PreviewArgs {
         (output.unwrap_or_else(|| input.with_extension("html")), name)
     }
 
-    /// Slices the model into a temporary file.
+    /// Slices the model into a temporary file, and tells what the user should
+    /// know.
     fn slice(
         &self,
         settings: &Settings,
         watch: &Watch,
-    ) -> anyhow::Result<File> {
+    ) -> anyhow::Result<(File, Vec<String>)> {
         let sliced = &self.source;
         let model = sliced.model.load(settings)?;
         let bar = terminal::layer_progress(terminal::is_quiet(), watch);
@@ -215,7 +221,7 @@ impl PreviewArgs {
             .map_err(io::IntoInnerError::into_error)
             .context("cannot write the temporary file")?;
         file.rewind().context("cannot read the temporary file")?;
-        Ok(file)
+        Ok((file, summary.warnings))
     }
 }
 

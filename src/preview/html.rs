@@ -12,7 +12,7 @@
 
 use super::pack::{Packed, pack};
 use super::toolpath::{
-    AREA_UNIT, LENGTH_UNIT, SPEED_UNIT, Statistics, Toolpath,
+    AREA_UNIT, HEAT_UNIT, LENGTH_UNIT, SPEED_UNIT, Statistics, Toolpath,
 };
 use crate::reader::Role;
 use base64::Engine;
@@ -39,11 +39,22 @@ const PARTS: &[(&str, &str)] = &[
         "fflate",
         include_str!("../../assets/preview/vendor/fflate.min.js"),
     ),
+    ("format.js", include_str!("../../assets/preview/format.js")),
     ("data.js", include_str!("../../assets/preview/data.js")),
     ("camera.js", include_str!("../../assets/preview/camera.js")),
     ("coarse.js", include_str!("../../assets/preview/coarse.js")),
+    ("bed.js", include_str!("../../assets/preview/bed.js")),
+    ("marks.js", include_str!("../../assets/preview/marks.js")),
     ("scene.js", include_str!("../../assets/preview/scene.js")),
     ("slider.js", include_str!("../../assets/preview/slider.js")),
+    ("colour.js", include_str!("../../assets/preview/colour.js")),
+    ("roles.js", include_str!("../../assets/preview/roles.js")),
+    ("pick.js", include_str!("../../assets/preview/pick.js")),
+    ("cut.js", include_str!("../../assets/preview/cut.js")),
+    (
+        "warnings.js",
+        include_str!("../../assets/preview/warnings.js"),
+    ),
     ("main.js", include_str!("../../assets/preview/main.js")),
 ];
 
@@ -74,6 +85,8 @@ struct Told<'a> {
     length_unit: f64,
     area_unit: f64,
     speed_unit: f64,
+    heat_unit: f64,
+    retracted: usize,
     role_names: Vec<&'static str>,
     first: Vec<u32>,
     z: Vec<f64>,
@@ -127,6 +140,8 @@ fn told<'a>(path: &'a Toolpath, packed: &Packed, name: &'a str) -> Told<'a> {
         length_unit: LENGTH_UNIT,
         area_unit: AREA_UNIT,
         speed_unit: SPEED_UNIT,
+        heat_unit: HEAT_UNIT,
+        retracted: path.retracted.len(),
         role_names: Role::ALL.iter().map(|r| r.name()).collect(),
         first: layers.iter().map(|l| l.first).collect(),
         // 3 decimals are enough, and keep the numbers short.

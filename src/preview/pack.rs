@@ -7,8 +7,9 @@
 //! are 0.
 //!
 //! The order: x, y and z of all points, in 2 bytes each; width, height,
-//! cross-section and speed of all moves, in 2 bytes each; the roles, in 1 byte
-//! each, not as differences; the lines, in 4 bytes each.
+//! cross-section, speed and heat of all moves, in 2 bytes each; the roles and
+//! the fans, in 1 byte each, not as differences; the lines, in 4 bytes each; how
+//! many moves were made before each retraction, in 4 bytes each.
 
 use super::toolpath::Toolpath;
 use flate2::Compression;
@@ -54,11 +55,20 @@ pub(super) fn pack(path: &Toolpath) -> io::Result<Packed> {
                 .map(|p| ((f64::from(p[i]) - origin[i]) / unit).round() as u16),
         )?;
     }
-    for numbers in [&path.widths, &path.heights, &path.areas, &path.speeds] {
+    let shorts = [
+        &path.widths,
+        &path.heights,
+        &path.areas,
+        &path.speeds,
+        &path.heats,
+    ];
+    for numbers in shorts {
         packer.put(numbers.iter().copied())?;
     }
     packer.bytes(&path.roles)?;
+    packer.bytes(&path.fans)?;
     packer.put_long(&path.lines)?;
+    packer.put_long(&path.retracted)?;
     Ok(Packed {
         size: packer.size,
         bytes: packer.encoder.finish()?,

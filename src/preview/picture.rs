@@ -23,6 +23,9 @@ const THUMBNAIL: f64 = 1.5;
 /// Samples of the picture along the side of a pixel of the light's view.
 /// Shadows are softer than what casts them.
 const MAP: f64 = 1.5;
+/// As [`MAP`], for sketches, of which the light's view would be half of the
+/// work.
+const ROUGH_MAP: f64 = 4.0;
 /// Least longer side with which they are drawn, pixels.
 const LEAST: f64 = 128.0;
 
@@ -48,7 +51,7 @@ pub fn draw(
 ) -> Result<Vec<u8>, PictureError> {
     let longest = size[0].max(size[1]);
     let block = if longest <= SMOOTHED { SMOOTH } else { 1 };
-    in_blocks(model, view, size, behind, block)
+    in_blocks(model, view, size, behind, (block, MAP))
 }
 
 /// As [`draw`], in a fraction of the time, with rough edges.
@@ -61,20 +64,21 @@ pub fn sketch(
     size: [usize; 2],
     behind: Option<[u8; 3]>,
 ) -> Result<Vec<u8>, PictureError> {
-    in_blocks(model, view, size, behind, 1)
+    in_blocks(model, view, size, behind, (1, ROUGH_MAP))
 }
 
-/// Draws a picture, each pixel of which is made of `block` × `block` samples.
+/// Draws a picture, each pixel of which is made of `block` × `block` samples,
+/// with shadows of `map` samples each.
 fn in_blocks(
     model: &Model,
     view: View,
     size: [usize; 2],
     behind: Option<[u8; 3]>,
-    block: usize,
+    fineness: (usize, f64),
 ) -> Result<Vec<u8>, PictureError> {
     let size = size.map(|n| n.max(1));
     png_by_rows(size, behind, |rows| {
-        drawn(&Subject::new(model, view)?, size, block, rows)
+        drawn(&Subject::new(model, view)?, size, fineness, rows)
     })
 }
 
@@ -83,11 +87,11 @@ fn in_blocks(
 fn drawn(
     subject: &Subject,
     [width, height]: [usize; 2],
-    block: usize,
+    (block, map): (usize, f64),
     each: &mut Rows<'_>,
 ) -> Result<(), PictureError> {
     let seen = subject.fitted(width * block, height * block)?;
-    let lit = subject.seen_by(KEY_FROM.as_dvec3(), MAP * seen.pixel)?;
+    let lit = subject.seen_by(KEY_FROM.as_dvec3(), map * seen.pixel)?;
     shade(&seen, lit, block, each)
 }
 
@@ -113,7 +117,7 @@ pub(crate) fn thumbnails(
             .map(|n| (share * finer * n as f64).ceil().max(1.0) as usize);
         let subject = Subject::at_most(AFFORDABLE, model, View::THUMBNAIL)?;
         let mut pixels = Vec::with_capacity(size[0] * size[1]);
-        match drawn(&subject, size, 1, &mut |some| {
+        match drawn(&subject, size, (1, MAP), &mut |some| {
             pixels.extend_from_slice(some);
             Ok(())
         }) {

@@ -5,7 +5,9 @@
 //! statistics that it shows.
 
 use crate::pace::clock::Clock;
-use crate::reader::{Event, Heater, Info, Move, ReadError, Reader, Role};
+use crate::reader::{
+    Event, Heater, Info, MachineState, Move, ReadError, Reader, Role,
+};
 use crate::reader::{Problems, USUAL_FILAMENT};
 use crate::settings::Settings;
 use crate::units::{Celsius, Mm, Mm3, Seconds, filament_area};
@@ -23,6 +25,8 @@ pub(super) const JUMP: u8 = TRAVEL + 1;
 pub(super) const LENGTH_UNIT: f64 = 1e-3;
 pub(super) const AREA_UNIT: f64 = 1e-4;
 pub(super) const SPEED_UNIT: f64 = 0.02;
+/// Unit of temperatures, °C.
+pub(super) const HEAT_UNIT: Celsius = 0.1;
 
 /// Most moves of a page: what a browser can show, and half a gigabyte here.
 const MOST_MOVES: usize = 12_000_000;
@@ -57,10 +61,16 @@ pub struct Toolpath {
     pub(super) heights: Vec<u16>,
     pub(super) areas: Vec<u16>,
     pub(super) speeds: Vec<u16>,
+    /// Temperature of the nozzle, in units of [`HEAT_UNIT`]; 0 if none is set.
+    pub(super) heats: Vec<u16>,
+    /// Speed of the part's fan, in whole percent.
+    pub(super) fans: Vec<u8>,
     /// [`Role`]s by their index in [`Role::ALL`], [`TRAVEL`] or [`JUMP`].
     pub(super) roles: Vec<u8>,
     pub(super) lines: Vec<u32>,
     pub(super) layers: Vec<Layer>,
+    /// How many moves there were before each retraction.
+    pub(super) retracted: Vec<u32>,
     pub(super) statistics: Statistics,
     problems: Problems,
 }
@@ -101,6 +111,12 @@ pub struct Statistics {
     pub filament: Mm,
     /// Mass of filament, grams, if the file tells it or the density.
     pub mass: Option<f64>,
+    /// Price of the filament, in the user's currency.
+    pub cost: Option<f64>,
+    /// Corners of the printer's bed, in order.
+    pub plate: Option<Vec<[Mm; 2]>>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
     /// Temperature of the nozzle that was set last.
     pub nozzle: Option<Celsius>,
     /// Temperature of the bed that was set last.
@@ -164,6 +180,23 @@ impl Toolpath {
         &self.statistics
     }
 
+    /// With what the settings know and files may not say: the bed, and what
+    /// the filament costs.
+    pub fn with_settings(mut self, settings: &Settings) -> Self {
+        let [x, y] = [settings.printer.bed_x, settings.printer.bed_y];
+        let statistics = &mut self.statistics;
+        statistics.plate = Some(vec![[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]]);
+        let cost = |mass| 1e-3 * mass * settings.filament.cost;
+        statistics.cost = statistics.mass.map(cost).filter(|cost| *cost > 0.0);
+        self
+    }
+
+    /// With what the user should know, to be listed.
+    pub fn with_warnings(mut self, warnings: &[String]) -> Self {
+        self.statistics.warnings.extend_from_slice(warnings);
+        self
+    }
+
     /// The problems of the file.
     pub fn problems(&self) -> &Problems {
         &self.problems
@@ -221,9 +254,12 @@ impl Default for Collector {
                 heights: Vec::new(),
                 areas: Vec::new(),
                 speeds: Vec::new(),
+                heats: Vec::new(),
+                fans: Vec::new(),
                 roles: Vec::new(),
                 lines: Vec::new(),
                 layers: Vec::new(),
+                retracted: Vec::new(),
                 statistics: Statistics::default(),
                 problems: Problems::default(),
             },
@@ -298,21 +334,20 @@ impl Collector {
             None => path.points.push(start),
             Some(last) if *last != start => {
                 path.points.push(start);
-                path.push(JUMP, 0.0, 0.0, 0.0, 0.0, step.line);
+                path.push(JUMP, Bead::default(), step, reader.state());
             }
             Some(_) => {}
         }
         path.points.push(step.to.as_vec3().to_array());
         // Some files tell the filament's diameter at their end only.
         let area = step.filament.max(0.0) / step.length();
-        path.push(
-            what,
-            step.width,
-            step.height,
-            area * filament_area(USUAL_FILAMENT),
-            step.speed,
-            step.line,
-        );
+        let bead = Bead {
+            width: step.width,
+            height: step.height,
+            area: area * filament_area(USUAL_FILAMENT),
+            speed: step.speed,
+        };
+        path.push(what, bead, step, reader.state());
         let share = match path.statistics.roles.get_mut(usize::from(what)) {
             Some(share) => share,
             None => &mut path.statistics.travel,
@@ -355,6 +390,7 @@ impl Collector {
     fn pull(&mut self, by: Mm) {
         if by < 0.0 && !self.back {
             self.path.statistics.retractions += 1;
+            self.path.retracted.push(self.path.roles.len() as u32);
         }
         self.back = by < 0.0 || (self.back && by == 0.0);
     }
@@ -402,6 +438,8 @@ impl Collector {
             let density = info.filament_density?;
             Some(statistics.filament * section * 1e-3 * density)
         });
+        statistics.cost = info.filament_cost;
+        statistics.plate.clone_from(&info.bed);
         statistics.lines = reader.lines();
         statistics.printed = self.printed.corners();
         statistics.part = self.part.corners().or(statistics.printed);
@@ -414,23 +452,36 @@ impl Collector {
     }
 }
 
+/// The sizes of a bead, and how fast it is laid.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bead {
+    width: Mm,
+    height: Mm,
+    /// Cross-section, mm².
+    area: f64,
+    speed: f64,
+}
+
 impl Toolpath {
     fn push(
         &mut self,
         role: u8,
-        width: Mm,
-        height: Mm,
-        area: f64,
-        speed: f64,
-        line: u64,
+        bead: Bead,
+        step: &Move,
+        state: &MachineState,
     ) {
-        // The cast stays within its range.
-        self.widths.push((width / LENGTH_UNIT).round() as u16);
-        self.heights.push((height / LENGTH_UNIT).round() as u16);
-        self.areas.push((area / AREA_UNIT).round() as u16);
-        self.speeds.push((speed / SPEED_UNIT).round() as u16);
+        // The casts stay within their range.
+        self.widths.push((bead.width / LENGTH_UNIT).round() as u16);
+        self.heights
+            .push((bead.height / LENGTH_UNIT).round() as u16);
+        self.areas.push((bead.area / AREA_UNIT).round() as u16);
+        self.speeds.push((bead.speed / SPEED_UNIT).round() as u16);
+        let heat = state.nozzle.unwrap_or(0.0);
+        self.heats.push((heat / HEAT_UNIT).round() as u16);
+        self.fans.push(state.fan.round() as u8);
         self.roles.push(role);
-        self.lines.push(u32::try_from(line).unwrap_or(u32::MAX));
+        self.lines
+            .push(u32::try_from(step.line).unwrap_or(u32::MAX));
     }
 }
 
@@ -470,6 +521,9 @@ mod tests {
         assert!((wall.volume - volume).abs() < 1e-9);
         assert_eq!(s.roles[Role::Custom as usize].length, 45.0);
         assert_eq!(s.retractions, 1);
+        // One move of the start, the first known place being its beginning.
+        assert_eq!(path.retracted, [1]);
+        assert_eq!(path.heats, [2000; 6]);
         assert!((s.filament - 3.6).abs() < 1e-9);
         assert!(
             (s.mass.unwrap() - 3.6e-3 * 1.24 * filament_area(1.75)).abs()
@@ -495,6 +549,27 @@ mod tests {
         // 40 mm at 20 mm/s, and a little for four corners.
         let wall = s.roles[Role::InnerWall as usize].time;
         assert!(wall > 2.0 && wall < 2.2, "{wall}");
+    }
+
+    #[test]
+    fn fans_and_heat_are_those_of_each_move() {
+        let path = read(
+            "M104 S215.5\nG1 X1 E1\nM106 S128\nG1 X2 E2\nM109 S200\nM107\n\
+             G1 X3\n",
+        );
+        assert_eq!(path.fans, [0, 50, 0]);
+        assert_eq!(path.heats, [2155, 2155, 2000]);
+    }
+
+    #[test]
+    fn the_settings_know_the_bed_and_the_price() {
+        let path = read(SQUARE).with_settings(&Settings::default());
+        let s = path.statistics();
+        let mass = s.mass.unwrap();
+        assert!((s.cost.unwrap() - 25e-3 * mass).abs() < 1e-9);
+        assert_eq!(s.plate.as_ref().unwrap()[2], [220.0; 2]);
+        let path = path.with_warnings(&["it sags".to_owned()]);
+        assert_eq!(path.statistics.warnings, ["it sags"]);
     }
 
     #[test]

@@ -121,6 +121,23 @@ await bench.evaluate(() => {
   };
 });
 
+// Width and height of what is not the ground, pixels. The labels of the layers
+// are on the right.
+const extent = a => bench.evaluate(a => {
+  const [p, width, right] = [window.pictures[a], 500, 420];
+  const [xs, ys] = [[], []];
+  for (let i = 0; i < p.length; i += 4) {
+    const [x, y] = [i / 4 % width, Math.floor(i / 4 / width)];
+    if (x < right && [0, 1, 2].some(k => Math.abs(p[i + k] - p[k]) > 8)) {
+      xs.push(x);
+      ys.push(y);
+    }
+  }
+  const span = list =>
+    list.reduce((m, n) => Math.max(m, n)) - list.reduce((m, n) => Math.min(m, n));
+  return [span(xs), span(ys)];
+}, a);
+
 // A picture of the part of the window where the print is; its number.
 async function picture(page) {
   const clip = { x: 300, y: 80, width: 500, height: 390 };
@@ -250,7 +267,7 @@ await test("travels can be shown", async () => {
 await test("each colouring is another, with its scale", async () => {
   const page = await open("orca.html");
   const seen = [await picture(page)];
-  for (const mode of ["speed", "width", "height", "flow"]) {
+  for (const mode of ["speed", "width", "height", "flow", "time"]) {
     await page.locator(`#modes [data-mode=${mode}]`).click();
     await still(page);
     const now = await picture(page);
@@ -270,6 +287,187 @@ await test("each colouring is another, with its scale", async () => {
   assert.equal(await page.locator("#scale-high").textContent(), "200");
   await press(page, "1");
   assert.ok(await different(seen[0], await picture(page)) < 300);
+  await close(page);
+});
+
+await test("fans and the nozzle's heat are colours, too", async () => {
+  const page = await open("own.html");
+  await press(page, "6");
+  // The first layer is 5 °C hotter than the others.
+  assert.equal(await page.locator("#scale-low").textContent(), "210");
+  assert.equal(await page.locator("#scale-high").textContent(), "215");
+  const heat = await picture(page);
+  await press(page, "7");
+  assert.equal(await page.locator("#scale-low").textContent(), "0");
+  assert.equal(await page.locator("#scale-high").textContent(), "100");
+  assert.ok(await different(heat, await picture(page)) > 2500);
+  await shot(page, "fan");
+  await press(page, "8");
+  const middle = await page.locator("#scale-middle").textContent();
+  assert.match(middle, /s a layer$/);
+  await close(page);
+});
+
+await test("each role's share of time, filament and cost", async () => {
+  const page = await open("own.html");
+  const row = role(page, "outer wall").locator("xpath=ancestor::tr");
+  assert.match(await row.textContent(), /\d+s\d+ %$/);
+  await page.locator("[data-amount=filament]").click();
+  assert.match(await row.textContent(), /\d+\.\d\d g\d+ %$/);
+  const shares = await page.locator("#roles td:last-child").allTextContents();
+  const sum = shares.reduce((sum, text) => sum + (parseFloat(text) || 0), 0);
+  assert.ok(Math.abs(sum - 100) <= 3, `${sum} %`);
+  await page.locator("[data-amount=cost]").click();
+  assert.match(await row.textContent(), /wall0\.\d\d\d+ %$/);
+  const figures = await page.locator("#figures").textContent();
+  assert.match(figures, /Cost\d+\.\d\d/);
+  await shot(page, "cost");
+  await close(page);
+  // Orca's file tells no price.
+  const other = await open("orca.html");
+  assert.ok(await other.locator("[data-amount=cost]").isHidden());
+  await close(other);
+});
+
+await test("seams and retractions are marked", async () => {
+  const page = await open("own.html");
+  // The seams are behind.
+  await page.mouse.move(770, 400);
+  await page.mouse.down();
+  await page.mouse.move(340, 400, { steps: 3 });
+  await page.mouse.up();
+  await still(page);
+  const before = await picture(page);
+  await press(page, "s");
+  const seams = await picture(page);
+  assert.ok(await different(before, seams) > 60, "seams");
+  const found = page.locator("[data-mark=seams] td").nth(1);
+  // One outer wall in each layer.
+  assert.equal(await found.textContent(), "32");
+  await shot(page, "seams");
+  await press(page, "s");
+  assert.ok(await different(before, await picture(page)) < 30, "off again");
+  await page.locator("[data-mark=retractions] button").click();
+  await still(page);
+  const count = page.locator("[data-mark=retractions] td").nth(1);
+  assert.match(await count.textContent(), /^[1-9]\d*$/);
+  assert.ok(await different(before, await picture(page)) > 20, "retractions");
+  await close(page);
+});
+
+await test("a bead is picked, and tells its figures and its line", async () => {
+  const page = await open("own.html");
+  await press(page, "v");
+  const before = await picture(page);
+  // The middle of the top, seen from above.
+  await page.mouse.click(560, 280);
+  await still(page);
+  const text = await page.locator("#picked").textContent();
+  assert.match(text, /top skin/);
+  assert.match(text, /Layer32, 7\.95 mm/);
+  assert.match(text, /Bead0\.\d\d × 0\.25 mm/);
+  assert.match(text, /Line\d+/);
+  assert.match(text, /Nozzle210 °C/);
+  assert.ok(await different(before, await picture(page)) > 100, "no mark");
+  await shot(page, "picked");
+  // The line is that of the G-code.
+  const line = Number(text.match(/Line(\d+)/)[1]);
+  const gcode = fs.readFileSync(path.join(folder, "own.gcode"), "utf8");
+  const said = gcode.split("\n")[line - 1];
+  const [x, y] = text.match(/To(-?[\d.]+), (-?[\d.]+)/).slice(1).map(Number);
+  const of = letter => Number(said.match(new RegExp(`${letter}(-?[\\d.]+)`))[1]);
+  assert.ok(Math.abs(of("X") - x) < 0.011, `${said}, ${x}`);
+  assert.ok(Math.abs(of("Y") - y) < 0.011, `${said}, ${y}`);
+  await page.locator("#go-to-picked").click();
+  const move = await page.locator("#move-text").textContent();
+  assert.ok(move.includes(`line ${line}`), move);
+  await press(page, "Escape");
+  assert.ok(await page.locator("#picked").isHidden());
+  // Without a pointer: the last move that is shown.
+  await page.locator("#view").focus();
+  await press(page, "ArrowLeft", "Enter");
+  assert.ok(await page.locator("#picked").isVisible());
+  // Beside the print there is nothing.
+  await page.mouse.click(330, 460);
+  await still(page);
+  assert.ok(await page.locator("#picked").isHidden());
+  await close(page);
+});
+
+await test("a plane cuts the print open", async () => {
+  const page = await open("own.html");
+  const whole = await picture(page);
+  const walls = await count(whole, ORANGE);
+  await page.locator("[data-cut=y]").click();
+  await still(page);
+  const open_ = await picture(page);
+  assert.ok(await count(open_, ORANGE) < 0.7 * walls, "the front is left");
+  await shot(page, "cut");
+  await page.locator("#cut-at").focus();
+  await press(page, "End");
+  assert.ok(await different(whole, await picture(page)) < 300, "at its end");
+  await press(page, "Home");
+  assert.ok(await count(await picture(page), ORANGE) < walls / 20, "at its other end");
+  await page.locator("#cut-flip").click();
+  await still(page);
+  assert.ok(await different(whole, await picture(page)) < 300, "flipped");
+  await page.locator("#view").focus();
+  await press(page, "x", "x");
+  assert.ok(await page.locator("#cut-place").isHidden());
+  assert.ok(await different(whole, await picture(page)) < 300, "off");
+  await close(page);
+});
+
+await test("the bed is the printer's", async () => {
+  const page = await open("warned.html");
+  await press(page, "v");
+  await page.mouse.move(560, 280);
+  for (let i = 0; i < 7; i++) {
+    await page.mouse.wheel(0, 200);
+  }
+  await still(page);
+  await shot(page, "bed");
+  // 100 × 50 mm, from above.
+  const [width, height] = await extent(await picture(page));
+  assert.ok(width > 150 && width < 420, `${width} pixels`);
+  assert.ok(Math.abs(width / height - 2) < 0.05, `${width} × ${height}`);
+  await close(page);
+});
+
+await test("warnings are listed and shown where they are", async () => {
+  const page = await open("warned.html");
+  const warnings = page.locator("#warnings button");
+  const text = await warnings.first().textContent();
+  assert.match(text, /begins at x = 70\.0.*z = 6\.\d on the bed/);
+  const before = await picture(page);
+  await warnings.first().click();
+  await still(page);
+  const z = Number(text.match(/z = ([\d.]+)/)[1]);
+  const layer = await page.locator("#layer-high").textContent();
+  assert.ok(Math.abs(Number(layer.match(/([\d.]+) mm/)[1]) - z) < 0.31, layer);
+  assert.ok(await different(before, await picture(page)) > 1000);
+  await shot(page, "warning");
+  await close(page);
+});
+
+await test("every control can be reached by keyboard", async () => {
+  const page = await open("own.html");
+  await page.locator("[data-cut=x]").click();
+  const wanted = await page.evaluate(() =>
+    [...document.querySelectorAll("button, input, a, [tabindex]")]
+      .filter(e => e.checkVisibility() && !e.disabled).length);
+  await page.locator("#view").focus();
+  const seen = new Set();
+  for (let i = 0; i < wanted + 10; i++) {
+    seen.add(await page.evaluate(() => {
+      const e = document.activeElement;
+      e.dataset.seen ??= String(Math.random());
+      return e === document.body ? "" : e.dataset.seen;
+    }));
+    await page.keyboard.press("Tab");
+  }
+  seen.delete("");
+  assert.equal(seen.size, wanted);
   await close(page);
 });
 

@@ -52,9 +52,15 @@ cp "$here/preview.mjs" "$here/watch.mjs" "$work/"
     || skip "npm cannot get $playwright"
 
 # Our own, with every colouring different in it, and other slicers'.
-"$isoslice" preview -q -o "$work/own.html" \
-    -e 'max(sqrt(x^2 + y^2) - 12, abs(z - 4) - 4)' \
-    --set infill_density=20% --set layer_height=0.25
+own=(-e 'max(sqrt(x^2 + y^2) - 12, abs(z - 4) - 4)'
+    --set infill_density=20% --set layer_height=0.25)
+"$isoslice" preview -q -o "$work/own.html" "${own[@]}"
+"$isoslice" slice -q -o "$work/own.gcode" "${own[@]}"
+# A block in the air, of which there is a warning, on a bed twice as wide as deep.
+"$isoslice" preview -q -o "$work/warned.html" \
+    -e 'min(max(max(abs(x) - 5, abs(y) - 5), abs(z - 5) - 5),
+        max(max(abs(x - 20) - 5, abs(y) - 5), abs(z - 8) - 2))' \
+    --at 55,25 --set printer.bed_x=100 --set printer.bed_y=50 2>/dev/null
 for name in cura orca; do
     "$isoslice" preview -q "$root/tests/data/$name.gcode" \
         -o "$work/$name.html"

@@ -217,6 +217,40 @@ await test("the part turns", async () => {
   await page.click('[data-view="layers"]');
 });
 
+await test("a bead is picked, and its line of the G-code is shown", async () => {
+  await page.locator("#view").focus();
+  await page.keyboard.press("ArrowLeft");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() =>
+    document.querySelector("#picked pre").textContent.startsWith("G1 "));
+  await shoot(page, "watch-picked");
+  await page.keyboard.press("Escape");
+  assert.ok(await page.locator("#picked").isHidden());
+});
+
+await test("10,000 requests a minute do not starve a run", async () => {
+  const { port, pathname } = new URL(address);
+  const agent = new http.Agent({ keepAlive: true, maxSockets: 16 });
+  const ask = () => new Promise((resolve, reject) => http.get(
+    { host: "127.0.0.1", port, path: `${pathname}settings`, agent },
+    answer => { answer.resume(); answer.on("end", () => resolve(answer.statusCode)); },
+  ).on("error", reject));
+  const answers = [];
+  const every = setInterval(() => answers.push(ask()), 6);
+  try {
+    await page.waitForTimeout(1000);
+    write(good(5));
+    await layers(page, 25);
+    await page.waitForTimeout(1000);
+  } finally {
+    clearInterval(every);
+  }
+  const codes = await Promise.all(answers);
+  assert.ok(codes.length > 150, `${codes.length} requests`);
+  assert.deepEqual(codes.filter(code => code !== 200), []);
+  agent.destroy();
+});
+
 await test("other hosts and origins are refused", async () => {
   const { port, pathname } = new URL(address);
   const ask = headers => new Promise((resolve, reject) => http.get(
@@ -226,6 +260,9 @@ await test("other hosts and origins are refused", async () => {
   assert.equal(await ask({}), 200);
   assert.equal(await ask({ host: `evil.example:${port}` }), 421);
   assert.equal(await ask({ origin: "http://evil.example" }), 403);
+  assert.equal(await ask({ "sec-fetch-site": "cross-site" }), 403);
+  // A name of somebody else's that leads here is another host, too.
+  assert.equal(await ask({ host: `rebound.example:${port}`, origin: `http://rebound.example:${port}` }), 421);
 });
 
 await test("a program that has ended is told of", async () => {

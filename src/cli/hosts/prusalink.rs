@@ -83,11 +83,16 @@ impl Host for PrusaLink {
         let storage = self.storage(client)?.name;
         let name = format!("{storage}/{name}");
         let length = file.length;
-        let headers = [
-            ("Content-Type", "application/octet-stream"),
-            ("Overwrite", "?1"),
-            ("Print-After-Upload", "?0"),
-        ];
+        // PrusaLink on a Raspberry Pi looks for the file's kind in the wrong
+        // place if the kind is not said (0.8.1). The header
+        // `Print-After-Upload` is left out: without it nothing is printed, and
+        // no server can misread its "no".
+        let kind = if name.ends_with(".bgcode") {
+            "application/octet-stream"
+        } else {
+            "text/x.gcode"
+        };
+        let headers = [("Content-Type", kind), ("Overwrite", "?1")];
         let mut body = file.take(length);
         let answer =
             client.send("PUT", &path(&name), &headers, length, &mut body)?;

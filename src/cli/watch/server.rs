@@ -133,6 +133,7 @@ impl Site {
             (false, "picture") => self.picture(&query),
             (false, "print") => self.print(&query),
             (false, "gcode") => self.gcode(&query),
+            (false, "line") => self.line(&query),
             (true, "change") => self.change(request),
             (true, "send") => self.send(request),
             _ => Err((StatusCode::NOT_FOUND, "there is no such thing".into())),
@@ -252,6 +253,16 @@ impl Site {
         let text = Body::from_read(print.gcode.read());
         let response = of_type("text/x-gcode; charset=utf-8", text);
         Ok(as_file(response, &print.file, "gcode"))
+    }
+
+    /// A line of the G-code.
+    fn line(&self, query: &Query) -> Answer {
+        let print = self.session.lock().print.clone();
+        let print = print.ok_or_else(not_yet)?;
+        query.must_be("print", print.revision)?;
+        let number = query.number("line", 0.0)?.max(0.0) as usize;
+        let line = print.gcode.line(number).ok_or_else(not_yet)?;
+        Ok(of_type("text/plain; charset=utf-8", line))
     }
 
     fn change(&self, request: &mut Request<Body>) -> Answer {

@@ -11,7 +11,7 @@ use isoslice::preview::View;
 use serde::Serialize;
 use serde_json::Value;
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -212,18 +212,69 @@ impl Session {
     }
 }
 
+/// Lines from one place that [`Text`] remembers to the next.
+const STRIDE: usize = 1000;
+
+/// Longest line that is told, bytes.
+const LONGEST_LINE: u64 = 1 << 10;
+
 /// A file without a name, which several may read at once.
 pub(super) struct Text {
     file: Mutex<File>,
     /// Its size, bytes.
     pub length: u64,
+    /// Where every [`STRIDE`]th line begins.
+    lines: Vec<u64>,
 }
 
 impl Text {
+    /// # Errors
+    /// If the file cannot be read.
     pub(super) fn new(mut file: File) -> io::Result<Text> {
-        let length = file.seek(SeekFrom::End(0))?;
-        let file = Mutex::new(file);
-        Ok(Text { file, length })
+        file.rewind()?;
+        let mut lines = vec![0];
+        let (mut length, mut count) = (0, 0);
+        let mut buffer = vec![0; 1 << 16];
+        loop {
+            let read = match file.read(&mut buffer) {
+                Ok(0) => break,
+                Ok(read) => read,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
+            for at in memchr::memchr_iter(b'\n', &buffer[..read]) {
+                count += 1;
+                if count % STRIDE == 0 {
+                    lines.push(length + at as u64 + 1);
+                }
+            }
+            length += read as u64;
+        }
+        Ok(Text {
+            file: Mutex::new(file),
+            length,
+            lines,
+        })
+    }
+
+    /// A line by its number, from 1, without its end; nothing if there is none.
+    pub(super) fn line(self: &Arc<Self>, number: usize) -> Option<String> {
+        let before = number.checked_sub(1)?;
+        let at = *self.lines.get(before / STRIDE)?;
+        let text = self.clone();
+        let mut reader = BufReader::new(TextReader { text, at });
+        for _ in 0..before % STRIDE {
+            reader.skip_until(b'\n').ok()?;
+        }
+        let mut line = Vec::new();
+        reader
+            .take(LONGEST_LINE)
+            .read_until(b'\n', &mut line)
+            .ok()?;
+        let line = String::from_utf8_lossy(&line);
+        (!line.is_empty()).then(|| line.trim_end().to_owned())
     }
 
     /// A reader of all of it.
@@ -249,5 +300,31 @@ impl Read for TextReader {
         let read = file.read(buffer)?;
         self.at += read as u64;
         Ok(read)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn every_line_can_be_told() {
+        let mut file = tempfile::tempfile().unwrap();
+        for number in 1..=2500 {
+            writeln!(file, "G1 X{number}").unwrap();
+        }
+        write!(file, "the last").unwrap();
+        let text = Arc::new(Text::new(file).unwrap());
+        for number in [1, 2, 999, 1000, 1001, 1002, 2000, 2001, 2500] {
+            assert_eq!(text.line(number), Some(format!("G1 X{number}")));
+        }
+        assert_eq!(text.line(2501).as_deref(), Some("the last"));
+        for none in [0, 2502, 4000, usize::MAX] {
+            assert_eq!(text.line(none), None);
+        }
+        let mut all = String::new();
+        text.read().read_to_string(&mut all).unwrap();
+        assert_eq!(all.len() as u64, text.length);
     }
 }

@@ -133,7 +133,8 @@ fn make(
     let reader = BufReader::new(gcode.read());
     let diameter = settings.filament_diameter();
     let reader = Reader::new(reader).filament_diameter(diameter);
-    let path = doing("reading", || Toolpath::read(reader))?;
+    let path =
+        doing("reading", || Toolpath::read(reader))?.with_settings(settings);
     let moves = live_moves(&path, &name)?;
     let stem = Path::new(&name).file_stem().unwrap_or_default();
     let file = format!("{}.gcode", stem.to_string_lossy());
