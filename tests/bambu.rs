@@ -123,7 +123,7 @@ fn what_is_on_a_plate_is_told() {
     let plate = "settings = { plate.sequence = \"one-by-one\" }\n\
                  [[part]]\nmodel = \"part.rhai\"\ncopies = 2\n\
                  [[part]]\nmodel = \"part.rhai\"\nparams = { w = 30 }\n\
-                 at = [30, 40]\nsettings = { layer_height = 0.2 }\n";
+                 at = [30, 40]\nsettings = { walls = 3 }\n";
     fs::write(path.join("plate.toml"), plate).unwrap();
     let args = ["info", "plate.toml", "--printer", "bambu-a1"];
     let text = done(path, &args);

@@ -637,7 +637,7 @@ fn typical_mistakes_are_told_what_to_write() {
             "--at is for a single part",
         ),
         ("slice unit.toml", "a plate file is TOML"),
-        ("info unit.toml", "is a plate file or a file of settings"),
+        ("info unit.toml", "a plate file is TOML"),
         ("ok.rhai", "write isoslice slice ok.rhai"),
         ("slice ok.rhai --size 50mm", "without a unit, as in 50"),
         ("slice ok.rhai --config unit.toml", "unit.toml:2: "),
@@ -1437,7 +1437,7 @@ fn names_say_what_is_written() {
         slice(other)
             .code(1)
             .stderr(contains(format!("cannot write {other}: ")))
-            .stderr(contains("as text (.gcode) or binary (.bgcode)"));
+            .stderr(contains("slice writes G-code, as text (.gcode)"));
         assert!(!folder.path().join(other).exists());
     }
 }

@@ -78,7 +78,10 @@ fn settings_profiles_hosts_and_parameters_are_offered_to_every_shell() {
                 &["info", "--set", "plate.sequence="],
                 &["plate.sequence=all-at-once", "plate.sequence=one-by-one"],
             ),
-            (&["settings", "--printer", "bambu-x"], &["bambu-x1c"]),
+            (
+                &["settings", "--printer", "bambu-x1c-0.6"],
+                &["bambu-x1c-0.6-nozzle"],
+            ),
             (&["slice", "--filament", "pet"], &["petg"]),
             (&["slice", "--preset", "fi"], &["fine"]),
             (&["send", "part.gcode", "--to", "w"], &["workshop"]),

@@ -125,7 +125,10 @@ pub(super) fn hosts(typed: &OsStr) -> Vec<CompletionCandidate> {
 /// Parameters of the script that the line names, and behind the sign of
 /// equality their choices.
 pub(super) fn parameters(typed: &OsStr) -> Vec<CompletionCandidate> {
-    let Some(path) = line().into_iter().map(PathBuf::from).find(is_script)
+    let Some(path) = line()
+        .into_iter()
+        .map(PathBuf::from)
+        .find(|path| is_script(path))
     else {
         return Vec::new();
     };
@@ -156,8 +159,7 @@ pub(super) fn parameters(typed: &OsStr) -> Vec<CompletionCandidate> {
     beginning(typed, all.into_iter())
 }
 
-fn is_script(path: &PathBuf) -> bool {
-    let path: &Path = path;
+fn is_script(path: &Path) -> bool {
     path.extension().is_some_and(|e| e == "rhai") && path.is_file()
 }
 

@@ -32,8 +32,8 @@ pub(super) struct SettingsArgs {
     #[arg(long, conflicts_with = "effective")]
     json: bool,
 
-    /// Print a JSON Schema of settings files, or of plate files, for editors
-    /// that complete and check them; it depends on nothing else
+    /// Print a JSON Schema of settings files, or with =plate of plate files, for
+    /// editors that complete and check them; it depends on nothing else
     #[arg(
         long,
         value_name = "OF",
@@ -49,9 +49,9 @@ pub(super) struct SettingsArgs {
 /// What a schema is of.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum SchemaOf {
-    /// Files of settings, and profiles.
+    // The option describes these; descriptions here would make clap print a
+    // list.
     Settings,
-    /// Plate files.
     Plate,
 }
 

@@ -133,11 +133,9 @@ pub(super) fn model_settings(about: &About) -> String {
 /// What the print takes, and which printer it is for.
 pub(super) fn slice_info(about: &About) -> String {
     let yes = |is: bool| is.to_string();
-    let header = format!(
-        "  <header>\n    \
+    let header = "  <header>\n    \
          <header_item key=\"X-BBL-Client-Type\" value=\"slicer\"/>\n    \
-         <header_item key=\"X-BBL-Client-Version\" value=\"\"/>\n  </header>\n"
-    );
+         <header_item key=\"X-BBL-Client-Version\" value=\"\"/>\n  </header>\n";
     let all = metadata(&[
         ("index", "1".to_owned()),
         ("printer_model_id", model_id(&about.printer).to_owned()),

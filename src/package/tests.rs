@@ -1,5 +1,4 @@
 use super::*;
-use crate::bgcode::Unpacked;
 use crate::settings::ImageFormat;
 use std::io::{Cursor, Read, Write};
 use zip::write::SimpleFileOptions;
@@ -44,7 +43,8 @@ fn packed(text: &str) -> Vec<u8> {
 
 fn unpacked(bytes: &[u8]) -> Result<String, String> {
     let mut text = String::new();
-    let read = Unpacked::new(bytes).read_to_string(&mut text);
+    let opened = Opened::new(&mut &bytes[..]);
+    let read = opened.and_then(|mut opened| opened.read_to_string(&mut text));
     read.map(|_| text).map_err(|e| e.to_string())
 }
 

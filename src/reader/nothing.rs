@@ -87,9 +87,6 @@ pub(super) fn first_line(text: &[u8]) -> Result<(), NoGcode> {
         [0x1f, 0x8b, ..] => {
             "compressed; unpack it first, as in `zcat FILE | isoslice check -`"
         }
-        [b'P', b'K', 3, 4, ..] => {
-            "a zip archive, as 3MF and UFP files are; unpack the G-code first"
-        }
         _ => return Ok(()),
     };
     Err(NoGcode::Packed { what })
