@@ -90,7 +90,7 @@ fn totals_in_templates() {
         "filament.nozzle_temperature=expr: 200 + z/4",
         "filament.cost=25",
         "sample_spacing=0.6",
-        "gcode.end=M117 {{ print_time }} {{ filament_length }}\n\
+        "gcode.end=M117 \"{{ print_time }}\" {{ filament_length }}\n\
          G4 S{{ (print_seconds / 100) | round }}",
         "gcode.layer=M117 {{ layer }} of {{ layer_count }}",
     ]);

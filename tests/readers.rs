@@ -463,7 +463,7 @@ fn prusas_printers_get_the_pictures_of_their_screens() {
         let settings = builder.finish().unwrap().0;
         let all = text(&settings, "gcode.thumbnails");
         for size in sizes {
-            let picture = format!("{size}/qoi");
+            let picture = format!("{size}/QOI");
             assert!(all.contains(&picture), "{printer}: {size} in {all}");
         }
     }

@@ -17,7 +17,7 @@
 //! off the bed.
 
 use super::parts::Parts;
-use super::plan::Slice;
+use super::slice::Slice;
 use crate::plane::nest::Nest;
 use crate::plane::{Area, edges, point_beside, signed_area};
 use crate::units::{Mm, Mm3};

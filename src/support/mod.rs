@@ -43,12 +43,14 @@ mod need;
 mod parts;
 mod plan;
 mod room;
+mod slice;
 mod survey;
 mod tree;
 mod wish;
 
 pub(crate) use heights::Heights;
-pub(crate) use plan::{Plan, Slice};
+pub(crate) use plan::Plan;
+pub(crate) use slice::Slice;
 pub(crate) use survey::{Asked, Survey, coarse};
 pub(crate) use wish::Wishes;
 

@@ -4,6 +4,7 @@ use super::cavity::{Enclosed, enclosed};
 use super::heights::Heights;
 use super::parts::Parts;
 use super::room::{Room, Size};
+use super::slice::Slice;
 use super::survey::{Asked, Found, Survey};
 use super::tree::grow;
 use super::{SPECK, TOLERANCE};
@@ -17,31 +18,6 @@ use rayon::prelude::*;
 
 /// Support has to rest on so much, as a share of itself, or mm².
 const REST: (f64, Mm2) = (0.1, 0.3);
-
-/// The support of one layer.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Slice {
-    /// Where it is sparse.
-    pub body: Area,
-    /// Where it is dense, because something is right above.
-    pub interface: Area,
-    /// Its islands that stand on the part, if they are [`Slice::deeper`].
-    pub standing: Area,
-    /// How much farther down these reach than the others, mm.
-    pub deeper: Mm,
-}
-
-impl Slice {
-    /// All of its area.
-    pub(crate) fn area(&self) -> Area {
-        union(&self.body, &self.interface)
-    }
-
-    /// True if nothing is printed.
-    pub(super) fn is_empty(&self) -> bool {
-        self.body.is_empty() && self.interface.is_empty()
-    }
-}
 
 /// What needs a support and does not get one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,0 +1,30 @@
+//! The supports in a layer.
+
+use crate::plane::Area;
+use crate::plane::clip::union;
+use crate::units::Mm;
+
+/// The support of one layer.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Slice {
+    /// Where it is sparse.
+    pub body: Area,
+    /// Where it is dense, because something is right above.
+    pub interface: Area,
+    /// Its islands that stand on the part, if they are [`Slice::deeper`].
+    pub standing: Area,
+    /// How much farther down these reach than the others, mm.
+    pub deeper: Mm,
+}
+
+impl Slice {
+    /// All of its area.
+    pub(crate) fn area(&self) -> Area {
+        union(&self.body, &self.interface)
+    }
+
+    /// True if nothing is printed.
+    pub(super) fn is_empty(&self) -> bool {
+        self.body.is_empty() && self.interface.is_empty()
+    }
+}
