@@ -45,7 +45,7 @@ const SHARE: f64 = 0.4;
 const STOP: f64 = 0.4;
 /// Strokes whose ends lie on others are left out if what is left of them is
 /// shorter than this share of their width.
-const STUB: f64 = 0.2;
+const STUB: f64 = 0.5;
 /// Ends may lie on other strokes by so much, mm.
 const SLACK: Mm = 0.005;
 
@@ -124,7 +124,7 @@ pub(super) fn join(
         .filter_map(|(i, last)| End::new(&strokes, i, last))
         .collect();
     crate::limits::check();
-    let pairs = pairs(&strokes, count, &ends, &room);
+    let pairs = pairs(&strokes, &ends, &room);
     let mut links = Links(vec![[None; 2]; strokes.len()]);
     for &(a, b) in &pairs {
         let (a, b) = (&ends[a], &ends[b]);
@@ -146,11 +146,9 @@ pub(super) fn join(
     (strokes(rings), strokes(beads))
 }
 
-/// The pairs of ends that become one, those with the least turn first. The first
-/// `rings` strokes are pieces of rings.
+/// The pairs of ends that become one, those with the least turn first.
 fn pairs(
     strokes: &[Stroke],
-    rings: usize,
     ends: &[End],
     room: &impl Fn(DVec2) -> Mm,
 ) -> Vec<(usize, usize)> {
@@ -205,17 +203,6 @@ fn pairs(
         });
         if free[i] && free[j] && !crosses {
             (free[i], free[j]) = (false, false);
-            for end in [i, j] {
-                // A ring's piece that is all end is no bridge between others.
-                let own = ends[end].stroke;
-                let short = strokes[own].length() < strokes[own].width;
-                if own < rings && short {
-                    let beside = [end.wrapping_sub(1), end + 1];
-                    for k in beside.into_iter().filter(|k| *k < ends.len()) {
-                        free[k] &= ends[k].stroke != own;
-                    }
-                }
-            }
             joints[i] = Some(joint);
             pairs.push((i, j));
         }

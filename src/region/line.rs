@@ -28,9 +28,6 @@ const STRETCH: usize = 16;
 const GROUP: usize = 8;
 /// Least size of the cells in which ridges are looked up, mm.
 const CELL: Mm = 0.8;
-/// Least length of a piece of a ring, as a share of its width: where strips
-/// meet, short pieces lie along the outline and nothing else does.
-const PIECE: f64 = 0.4;
 /// Slack in distances that are equal but for rounding and thinning, mm.
 const SLACK: Mm = 0.05;
 
@@ -267,7 +264,7 @@ pub(super) fn cut(
             }
         }
         for piece in pieces {
-            if piece.length() > PIECE * width {
+            if piece.length() > width {
                 lines.push(piece);
             }
         }

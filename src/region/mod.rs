@@ -14,8 +14,7 @@
 //! wide as the place is thick; what is too thin even for that widens the
 //! walls beside it ([`mod@line`]). Extruded area per area of part stays the same.
 //! How many beads lie side by side is decided along whole ridges ([`thin`]), and
-//! strokes go on in one another where they meet ([`joints`]). Where all of them
-//! leave room for a bead, there is one more ([`mod@rest`]).
+//! strokes go on in one another where they meet ([`joints`]).
 
 mod ball;
 pub(crate) mod compensate;
@@ -27,7 +26,6 @@ pub(crate) mod line;
 pub(crate) mod neighbour;
 pub(crate) mod patch;
 mod pocket;
-mod rest;
 pub(crate) mod ridge;
 mod run;
 mod shells;
@@ -58,9 +56,6 @@ use thin::Counts;
 /// within 3.8 µm of where they should be if the accuracy is 5 µm).
 pub(crate) const OUTLINE_SHARE: f64 = 0.8;
 pub(crate) const OFFSET_SHARE: f64 = 0.3;
-
-/// Share of `accuracy` for ridges: both edges of a single bead follow one.
-const RIDGE_SHARE: f64 = 0.5;
 
 /// Beads of no joint are wider than twice this, mm.
 const JOINT: Mm = 20.0;
@@ -187,8 +182,6 @@ fn cell(area: &Area) -> Mm {
 struct Skeleton<'a> {
     solid: Solid<'a>,
     ridges: Vec<Ridge>,
-    /// Where a ridge is no more than a point.
-    posts: Vec<DVec2>,
     /// How far the area's edges can move inwards.
     room: Room,
 }
@@ -201,14 +194,10 @@ impl<'a> Skeleton<'a> {
             false => ridges(&solid, limit, tolerance),
         };
         // A post's ridge is a point.
-        let is_line = |r: &Ridge| r.length() > 0.25 * r.thickest();
-        let points = ridges.iter().filter(|r| !is_line(r));
-        let posts = points.filter_map(|r| r.points.first().copied()).collect();
-        ridges.retain(is_line);
+        ridges.retain(|r| r.length() > 0.25 * r.thickest());
         Skeleton {
             solid,
             ridges,
-            posts,
             room,
         }
     }
@@ -258,15 +247,6 @@ impl ThinPlaces {
                 left
             })
             .collect()
-    }
-
-    /// Where they end.
-    fn ends(&self) -> impl Iterator<Item = DVec2> + '_ {
-        let open = self.0.iter().filter(|part| !part.1.closed);
-        open.flat_map(|(_, r)| {
-            r.points.first().into_iter().chain(r.points.last())
-        })
-        .copied()
     }
 
     /// What walls up to `depth` on both sides leave where there are so many
@@ -374,8 +354,6 @@ pub(crate) fn walls_below(
     // After so many walls, what is left is divided.
     let around_tops = above.map_or(count, |_| settings.top_walls() as usize);
     let mut divided = None;
-    // Where ridges end or change their number of beads.
-    let mut meetings = Vec::new();
     let mut next = 0;
     while next < count {
         let first = next;
@@ -390,16 +368,10 @@ pub(crate) fn walls_below(
             *begins = begins.after(2.0 * tolerance);
         }
         let counts = Counts::new(&pair, Some(plans[next]));
-        let skeleton = Skeleton::new(
-            &area,
-            counts.limit(),
-            RIDGE_SHARE * settings.accuracy,
-        );
+        let skeleton = Skeleton::new(&area, counts.limit(), settings.accuracy);
         let solid = &skeleton.solid;
         let places = skeleton.thin_places(&counts);
         let nodes = skeleton.ends(counts.limit());
-        meetings.extend(places.ends());
-        meetings.extend(&skeleton.posts);
         let mut depth = 0.0;
         for (k, plan) in pair.iter().enumerate() {
             // The outer wall is seen.
@@ -460,15 +432,6 @@ pub(crate) fn walls_below(
     for (k, plan) in plans[..count].iter().enumerate() {
         let depth = walls.depths[k] - plan.centre;
         walls.join(k, &solid, depth, plan.extra);
-    }
-    if count > 0 {
-        let laid: Vec<&Stroke> =
-            walls.lines.iter().chain(&walls.thin).flatten().collect();
-        let lay = Lay::inside(settings.inner_wall_width(), height, settings);
-        let rest = rest::rest(&solid, &laid, &walls.fill, &meetings, &lay);
-        // Between walls they are gap fill.
-        let inner = 1.min(count - 1);
-        walls.thin[inner].extend(rest);
     }
     walls
 }
@@ -678,105 +641,6 @@ mod tests {
         let w = strip(0.2);
         assert_eq!(extruded(&w, 0.2), 0.0);
         assert!((w.gap - 10.0).abs() < 1e-6);
-    }
-
-    /// The largest ball that lies in an area but on no bead and not in the fill:
-    /// its diameter, of balls 0.04 mm apart.
-    fn left_open(area: &Area, w: &Walls) -> f64 {
-        let grid = EdgeGrid::new(area, 1.0);
-        let fill = EdgeGrid::new(&w.fill, 1.0);
-        let all = || w.lines.iter().chain(&w.thin).flatten();
-        let room = |p: DVec2| {
-            let mut least = match grid.nearest_edge(p, 2.0) {
-                Some((_, q)) => p.distance(q),
-                None => 2.0,
-            };
-            for line in all() {
-                let n = line.points.len();
-                for (k, (a, b)) in line.segments().enumerate() {
-                    let q = crate::plane::grid::nearest_on(p, a, b);
-                    let t = a.distance(q) / a.distance(b).max(1e-9);
-                    let (v, w) = (line.width_at(k), line.width_at((k + 1) % n));
-                    least = least.min(p.distance(q) - 0.5 * (v + t * (w - v)));
-                }
-            }
-            least
-        };
-        let bounds = crate::plane::Rect::around(area.rings.iter().flatten());
-        let count = ((bounds.max - bounds.min) / 0.04).ceil();
-        let mut most: f64 = 0.0;
-        for i in 0..count.x as usize {
-            for j in 0..count.y as usize {
-                let p = bounds.min + 0.04 * DVec2::new(i as f64, j as f64);
-                if grid.contains(p) && !fill.contains(p) {
-                    most = most.max(2.0 * room(p));
-                }
-            }
-        }
-        most
-    }
-
-    /// Content that the beads of an area should have: the round edges of its
-    /// surface stay open.
-    fn meant(area: &Area) -> f64 {
-        area.content() - 0.0215 * area.perimeter()
-    }
-
-    #[test]
-    fn wedges_are_filled_evenly() {
-        // From 0.5 to 2 mm, over 40 mm.
-        let ring = [(0.0, -0.25), (40.0, -1.0), (40.0, 1.0), (0.0, 0.25)];
-        let ring = ring.map(|(x, y)| DVec2::new(x, y)).to_vec();
-        let wedge = Area { rings: vec![ring] };
-        let w = walls(&wedge, 0.2, &Settings::default());
-        let laid = extruded(&w, 0.2) + w.fill.content();
-        let share = laid / meant(&wedge);
-        assert!((share - 1.0).abs() < 0.02, "{share}");
-        let open = left_open(&wedge, &w);
-        assert!(open < 0.27, "{open}");
-    }
-
-    #[test]
-    fn rings_of_varying_thickness_are_filled_evenly() {
-        // Circles that are not concentric: 0.4 to 1.6 mm.
-        let circle = |r: f64, x: f64, turn: f64| -> Vec<DVec2> {
-            let at =
-                |i: i32| DVec2::from_angle(turn * f64::from(i) * TAU / 600.0);
-            (0..600).map(|i| r * at(i) + DVec2::X * x).collect()
-        };
-        let rings = vec![circle(6.0, 0.0, 1.0), circle(5.0, 0.6, -1.0)];
-        let ring = Area { rings };
-        let w = walls(&ring, 0.2, &Settings::default());
-        let share = extruded(&w, 0.2) / meant(&ring);
-        assert!((share - 1.0).abs() < 0.02, "{share}");
-        let open = left_open(&ring, &w);
-        assert!(open < 0.27, "{open}");
-    }
-
-    #[test]
-    fn nothing_is_left_out_where_strips_meet() {
-        for (arms, thickness) in
-            [(3, 0.5), (3, 0.7), (3, 0.9), (4, 0.6), (4, 0.8), (4, 1.1)]
-        {
-            // Strips of 4 mm that meet in the middle.
-            let n = f64::from(arms);
-            let (half, turn) = (0.5 * thickness, TAU / n);
-            let ring = (0..arms).flat_map(|k| {
-                let along = DVec2::from_angle(turn * f64::from(k));
-                let next = DVec2::from_angle(turn * (f64::from(k) + 0.5));
-                let side = half * along.perp();
-                let far = 4.0 * along;
-                [far - side, far + side, next * half / (0.5 * turn).sin()]
-            });
-            let star = Area {
-                rings: vec![ring.collect()],
-            };
-            let w = walls(&star, 0.2, &Settings::default());
-            let share = extruded(&w, 0.2) / meant(&star);
-            assert!((share - 1.0).abs() < 0.06, "{arms} {thickness}: {share}");
-            let open = left_open(&star, &w);
-            assert!(open < 0.27, "{arms} {thickness}: {open}");
-        }
     }
 
     #[test]

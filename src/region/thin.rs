@@ -29,15 +29,6 @@ const WIDEN: f64 = 1.25;
 /// Parts shorter than this take the number of a neighbour, if its beads can
 /// be made to fit, mm.
 const SHORT: Mm = 4.0;
-/// By how much a single bead may be wider than its bound where it bends or
-/// strips meet: what is thicker there is no longer than it is thick, and a
-/// second bead beside the first one would be all end.
-const BULGE: f64 = 1.35;
-/// Length of such a place, as a share of its thickness.
-const BULGE_LENGTH: f64 = 1.5;
-/// Single beads shorter than this share of their width are a ring instead, if
-/// that fits: a bead so short fills a disc, but no cross.
-const BLOB: f64 = 1.0;
 /// Parts are merged in so many rounds, the shortest ones first.
 const ROUNDS: u32 = 5;
 
@@ -125,10 +116,6 @@ impl Counts {
         let few = self.counts.len();
         let (thin, thick) = (ridge.thinnest(), ridge.thickest());
         let (low, high) = (self.number(thin), self.number(thick));
-        let blob = !ridge.closed && ridge.length() < BLOB * thick;
-        if low == 1 && blob && self.fits(2, ridge) {
-            return vec![(2, ridge.clone())];
-        }
         if low == high {
             return match high < few {
                 true => vec![(high, ridge.clone())],
@@ -159,9 +146,6 @@ impl Counts {
         for round in (0..ROUNDS).rev() {
             all = self.merged(all, SHORT / f64::from(1 << round), ridge.closed);
         }
-        if self.swallow(&mut all, ridge.closed) {
-            all = self.merged(all, 0.0, ridge.closed);
-        }
         for (number, part) in &mut all {
             // A bead needs some length, or it is but a widening of the walls.
             let single = *number % 2 == 1 && *number < few;
@@ -178,32 +162,6 @@ impl Counts {
         }
         all.retain(|(number, _)| *number < few);
         all
-    }
-
-    /// Lets single beads go on where a ridge is thicker for less than its
-    /// thickness. True if any does.
-    fn swallow(&self, parts: &mut [(usize, Ridge)], closed: bool) -> bool {
-        let n = parts.len();
-        let mut any = false;
-        for i in 0..n {
-            // At an open end the beads beside it go on in others.
-            if !closed && (i == 0 || i + 1 == n) {
-                continue;
-            }
-            let number = parts[(i + n - 1) % n].0;
-            let after = parts[(i + 1) % n].0;
-            let (own, part) = &parts[i];
-            let single = number % 2 == 1 && number < *own;
-            let fits = self.counts.get(number).is_some_and(|c| {
-                part.thickest() <= c.taken + BULGE * (c.upto - c.taken)
-            });
-            let short = part.length() < BULGE_LENGTH * part.thickest();
-            if single && fits && short && after == number {
-                parts[i].0 = number;
-                any = true;
-            }
-        }
-        any
     }
 
     /// Lets parts shorter than `short` take the number of a neighbour, if it
@@ -313,31 +271,6 @@ mod tests {
         }
         // No number of beads fits all of this.
         assert!(wavers(1.0, 0.6).len() > 8);
-    }
-
-    #[test]
-    fn a_bead_goes_on_where_a_strip_bends() {
-        // As thick as where a strip of 0.75 mm bends: 1 mm for half of that.
-        let bend = |top: f64, length: f64| {
-            let t = move |x: f64| match (x - 10.0).abs() < 0.5 * length {
-                true => top,
-                false => 0.75,
-            };
-            numbers(&counts().split(&ridge(20.0, t)))
-        };
-        assert_eq!(bend(1.0, 0.5), [1]);
-        // Two walls have room where that is longer, or thicker.
-        assert_eq!(bend(1.0, 6.0), [1, 2, 1]);
-        assert!(bend(1.5, 0.5).len() > 1);
-    }
-
-    #[test]
-    fn what_is_hardly_longer_than_thick_is_a_ring() {
-        let strip = |length: f64| counts().split(&ridge(length, |_| 0.78));
-        assert_eq!(numbers(&strip(0.7)), [2]);
-        assert_eq!(numbers(&strip(1.5)), [1]);
-        // Two beads side by side would be too narrow.
-        assert_eq!(numbers(&counts().split(&ridge(0.4, |_| 0.5))), [1]);
     }
 
     #[test]
