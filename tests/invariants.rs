@@ -419,7 +419,9 @@ fn wall_points(model: &Model, layer: &Layer) -> Vec<DVec2> {
 fn both_ways(text: &str, more: &[&str]) -> [(Model, Vec<Layer>); 2] {
     ["distance", "field"].map(|way| {
         let way = format!("wall_offset={way}");
-        let settings = settings(&[&[way.as_str(), "walls=3"], more].concat());
+        // Both ways are thinned by themselves, and each as finely as outlines.
+        let exact = [way.as_str(), "walls=3", "path_accuracy=0.005"];
+        let settings = settings(&[&exact[..], more].concat());
         let model = formula(text, &settings);
         let (gcode, _) = slice(&model, &settings, 2);
         (model, parse(&gcode))

@@ -8,10 +8,8 @@
 //!
 //! In: a layer's beads in print order. Out: the same, where some go on in the
 //! next one. What shows keeps its ends: outer walls and tops, and bridges,
-//! whose lines have to hang straight. From the seam of an outer wall, or to it, a
-//! way may lead: the wall stays whole, and what is beside it gives all that the
-//! way lays. A way stays off the outer walls: it comes no nearer to the outline
-//! than a wall beside them or than its ends do.
+//! whose lines have to hang straight. A way stays off the outer walls: it comes
+//! no nearer to the outline than a wall beside them or than its ends do.
 
 use super::jobs;
 use crate::bead::{Bead, Role, Stroke, narrowest, spacing};
@@ -49,15 +47,14 @@ pub(crate) fn linked(
     for mut bead in beads {
         crate::limits::check();
         if let Some(before) = out.last_mut()
-            && may_go_on(before, &bead, settings)
+            && hidden(before.role, settings)
+            && hidden(bead.role, settings)
+            && !(before.sunk || bead.sunk)
             && let Some(link) = Link::between(before, &bead)
             && link.is_free(solid, outer)
         {
             before.stroke = shortened(before, true, link.taken[0]);
-            // A wall that gives nothing ends at its seam as ever.
-            if !bead.role.shows() {
-                bead.stroke = shortened(&bead, false, link.taken[1]);
-            }
+            bead.stroke = shortened(&bead, false, link.taken[1]);
             let way = link.bead(before, &bead);
             out.extend(way);
         }
@@ -96,11 +93,7 @@ impl Link {
         }
         let own = spacing(mean, mean, after.height);
         let share = narrowest(after.height).min(own);
-        // What shows gives nothing.
-        let most = [before, after].map(|bead| match bead.role.shows() {
-            true => 0.0,
-            false => SHARE * bead.length(),
-        });
+        let most = [before, after].map(|bead| SHARE * bead.length());
         let (mut from, mut to) = (a, b);
         let mut taken = [0.0; 2];
         let mut all = 0.0;
@@ -113,8 +106,10 @@ impl Link {
             to = after.place(false, taken[1])?;
             way = from.distance(to);
         }
-        let skins = [before, after].iter().any(|bead| is_skin(bead.role));
-        let enough = if skins { SKINS } else { WALLS };
+        let enough = match before.role {
+            Role::InnerWall | Role::GapFill => WALLS,
+            _ => SKINS,
+        };
         (taken[0] + taken[1] >= enough * all).then_some(Link {
             from,
             to,
@@ -140,13 +135,9 @@ impl Link {
     /// it is no wall.
     fn bead(&self, before: &Bead, after: &Bead) -> Option<Bead> {
         let ends = vec![*before.points.last()?, *after.points.first()?];
-        let role = match before.role.shows() {
-            true => after.role,
-            false => before.role,
-        };
-        let role = match is_skin(role) {
-            true => role,
-            false => Role::GapFill,
+        let role = match before.role {
+            Role::InnerWall => Role::GapFill,
+            role => role,
         };
         let stroke = Stroke::new(ends, false, self.width);
         Some(Bead::new(role, stroke, after.height))
@@ -165,31 +156,14 @@ fn back([before, after]: [&Bead; 2], [from, to]: [DVec2; 2]) -> Option<Mm> {
     Some(way.dot(into).max(-way.dot(out)))
 }
 
-/// True if a way may lead from one bead to the next: nobody sees where they end,
-/// or one of them is an outer wall that has its seam there.
-fn may_go_on(before: &Bead, after: &Bead, settings: &Settings) -> bool {
-    // With a gap or a scarf the wall ends elsewhere.
-    let whole = settings.seam_gap <= 0.0 && settings.seam_scarf <= 0.0;
-    let seam =
-        |bead: &Bead| whole && bead.role == Role::OuterWall && bead.closed;
-    let (from, to) =
-        (hidden(before.role, settings), hidden(after.role, settings));
-    let may = from && to || from && seam(after) || seam(before) && to;
-    may && !(before.sunk || after.sunk)
-}
-
 /// True if nobody sees where a bead of this role ends. In a gap that is asked
 /// for between skin and its ring there is no way either.
 fn hidden(role: Role, settings: &Settings) -> bool {
     match role {
         Role::InnerWall | Role::GapFill => true,
-        role => is_skin(role) && settings.skin_ring_gap <= 0.0,
+        Role::InternalSkin | Role::BottomSkin => settings.skin_ring_gap <= 0.0,
+        _ => false,
     }
-}
-
-/// True for skin that is not seen.
-fn is_skin(role: Role) -> bool {
-    matches!(role, Role::InternalSkin | Role::BottomSkin)
 }
 
 /// A bead's stroke, open, without a length of its end or its beginning.
@@ -322,59 +296,6 @@ mod tests {
             assert!(!pair(role, role, 0.4), "{role:?}");
             assert!(!pair(inner, role, 0.4), "{role:?}");
             assert!(!pair(role, inner, 0.4), "{role:?}");
-        }
-    }
-
-    /// A ring that shows, with its seam in a corner, and a gap behind it.
-    fn seam_and_gap() -> [Bead; 2] {
-        let points = rect(-5.0, -5.0, 5.0, 5.0).rings.remove(0);
-        let stroke = Stroke::new(points, true, WIDTH);
-        let mut wall = Bead::new(Role::OuterWall, stroke, HEIGHT);
-        let corner = DVec2::splat(-5.0);
-        let seam = wall.points.iter().position(|p| *p == corner);
-        wall.begin_at(seam.unwrap());
-        let gap = line(Role::GapFill, &[(-4.6, -4.6), (4.6, -4.6)]);
-        [wall, gap]
-    }
-
-    #[test]
-    fn a_way_leads_from_a_seam_to_what_is_behind_it_and_back() {
-        let outline = rect(-5.225, -5.225, 5.225, 5.225);
-        let solid = EdgeGrid::new(&outline, 1.0);
-        let [wall, gap] = seam_and_gap();
-        let found = linked_in(&solid, &[wall.clone(), gap.clone()]);
-        assert_eq!(found.len(), 3);
-        assert_eq!(strokes(&found), 1);
-        // The wall gives nothing, the gap all that the way lays.
-        assert_eq!(found[0].stroke, wall.opened());
-        let share = laid(&found) / laid(&[wall.clone(), gap.clone()]);
-        assert!((share - 1.0).abs() < 1e-3, "{share}");
-        assert_eq!(found[1].role, Role::GapFill);
-        let mut back = gap.clone();
-        back.reverse();
-        let found = linked_in(&solid, &[back, wall.clone()]);
-        assert_eq!((found.len(), strokes(&found)), (3, 1));
-        assert_eq!(found[2], wall);
-        assert_eq!(found[1].role, Role::GapFill);
-        // A short gap has not as much to give.
-        let short = gap.part(0.0, 0.05);
-        let short = Bead::new(Role::GapFill, short, HEIGHT);
-        let both = [wall, short];
-        assert_eq!(linked_in(&solid, &both), both);
-    }
-
-    #[test]
-    fn walls_that_end_elsewhere_than_at_their_seam_stay_by_themselves() {
-        let [wall, gap] = seam_and_gap();
-        let both = [wall, gap];
-        for (gap, scarf) in [(0.1, 0.0), (0.0, 5.0)] {
-            let settings = Settings {
-                seam_gap: gap,
-                seam_scarf: scarf,
-                ..Settings::default()
-            };
-            let found = linked(both.to_vec(), &far_away(), &settings);
-            assert_eq!(found, both);
         }
     }
 
