@@ -17,8 +17,9 @@
 //!
 //! Walls inside climb beside the outer one, each as far from the surface as its
 //! place among the walls. A layer's turns go from the inside out, so the nozzle
-//! goes down by a layer's height between two of them. Where it is then, what is
-//! beside it is no higher. So the flat turns at the end come after all turns
+//! goes down by a layer's height between two of them. What is beside it then is no
+//! higher, but for the end of the wall that it comes from, right behind it. So the
+//! flat turns at the end come after all turns
 //! that climb.
 //!
 //! Not guaranteed: that a wall follows a surface that moves by more than 1 mm

@@ -221,3 +221,56 @@ fn hostile_names_and_a_thousand_models_are_bounded() {
     let gcode = fs::read_to_string(path.join("many.gcode")).unwrap();
     assert_eq!(gcode.matches(";LAYER_CHANGE").count(), 2);
 }
+
+/// What an archive says of itself is what is in it.
+#[test]
+fn nothing_is_said_to_be_there_that_is_not() {
+    let folder = folder();
+    let path = folder.path();
+    let entries = |name: &str| {
+        let file = fs::File::open(path.join(name)).unwrap();
+        let mut zip = zip::ZipArchive::new(file).unwrap();
+        let mut all = Vec::new();
+        for i in 0..zip.len() {
+            let mut entry = zip.by_index(i).unwrap();
+            let mut bytes = Vec::new();
+            entry.read_to_end(&mut bytes).unwrap();
+            let text = String::from_utf8_lossy(&bytes).into_owned();
+            all.push((entry.name().to_owned(), text));
+        }
+        all
+    };
+    let args = ["slice", "-e", BALL, "--printer", "bambu-a1", "--set"];
+    let jpg = ["gcode.thumbnails=64x64/JPG", "-o", "jpg.gcode.3mf"];
+    done(path, &[&args[..], &jpg].concat());
+    let all = entries("jpg.gcode.3mf");
+    assert!(!all.iter().any(|(name, _)| name.ends_with(".png")));
+    let told = |(name, text): &(String, String)| {
+        !name.ends_with(".gcode") && text.contains("plate_1.png")
+    };
+    assert!(!all.iter().any(told), "{all:?}");
+    // Supports of one part are supports; none where nothing needs one.
+    fs::write(
+        path.join("tee.rhai"),
+        "min(max(max(abs(x) - 2, abs(y) - 3), abs(z - 5) - 5), \
+         max(max(abs(x) - 9, abs(y) - 3), abs(z - 11) - 1))",
+    )
+    .unwrap();
+    for (name, supports, used) in
+        [("with", "auto", "true"), ("without", "off", "false")]
+    {
+        let plate = format!(
+            "[[part]]\nmodel = \"tee.rhai\"\n\
+             settings = {{ supports = \"{supports}\", bridge_max = 5 }}\n"
+        );
+        fs::write(path.join(format!("{name}.toml")), plate).unwrap();
+        let (from, to) = (format!("{name}.toml"), format!("{name}.gcode.3mf"));
+        done(path, &["slice", &from, "--printer", "bambu-a1", "-o", &to]);
+        let all = entries(&to);
+        let is =
+            |(name, _): &&(String, String)| name.ends_with("slice_info.config");
+        let info = &all.iter().find(is).unwrap().1;
+        let said = format!("key=\"support_used\" value=\"{used}\"");
+        assert!(info.contains(&said), "{name}: {info}");
+    }
+}

@@ -428,7 +428,8 @@ fn tops_are_swept_one_way() {
     let top = layers.last().unwrap();
     let lines: Vec<(DVec2, DVec2)> = top
         .prints()
-        .filter(|m| m.role == TOP && m.length() > 1.0)
+        // Edges of the ring around the hole are shorter.
+        .filter(|m| m.role == TOP && m.length() > 2.0)
         .map(Move::ends)
         .filter(|(a, b)| {
             let d = (*b - *a).normalize();

@@ -211,6 +211,32 @@ fn each_part_is_what_it_is_alone() {
     }
 }
 
+/// What is no higher than a nozzle is wide is a part as well.
+#[test]
+fn a_thin_part_is_finished_before_the_next_begins() {
+    let settings = settings(&PLAIN);
+    let square = |half: f64, height: f64| {
+        format!("max(max(abs(x), abs(y)) - {half}, max(-z, z - {height}))")
+    };
+    let at = |name: &str, half: f64, height: f64, at: (f64, f64)| Wanted {
+        at: Some(at),
+        ..wanted(name, &square(half, height), 1, &settings)
+    };
+    // The box around the first two would hold the third.
+    for thin in [0.2, 0.6] {
+        let all = [
+            at("thin", 10.0, thin, (30.0, 100.0)),
+            at("far", 5.0, 15.0, (190.0, 100.0)),
+            at("between", 5.0, 16.0, (110.0, 100.0)),
+        ];
+        let plate = Plate::new("plate", &all, &settings).unwrap();
+        let gcode = run(&plate, 1);
+        let verdict = check(gcode.as_bytes(), &Rules::new(&settings)).unwrap();
+        let mut hits = verdict.findings.iter();
+        assert!(!hits.any(|f| f.kind == Kind::Collision), "{thin}");
+    }
+}
+
 #[test]
 fn the_check_sees_a_head_that_comes_too_near() {
     let (plate, _) = plate(&[]);

@@ -136,8 +136,8 @@ fn it_lays_what_fills_the_wall() {
     assert!((laid / meant - 1.0).abs() < ends, "{laid} {meant}");
 }
 
-/// Distances of the middle of each of three walls of the cone from where it is to
-/// be, by the height of each point, mm; and the volume, mm³.
+/// Each of three walls of the cone is at its depth at each point's height, and the
+/// outer one has the volume that it has alone.
 #[test]
 fn walls_inside_climb_beside_the_outer_one() {
     let (alone, _) = cone(&[]);
@@ -180,8 +180,7 @@ fn walls_inside_climb_beside_the_outer_one() {
     assert!(!text.contains("G10") && !text.contains("E-"));
     let breaks = steps.windows(2).filter(|w| w[0].1 != w[1].0).count();
     assert!(breaks <= 28 * 3 + 3, "{breaks}");
-    // No step is lower than what is printed beside it: where one of the lower
-    // ends, each other wall is as low or does not climb yet.
+    // Between two walls the nozzle goes down by a layer, and by no more.
     for (a, b) in steps.iter().zip(&steps[1..]) {
         assert!(a.1.z - b.0.z < HEIGHT + 1e-6, "{a:?} {b:?}");
         assert!(b.1.z >= b.0.z);

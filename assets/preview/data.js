@@ -61,7 +61,7 @@ class Planes {
 // The layer of each move.
 function layersOf({ moves, first }) {
   const layers = new Uint32Array(moves);
-  first.forEach((start, layer) => layers.fill(layer, start));
+  first.forEach((start, layer) => layers.fill(layer, start, first[layer + 1]));
   return layers;
 }
 

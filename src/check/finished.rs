@@ -2,10 +2,11 @@
 //!
 //! In: the beads and travels of a file whose parts are printed one by one. Out:
 //! what the head would hit. A part is finished once a bead lies well below its
-//! top; from then on its box must be out of the head's reach, and below
+//! top, or a layer begins no higher than the one before; from then on its box must be out of the head's reach, and below
 //! whatever moves across the bed with the head.
 
 use crate::plane::Rect;
+use crate::plate::MOST_PARTS;
 use crate::reader::{Move, Role};
 use crate::settings::{PlateSequence, Settings};
 use crate::units::Mm;
@@ -45,6 +46,15 @@ struct Block {
     top: Mm,
 }
 
+impl Block {
+    /// Grows to hold another block as well.
+    fn add(&mut self, other: Block) {
+        self.area.min = self.area.min.min(other.area.min);
+        self.area.max = self.area.max.max(other.area.max);
+        self.top = self.top.max(other.top);
+    }
+}
+
 /// What is finished, and what is being printed.
 #[derive(Debug, Default)]
 pub(super) struct Finished {
@@ -66,15 +76,22 @@ impl Finished {
             },
             top: step.from.z.max(step.to.z),
         };
-        let here = self.here.get_or_insert(own);
-        here.area.min = here.area.min.min(own.area.min);
-        here.area.max = here.area.max.max(own.area.max);
-        here.top = here.top.max(own.top);
+        self.here.get_or_insert(own).add(own);
     }
 
     /// The part being printed is finished.
+    ///
+    /// Moves are compared with each finished part, so there is a bound on their
+    /// number: parts beyond it count as one with the last.
     pub(super) fn next_part(&mut self) {
-        self.done.extend(self.here.take());
+        let Some(here) = self.here.take() else {
+            return;
+        };
+        let full = self.done.len() as u64 >= MOST_PARTS;
+        match self.done.last_mut() {
+            Some(last) if full => last.add(here),
+            _ => self.done.push(here),
+        }
     }
 
     /// What a move would hit, in words.

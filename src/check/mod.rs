@@ -249,6 +249,10 @@ struct Checker<'a> {
     top: Mm,
     /// Parts that were printed before this one.
     finished: Finished,
+    /// Height of the first bead of this layer and of the layer before, skirts
+    /// left out.
+    begun: Option<Mm>,
+    begun_before: Option<Mm>,
     layer: u32,
 }
 
@@ -268,6 +272,8 @@ impl<'a> Checker<'a> {
             firmware_back: 0,
             top: rules.base,
             finished: Finished::default(),
+            begun: None,
+            begun_before: None,
             layer: 0,
         }
     }
@@ -737,7 +743,7 @@ impl<'a> Checker<'a> {
         }
         let z = step.from.z.max(step.to.z);
         if rules.head_room.is_some() {
-            if z < self.top - rules.nozzle {
+            if self.begins_lower(step.role, z) || z < self.top - rules.nozzle {
                 // The next part begins.
                 self.finished.next_part();
                 self.ground = Ground::default();
@@ -769,6 +775,17 @@ impl<'a> Checker<'a> {
         }
     }
 
+    /// True if a bead is the first of its layer, skirts left out, and begins no
+    /// higher than the layer before: layers of one part only go up.
+    fn begins_lower(&mut self, role: Role, z: Mm) -> bool {
+        if role == Role::SkirtBrim || self.begun.is_some() {
+            return false;
+        }
+        self.begun = Some(z);
+        self.begun_before
+            .is_some_and(|before| z < before + ROUNDING)
+    }
+
     /// Reports a head that would hit a finished part.
     fn collide(&mut self, step: &Move) {
         let room = self.rules.head_room.as_ref();
@@ -794,6 +811,7 @@ impl<'a> Checker<'a> {
     }
 
     fn next_layer(&mut self) {
+        self.begun_before = self.begun.take().or(self.begun_before);
         let verdict = &mut self.verdict;
         let layer = self.layer;
         self.ground.next_layer(|line_at| {

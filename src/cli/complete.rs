@@ -174,6 +174,12 @@ fn line() -> Vec<OsString> {
 /// Where the profiles are, by the line so far.
 fn source() -> ProfilesSource {
     let words = line();
+    let joined = words.iter().find_map(|word| {
+        word.to_str()?
+            .strip_prefix("--profiles=")
+            .map(PathBuf::from)
+    });
     let mut named = words.iter().skip_while(|word| *word != "--profiles");
-    ProfilesSource::new(named.nth(1).map(PathBuf::from))
+    let apart = named.nth(1).map(PathBuf::from);
+    ProfilesSource::new(apart.or(joined))
 }

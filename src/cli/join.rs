@@ -109,16 +109,18 @@ fn check_format(
     if streamed || format_of(path)? == format {
         return Ok(());
     }
-    match format {
-        Format::Text | Format::Plate => bail!(
-            "the files are text, and {} would be binary; give it a name that \
-             ends in .gcode, or slice the ranges to .bgcode files",
-            path.display()
-        ),
-        Format::Binary => bail!(
-            "the files are binary, and {} would be text; give it a name that \
-             ends in .bgcode, or slice the ranges to .gcode files",
-            path.display()
-        ),
-    }
+    let (of_files, extension) = match format {
+        Format::Text | Format::Plate => ("text", "gcode"),
+        Format::Binary => ("binary", "bgcode"),
+    };
+    let (would_be, instead) = match format_of(path)? {
+        Format::Plate => ("a plate, which is written in one run", ""),
+        Format::Text => ("text", ", or slice the ranges to .gcode files"),
+        Format::Binary => ("binary", ", or slice the ranges to .bgcode files"),
+    };
+    bail!(
+        "the files are {of_files}, and {} would be {would_be}; give it a name \
+         that ends in .{extension}{instead}",
+        path.display()
+    )
 }

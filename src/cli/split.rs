@@ -78,10 +78,11 @@ fn divide(args: &SplitArgs) -> anyhow::Result<()> {
     if shares.len() < parts {
         let count = shares.last().map_or(0, |share| share.layers.end);
         terminal::warn(&[format!(
-            "{} has {count} layers, which make {} ranges, not {parts}: a range \
+            "{} has {count} layers, which make {} {}, not {parts}: a range \
              begins with layer 1, 129, 257 and so on",
             plate.name,
-            shares.len()
+            shares.len(),
+            if shares.len() == 1 { "range" } else { "ranges" }
         )]);
     }
     let ends = |share: &Share| (share.layers.start + 1, share.layers.end);

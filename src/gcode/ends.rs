@@ -10,7 +10,7 @@ use super::{
 };
 use crate::bgcode::{About, Key};
 use crate::package;
-use crate::settings::{Comments, Settings, Supports};
+use crate::settings::{Comments, ImageFormat, Settings};
 use crate::units::filament_area;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -73,7 +73,7 @@ pub(super) fn of_plate(
     said: Option<Said>,
     settings: &Settings,
     totals: &Totals,
-    labelled: bool,
+    [labelled, supports]: [bool; 2],
 ) -> package::About {
     let filament = &settings.filament;
     let one_by_one = said.as_ref().is_some_and(|said| said.one_by_one);
@@ -81,6 +81,10 @@ pub(super) fn of_plate(
         Some(said) => (said.parts, said.thumbnails),
         None => (Vec::new(), Vec::new()),
     };
+    // Containers have no other pictures.
+    let png = |p: &Thumbnail| p.size.format == ImageFormat::Png;
+    let pictures = thumbnails.into_iter().filter(png);
+    let pictures = pictures.map(|p| (p.size, p.file)).collect();
     let part = |part: Standing| package::PartBox {
         name: part.name,
         min: part.min,
@@ -100,12 +104,11 @@ pub(super) fn of_plate(
         layers: totals.layers,
         height: totals.height,
         layer_height: settings.layer_height(),
-        bed: filament.first_layer_bed_temperature,
-        supports: settings.supports != Supports::Off,
+        supports,
         one_by_one,
         labelled,
         parts: parts.into_iter().map(part).collect(),
-        pictures: thumbnails.into_iter().map(|p| (p.size, p.file)).collect(),
+        pictures,
     }
 }
 

@@ -16,7 +16,7 @@
 //! are cut off or were changed are errors. The layers' texts pass through a
 //! buffer: memory holds the manifests, some 100 bytes for each layer and 30 for
 //! each second of the print. Not guaranteed: that the output was not begun when a
-//! changed file is noticed, since each file is read once.
+//! changed file is noticed, since each file is copied in one pass.
 
 use super::ends::{self, Said};
 use super::manifest::{Head, LAST_LINE, LONGEST, Last, Manifest};

@@ -67,6 +67,9 @@ impl<W: Write> Writer<'_, W> {
                 self.line(&label.start);
                 open = Some((moves.end, label.end));
             }
+            if let PacedMove::Print { bead, .. } = step {
+                self.supports |= bead.role.is_support();
+            }
             if let PacedMove::Print { bead, .. } = step
                 && (plane(bead) - self.plane).abs() > MICRON
             {

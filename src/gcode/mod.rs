@@ -258,6 +258,8 @@ pub(crate) struct Writer<'a, W: Write> {
     layer: usize,
     /// Height of the layer's top, mm.
     top: Mm,
+    /// True once a bead of support has been written.
+    supports: bool,
     /// True if beads differ in their acceleration from what was told before.
     sets_acceleration: bool,
 
@@ -319,6 +321,7 @@ impl<'a, W: Write> Writer<'a, W> {
             start: DVec3::ZERO,
             layer: 0,
             top: 0.0,
+            supports: false,
             sets_acceleration: flavour::sets_acceleration(settings),
             xy: None,
             z: None,
@@ -485,7 +488,8 @@ impl<'a, W: Write> Writer<'a, W> {
         let (settings, totals) = (self.settings, &self.totals);
         match &self.out {
             Sink::Plate(_) => {
-                let about = ends::of_plate(said, settings, totals, labelled);
+                let has = [labelled, self.supports];
+                let about = ends::of_plate(said, settings, totals, has);
                 self.out.finish(bgcode::About::default, || about)?;
             }
             _ => {

@@ -24,7 +24,8 @@
 //!
 //! Guarantees: the same text gives the same bytes; opening them gives back every
 //! byte of the text; memory grows neither with the length of the text nor with
-//! what a damaged file says about itself.
+//! what a damaged file says about itself, but for the directory of at most 10,000
+//! entries.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -81,8 +82,6 @@ pub(crate) struct About {
     pub height: Mm,
     /// Height of the layers above the first.
     pub layer_height: Mm,
-    /// Temperature of the bed, °C.
-    pub bed: f64,
     /// True if any of it is a support.
     pub supports: bool,
     /// True if parts are printed one after the other.

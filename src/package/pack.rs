@@ -1,7 +1,6 @@
 //! From text to an archive.
 
 use super::{About, GCODE, SUM, entries, head};
-use crate::settings::ImageFormat;
 use md5::{Digest, Md5};
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
@@ -62,10 +61,9 @@ impl<W: Write> Packer<W> {
         ] {
             write_entry(&mut zip, name, text.as_bytes())?;
         }
-        let pictures = about.pictures.iter();
-        let pictures =
-            pictures.filter(|(size, _)| size.format == ImageFormat::Png);
-        let by_size: Vec<_> = pictures
+        let by_size: Vec<_> = about
+            .pictures
+            .iter()
             .map(|(size, file)| (size.pixels[0] * size.pixels[1], file))
             .collect();
         let largest = by_size.iter().max_by_key(|(size, _)| *size);

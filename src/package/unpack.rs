@@ -6,6 +6,7 @@
 use super::pack::hex;
 use flate2::read::DeflateDecoder;
 use md5::{Digest, Md5};
+use memchr::memmem;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Take};
 use zip::result::ZipError;
@@ -21,6 +22,34 @@ const MOST_ENTRIES: usize = 10_000;
 /// few megabytes must not become gigabytes that take minutes to read.
 const LIKELY: u64 = 64;
 const SLACK: u64 = 1 << 24;
+
+/// Counts the headers that an archive's directory has for its entries.
+///
+/// The directory is read as a whole when an archive is opened, and takes more
+/// memory than it is long. So its entries are counted beforehand. A header may
+/// also stand in an entry by chance, once in some gigabytes.
+#[derive(Default)]
+struct Headers {
+    count: usize,
+    /// The last bytes that were seen, in which a header may begin.
+    tail: Vec<u8>,
+}
+
+impl Headers {
+    const HEADER: &[u8] = b"PK\x01\x02";
+
+    /// Counts the headers in the bytes that follow what was seen before.
+    fn see(&mut self, bytes: &[u8]) {
+        let keep = Self::HEADER.len() - 1;
+        self.tail.extend(&bytes[..bytes.len().min(keep)]);
+        let find =
+            |bytes: &[u8]| memmem::find_iter(bytes, Self::HEADER).count();
+        self.count += find(&self.tail) + find(bytes);
+        let rest = bytes.len().saturating_sub(keep).max(bytes.len().min(keep));
+        self.tail.extend(&bytes[rest..]);
+        self.tail.drain(..self.tail.len().saturating_sub(keep));
+    }
+}
 
 /// Why there is no G-code in an archive.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -96,7 +125,7 @@ impl Opened {
     /// If it cannot be read, or there is not just one plate in it.
     pub(crate) fn new(input: &mut dyn Read) -> io::Result<Opened> {
         let mut file = tempfile::tempfile()?;
-        let mut count = 0;
+        let (mut count, mut headers) = (0, Headers::default());
         let mut piece = vec![0; 1 << 18];
         loop {
             // A pipe may have no end.
@@ -112,6 +141,11 @@ impl Opened {
             if count > LARGEST {
                 return Err(Broken::TooLong.into());
             }
+            headers.see(&piece[..read]);
+            if headers.count > MOST_ENTRIES {
+                let what = format!("more than {MOST_ENTRIES} entries");
+                return Err(Broken::Archive(what).into());
+            }
             io::Write::write_all(&mut file, &piece[..read])?;
         }
         let damaged = |e: ZipError| match e {
@@ -125,11 +159,6 @@ impl Opened {
                 ZipError::Io(e) => Broken::Archive(e.to_string()).into(),
                 other => damaged(other),
             })?;
-        if archive.len() > MOST_ENTRIES {
-            let count = archive.len();
-            let what = format!("{count} entries");
-            return Err(Broken::Archive(what).into());
-        }
         let plates: Vec<String> = archive
             .file_names()
             .filter(|name| is_plate(name))

@@ -28,7 +28,8 @@ const CROSSING: f64 = 0.211_324_865;
 /// How far the curve is from a corner, as a share of how far that line is.
 const AT_CORNER: f64 = 2.0 / 3.0 / (4.0 * CROSSING);
 
-/// How far it is from the middle of a segment, on the other side.
+/// How far the curve is from the middle of a segment, on the other side, as a
+/// share of how far that line is from a corner.
 const AT_MIDDLE: f64 = 1.0 / 3.0 / (4.0 * CROSSING);
 
 /// A segment crosses the curve at least at this share of the usual way from its

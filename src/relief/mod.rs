@@ -31,7 +31,8 @@
 //!
 //! Where supports stand above a top, no bead rises into the air below them.
 //!
-//! Not guaranteed: undersides of beads that lie open above as well. How smooth a face is across the beads, as each is level there.
+//! Not guaranteed: that undersides of beads that lie open above follow the surface
+//! as well, nor how smooth a face is across the beads, as each is level there.
 //! A bead whose middle is just covered leaves a groove along the next layer's
 //! edge, less than half a bead wide. A nozzle has a flat end, which cuts into
 //! higher beads beside it that are printed before. How deep is bounded

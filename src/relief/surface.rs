@@ -2,8 +2,8 @@
 //!
 //! In: points in the plane, and a window of heights. Out: for each point the
 //! height at which the part ends upwards, or downwards, within the window, and
-//! how steep the surface is there. The field is evaluated as it is: only its sign matters,
-//! it need not be a distance, and NaN is outside.
+//! how steep the surface is there. The field is evaluated as it is: only its sign
+//! matters, it need not be a distance, and NaN is outside.
 
 use crate::model::{Probe, ProbeError};
 use crate::units::Mm;

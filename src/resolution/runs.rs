@@ -6,9 +6,9 @@
 //! Guarantees: the cross-sections that are meant along a piece of a bead that
 //! shows differ by no more than twice [`AREA`] of the least of them, twice that in
 //! pieces of up to [`FEW`] widths, and its edges by no more than twice `edge`.
-//! Those of other beads differ by more the shorter the piece: where they change
-//! evenly, what is laid up to any place is off by no more than [`AREA`] of what
-//! [`EVENED`] holds. The piece has their mean, so that no volume is lost. A ramp may be so
+//! Those of other beads may differ by more in pieces shorter than four times
+//! [`EVENED`]: where they change evenly, what is laid up to any place of such a
+//! piece is off by no more than [`AREA`] of what [`EVENED`] holds. The piece has their mean, so that no volume is lost. A ramp may be so
 //! steep that a piece would be shorter than [`shortest`]: a bead that shows is
 //! then hardly wider than the ramp's narrow end. The middle of a piece is within
 //! `path` of the bead's. Each line is chosen as long as its width and the path

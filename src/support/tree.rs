@@ -17,7 +17,7 @@ use super::room::{Foot, Room, Size};
 use super::{SPECK, TOLERANCE};
 use crate::plane::clip::{crop, difference, intersection, unite};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect, Ring, Solid};
+use crate::plane::{Area, Rect, Ring, Solid, point_beside};
 use crate::settings::{Settings, SupportStyle, Supports};
 use crate::units::{Mm, Mm2};
 use glam::DVec2;
@@ -114,8 +114,8 @@ fn begun(
     let [to_bed, to_part] = step.room.split(core, layer);
     let mut new = Vec::new();
     let mut add = |area: &Area, foot: Foot| {
-        for (cell, core) in pieces(area, cells, step) {
-            let near = || is_near(middle(&core), layer, parts, solids);
+        for (cell, core) in pieces(area, cells, foot, step) {
+            let near = || is_near(inside(&core), layer, parts, solids);
             let foot = match anywhere && near() {
                 true => Foot::Part,
                 false => foot,
@@ -141,6 +141,7 @@ fn begun(
 fn pieces(
     area: &Area,
     cells: &Cells,
+    foot: Foot,
     step: Step<'_>,
 ) -> Vec<(Option<[u32; 2]>, Area)> {
     let in_cells = |area: &Area| {
@@ -153,8 +154,7 @@ fn pieces(
         SupportStyle::Snug => columns(area).collect(),
         SupportStyle::Grid => {
             let all = squares(area);
-            let blocked =
-                step.room.blocked(step.layer, Foot::Part, all.bounds());
+            let blocked = step.room.blocked(step.layer, foot, all.bounds());
             columns(&difference(&all, &blocked)).collect()
         }
         SupportStyle::Auto => {
@@ -201,6 +201,16 @@ fn squares(area: &Area) -> Area {
         y += 1.0;
     }
     unite(&Area { rings })
+}
+
+/// A point of an island: its middle, unless that is in a hole or a bay.
+fn inside(island: &Area) -> DVec2 {
+    let middle = middle(island);
+    if island.contains(middle) {
+        return middle;
+    }
+    let outer = island.rings.first();
+    outer.and_then(|r| point_beside(r)).unwrap_or(middle)
 }
 
 /// True if the part is below a point of a layer, at less than [`NEAR`] of the

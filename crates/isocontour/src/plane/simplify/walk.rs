@@ -9,8 +9,10 @@ use glam::DVec2;
 pub(super) const GATE: f64 = 0.72;
 /// Half the width of the gates of a path, as a share of the tolerance. The corners
 /// of a path hardly move when they are fitted: the middles of its edges are then a
-/// little farther inside of a curve than the corners are outside of it.
-pub(super) const PATH_GATE: f64 = 0.95;
+/// little farther inside of a curve than the corners are outside of it. Wider gates
+/// save points, but half of a circle's path was then more than half of the tolerance
+/// beside it.
+pub(super) const PATH_GATE: f64 = 0.7;
 /// Number of gates that are looked at together in the first try.
 const WINDOW: usize = 16;
 /// All directions between two, which are less than half a turn apart: a gate as
