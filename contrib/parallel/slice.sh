@@ -4,7 +4,7 @@
 #     contrib/parallel/slice.sh HOSTS PARTS OUTPUT MODEL [OPTION]...
 #
 # HOSTS   machines as parallel's --sshlogin takes them: 2/ada,4/grace for 2
-#         ranges at a time on ada and 4 on grace; : is this machine
+#         ranges at a time on ada and 4 on grace; localhost is this machine
 # PARTS   greatest number of ranges
 # OUTPUT  the file to write, .gcode or .bgcode
 # OPTION  options of isoslice for the model, its place and its settings
@@ -21,20 +21,21 @@ kind=${output##*.}
 isoslice=${ISOSLICE:-isoslice}
 
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+# Files of ranges come back into this folder, under names of this run alone.
+own=isoslice-$(hostname)-$$
+trap 'rm -rf "$work"; rm -f "$own".*."$kind"' EXIT
 files=()
 for file in "$model" ${FILES:-}; do
     [ ! -f "$file" ] || files+=(--basefile "$file")
 done
 printf -v arguments '%q ' "$@"
 "$isoslice" split --parts "$parts" "$@" > "$work/ranges"
-parallel --sshlogin "$hosts" --workdir "isoslice-$(hostname)-$$" "${files[@]}" \
+parallel --sshlogin "$hosts" --workdir "$own" "${files[@]}" \
     --retries 3 --halt soon,fail=1 --joblog "$output.joblog" \
-    --return "{#}.$kind" --cleanup \
-    "$isoslice -qq slice $arguments --layers {} --threads 1 -o {#}.$kind" \
+    --return "$own.{#}.$kind" --cleanup \
+    "$isoslice -qq slice $arguments --layers {} --threads 1 -o $own.{#}.$kind" \
     :::: "$work/ranges"
 count=$(wc -l < "$work/ranges")
 returned=()
-for ((k = 1; k <= count; k++)); do returned+=("$k.$kind"); done
+for ((k = 1; k <= count; k++)); do returned+=("$own.$k.$kind"); done
 "$isoslice" join "${returned[@]}" -o "$output"
-rm "${returned[@]}"
