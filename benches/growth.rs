@@ -100,9 +100,10 @@ fn places(n: usize, holes: bool) -> Outcome<Model> {
     let half = 2 * n;
     // Where the sum of cosines exceeds 1: round spots of 1.3 mm radius.
     let spots = "cos(x * 1.5707963) + cos(y * 1.5707963) - 1";
-    let spots = match holes {
-        true => spots.to_owned(),
-        false => format!("-({spots})"),
+    let spots = if holes {
+        spots.to_owned()
+    } else {
+        format!("-({spots})")
     };
     // With their middle in the middle of a cell.
     model(&format!(

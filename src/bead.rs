@@ -174,9 +174,10 @@ impl Stroke {
             sum += 0.5 * (w[0] + w[1]) * step;
             length += step;
         }
-        let width = match length > 0.0 {
-            true => sum / length,
-            false => widths.first().copied().unwrap_or(0.0),
+        let width = if length > 0.0 {
+            sum / length
+        } else {
+            widths.first().copied().unwrap_or(0.0)
         };
         let same = widths.iter().all(|w| (w - width).abs() < SAME);
         Stroke {
@@ -272,9 +273,12 @@ impl Stroke {
     pub(crate) fn place(&self, last: bool, mut length: Mm) -> Option<DVec2> {
         let n = self.points.len();
         let count = n + usize::from(self.closed);
-        let point = |k: usize| match last {
-            true => self.points[(count - 1 - k) % n],
-            false => self.points[k % n],
+        let point = |k: usize| {
+            if last {
+                self.points[(count - 1 - k) % n]
+            } else {
+                self.points[k % n]
+            }
         };
         for k in 1..count {
             let (a, b) = (point(k - 1), point(k));

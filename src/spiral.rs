@@ -479,9 +479,10 @@ fn points(ring: &[DVec2]) -> Vec<Point> {
     for i in 0..=n {
         let (a, b) = side(i);
         let (before, after) = (normal(i + n - 1), normal(i));
-        let out = match before.perp_dot(after).abs() > CORNER {
-            true => [before, after],
-            false => [(before + after).normalize_or_zero(); 2],
+        let out = if before.perp_dot(after).abs() > CORNER {
+            [before, after]
+        } else {
+            [(before + after).normalize_or_zero(); 2]
         };
         points.push(Point {
             at: a,

@@ -307,9 +307,10 @@ fn skin_at_the_ends_is_of_the_parts_first_and_last_layers() {
         for (i, layer) in layers.iter().enumerate() {
             let skin = content(layer, &[TOP, SOLID, BRIDGE]);
             let sparse = content(layer, &[SPARSE]);
-            match i < 3 || i >= last {
-                true => assert!(skin > 1.0 && sparse == 0.0, "{i}"),
-                false => assert!(skin == 0.0 && sparse > 1.0, "{i}"),
+            if i < 3 || i >= last {
+                assert!(skin > 1.0 && sparse == 0.0, "{i}")
+            } else {
+                assert!(skin == 0.0 && sparse > 1.0, "{i}")
             }
         }
     }

@@ -219,10 +219,7 @@ fn a_read_only_folder_is_an_error() {
     fs::set_permissions(plain.path(), closed).unwrap();
     // The superuser writes where others may not.
     let powerful = fs::write(plain.path().join("probe"), "").is_ok();
-    let mount = match powerful {
-        true => Mount::new("ro"),
-        false => None,
-    };
+    let mount = if powerful { Mount::new("ro") } else { None };
     let target = match (powerful, &mount) {
         (false, _) => plain.path(),
         (true, Some(mount)) => mount.path(),
@@ -655,9 +652,10 @@ fn endless_files_are_refused() {
     ] {
         let output = isoslice(root)
             .args(arguments.split(' '))
-            .args(match arguments.starts_with("slice") {
-                true => &["--memory-limit", "120MB"][..],
-                false => &[],
+            .args(if arguments.starts_with("slice") {
+                &["--memory-limit", "120MB"][..]
+            } else {
+                &[]
             })
             .output()
             .unwrap();

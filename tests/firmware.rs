@@ -228,9 +228,10 @@ fn reprapfirmware_knows_every_line() {
             "M207 S0.8 R0 F2100 T2100 Z0",
         ];
         // Examples may have another name than their files.
-        let own: Vec<&str> = match gcode.contains(&label) {
-            true => lines.to_vec(),
-            false => lines[1..].to_vec(),
+        let own: Vec<&str> = if gcode.contains(&label) {
+            lines.to_vec()
+        } else {
+            lines[1..].to_vec()
         };
         assert_head(name, gcode, &own);
         // An S above 1 would count to 255, and 1 is full already.

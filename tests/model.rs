@@ -689,9 +689,10 @@ fn a_spiral_strip_is_as_large_as_its_last_turn() {
         let part = |r: f64| ((u(r).rem_euclid(5.0)) - 2.5).abs() < 0.6;
         // The furthest out of the outer edge and the rim.
         let edge = 5.0 * ((25.0 - 3.1 - 5.0 * angle / TAU) / 5.0).floor();
-        let r = match part(25.0) {
-            true => 25.0,
-            false => edge + 3.1 + 5.0 * angle / TAU,
+        let r = if part(25.0) {
+            25.0
+        } else {
+            edge + 3.1 + 5.0 * angle / TAU
         };
         (r * angle.cos(), r * angle.sin())
     });

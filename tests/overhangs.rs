@@ -69,9 +69,10 @@ fn reach(at: DVec2) -> (f64, bool) {
 
 /// The speed that steps of 50 % at 20 mm/s and 100 % at a quarter make.
 fn meant(share: f64, own: f64) -> f64 {
-    match share < 0.5 {
-        true => own + share / 0.5 * (20.0 - own),
-        false => 20.0 + (share - 0.5) / 0.5 * (0.25 * own - 20.0),
+    if share < 0.5 {
+        own + share / 0.5 * (20.0 - own)
+    } else {
+        20.0 + (share - 0.5) / 0.5 * (0.25 * own - 20.0)
     }
 }
 

@@ -34,9 +34,10 @@ impl Part {
             for j in 0..1500 {
                 let x = step * (f64::from(i) + 0.5) - 20.0;
                 let y = step * (f64::from(j) + 0.5) - 15.0;
-                let inside = match self.round {
-                    true => x.hypot(y) < 15.0,
-                    false => y.abs() < 10.0,
+                let inside = if self.round {
+                    x.hypot(y) < 15.0
+                } else {
+                    y.abs() < 10.0
                 };
                 if inside {
                     volume += (self.top)(x, y, self.parameter);

@@ -249,9 +249,10 @@ fn loops_end_in_a_wipe_inwards() {
                 let middle = DVec2::splat(110.0);
                 let (a, b) = (from - middle, to - middle);
                 // A rough wall need not run along its side.
-                let slack = match more.contains(&"fuzzy.thickness=0.2") {
-                    true => 0.2,
-                    false => 0.02,
+                let slack = if more.contains(&"fuzzy.thickness=0.2") {
+                    0.2
+                } else {
+                    0.02
                 };
                 let inside = b.abs().cmple(a.abs() + slack).all();
                 assert!(inside && wipe.length() > 0.09, "{a} {b}");

@@ -73,9 +73,10 @@ fn moonraker() -> (String, Arc<Mutex<Seen>>) {
             seen.requests.push(first);
             drop(seen);
             let key = format!("x-api-key: {}", SECRET.to_lowercase());
-            let (code, text) = match lower.contains(&key) {
-                true => (200, answer.to_string()),
-                false => (401, "{}".to_owned()),
+            let (code, text) = if lower.contains(&key) {
+                (200, answer.to_string())
+            } else {
+                (401, "{}".to_owned())
             };
             let _ = write!(
                 stream,

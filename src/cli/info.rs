@@ -50,15 +50,14 @@ pub(super) fn show(args: &InfoArgs, gathered: &Gathered) -> anyhow::Result<()> {
     let settings = &gathered.settings;
     let model = args.model.load(settings)?;
     terminal::warn(&model.warnings);
-    let survey = match args.supports {
-        true => {
-            let found = survey(&model, settings, None).with_context(|| {
-                format!("cannot look at what hangs in {}", model.name)
-            })?;
-            terminal::warn(&found.hanging.warnings(found.height, settings));
-            Some(found)
-        }
-        false => None,
+    let survey = if args.supports {
+        let found = survey(&model, settings, None).with_context(|| {
+            format!("cannot look at what hangs in {}", model.name)
+        })?;
+        terminal::warn(&found.hanging.warnings(found.height, settings));
+        Some(found)
+    } else {
+        None
     };
     if args.json {
         let mut warnings = [&gathered.warnings[..], &model.warnings].concat();
@@ -297,9 +296,10 @@ pub(super) fn describe_supports(
             Kind::Leans => format!("leans, reach {:.1} mm", place.reach),
             Kind::Bridge => format!("bridge of {:.1} mm", place.reach),
         };
-        let heights = match place.to > place.from {
-            true => format!("z = {:.2} to {:.2}", place.from, place.to),
-            false => format!("z = {:.2}", place.from),
+        let heights = if place.to > place.from {
+            format!("z = {:.2} to {:.2}", place.from, place.to)
+        } else {
+            format!("z = {:.2}", place.from)
         };
         writeln!(
             text,

@@ -93,9 +93,10 @@ fn join(args: &JoinArgs) -> anyhow::Result<()> {
         )
     };
     let text = plain::lines(&text);
-    match streamed {
-        true => stderr().write_all(text.as_bytes())?,
-        false => stdout().write_all(text.as_bytes())?,
+    if streamed {
+        stderr().write_all(text.as_bytes())?
+    } else {
+        stdout().write_all(text.as_bytes())?
     }
     Ok(())
 }

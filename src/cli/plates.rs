@@ -69,9 +69,10 @@ impl PlateArgs {
 
     /// Where the G-code goes unless the user says.
     pub(super) fn output(&self, model: &Path, extension: &str) -> PathBuf {
-        match self.more.is_empty() {
-            true => model.with_extension(extension),
-            false => model.with_file_name(format!("plate.{extension}")),
+        if self.more.is_empty() {
+            model.with_extension(extension)
+        } else {
+            model.with_file_name(format!("plate.{extension}"))
         }
     }
 
@@ -122,9 +123,10 @@ fn model_file(given: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(given);
     let known = ["rhai", "vm", "toml"];
     let extension = path.extension().unwrap_or_default();
-    match known.iter().any(|e| extension.eq_ignore_ascii_case(e)) {
-        true => Ok(path),
-        false => Err("models after the first are .rhai or .vm files".into()),
+    if known.iter().any(|e| extension.eq_ignore_ascii_case(e)) {
+        Ok(path)
+    } else {
+        Err("models after the first are .rhai or .vm files".into())
     }
 }
 

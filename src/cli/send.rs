@@ -86,9 +86,10 @@ pub(super) fn send(
 ) -> anyhow::Result<()> {
     let of_file = file.file_name().map(|name| name.to_string_lossy());
     let of_file = of_file.unwrap_or_default();
-    let target = match terminal::is_quiet() {
-        true => ProgressDrawTarget::hidden(),
-        false => ProgressDrawTarget::stderr(),
+    let target = if terminal::is_quiet() {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
     };
     let bar = ProgressBar::with_draw_target(None, target);
     if let Ok(style) =
@@ -120,9 +121,10 @@ pub(super) fn send(
 
 /// What became of a file, in words.
 pub(super) fn outcome(printer: &Printer, sent: &Sent) -> String {
-    let what = match sent.started {
-        true => "is being printed on",
-        false => "is stored on",
+    let what = if sent.started {
+        "is being printed on"
+    } else {
+        "is stored on"
     };
     format!("{} {what} {}", sent.name, printer.name)
 }

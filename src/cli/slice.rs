@@ -297,9 +297,12 @@ fn of_models(plate: &Plate) -> Vec<String> {
     let of_part = |part: &Part| {
         let name = part.model.name.clone();
         let told = part.model.warnings.clone().into_iter();
-        told.map(move |warning| match several {
-            true => format!("{name}: {warning}"),
-            false => warning,
+        told.map(move |warning| {
+            if several {
+                format!("{name}: {warning}")
+            } else {
+                warning
+            }
         })
     };
     plate.parts.iter().flat_map(of_part).collect()

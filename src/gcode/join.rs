@@ -265,9 +265,12 @@ impl Ranges {
         let written = JoinError::Unwritten;
         let mut out = Sink::new(out, self.format).map_err(written)?;
         let flavour = settings.gcode.flavour;
-        let line = |time| match tells {
-            true => line_at(flavour, time, totals.time),
-            false => String::new(),
+        let line = |time| {
+            if tells {
+                line_at(flavour, time, totals.time)
+            } else {
+                String::new()
+            }
         };
         for (file, marks) in self.files.iter().zip(marks) {
             let mut reading = Reading::begin(file)?;
@@ -365,9 +368,10 @@ fn check_layers(files: &[RangeFile]) -> Result<(), JoinError> {
         next = layers.end;
         before = Some(file);
     }
-    match next < count {
-        true => Err(gap(next, count, before)),
-        false => Ok(()),
+    if next < count {
+        Err(gap(next, count, before))
+    } else {
+        Ok(())
     }
 }
 
@@ -468,9 +472,10 @@ impl Source {
             .take(count)
             .read_to_end(&mut bytes)
             .map_err(unread)?;
-        match bytes.len() as u64 == count {
-            true => Ok(bytes),
-            false => Err(JoinError::Changed(path.to_owned())),
+        if bytes.len() as u64 == count {
+            Ok(bytes)
+        } else {
+            Err(JoinError::Changed(path.to_owned()))
         }
     }
 
@@ -498,9 +503,10 @@ impl Source {
         let lines = self.between(path, place)?;
         let lines = String::from_utf8(lines).map_err(|_| changed())?;
         let manifest = Manifest::read(&lines).ok_or_else(changed)?;
-        match manifest.foot.template <= last.manifest.start {
-            true => Ok(manifest),
-            false => Err(changed()),
+        if manifest.foot.template <= last.manifest.start {
+            Ok(manifest)
+        } else {
+            Err(changed())
         }
     }
 }
@@ -551,9 +557,10 @@ impl<'a> Reading<'a> {
     fn finish(mut self) -> Result<(), JoinError> {
         let Last { at, sum, .. } = self.file.last;
         self.skip(at)?;
-        match self.text.sum.finalize() == sum {
-            true => Ok(()),
-            false => Err(JoinError::Changed(self.file.path.clone())),
+        if self.text.sum.finalize() == sum {
+            Ok(())
+        } else {
+            Err(JoinError::Changed(self.file.path.clone()))
         }
     }
 }

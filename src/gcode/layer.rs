@@ -214,9 +214,10 @@ impl<W: Write> Writer<'_, W> {
 /// Height of the plane of a bead above the top of its layer: supports have
 /// heights of their own.
 fn plane(bead: &Bead) -> Mm {
-    match bead.role.is_support() {
-        true => bead.level(0).rise,
-        false => 0.0,
+    if bead.role.is_support() {
+        bead.level(0).rise
+    } else {
+        0.0
     }
 }
 

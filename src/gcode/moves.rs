@@ -146,11 +146,13 @@ impl<W: Write> Writer<'_, W> {
         /// This share of a width is 0.02 mm of an ordinary one: 10 µm on each
         /// edge, which no viewer shows.
         const SHARE: f64 = 0.04;
-        self.width
-            .is_none_or(|told| match self.on_way && !role.shows() {
-                true => (width - told).abs() as f64 > SHARE * told as f64,
-                false => width != told,
-            })
+        self.width.is_none_or(|told| {
+            if self.on_way && !role.shows() {
+                (width - told).abs() as f64 > SHARE * told as f64
+            } else {
+                width != told
+            }
+        })
     }
 
     /// Moves to `p`, feeding `filament` mm for each mm.

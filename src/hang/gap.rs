@@ -107,9 +107,10 @@ fn over(
     settings: &Settings,
 ) -> Gap {
     let width = settings.bottom_skin_width();
-    let angle = match settings.bridges {
-        true => direction(&area, below, width),
-        false => Some(settings.skin_direction(number)),
+    let angle = if settings.bridges {
+        direction(&area, below, width)
+    } else {
+        Some(settings.skin_direction(number))
     };
     let content = area.content();
     let spacing = width.max((content / POINTS).sqrt());

@@ -256,9 +256,10 @@ fn over(
         let foot = |p: Place, q: DVec2| if p.beyond > 0.0 { q } else { p.at };
         let (p, q) = (foot(a, feet[i]), foot(b, feet[next]));
         let side = a.at.distance(b.at);
-        let strip = match p.distance(q) <= side + out[0] + out[1] {
-            true => signed_area(&[a.at, b.at, q, p]).abs(),
-            false => 0.5 * side * (out[0] + out[1]),
+        let strip = if p.distance(q) <= side + out[0] + out[1] {
+            signed_area(&[a.at, b.at, q, p]).abs()
+        } else {
+            0.5 * side * (out[0] + out[1])
         };
         places[i].strip += 0.5 * strip;
         places[next].strip += 0.5 * strip;
@@ -285,10 +286,7 @@ fn nearest(p: DVec2, below: &EdgeGrid, near: Mm) -> Foot {
         None => below.foot(p),
     };
     let Some((edge, at)) = found else {
-        let beyond = match inside {
-            true => f64::NAN,
-            false => f64::INFINITY,
-        };
+        let beyond = if inside { f64::NAN } else { f64::INFINITY };
         return Foot {
             at: p,
             on: None,

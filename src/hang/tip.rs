@@ -86,9 +86,10 @@ impl Tips {
                 }
             }
         }
-        let named: HashMap<Name, &[Place]> = match look.begins.is_empty() {
-            true => HashMap::new(),
-            false => rings.iter().map(|r| (name(r[0].at), *r)).collect(),
+        let named: HashMap<Name, &[Place]> = if look.begins.is_empty() {
+            HashMap::new()
+        } else {
+            rings.iter().map(|r| (name(r[0].at), *r)).collect()
         };
         for begins in &look.begins {
             let first = begins.island.rings.first().and_then(|r| r.first());
@@ -135,9 +136,10 @@ impl Tips {
     ) {
         let ring: Vec<DVec2> = ring.iter().map(|p| p.at).collect();
         island.most = island.most.max(signed_area(&ring));
-        match island.counts(look.limits) {
-            true => to.push(island),
-            false => self.0.push(island),
+        if island.counts(look.limits) {
+            to.push(island)
+        } else {
+            self.0.push(island)
         }
     }
 }

@@ -178,10 +178,7 @@ impl Tracker {
             run.iter_mut().for_each(|(_, state)| state.slope = all);
         }
         let any = rim.iter().any(|(_, state)| state.excess > 0.0);
-        self.rim = match any {
-            true => rim,
-            false => Vec::new(),
-        };
+        self.rim = if any { rim } else { Vec::new() };
         found
     }
 
@@ -189,9 +186,10 @@ impl Tracker {
     /// leans there, if that is beyond a lip.
     fn over(&self, place: &Place, limits: Limits) -> (State, Mm2) {
         let below = place.foot.map_or(State::default(), |on| self.at(on));
-        let moved = match place.beyond.is_finite() {
-            true => below.excess + place.beyond - limits.held,
-            false => 0.0,
+        let moved = if place.beyond.is_finite() {
+            below.excess + place.beyond - limits.held
+        } else {
+            0.0
         };
         let mut state = State {
             excess: moved,
@@ -234,9 +232,10 @@ impl Tracker {
             }
         };
         let way = end - before.on;
-        let t = match way > 0.0 {
-            true => ((on - before.on) / way).clamp(0.0, 1.0),
-            false => 0.0,
+        let t = if way > 0.0 {
+            ((on - before.on) / way).clamp(0.0, 1.0)
+        } else {
+            0.0
         };
         let mix = |a: Mm, b: Mm| a + (b - a) * t;
         State {

@@ -334,9 +334,10 @@ fn borders(
         if (z - last).abs() <= BOUNDS {
             continue;
         }
-        match z - last >= THINNER * least && top - z >= THINNER * least {
-            true => borders.push(z),
-            false => missed.push(z),
+        if z - last >= THINNER * least && top - z >= THINNER * least {
+            borders.push(z)
+        } else {
+            missed.push(z)
         }
     }
     if last_fits {
@@ -364,9 +365,10 @@ fn amount(layers: &[(Mm, f64)], top: Mm, first: Mm, range: &Range) -> Steps {
         step_p99_mm: at(0.99),
         thinnest_mm: heights.clone().reduce(f64::min).unwrap_or(0.0),
         thickest_mm: heights.fold(0.0, f64::max),
-        uniform_layers: match layers.is_empty() {
-            true => 1,
-            false => plan(top, first, alike).map_or(layers.len(), |p| p.len()),
+        uniform_layers: if layers.is_empty() {
+            1
+        } else {
+            plan(top, first, alike).map_or(layers.len(), |p| p.len())
         },
         level_faces: 0,
         missed_faces: 0,

@@ -84,9 +84,10 @@ fn fill(
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
-        match after(middle) < to {
-            true => low = middle,
-            false => high = middle,
+        if after(middle) < to {
+            low = middle
+        } else {
+            high = middle
         }
     }
     let mut z = from;

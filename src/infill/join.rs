@@ -97,13 +97,12 @@ fn walk(
                 break;
             };
             if let (Some(a), Some(b)) = (path.to, next.from) {
-                let way = match link.forward {
-                    true => border.between(a, b),
-                    false => {
-                        let mut way = border.between(b, a);
-                        way.reverse();
-                        way
-                    }
+                let way = if link.forward {
+                    border.between(a, b)
+                } else {
+                    let mut way = border.between(b, a);
+                    way.reverse();
+                    way
                 };
                 path.points.extend(way);
             }

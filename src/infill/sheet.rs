@@ -202,9 +202,10 @@ impl<S: Surface> Sheet<S> {
         let invert = |w: f64| {
             let k = way.partition_point(|&v| v <= w).clamp(1, MIXTURES);
             let (a, b) = (way[k - 1], way[k]);
-            let t = match b > a {
-                true => ((w - a) / (b - a)).clamp(0.0, 1.0),
-                false => 1.0,
+            let t = if b > a {
+                ((w - a) / (b - a)).clamp(0.0, 1.0)
+            } else {
+                1.0
             };
             ((k - 1) as f64 + t) / MIXTURES as f64
         };
@@ -452,13 +453,12 @@ fn sample(
                         }
                         let (s, t) =
                             (u as f64 / BLOCK as f64, v as f64 / BLOCK as f64);
-                        values[k] = match pass {
-                            true => value(x + u, y + v),
-                            false => {
-                                let [a, b, c, d] = corners;
-                                let low = a + s * (b - a);
-                                low + t * (c + s * (d - c) - low)
-                            }
+                        values[k] = if pass {
+                            value(x + u, y + v)
+                        } else {
+                            let [a, b, c, d] = corners;
+                            let low = a + s * (b - a);
+                            low + t * (c + s * (d - c) - low)
                         };
                     }
                 }

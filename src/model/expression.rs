@@ -127,10 +127,10 @@ impl Expression {
                 }
             }
             let inputs = &columns[..count];
-            let values = match inputs.is_empty() {
-                // A constant has no columns to tell how many places there are.
-                true => None,
-                false => evaluator.eval(&self.tape, inputs).ok(),
+            let values = if inputs.is_empty() {
+                None
+            } else {
+                evaluator.eval(&self.tape, inputs).ok()
             };
             match values {
                 Some(values) => {

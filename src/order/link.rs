@@ -79,9 +79,10 @@ impl Link {
     /// to make up for what it lays.
     fn between(before: &Bead, after: &Bead) -> Option<Link> {
         let (a, b) = (jobs::end(before)?, *after.points.first()?);
-        let last = match before.closed {
-            true => 0,
-            false => before.points.len() - 1,
+        let last = if before.closed {
+            0
+        } else {
+            before.points.len() - 1
         };
         let mean = 0.5 * (before.width_at(last) + after.width_at(0));
         let mut way = a.distance(b);
@@ -170,9 +171,10 @@ fn hidden(role: Role, settings: &Settings) -> bool {
 fn shortened(bead: &Bead, last: bool, length: Mm) -> Stroke {
     let open = bead.opened();
     let share = length / open.length();
-    match last {
-        true => open.part(0.0, 1.0 - share),
-        false => open.part(share, 1.0),
+    if last {
+        open.part(0.0, 1.0 - share)
+    } else {
+        open.part(share, 1.0)
     }
 }
 

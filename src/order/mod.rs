@@ -125,9 +125,10 @@ pub(crate) fn order(
     }
     let support = std::mem::take(&mut beads.support).into_iter();
     let support: Vec<_> = support.map(|b| (0, jobs::Job::of(b))).collect();
-    let (first, last) = match beads.support_last {
-        true => (Vec::new(), support),
-        false => (support, Vec::new()),
+    let (first, last) = if beads.support_last {
+        (Vec::new(), support)
+    } else {
+        (support, Vec::new())
     };
     jobs::print(first, &mut head.at, None, &mut out);
     let mut islands = islands(place.outline, beads);

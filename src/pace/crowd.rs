@@ -144,9 +144,10 @@ pub(super) fn slowed(chain: Vec<Rated>, most: PerSec) -> (Vec<Rated>, usize) {
             if here < asked {
                 count += to - from;
             }
-            out.push(match to - from == n {
-                true if here == asked => rated.clone(),
-                _ => rated.part(from, to, here),
+            out.push(if to - from == n && here == asked {
+                rated.clone()
+            } else {
+                rated.part(from, to, here)
             });
             from = to;
         }

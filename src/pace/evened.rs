@@ -67,9 +67,10 @@ impl One {
         let share = way / self.length;
         let at = if backwards { 1.0 - share } else { share };
         let (before, after) = self.rated.halves(at);
-        let (near, far) = match backwards {
-            true => (after, before),
-            false => (before, after),
+        let (near, far) = if backwards {
+            (after, before)
+        } else {
+            (before, after)
         };
         let part = |rated, length| One {
             rated,
@@ -91,9 +92,10 @@ pub(super) fn evened(chain: Vec<Rated>, most: Mm3PerSec2) -> Vec<Rated> {
         let level = rated.bead.levels.is_empty();
         let whole = rated.bead.area();
         for (i, length) in rated.lengths().enumerate() {
-            let area = match level {
-                true => whole,
-                false => rated.bead.area_along(i),
+            let area = if level {
+                whole
+            } else {
+                rated.bead.area_along(i)
             };
             moves.push(One {
                 of,
@@ -120,9 +122,10 @@ pub(super) fn evened(chain: Vec<Rated>, most: Mm3PerSec2) -> Vec<Rated> {
 /// before, or of the move after if they are gone through backwards.
 fn climbing(moves: Vec<One>, most: Mm3PerSec2, backwards: bool) -> Vec<One> {
     let mut out: Vec<One> = Vec::with_capacity(moves.len());
-    let mut moves: Box<dyn Iterator<Item = One>> = match backwards {
-        true => Box::new(moves.into_iter().rev()),
-        false => Box::new(moves.into_iter()),
+    let mut moves: Box<dyn Iterator<Item = One>> = if backwards {
+        Box::new(moves.into_iter().rev())
+    } else {
+        Box::new(moves.into_iter())
     };
     out.extend(moves.next());
     for one in moves {

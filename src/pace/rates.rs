@@ -430,9 +430,10 @@ fn without_short(steps: &[Step], shares: Vec<Percent>) -> Vec<Percent> {
                 to += 1;
             }
             let all = shares[from..to].iter().copied();
-            match most {
-                true => all.fold(f64::NEG_INFINITY, f64::max),
-                false => all.fold(f64::INFINITY, f64::min),
+            if most {
+                all.fold(f64::NEG_INFINITY, f64::max)
+            } else {
+                all.fold(f64::INFINITY, f64::min)
             }
         };
         places.iter().map(of).collect()
@@ -482,10 +483,7 @@ fn runs(
     at: impl Fn(usize) -> [f64; 4],
     reaches: bool,
 ) -> Vec<std::ops::Range<usize>> {
-    let (speed, fan) = match reaches {
-        true => REACH_CHANGE,
-        false => (CHANGE, 0.0),
-    };
+    let (speed, fan) = if reaches { REACH_CHANGE } else { (CHANGE, 0.0) };
     let slack = [(speed, 0.0), (CHANGE, 0.0), (CHANGE, 0.0), (CHANGE, fan)];
     let mut runs = Vec::new();
     let mut start = 0;

@@ -230,9 +230,12 @@ impl<'a, 'w> Exit<'a, 'w> {
                 sum.time_s += amount.time;
             }
         }
-        self.timings.time(Stage::Gcode, || match written {
-            true => self.writer.layer(&paced),
-            false => self.writer.rehearse(&paced),
+        self.timings.time(Stage::Gcode, || {
+            if written {
+                self.writer.layer(&paced)
+            } else {
+                self.writer.rehearse(&paced)
+            }
         })?;
         limits::made(paced.moves.len());
         self.next += 1;
@@ -393,9 +396,10 @@ fn volume(step: &PacedMove) -> Mm3 {
                 let turn = turns.get(i).copied().flatten();
                 let length = turn.map_or(a.distance(b), |t| t.length(a));
                 length
-                    * match bead.levels.is_empty() {
-                        true => bead.area(),
-                        false => bead.area_along(i),
+                    * if bead.levels.is_empty() {
+                        bead.area()
+                    } else {
+                        bead.area_along(i)
                     }
             };
             flow * bead.segments().enumerate().map(along).sum::<Mm3>()

@@ -655,12 +655,11 @@ fn write(
         })?,
         thumbnails: pictures.unwrap_or_default(),
         format: options.format,
-        fingerprint: match layers.len() < spans.len() {
-            true => {
-                let of_parts = all.iter().map(|(_, spans)| *spans);
-                Some(fingerprint(plate, of_parts)?)
-            }
-            false => None,
+        fingerprint: if layers.len() < spans.len() {
+            let of_parts = all.iter().map(|(_, spans)| *spans);
+            Some(fingerprint(plate, of_parts)?)
+        } else {
+            None
         },
         one_by_one: turns.is_some(),
     };
@@ -986,9 +985,10 @@ fn standing(
 ) -> Result<Vec<Standing>, PictureError> {
     let mut all = Vec::new();
     for part in &plate.parts {
-        let outline = match needs_outline(settings) {
-            true => outline_of(&part.model, part.settings.reach())?,
-            false => Vec::new(),
+        let outline = if needs_outline(settings) {
+            outline_of(&part.model, part.settings.reach())?
+        } else {
+            Vec::new()
         };
         let (low, high) = part.reach();
         for place in &part.places {

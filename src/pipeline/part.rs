@@ -212,11 +212,12 @@ impl<'a> PartExit<'a> {
             Some(support) => cut(ended, support),
             None => ended,
         });
-        let beads = match self.settings.interlocks() {
-            true => self.timings.time(Stage::Walls, || {
+        let beads = if self.settings.interlocks() {
+            self.timings.time(Stage::Walls, || {
                 self.interlocked(beads, layer, ready.below.as_ref(), above)
-            }),
-            false => beads,
+            })
+        } else {
+            beads
         };
         let mut beads = self.timings.time(Stage::Skin, || {
             let beside = [ready.below.as_ref(), above];
@@ -326,9 +327,10 @@ impl<'a> PartExit<'a> {
             let Some(other) = other else {
                 return Side::Open;
             };
-            match layer.same_outline(other) {
-                true => Side::Closed,
-                false => Side::Layer(other.span.height(), other.outline.grid()),
+            if layer.same_outline(other) {
+                Side::Closed
+            } else {
+                Side::Layer(other.span.height(), other.outline.grid())
             }
         }
         // The bed and a raft are flat.
@@ -336,9 +338,10 @@ impl<'a> PartExit<'a> {
         let site = Site {
             span: layer.span,
             above: side(layer, above),
-            below: match flat {
-                true => Side::Closed,
-                false => side(layer, below),
+            below: if flat {
+                Side::Closed
+            } else {
+                side(layer, below)
             },
             under_support: under_support.map(Solid::grid),
         };

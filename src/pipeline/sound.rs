@@ -132,17 +132,18 @@ pub(super) fn sample(
         all += found;
         looked += usize::from(!found.is_blank());
     }
-    match looked >= ENOUGH && all.is_thinner(MOST) {
-        false => Ok(()),
-        true => Err(SliceError::TooThin {
-            looked,
-            share: match all.solid > 0.0 {
-                true => 100.0 * all.gap / all.solid,
-                false => 100.0,
-            },
-            line,
-        }),
+    if looked < ENOUGH || !all.is_thinner(MOST) {
+        return Ok(());
     }
+    Err(SliceError::TooThin {
+        looked,
+        share: if all.solid > 0.0 {
+            100.0 * all.gap / all.solid
+        } else {
+            100.0
+        },
+        line,
+    })
 }
 
 #[cfg(test)]

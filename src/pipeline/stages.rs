@@ -686,12 +686,11 @@ impl<'a> Stages<'a> {
         let height = layer.span.height();
         let walls = self.timings.time(Stage::Walls, || {
             let outline = layer.area();
-            let mut walls = match layer.offsets.is_empty() {
-                true => walls_below(outline, above, height, self.settings),
-                false => {
-                    let areas = layer.offsets.to_vec();
-                    field_walls(outline, areas, height, self.settings)
-                }
+            let mut walls = if layer.offsets.is_empty() {
+                walls_below(outline, above, height, self.settings)
+            } else {
+                let areas = layer.offsets.to_vec();
+                field_walls(outline, areas, height, self.settings)
             };
             walls::thin(&mut walls, self.settings);
             walls
@@ -717,12 +716,11 @@ impl<'a> Stages<'a> {
             return Ok(None);
         }
         let rounded;
-        let walls = match self.settings.arcs() {
-            true => {
-                rounded = walls::rounded(walls, self.settings);
-                &rounded
-            }
-            false => walls,
+        let walls = if self.settings.arcs() {
+            rounded = walls::rounded(walls, self.settings);
+            &rounded
+        } else {
+            walls
         };
         let parts = LayerParts {
             span: layer.span,
@@ -812,9 +810,10 @@ impl<'a> Stages<'a> {
             }
         }
         let small = self.settings.speed.small_wall_length;
-        let mut walls = match self.settings.interlocks() {
-            true => walls::interlocked(walls, height, small),
-            false => walls::beads(walls, height, small),
+        let mut walls = if self.settings.interlocks() {
+            walls::interlocked(walls, height, small)
+        } else {
+            walls::beads(walls, height, small)
         };
         let sites = self.timings.time(Stage::Walls, || {
             self.seams.sites(&walls, number, span.sample_z(), solid)
@@ -863,11 +862,13 @@ impl<'a> Stages<'a> {
             height: layer.span.height(),
         };
         let solid = layer.outline.grid();
-        self.timings
-            .time(Stage::Infill, || match self.settings.spiral {
-                true => Ok(Vec::new()),
-                false => self.infill.beads(sparse, place, Some(solid)),
-            })
+        self.timings.time(Stage::Infill, || {
+            if self.settings.spiral {
+                Ok(Vec::new())
+            } else {
+                self.infill.beads(sparse, place, Some(solid))
+            }
+        })
     }
 
     /// Thins beads as far as their roles permit.

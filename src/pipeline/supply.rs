@@ -115,9 +115,10 @@ impl<'a> Supply<'a> {
     /// threads at work.
     fn ready(&self) -> Range<usize> {
         // Roles depend on the next layer, whatever the skin's thickness.
-        let hidden = match self.slabs.is_empty() {
-            true => 0,
-            false => self.stages.reach_above(),
+        let hidden = if self.slabs.is_empty() {
+            0
+        } else {
+            self.stages.reach_above()
         };
         let Some(first) = self.window.front().map(|s| s.span.index) else {
             return 0..0;
@@ -210,12 +211,11 @@ impl<'a> Supply<'a> {
         }
         let fill = |i: usize, inside: &Inside| {
             let index = layers[i].span.index;
-            let figures = match self.layers.contains(&index) {
-                true => {
-                    let k = index - self.layers.start;
-                    stages.figures(&layers[i], &inside.walls, k)?
-                }
-                false => None,
+            let figures = if self.layers.contains(&index) {
+                let k = index - self.layers.start;
+                stages.figures(&layers[i], &inside.walls, k)?
+            } else {
+                None
             };
             let (beads, areas) = stages.beads(layers, i, inside)?;
             let bridges = stages.bridges_infill();
@@ -333,9 +333,10 @@ impl Supply<'_> {
         if away > rehearsed {
             return Ok(None);
         }
-        let below = match away == rehearsed {
-            true => None,
-            false => self.early.take(),
+        let below = if away == rehearsed {
+            None
+        } else {
+            self.early.take()
         };
         let over = self.over(i, filled, below.as_ref())?;
         let levels = over.map_or(Vec::new(), |over| over.levels);

@@ -171,14 +171,14 @@ impl<'a> Supported<'a> {
         let layer = span.index.checked_sub(self.raft)?;
         let heights = &self.plan.heights;
         let own = heights.span(layer)?;
-        Some(match own == heights.spans()[layer] {
-            true => *span,
-            // The plan does not know the raft.
-            false => LayerSpan {
+        Some(if own == heights.spans()[layer] {
+            *span
+        } else {
+            LayerSpan {
                 index: span.index,
                 bottom: own.bottom + self.lift,
                 top: own.top + self.lift,
-            },
+            }
         })
     }
 

@@ -68,9 +68,10 @@ impl Turn {
         count: usize,
     ) -> impl Iterator<Item = DVec2> {
         let arm = from - self.centre;
-        (1..=count).map(move |k| match k == count {
-            true => to,
-            false => {
+        (1..=count).map(move |k| {
+            if k == count {
+                to
+            } else {
                 let angle = self.angle * k as f64 / count as f64;
                 self.centre + DVec2::from_angle(angle).rotate(arm)
             }

@@ -95,9 +95,10 @@ impl<'a> Border<'a> {
     /// The way along the ring from one place on it to another.
     pub(crate) fn way(&self, from: Foot, to: Foot) -> Mm {
         let way = to.at - from.at;
-        match way < 0.0 {
-            true => way + self.places.length(from.ring),
-            false => way,
+        if way < 0.0 {
+            way + self.places.length(from.ring)
+        } else {
+            way
         }
     }
 
@@ -108,9 +109,10 @@ impl<'a> Border<'a> {
         // The first points after the two places.
         let next = before.partition_point(|&w| w <= from.at);
         let end = before.partition_point(|&w| w < to.at);
-        let end = match to.at < from.at {
-            true => end + ring.len(),
-            false => end,
+        let end = if to.at < from.at {
+            end + ring.len()
+        } else {
+            end
         };
         (next..end).map(|i| ring[i % ring.len()]).collect()
     }
@@ -247,9 +249,10 @@ impl<'b, 'a> Cutter<'b, 'a> {
             let foot = self.border.foot(hit.edge, place);
             self.inside = hit.enters;
             self.run.push(place);
-            match hit.enters {
-                true => self.from = Some(foot),
-                false => self.cut(Some(foot)),
+            if hit.enters {
+                self.from = Some(foot)
+            } else {
+                self.cut(Some(foot))
             }
         }
         self.hits = hits;

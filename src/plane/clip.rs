@@ -86,9 +86,10 @@ fn halves(all: Rect) -> [Rect; 2] {
     let (size, middle) = (all.max - all.min, all.min.midpoint(all.max));
     // The middle is put on the grid, so that both sides round the cut alike.
     let middle = (middle * GRID).round() / GRID;
-    match size.x > size.y {
-        true => (low.max.x, high.min.x) = (middle.x, middle.x),
-        false => (low.max.y, high.min.y) = (middle.y, middle.y),
+    if size.x > size.y {
+        (low.max.x, high.min.x) = (middle.x, middle.x)
+    } else {
+        (low.max.y, high.min.y) = (middle.y, middle.y)
     }
     [low, high]
 }

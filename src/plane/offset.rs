@@ -195,10 +195,10 @@ pub(super) fn moved(
             continue;
         }
         let turn = sine.atan2(cosine);
-        let turn = match turn == 0.0 || turn * by > 0.0 {
-            // The ring turns straight back: the arc goes around the outside.
-            true => -std::f64::consts::PI * by.signum(),
-            false => turn,
+        let turn = if turn == 0.0 || turn * by > 0.0 {
+            -std::f64::consts::PI * by.signum()
+        } else {
+            turn
         };
         let steps = (turn.abs() / step).ceil().max(1.0);
         for k in 0..=steps as usize {

@@ -49,9 +49,10 @@ pub(super) fn state(
     let mut state = State::Clear;
     grid.near(a, b, clearance, |edge| {
         let covered = covers(a, b, grid, edge as u32, clearance);
-        state = match covered {
-            true => State::Covered,
-            false => State::Mixed,
+        state = if covered {
+            State::Covered
+        } else {
+            State::Mixed
         };
         !covered
     });
@@ -196,10 +197,7 @@ impl Moved<'_> {
             let end = events[piece].next;
             let number = events[end].crossing;
             let c = &crossings[number];
-            let follows = match live[number] {
-                true => c.begins,
-                false => end,
-            };
+            let follows = if live[number] { c.begins } else { end };
             let stray = live[number] && c.ends != end;
             if stray || gone[follows] || entered[follows] {
                 ends.push((piece, follows));
@@ -320,9 +318,10 @@ impl Moved<'_> {
                 // crosses towards the side from which the other has come ends
                 // here.
                 let left = (b - a).perp_dot(d - c) > 0.0;
-                let (ends, begins) = match left == self.left {
-                    true => (number, number + 1),
-                    false => (number + 1, number),
+                let (ends, begins) = if left == self.left {
+                    (number, number + 1)
+                } else {
+                    (number + 1, number)
                 };
                 let at = a.lerp(b, t);
                 crossings.push(Crossing { at, ends, begins });

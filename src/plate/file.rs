@@ -288,9 +288,12 @@ impl File<'_> {
             let value = table.get(key)?;
             let how = format!("{key} is a number above 0; write {key} = 1.5");
             let number = self.number(value, &how);
-            Some(number.and_then(|x| match x > 0.0 {
-                true => Ok(x),
-                false => Err(self.wrong(value.span().start, how)),
+            Some(number.and_then(|x| {
+                if x > 0.0 {
+                    Ok(x)
+                } else {
+                    Err(self.wrong(value.span().start, how))
+                }
             }))
         };
         let (scale, size) = (positive("scale"), positive("size"));

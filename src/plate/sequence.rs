@@ -87,9 +87,10 @@ pub(super) fn spacing<'a>(
     }
     // Supports reach into the room between parts.
     let room = if supported { usual } else { 0.0 };
-    match high {
-        true => usual.max(head.radius + room),
-        false => usual,
+    if high {
+        usual.max(head.radius + room)
+    } else {
+        usual
     }
 }
 

@@ -211,9 +211,8 @@ impl<'a> Border<'a> {
                     self.opposite[g.edge] = number as u32;
                 }
                 let (radius, here) = here;
-                let exact = |radius: Mm| match radius < self.radius {
-                    true => END,
-                    false => THICK_END,
+                let exact = |radius: Mm| {
+                    if radius < self.radius { END } else { THICK_END }
                 };
                 let exact = [exact(last_radius), exact(radius)];
                 last_radius = radius;
@@ -323,14 +322,16 @@ impl<'a> Border<'a> {
         let mut edge = second.edge;
         for k in 0..FEW {
             let (a, b) = self.grid.edge(edge);
-            let low = match edge == second.edge {
-                true => second.touch.distance(a),
-                false => 0.0,
+            let low = if edge == second.edge {
+                second.touch.distance(a)
+            } else {
+                0.0
             };
             let last = edge == first.edge;
-            let high = match last {
-                true => first.touch.distance(a),
-                false => a.distance(b),
+            let high = if last {
+                first.touch.distance(a)
+            } else {
+                a.distance(b)
             };
             stretch[k] = (edge, low, high);
             length += (high - low).abs();

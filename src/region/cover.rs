@@ -199,9 +199,10 @@ pub(super) fn exposed(
             let open = |(k, c): (usize, &&Solid<'_>)| {
                 !touching[k][i] && !c.grid().contains(p)
             };
-            match covers.iter().enumerate().any(open) {
-                true => Exposed::Everywhere,
-                false => Exposed::Nowhere,
+            if covers.iter().enumerate().any(open) {
+                Exposed::Everywhere
+            } else {
+                Exposed::Nowhere
             }
         })
         .collect();
@@ -243,12 +244,11 @@ pub(super) fn exposed(
             .map(cropped)
             .collect();
         let any = || anything_matters(&islands[i], &near, &matters);
-        result[i] = match asked.hold_disc(i, disc, covers) || any() {
-            true => {
-                let near: Vec<&Area> = near.iter().collect();
-                part(not_covered_by_all(&islands[i], &near))
-            }
-            false => Exposed::Everywhere,
+        result[i] = if asked.hold_disc(i, disc, covers) || any() {
+            let near: Vec<&Area> = near.iter().collect();
+            part(not_covered_by_all(&islands[i], &near))
+        } else {
+            Exposed::Everywhere
         };
     }
     result
@@ -310,9 +310,10 @@ pub(super) fn by_island(islands: &[Area], areas: Vec<Area>) -> Vec<Area> {
 }
 
 fn part(open: Area) -> Exposed {
-    match open.is_empty() {
-        true => Exposed::Nowhere,
-        false => Exposed::Part(open),
+    if open.is_empty() {
+        Exposed::Nowhere
+    } else {
+        Exposed::Part(open)
     }
 }
 

@@ -82,9 +82,10 @@ fn slope_layers(layers: usize) -> usize {
 /// lattices that is next to nothing: the rest is skin, exposed or not, and
 /// need not be looked at again.
 pub(crate) fn roomy(fill: &Area, settings: &Settings) -> Area {
-    match settings.is_solid() {
-        true => Area::EMPTY,
-        false => printable(fill, settings),
+    if settings.is_solid() {
+        Area::EMPTY
+    } else {
+        printable(fill, settings)
     }
 }
 
@@ -106,14 +107,13 @@ impl<'a> Exposure<'a> {
         settings: &'a Settings,
         spans: &'a [LayerSpan],
     ) -> Exposure<'a> {
-        let shells =
-            |count: u32, set: Option<u32>, thickness, upwards| match settings
-                .is_uniform()
-                || set.is_some()
-            {
-                true => Shells::Alike(count as usize),
-                false => Shells::of_thickness(spans, thickness, upwards),
-            };
+        let shells = |count: u32, set: Option<u32>, thickness, upwards| {
+            if settings.is_uniform() || set.is_some() {
+                Shells::Alike(count as usize)
+            } else {
+                Shells::of_thickness(spans, thickness, upwards)
+            }
+        };
         let s = settings;
         let top = (s.top_layers(), s.top_layers, s.top_thickness());
         let bottom = (s.bottom_layers(), s.bottom_layers, s.bottom_thickness());
@@ -168,9 +168,10 @@ impl<'a> Exposure<'a> {
             return (farthest - layers) as f64 * window.height;
         }
         let z = |away: usize| {
-            let number = match upwards {
-                true => window.number + away,
-                false => window.number.saturating_sub(away),
+            let number = if upwards {
+                window.number + away
+            } else {
+                window.number.saturating_sub(away)
             };
             let span = self.spans.get(number).or(self.spans.last());
             span.map_or(0.0, LayerSpan::sample_z)
@@ -434,9 +435,10 @@ fn less(area: &Area, islands: &[Area]) -> Area {
     let parts = area.islands();
     let inside = by_island(&parts, islands.to_vec());
     let rings = parts.into_iter().zip(inside).flat_map(|(part, inside)| {
-        match inside == part {
-            true => Vec::new(),
-            false => difference(&part, &inside).rings,
+        if inside == part {
+            Vec::new()
+        } else {
+            difference(&part, &inside).rings
         }
     });
     Area {

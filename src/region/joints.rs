@@ -254,9 +254,10 @@ fn shorten(stroke: &mut Stroke, last: bool, length: Mm) {
         return;
     }
     let share = (length / whole).min(SHARE);
-    *stroke = match last {
-        true => stroke.part(0.0, 1.0 - share),
-        false => stroke.part(share, 1.0),
+    *stroke = if last {
+        stroke.part(0.0, 1.0 - share)
+    } else {
+        stroke.part(share, 1.0)
     };
 }
 
@@ -415,9 +416,10 @@ fn stop_short(chains: Vec<Chain>, widest: Mm) -> Vec<Chain> {
         }
         let short = STUB * chains[i].stroke.width;
         let lies = ends != [0.0; 2] && ends[0] + ends[1] > length - short;
-        lines[i].left = match lies {
-            true => (0.0, 0.0),
-            false => (ends[0], length - ends[1]),
+        lines[i].left = if lies {
+            (0.0, 0.0)
+        } else {
+            (ends[0], length - ends[1])
         };
     }
     let mut all = Vec::with_capacity(chains.len());

@@ -229,9 +229,10 @@ pub(super) fn cut(
                         let (mut p, mut q) = (from.0, to.0);
                         while p.distance(q) > END {
                             let middle = p.midpoint(q);
-                            match free(middle) == on {
-                                true => p = middle,
-                                false => q = middle,
+                            if free(middle) == on {
+                                p = middle
+                            } else {
+                                q = middle
                             }
                         }
                         // The point that is free ends or begins a line.

@@ -189,9 +189,10 @@ struct Skeleton<'a> {
 impl<'a> Skeleton<'a> {
     fn new(area: &'a Area, limit: Mm, tolerance: Mm) -> Skeleton<'a> {
         let solid = Solid::of(area, cell(area));
-        let (mut ridges, room) = match area.is_empty() || limit <= 0.0 {
-            true => (Vec::new(), Room::default()),
-            false => ridges(&solid, limit, tolerance),
+        let (mut ridges, room) = if area.is_empty() || limit <= 0.0 {
+            (Vec::new(), Room::default())
+        } else {
+            ridges(&solid, limit, tolerance)
         };
         // A post's ridge is a point.
         ridges.retain(|r| r.length() > 0.25 * r.thickest());
@@ -411,9 +412,10 @@ pub(crate) fn walls_below(
             thin.push(beads);
         }
         // Nobody sees the border of what is filled.
-        let left = match next == count {
-            true => settings.accuracy,
-            false => tolerance,
+        let left = if next == count {
+            settings.accuracy
+        } else {
+            tolerance
         };
         area = skeleton.shrunk(depth, left);
         if let Some(above) = above.filter(|_| next == around_tops) {

@@ -106,9 +106,12 @@ impl Free<'_> {
         };
         lines
             .iter()
-            .map(|&(a, b)| match index.clear(a, b, reach) {
-                true => vec![(0.0, 1.0)],
-                false => pieces(a, b, free),
+            .map(|&(a, b)| {
+                if index.clear(a, b, reach) {
+                    vec![(0.0, 1.0)]
+                } else {
+                    pieces(a, b, free)
+                }
             })
             .collect()
     }
@@ -167,9 +170,10 @@ fn pieces(a: DVec2, b: DVec2, free: impl Fn(DVec2) -> bool) -> Vec<(f64, f64)> {
             let (mut low, mut high) = (from.0, to.0);
             while (high - low) * length > END {
                 let middle = 0.5 * (low + high);
-                match free(a.lerp(b, middle)) == from.1 {
-                    true => low = middle,
-                    false => high = middle,
+                if free(a.lerp(b, middle)) == from.1 {
+                    low = middle
+                } else {
+                    high = middle
                 }
             }
             match start.take() {

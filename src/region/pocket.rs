@@ -88,9 +88,10 @@ impl Left<'_> {
             // Slivers may have widened it already.
             let more = (width - self.width).max(0.0);
             let usual = p - 0.5 * more * inwards;
-            let ball = match near {
-                true => self.pocket(usual, inwards, beads).unwrap_or(0.0),
-                false => 0.0,
+            let ball = if near {
+                self.pocket(usual, inwards, beads).unwrap_or(0.0)
+            } else {
+                0.0
             };
             let lacks = ball - more;
             places.push(Place {

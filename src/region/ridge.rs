@@ -157,9 +157,10 @@ impl Ridge {
                 let p = self.points[i].lerp(self.points[j], t);
                 // A hair to each side, so that both know where they are.
                 let hair = 1e-9 * limit;
-                let (end, begin) = match above(a) {
-                    true => (limit + hair, limit),
-                    false => (limit, limit + hair),
+                let (end, begin) = if above(a) {
+                    (limit + hair, limit)
+                } else {
+                    (limit, limit + hair)
                 };
                 part.points.push(p);
                 part.thickness.push(end);

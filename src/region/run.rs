@@ -106,9 +106,10 @@ pub(super) fn join(runs: &mut Vec<Run>, grid: &EdgeGrid) {
 /// The balls on the way from one to another, where runs are joined: they can
 /// be larger than both, where strips meet.
 fn between(a: Ball, b: Ball, grid: &EdgeGrid) -> impl Iterator<Item = Ball> {
-    let count = match a.close(&b) {
-        true => 1.0,
-        false => (a.centre.distance(b.centre) / STEP).ceil().clamp(1.0, 1e3),
+    let count = if a.close(&b) {
+        1.0
+    } else {
+        (a.centre.distance(b.centre) / STEP).ceil().clamp(1.0, 1e3)
     };
     let far = a.thickness + b.thickness;
     (1..count as usize).map(move |k| {

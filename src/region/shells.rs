@@ -31,13 +31,17 @@ impl Shells {
         let fit = |i: usize| {
             let all = &spans[i];
             let within = thickness + SLACK * all.height();
-            let others: &mut dyn Iterator<Item = &LayerSpan> = match upwards {
-                true => &mut spans[i..].iter(),
-                false => &mut spans[..=i].iter().rev(),
+            let others: &mut dyn Iterator<Item = &LayerSpan> = if upwards {
+                &mut spans[i..].iter()
+            } else {
+                &mut spans[..=i].iter().rev()
             };
-            let fits = |other: &&LayerSpan| match upwards {
-                true => other.top - all.bottom <= within,
-                false => all.top - other.bottom <= within,
+            let fits = |other: &&LayerSpan| {
+                if upwards {
+                    other.top - all.bottom <= within
+                } else {
+                    all.top - other.bottom <= within
+                }
             };
             others.take_while(fits).count().max(1)
         };

@@ -74,9 +74,10 @@ pub(crate) fn slits(outline: &Solid<'_>, width: Mm, tolerance: Mm) -> Area {
         }
         first += ring.len() + usize::from(!ring.is_empty());
     }
-    match found.is_empty() {
-        true => Area::EMPTY,
-        false => unite(&Area { rings: found }),
+    if found.is_empty() {
+        Area::EMPTY
+    } else {
+        unite(&Area { rings: found })
     }
 }
 
@@ -183,9 +184,10 @@ mod tests {
     /// The area as it is printed.
     fn closed(area: &Area) -> Area {
         let found = slits(&Solid::of(area, 1.0), WIDTH, TOLERANCE);
-        match found.is_empty() {
-            true => area.clone(),
-            false => filled(area, &found, WIDTH, TOLERANCE),
+        if found.is_empty() {
+            area.clone()
+        } else {
+            filled(area, &found, WIDTH, TOLERANCE)
         }
     }
 

@@ -60,9 +60,10 @@ impl Counts {
         let mut squeezed = 0.0;
         for wall in walls.iter().copied().chain(inside) {
             let least = depth + wall.least;
-            let sliver = match depth > 0.0 {
-                true => WIDEN * wall.least,
-                false => wall.least,
+            let sliver = if depth > 0.0 {
+                WIDEN * wall.least
+            } else {
+                wall.least
             };
             counts.push(Count {
                 upto: least,
@@ -117,9 +118,10 @@ impl Counts {
         let (thin, thick) = (ridge.thinnest(), ridge.thickest());
         let (low, high) = (self.number(thin), self.number(thick));
         if low == high {
-            return match high < few {
-                true => vec![(high, ridge.clone())],
-                false => Vec::new(),
+            return if high < few {
+                vec![(high, ridge.clone())]
+            } else {
+                Vec::new()
             };
         }
         let mut parts = vec![ridge.clone()];

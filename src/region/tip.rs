@@ -143,9 +143,10 @@ fn tip(
         let (mut low, mut high) = (-1.0, 1.0);
         for _ in 0..8 {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-            match radius(at(a)) < radius(at(b)) {
-                true => low = a,
-                false => high = b,
+            if radius(at(a)) < radius(at(b)) {
+                low = a
+            } else {
+                high = b
             }
         }
         let next = at(0.5 * (low + high));

@@ -50,9 +50,10 @@ impl Place {
     /// The width once it has moved.
     fn widened(&self) -> Mm {
         let more = 2.0 * self.moves.map_or(0.0, f64::abs);
-        match self.narrows {
-            true => self.width - more,
-            false => self.width + more,
+        if self.narrows {
+            self.width - more
+        } else {
+            self.width + more
         }
     }
 }
@@ -66,9 +67,10 @@ pub(super) fn across(line: &Stroke, k: usize) -> DVec2 {
         let (a, b) = (line.points[from % n], line.points[(from + 1) % n]);
         (b - a).normalize_or_zero()
     };
-    let (before, after) = match line.closed {
-        true => (way(k + n - 1), way(k)),
-        false => (way(k.saturating_sub(1)), way(k.min(n.saturating_sub(2)))),
+    let (before, after) = if line.closed {
+        (way(k + n - 1), way(k))
+    } else {
+        (way(k.saturating_sub(1)), way(k.min(n.saturating_sub(2))))
     };
     let along = before + after;
     let cos = 0.5 * along.length();

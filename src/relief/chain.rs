@@ -115,9 +115,10 @@ impl Chain {
                 let middle = a.lerp(b, 0.5 * (from + to));
                 let open = cover.is_none_or(|c| !c.contains(middle));
                 // One stop in the middle tells that it is covered.
-                let count = match open {
-                    true => (way / step).ceil().max(1.0),
-                    false => 2.0,
+                let count = if open {
+                    (way / step).ceil().max(1.0)
+                } else {
+                    2.0
                 };
                 for k in 0..=count as usize {
                     let t = from + (to - from) * k as f64 / count;
@@ -211,9 +212,10 @@ impl Chain {
                 for knot in &mut own {
                     knot.fill = extra(bead, knot.fill);
                 }
-                let thin = match flat {
-                    true => ends_and_corners(&own),
-                    false => thinned(&own, tolerance),
+                let thin = if flat {
+                    ends_and_corners(&own)
+                } else {
+                    thinned(&own, tolerance)
                 };
                 for knot in thin {
                     stroke.points.push(self.point(knot.at));

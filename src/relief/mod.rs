@@ -217,9 +217,12 @@ impl<'a> Relief<'a> {
                 _ => paths.push((vec![ended], own)),
             }
         }
-        let led = |(path, follows): (Vec<Ended>, bool)| match follows {
-            true => self.chain(path, site, facing),
-            false => Ok(path),
+        let led = |(path, follows): (Vec<Ended>, bool)| {
+            if follows {
+                self.chain(path, site, facing)
+            } else {
+                Ok(path)
+            }
         };
         let led: Vec<Result<Vec<Ended>, ReliefError>> = self
             .pool

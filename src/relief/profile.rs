@@ -220,9 +220,10 @@ fn gap(
     all.sort_by(|a, b| a.at.total_cmp(&b.at));
     for knot in &mut all {
         knot.rise = rise(knot.at);
-        knot.fill = match bare {
-            true => knot.rise,
-            false => fade(before, knot.at) + fade(after, knot.at),
+        knot.fill = if bare {
+            knot.rise
+        } else {
+            fade(before, knot.at) + fade(after, knot.at)
         };
         if bare {
             knot.kind = Kind::Bare;

@@ -132,10 +132,7 @@ fn heights(
         for (&i, f) in open.iter().zip(probe.values(&x, &y, &z)?) {
             if let Some((a, b)) = &mut brackets[i] {
                 let middle = 0.5 * (*a + *b);
-                match f < 0.0 {
-                    true => *a = middle,
-                    false => *b = middle,
-                }
+                if f < 0.0 { *a = middle } else { *b = middle }
             }
         }
     }

@@ -65,9 +65,10 @@ const ARCS: f64 = 0.7;
 
 /// How far arcs may be from the path of a bead of this role.
 pub(crate) fn arc_tolerance(role: Role, settings: &Settings) -> Mm {
-    match role.shows() {
-        true => 0.75 * settings.accuracy,
-        false => ARCS * settings.path_accuracy,
+    if role.shows() {
+        0.75 * settings.accuracy
+    } else {
+        ARCS * settings.path_accuracy
     }
 }
 
@@ -89,9 +90,12 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
     };
     let tolerance = share * tolerance(role, settings);
     let short = runs::shortest(role);
-    let slack = |width: Mm| match role.shows() {
-        true => tolerance.min(WIDTH * width),
-        false => WIDTH * width,
+    let slack = |width: Mm| {
+        if role.shows() {
+            tolerance.min(WIDTH * width)
+        } else {
+            WIDTH * width
+        }
     };
     if !varies {
         stroke.points = simplify_line(&stroke.points, stroke.closed, tolerance);
@@ -116,9 +120,10 @@ pub(crate) fn thin(stroke: &mut Stroke, role: Role, settings: &Settings) {
 /// permit.
 pub(crate) fn pieces(bead: Bead, settings: &Settings) -> Vec<Bead> {
     // Arcs take what there is.
-    let path = match settings.arcs() {
-        true => 0.0,
-        false => (1.0 - VARYING) * tolerance(bead.role, settings),
+    let path = if settings.arcs() {
+        0.0
+    } else {
+        (1.0 - VARYING) * tolerance(bead.role, settings)
     };
     runs::pieces_within(bead, settings.accuracy, path)
 }

@@ -45,10 +45,7 @@ const STEEP: Mm = 0.02;
 /// what their round ends hide. Of others it is what no printer can follow: at
 /// 60 mm/s 0.6 mm are 10 ms, and the pressure in a nozzle takes longer to change.
 pub(super) fn shortest(role: Role) -> Mm {
-    match role.shows() {
-        true => 0.1,
-        false => 0.6,
-    }
+    if role.shows() { 0.1 } else { 0.6 }
 }
 
 /// What is meant along a stretch of a bead.
@@ -92,9 +89,10 @@ impl Stretch {
 
     /// Its mean width.
     fn width(&self) -> Mm {
-        match self.length > 0.0 {
-            true => self.content / self.length,
-            false => 0.5 * (self.low + self.high),
+        if self.length > 0.0 {
+            self.content / self.length
+        } else {
+            0.5 * (self.low + self.high)
         }
     }
 }
@@ -119,15 +117,17 @@ impl Slack {
             height: bead.height,
             // A share of next to nothing would be too little to count.
             narrowest: 0.5 * bead.width,
-            most: match bead.role.shows() {
-                true => Some(2.0 * edge),
-                false => None,
+            most: if bead.role.shows() {
+                Some(2.0 * edge)
+            } else {
+                None
             },
             short: shortest(bead.role),
             // Nothing of a bead that shows may stick out.
-            silent: match bead.role.shows() {
-                true => 0.0,
-                false => shortest(bead.role),
+            silent: if bead.role.shows() {
+                0.0
+            } else {
+                shortest(bead.role)
             },
         }
     }
@@ -167,9 +167,10 @@ impl Slack {
             Some(_) => {
                 let short = self.at(ramp.low, 0.0);
                 let count = parts(short, self.short);
-                match ramp.length / count > FEW * ramp.low {
-                    true => parts(long, self.short),
-                    false => count,
+                if ramp.length / count > FEW * ramp.low {
+                    parts(long, self.short)
+                } else {
+                    count
                 }
             }
         };

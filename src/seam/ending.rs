@@ -229,11 +229,12 @@ fn inwards(
     // The bead may have been turned round. This shows right at its end: farther
     // away the other side of a slot is inside, too.
     let near = 0.25 * bead.width * inward;
-    let side = match settings.overhang_reverse {
-        true => [1.0, -1.0]
+    let side = if settings.overhang_reverse {
+        [1.0, -1.0]
             .into_iter()
-            .find(|side| depth(end + side * near) > here)?,
-        false => 1.0,
+            .find(|side| depth(end + side * near) > here)?
+    } else {
+        1.0
     };
     [1.0, 0.5, 0.25]
         .into_iter()

@@ -127,18 +127,20 @@ impl Settings {
 
     /// Height of the thickest layers above the first.
     pub fn thickest_layer(&self) -> Mm {
-        match self.is_uniform() {
-            true => self.layer_height(),
-            false => self.layer_height_max(),
+        if self.is_uniform() {
+            self.layer_height()
+        } else {
+            self.layer_height_max()
         }
     }
 
     /// Walls around tops; no more than [`Settings::walls`], which are around
     /// all of the part if the others cannot be led around a top.
     pub fn top_walls(&self) -> u32 {
-        let wanted = match self.divides_walls() {
-            true => self.top_walls,
-            false => None,
+        let wanted = if self.divides_walls() {
+            self.top_walls
+        } else {
+            None
         };
         wanted.map_or(self.walls, |tops| tops.min(self.walls))
     }

@@ -133,9 +133,10 @@ fn read(text: &str, of: Of) -> Result<(Percent, At), Refused> {
         && let Some(own) = value.strip_suffix('%')
     {
         let own: f64 = own.trim_end().parse().map_err(|_| Refused::Type)?;
-        return match (1.0..=100.0).contains(&own) {
-            true => Ok((share, At::OfOwn(own))),
-            false => Err(Refused::Range),
+        return if (1.0..=100.0).contains(&own) {
+            Ok((share, At::OfOwn(own)))
+        } else {
+            Err(Refused::Range)
         };
     }
     let mut number = 0.0;

@@ -89,12 +89,13 @@ impl Filler<'_> {
         let strokes = around.rings.iter().chain(&around.thin);
         let rings = strokes.map(|l| {
             let bead = self.bead(sides.most(l), l.clone());
-            match bridge && bead.role == Role::BottomSkin {
-                true => Bead {
+            if bridge && bead.role == Role::BottomSkin {
+                Bead {
                     role: Role::Bridge,
                     ..bead
-                },
-                false => bead,
+                }
+            } else {
+                bead
             }
         });
         let rings: Vec<Bead> = rings.collect();
@@ -137,9 +138,10 @@ impl Filler<'_> {
         let top = sides.only().is_none_or(|r| r == Role::TopSkin);
         Some(Patch {
             rings: rings.collect(),
-            fills: match self.settings.ironing && top {
-                true => ironing().into_iter().collect(),
-                false => Vec::new(),
+            fills: if self.settings.ironing && top {
+                ironing().into_iter().collect()
+            } else {
+                Vec::new()
             },
         })
     }
@@ -310,9 +312,10 @@ impl Filler<'_> {
             Role::Ironing => true,
             _ => false,
         };
-        let after = match swept {
-            true => sweep::after(&paths, angle, look.width),
-            false => Vec::new(),
+        let after = if swept {
+            sweep::after(&paths, angle, look.width)
+        } else {
+            Vec::new()
         };
         let joined = match border.filter(|_| parallel) {
             Some(border) => {

@@ -379,9 +379,10 @@ impl Ground<'_> {
     /// there is no such place.
     fn end(&self, line: &Stroke, last: bool) -> Option<End> {
         let n = line.points.len();
-        let (index, next) = match last {
-            true => (n.checked_sub(1)?, n.checked_sub(2)?),
-            false => (0, 1),
+        let (index, next) = if last {
+            (n.checked_sub(1)?, n.checked_sub(2)?)
+        } else {
+            (0, 1)
         };
         let (p, inner) = (line.points[index], *line.points.get(next)?);
         let out = (p - inner).try_normalize()?;

@@ -86,9 +86,10 @@ impl Runs {
         let last = self.all[run].last?;
         let after = Some(last + 1).filter(|&k| k < self.all.len());
         let length = |k: Option<usize>| k.map(|k| self.all[k].length);
-        let longer = match length(before) >= length(after) {
-            true => before,
-            false => after,
+        let longer = if length(before) >= length(after) {
+            before
+        } else {
+            after
         };
         let role = self.all[longer?].role;
         self.all[run].role = role;
@@ -196,9 +197,10 @@ mod tests {
             }
             let length = |k: Option<usize>| Some(all.get(k?)?.1);
             let (before, after) = (i.checked_sub(1), Some(i + 1));
-            let longer = match length(before) >= length(after) {
-                true => before,
-                false => after,
+            let longer = if length(before) >= length(after) {
+                before
+            } else {
+                after
             };
             all[i].0 = all[longer.unwrap()].0;
             let mut joined: Vec<(usize, f64)> = Vec::new();

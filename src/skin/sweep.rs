@@ -34,9 +34,10 @@ pub(super) fn after(
     let (mut before, mut start) = (0..0, 0);
     for (i, (row, _)) in lines.iter().enumerate() {
         if i > 0 && *row != lines[i - 1].0 {
-            before = match lines[i - 1].0 + 1 == *row {
-                true => start..i,
-                false => 0..0,
+            before = if lines[i - 1].0 + 1 == *row {
+                start..i
+            } else {
+                0..0
             };
             start = i;
         }

@@ -213,9 +213,12 @@ impl Turns<'_> {
         last: bool,
     ) -> Option<Turn> {
         let [a, b] = pair.map(|i| &lines[i].1);
-        let end = |s: &Stroke| match last {
-            true => s.points.last().copied(),
-            false => s.points.first().copied(),
+        let end = |s: &Stroke| {
+            if last {
+                s.points.last().copied()
+            } else {
+                s.points.first().copied()
+            }
         };
         let (p, q) = (end(a)?, end(b)?);
         let length = p.distance(q);
@@ -306,9 +309,10 @@ mod tests {
             phase: 0.1,
         };
         let all = strokes(area, lines, WIDTH, 0.5 * WIDTH);
-        let after = match swept {
-            true => sweep::after(&all, angle, WIDTH),
-            false => Vec::new(),
+        let after = if swept {
+            sweep::after(&all, angle, WIDTH)
+        } else {
+            Vec::new()
         };
         let border = EdgeGrid::new(area, 1.0);
         let turns = Turns {

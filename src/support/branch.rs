@@ -127,9 +127,10 @@ impl Branch {
         let islands = self.core.islands();
         if islands.len() < 2 {
             self.core = islands.into_iter().next().unwrap_or_default();
-            return match self.core.is_empty() {
-                true => Vec::new(),
-                false => vec![self],
+            return if self.core.is_empty() {
+                Vec::new()
+            } else {
+                vec![self]
             };
         }
         let whole = self.core.content().max(1e-9);
@@ -194,16 +195,18 @@ impl Branch {
         // What the part is in the way of goes aside, or stands on the part.
         let reach = step.lean + 3.0 * TOLERANCE;
         let lost = difference(&self.core, &offset(&core, reach, TOLERANCE));
-        let lost = match lost.is_empty() {
-            true => lost,
-            false => difference(&lost, &self.landing(step, near)),
+        let lost = if lost.is_empty() {
+            lost
+        } else {
+            difference(&lost, &self.landing(step, near))
         };
         if core.is_empty() || lost.content() > 0.01 * SPECK {
             let aside = offset(&lost, reach, TOLERANCE);
             let aside = difference(&aside, &blocked);
-            core = match self.is_post() {
-                true => largest(aside),
-                false => union(&core, &aside),
+            core = if self.is_post() {
+                largest(aside)
+            } else {
+                union(&core, &aside)
             };
         } else if self.is_column() {
             self.core = core;

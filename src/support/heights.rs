@@ -58,9 +58,10 @@ impl Heights {
             {
                 face = next;
             }
-            let top = match (face - span.top).abs() <= ROUNDED {
-                true => span.top,
-                false => face,
+            let top = if (face - span.top).abs() <= ROUNDED {
+                span.top
+            } else {
+                face
             };
             tops.push(match tops.last() {
                 None if top < span.bottom + FIRST * span.height() => span.top,

@@ -47,13 +47,15 @@ pub(super) struct Need {
 impl Need {
     /// By what is not held and what is wanted.
     pub(super) fn new(unheld: Area, wish: &Wish) -> Need {
-        let must = match wish.left.is_empty() {
-            true => unheld,
-            false => difference(&unheld, &wish.left),
+        let must = if wish.left.is_empty() {
+            unheld
+        } else {
+            difference(&unheld, &wish.left)
         };
-        let all = match wish.held.is_empty() {
-            true => must.clone(),
-            false => union(&must, &large(wish.held.clone())),
+        let all = if wish.held.is_empty() {
+            must.clone()
+        } else {
+            union(&must, &large(wish.held.clone()))
         };
         Need { all, must }
     }
@@ -74,10 +76,10 @@ pub(super) fn need(
     let begins = floating(here, &below).into_iter();
     let begins: Vec<_> = begins.flat_map(|f| f.island.rings).collect();
     let sticks_out = sticks_out(here, &below, height, settings);
-    match begins.is_empty() {
-        true => sticks_out,
-        // However small they are.
-        false => union(&sticks_out, &Area { rings: begins }),
+    if begins.is_empty() {
+        sticks_out
+    } else {
+        union(&sticks_out, &Area { rings: begins })
     }
 }
 

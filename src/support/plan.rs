@@ -226,9 +226,10 @@ fn slices(
             dense = union(&dense, top);
         }
         let interface = printable(intersection(&all, &dense), 0.0);
-        let body = match interface.is_empty() {
-            true => all,
-            false => printable(difference(&all, &dense), 0.25 * width),
+        let body = if interface.is_empty() {
+            all
+        } else {
+            printable(difference(&all, &dense), 0.25 * width)
         };
         Slice {
             body,
@@ -241,12 +242,11 @@ fn slices(
 
 /// The area without what is thinner than 2 `half`, and without specks.
 fn printable(area: Area, half: Mm) -> Area {
-    let open = match half > 0.0 {
-        true => {
-            let core = offset(&area, -half, TOLERANCE);
-            intersection(&area, &offset(&core, half + TOLERANCE, TOLERANCE))
-        }
-        false => area,
+    let open = if half > 0.0 {
+        let core = offset(&area, -half, TOLERANCE);
+        intersection(&area, &offset(&core, half + TOLERANCE, TOLERANCE))
+    } else {
+        area
     };
     let islands = open.islands().into_iter();
     let large = islands.filter(|i| i.content() > SPECK);
@@ -433,9 +433,12 @@ mod tests {
             let lids =
                 union(&rect(0.0, 0.0, 2.0, 2.0), &rect(10.0, 0.0, 12.0, 2.0));
             let stem = rect(0.0, 20.0, 5.0, 25.0);
-            let layer = |i| match i < height {
-                true => stem.clone(),
-                false => union(&stem, &lids),
+            let layer = |i| {
+                if i < height {
+                    stem.clone()
+                } else {
+                    union(&stem, &lids)
+                }
             };
             let outlines: Vec<Area> = (0..height + 2).map(layer).collect();
             posts(&plan(&outlines, Supports::Auto), 3).len()

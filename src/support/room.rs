@@ -131,9 +131,10 @@ impl<'a> Room<'a> {
     pub(super) fn blocked(&self, j: usize, foot: Foot, within: Rect) -> Area {
         let all = &self.of(foot)[j];
         let grid = all.grid();
-        match !grid.meets(within) && !grid.contains(within.min) {
-            true => Area::EMPTY,
-            false => crop(&all.area().rings, within),
+        if !grid.meets(within) && !grid.contains(within.min) {
+            Area::EMPTY
+        } else {
+            crop(&all.area().rings, within)
         }
     }
 

@@ -116,10 +116,7 @@ fn begun(
     let mut add = |area: &Area, foot: Foot| {
         for (cell, core) in pieces(area, cells, foot, step) {
             let near = || is_near(inside(&core), layer, parts, solids);
-            let foot = match anywhere && near() {
-                true => Foot::Part,
-                false => foot,
-            };
+            let foot = if anywhere && near() { Foot::Part } else { foot };
             new.push(Branch {
                 held: core.content(),
                 core,
@@ -296,16 +293,18 @@ fn join(branches: &mut Vec<Branch>, step: Step<'_>) {
         let met = others.filter(|&o| o != k && !gone[o]).find(|&other| {
             let branch = &branches[other];
             branch.foot == branches[k].foot
-                && match branch.is_post() {
-                    true => middles[other].distance(at) <= POINT,
-                    false => branch.core.contains(at),
+                && if branch.is_post() {
+                    middles[other].distance(at) <= POINT
+                } else {
+                    branch.core.contains(at)
                 }
         });
         let Some(other) = met else { continue };
         let post = branches[k].clone();
-        match branches[other].is_post() {
-            true => branches[other].meet(&post),
-            false => branches[other].take(post, step),
+        if branches[other].is_post() {
+            branches[other].meet(&post)
+        } else {
+            branches[other].take(post, step)
         }
         gone[k] = true;
     }

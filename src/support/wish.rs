@@ -88,23 +88,25 @@ impl<'a> Wishes<'a> {
     ) -> Result<Wish, VaryError> {
         crate::limits::check();
         let slack = SURE * self.settings.accuracy;
-        let under = match below.is_empty() {
-            true => here.clone(),
-            false => difference(here, &offset(below, slack, 0.5 * slack)),
+        let under = if below.is_empty() {
+            here.clone()
+        } else {
+            difference(here, &offset(below, slack, 0.5 * slack))
         };
         if under.is_empty() {
             return Ok(Wish::default());
         }
         if let Some(value) = self.value.constant() {
-            return Ok(match value > 0.0 {
-                true => Wish {
+            return Ok(if value > 0.0 {
+                Wish {
                     held: under,
                     ..Wish::default()
-                },
-                false => Wish {
+                }
+            } else {
+                Wish {
                     left: under,
                     ..Wish::default()
-                },
+                }
             });
         }
         let measure = self.value.uses_depth();

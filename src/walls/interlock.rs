@@ -84,9 +84,10 @@ impl Interlock<'_> {
         let mut from = 0.0;
         let mut out = Vec::with_capacity(runs.len());
         for (i, (own, joined)) in runs.iter().enumerate() {
-            let to = match i + 1 == runs.len() {
-                true => length,
-                false => from + own,
+            let to = if i + 1 == runs.len() {
+                length
+            } else {
+                from + own
             };
             let stroke = open.part(from / length, to / length);
             from = to;

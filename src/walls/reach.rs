@@ -57,9 +57,10 @@ impl<'a> Reach<'a> {
         if self.below.contains(p) {
             return 0.0;
         }
-        match self.support.is_some_and(|s| s.contains(p)) {
-            true => OVER_SUPPORT,
-            false => 1.0,
+        if self.support.is_some_and(|s| s.contains(p)) {
+            OVER_SUPPORT
+        } else {
+            1.0
         }
     }
 }

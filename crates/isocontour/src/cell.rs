@@ -37,9 +37,12 @@ impl Cell {
 
     /// The axis along which it is widest.
     pub(crate) fn widest_axis(&self) -> usize {
-        (0..3).fold(0, |best, i| match self.width(i) > self.width(best) {
-            true => i,
-            false => best,
+        (0..3).fold(0, |best, i| {
+            if self.width(i) > self.width(best) {
+                i
+            } else {
+                best
+            }
         })
     }
 

@@ -198,10 +198,10 @@ fn zeros(
     }
     let guess = |b: &[f64; 5]| {
         let t = b[0] + (b[1] - b[0]) * b[2] / (b[2] - b[3]);
-        match t >= b[0] && t <= b[1] {
-            true => t,
-            // The function jumps here, or is NaN.
-            false => 0.5 * (b[0] + b[1]),
+        if t >= b[0] && t <= b[1] {
+            t
+        } else {
+            0.5 * (b[0] + b[1])
         }
     };
     let mut points: Vec<DVec2> = Vec::with_capacity(edges.len());
@@ -218,10 +218,8 @@ fn zeros(
         for (b, &f) in brackets.iter_mut().zip(&found) {
             let t = guess(b);
             let first = (f < 0.0) == (b[2] < 0.0);
-            let (moved, kept, side) = match first {
-                true => (0, 1, -1.0),
-                false => (1, 0, 1.0),
-            };
+            let (moved, kept, side) =
+                if first { (0, 1, -1.0) } else { (1, 0, 1.0) };
             (b[moved], b[moved + 2]) = (t, f);
             // The value of an end that stays twice is halved.
             if b[4] == side {
@@ -248,15 +246,12 @@ pub fn thin(points: &[DVec2], tolerance: Length) -> Vec<DVec2> {
         let length = chord.length();
         let off = |p: DVec2| {
             let d = p - points[from];
-            match length > 0.0 {
-                // Places beyond the chord's ends count as well, since a line
-                // may turn back.
-                true => {
-                    let along = chord.dot(d) / length;
-                    let beyond = (-along).max(along - length).max(0.0);
-                    (chord.perp_dot(d) / length).abs().max(beyond)
-                }
-                false => d.length(),
+            if length > 0.0 {
+                let along = chord.dot(d) / length;
+                let beyond = (-along).max(along - length).max(0.0);
+                (chord.perp_dot(d) / length).abs().max(beyond)
+            } else {
+                d.length()
             }
         };
         let farthest = (from + 1..to)

@@ -255,9 +255,10 @@ pub fn digits(tree: &Tree, within: &Bounds, cancel: &Cancel) -> Option<f64> {
         let (mut a, mut b) = (node(n), node(n + 1));
         for _ in 0..50 {
             let m: [f64; 3] = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
-            match (program.value(m, &mut scratch) < 0.0) == inside[n] {
-                true => a = m,
-                false => b = m,
+            if (program.value(m, &mut scratch) < 0.0) == inside[n] {
+                a = m
+            } else {
+                b = m
             }
         }
         errors.extend(error_at(&context, root, &program, a, &mut scratch));

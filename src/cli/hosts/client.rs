@@ -244,9 +244,10 @@ impl Client {
         is_own: impl Fn(&str) -> bool,
     ) -> Result<String, HostError> {
         let program = self.text(&self.get("api/version")?, "/text")?;
-        match is_own(&program) {
-            true => Ok(program),
-            false => Err(self.stranger(&format!("it is {program}"))),
+        if is_own(&program) {
+            Ok(program)
+        } else {
+            Err(self.stranger(&format!("it is {program}")))
         }
     }
 

@@ -168,15 +168,14 @@ pub(super) fn explain(
             for (symbol, remedy) in [
                 (
                     "Expecting ';'",
-                    match text.trim_start().starts_with("def ")
+                    if text.trim_start().starts_with("def ")
                         || text.contains("\ndef ")
                         || text.contains("function ")
                     {
-                        true => "; a function is fn name(a, b) { a + b }",
-                        false => {
-                            "; is there a ; missing at the end of the line \
-                             before?"
-                        }
+                        "; a function is fn name(a, b) { a + b }"
+                    } else {
+                        "; is there a ; missing at the end of the line \
+                         before?"
                     },
                 ),
                 ("'import'", "; models cannot import other files"),

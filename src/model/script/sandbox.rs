@@ -28,9 +28,10 @@ pub(super) fn add_limits(engine: &mut Engine, most: u64, stop: Arc<AtomicU8>) {
         .on_debug(|_, _, _| {});
 
     engine.on_progress(move |operations| {
-        let why = match operations > most {
-            true => Some(Stop::Operations),
-            false => Stop::from_number(stop.load(Ordering::Relaxed)),
+        let why = if operations > most {
+            Some(Stop::Operations)
+        } else {
+            Stop::from_number(stop.load(Ordering::Relaxed))
         };
         why.map(Dynamic::from)
     });

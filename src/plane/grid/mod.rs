@@ -236,9 +236,10 @@ impl EdgeGrid {
         for row in first..=last {
             let bottom = self.origin.y + row as f64 * self.cell;
             let x0 = if row == first { low.x } else { at(bottom) };
-            let x1 = match row == last {
-                true => high.x,
-                false => at(bottom + self.cell),
+            let x1 = if row == last {
+                high.x
+            } else {
+                at(bottom + self.cell)
             };
             let (c0, c1) = (self.column(x0.min(x1)), self.column(x0.max(x1)));
             for column in c0..=c1 {

@@ -56,9 +56,10 @@ impl EdgeGrid {
             // grid's border hold all that is beyond them.
             let bottom = self.origin.y + row as f64 * self.cell - distance;
             let top = bottom + self.cell + 2.0 * distance;
-            let at = |y: f64, end: DVec2, open: bool| match open {
-                true => end.x,
-                false => {
+            let at = |y: f64, end: DVec2, open: bool| {
+                if open {
+                    end.x
+                } else {
                     let x = low.x + slope * (y - low.y);
                     x.clamp(low.x.min(high.x), low.x.max(high.x))
                 }

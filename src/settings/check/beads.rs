@@ -128,9 +128,10 @@ pub(super) fn widths(
 }
 
 fn layer_heights(s: &Settings) -> [(&'static str, Mm); 2] {
-    let key = match s.is_uniform() {
-        true => "layer_height",
-        false => "layer_height_max",
+    let key = if s.is_uniform() {
+        "layer_height"
+    } else {
+        "layer_height_max"
     };
     [
         (key, s.thickest_layer()),

@@ -117,12 +117,13 @@ impl<'a> Search<'a> {
         }
         self.look_far(&program)?;
         let program = self.peel(program);
-        match program.len() > LONG {
-            true => self.shards(program),
-            false => Ok(vec![Part {
+        if program.len() > LONG {
+            self.shards(program)
+        } else {
+            Ok(vec![Part {
                 program: self.sift(program)?,
                 cell: self.region,
-            }]),
+            }])
         }
     }
 

@@ -66,9 +66,10 @@ impl Squares {
                     a.x + (b.x - a.x) * share.clamp(0.0, 1.0)
                 };
                 let bottom = self.lo.y + j as f64 * self.size;
-                let [p, q] = match a.y < b.y {
-                    true => [x(bottom - pad), x(bottom + self.size + pad)],
-                    false => [a.x, b.x],
+                let [p, q] = if a.y < b.y {
+                    [x(bottom - pad), x(bottom + self.size + pad)]
+                } else {
+                    [a.x, b.x]
                 };
                 from = self.column(p.min(q) - pad);
                 to = self.column(p.max(q) + pad);

@@ -148,9 +148,10 @@ impl Patch {
         let density = FRAC_PI_2 * changes as f64
             / (2.0 * n as f64 * step * (n as f64 - 1.0));
         let width = 1.0 / density;
-        let most = match 2 * changes > n * (n - 1) {
-            true => smallest,
-            false => smallest / 3.0,
+        let most = if 2 * changes > n * (n - 1) {
+            smallest
+        } else {
+            smallest / 3.0
         };
         let dense = dense as f64 >= DENSE_LINES * 2.0 * n as f64;
         (width < most || (dense && smallest > 0.0)).then_some(width)
@@ -316,9 +317,10 @@ fn find_vertices(
                     });
                     let ends = (patch.point(a, b), patch.point(next.0, next.1));
                     let f = (patch.values[p], patch.values[q]);
-                    brackets.push(match patch.inside[p] {
-                        true => Bracket::new(ends.0, ends.1, f.0, f.1),
-                        false => Bracket::new(ends.1, ends.0, f.1, f.0),
+                    brackets.push(if patch.inside[p] {
+                        Bracket::new(ends.0, ends.1, f.0, f.1)
+                    } else {
+                        Bracket::new(ends.1, ends.0, f.1, f.0)
                     });
                     heights.push(z[cell.layer]);
                 }

@@ -205,9 +205,8 @@ pub(super) fn doubts(
         for flip in [false, true] {
             let lines = lines(values, flip);
             let cells = |k: usize, across: usize| {
-                let cell = |across: usize| match flip {
-                    false => [k, across],
-                    true => [across, k],
+                let cell = |across: usize| {
+                    if !flip { [k, across] } else { [across, k] }
                 };
                 let below = across.checked_sub(1).map(cell);
                 [below, (across < LEAF).then(|| cell(across))]
@@ -225,9 +224,10 @@ pub(super) fn doubts(
                 let may = |f| doubt_at_border(f, reach);
                 for across in bits(places(three, may)) {
                     let inner = three.map(|line| line[across]);
-                    let (dx, dy) = match flip {
-                        false => (beyond, across as i64),
-                        true => (across as i64, beyond),
+                    let (dx, dy) = if !flip {
+                        (beyond, across as i64)
+                    } else {
+                        (across as i64, beyond)
                     };
                     let node = |axis: &[f32], from: usize, d: i64| {
                         let last = axis.len() as i64 - 1;

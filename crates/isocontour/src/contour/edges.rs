@@ -110,9 +110,10 @@ impl Edges {
             }
             slots[slot] = all.len() as u32;
             let (f, g) = (values[j * NODES + i], values[l * NODES + k]);
-            let (inside, outside, field) = match f < 0.0 {
-                true => (at(i, j), at(k, l), [f, g]),
-                false => (at(k, l), at(i, j), [g, f]),
+            let (inside, outside, field) = if f < 0.0 {
+                (at(i, j), at(k, l), [f, g])
+            } else {
+                (at(k, l), at(i, j), [g, f])
             };
             let node = corner + j * width + i;
             all.push(Edge {

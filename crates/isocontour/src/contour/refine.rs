@@ -214,9 +214,10 @@ pub(super) fn refine(
     let late = open.iter().map(|&i| i as usize);
     slopes(brackets, z, sampler, scratch, late.clone());
     for (i, &[_, dx, dy]) in late.zip(&scratch.slopes) {
-        gradients[i] = match brackets[i].jumps() {
-            true => DVec2::ZERO,
-            false => DVec2::new(f64::from(dx), f64::from(dy)),
+        gradients[i] = if brackets[i].jumps() {
+            DVec2::ZERO
+        } else {
+            DVec2::new(f64::from(dx), f64::from(dy))
         };
     }
     Ok(gradients)

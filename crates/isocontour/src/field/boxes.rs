@@ -40,9 +40,12 @@ impl Bound {
     };
 
     pub(super) fn new(slope: Slope) -> Bound {
-        let ends = |r: Interval| match r.nan {
-            true => [f64::NEG_INFINITY, f64::INFINITY],
-            false => [r.lo, r.hi],
+        let ends = |r: Interval| {
+            if r.nan {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            } else {
+                [r.lo, r.hi]
+            }
         };
         Bound {
             value: ends(slope.v),

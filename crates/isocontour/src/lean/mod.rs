@@ -390,9 +390,10 @@ impl Search<'_> {
         }
         for _ in 0..60 {
             let middle = 0.5 * (lo + hi);
-            match side(middle) == below {
-                true => lo = middle,
-                false => hi = middle,
+            if side(middle) == below {
+                lo = middle
+            } else {
+                hi = middle
             }
         }
         Some(0.5 * (lo + hi))

@@ -59,9 +59,7 @@ fn vertical(x: Interval, y: Interval, z: Interval) -> (f64, f64) {
     };
     let most = share(z.magnitude(), smallest(x).hypot(smallest(y)));
     let least = share(smallest(z), x.magnitude().hypot(y.magnitude()));
-    let number = |v: f64, otherwise: f64| match v.is_nan() {
-        true => otherwise,
-        false => v,
-    };
+    let number =
+        |v: f64, otherwise: f64| if v.is_nan() { otherwise } else { v };
     (number(least, 0.0), number(most, 1.0))
 }

@@ -80,22 +80,25 @@ impl Part for Interval {
         }
     }
     fn step(self, a: Self, b: Self) -> Self {
-        match only(self).is_some() || is_flat(a) && is_flat(b) {
-            true => Interval::ZERO,
-            false => Interval::ANYTHING,
+        if only(self).is_some() || is_flat(a) && is_flat(b) {
+            Interval::ZERO
+        } else {
+            Interval::ANYTHING
         }
     }
     fn leap(self, x: Self, along: Self) -> Self {
         // The angle jumps across the negative x axis, on which `self` is zero.
-        match self.contains(0.0) && x.lo <= 0.0 && !is_flat(along) {
-            true => Interval::ANYTHING,
-            false => Interval::ZERO,
+        if self.contains(0.0) && x.lo <= 0.0 && !is_flat(along) {
+            Interval::ANYTHING
+        } else {
+            Interval::ZERO
         }
     }
     fn wrap(self, o: Self, a: Self, b: Self) -> Self {
-        match self.same_period(o) || is_flat(a) && is_flat(b) {
-            true => a,
-            false => Interval::ANYTHING,
+        if self.same_period(o) || is_flat(a) && is_flat(b) {
+            a
+        } else {
+            Interval::ANYTHING
         }
     }
 }

@@ -61,15 +61,17 @@ impl Number for f64 {
     }
     // NaN wins in fidget's min and max, unlike in f64's.
     fn min(self, o: Self) -> Self {
-        match self.is_nan() || o.is_nan() {
-            true => f64::NAN,
-            false => f64::min(self, o),
+        if self.is_nan() || o.is_nan() {
+            f64::NAN
+        } else {
+            f64::min(self, o)
         }
     }
     fn max(self, o: Self) -> Self {
-        match self.is_nan() || o.is_nan() {
-            true => f64::NAN,
-            false => f64::max(self, o),
+        if self.is_nan() || o.is_nan() {
+            f64::NAN
+        } else {
+            f64::max(self, o)
         }
     }
     fn and(self, o: Self) -> Self {

@@ -102,9 +102,10 @@ pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
                 }
                 // If the two operands are equal on a surface only, the piece
                 // between has no thickness.
-                return match grows(&difference(a, b)) {
-                    true => vec![-1.0, 1.0],
-                    false => vec![-1.0, 0.0, 1.0],
+                return if grows(&difference(a, b)) {
+                    vec![-1.0, 1.0]
+                } else {
+                    vec![-1.0, 0.0, 1.0]
                 };
             }
             _ => return Vec::new(),
@@ -204,9 +205,12 @@ fn difference(a: &Slot, b: &Slot) -> Slot {
 }
 
 fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
-    let side = |slot: Slot, up: bool| match up {
-        true => (slot, 0.0, f64::INFINITY),
-        false => (slot, f64::NEG_INFINITY, 0.0),
+    let side = |slot: Slot, up: bool| {
+        if up {
+            (slot, 0.0, f64::INFINITY)
+        } else {
+            (slot, f64::NEG_INFINITY, 0.0)
+        }
     };
     let (slot, lo, hi) = match step {
         Step::Unary(op, _) => match op {
@@ -244,9 +248,10 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
     // The part of an operand's range on its side of a pole.
     let beside = |slot: &Slot| {
         let mut slot = *slot;
-        match index > 0.0 {
-            true => slot.range.lo = slot.range.lo.max(0.0),
-            false => slot.range.hi = slot.range.hi.min(0.0),
+        if index > 0.0 {
+            slot.range.lo = slot.range.lo.max(0.0)
+        } else {
+            slot.range.hi = slot.range.hi.min(0.0)
         }
         slot
     };
@@ -268,9 +273,12 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
                     out.range.hi = f64::INFINITY;
                 }
                 if low || high {
-                    out.slope = out.slope.map(|g| match g == Interval::ZERO {
-                        true => g,
-                        false => Interval::REALS,
+                    out.slope = out.slope.map(|g| {
+                        if g == Interval::ZERO {
+                            g
+                        } else {
+                            Interval::REALS
+                        }
                     });
                 }
                 out

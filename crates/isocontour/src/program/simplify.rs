@@ -46,12 +46,13 @@ impl Window {
 
     fn mapped(self, map: impl Fn(f64) -> f64) -> Self {
         let (a, b) = (map(self.lo), map(self.hi));
-        match a.is_nan() || b.is_nan() {
-            true => Self::OPEN,
-            false => Self {
+        if a.is_nan() || b.is_nan() {
+            Self::OPEN
+        } else {
+            Self {
                 lo: a.min(b),
                 hi: a.max(b),
-            },
+            }
         }
     }
 }

@@ -91,8 +91,9 @@ pub(super) fn common(a: Interval, b: Interval) -> Interval {
     }
     let (lo, hi) = (a.lo.max(b.lo), a.hi.min(b.hi));
     // The two ranges miss each other only by rounding.
-    match !b.nan && lo <= hi {
-        true => Interval::new(lo, hi),
-        false => a,
+    if !b.nan && lo <= hi {
+        Interval::new(lo, hi)
+    } else {
+        a
     }
 }

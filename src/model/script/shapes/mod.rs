@@ -153,9 +153,10 @@ fn call(row: &Row, mut given: Vec<Dynamic>) -> Outcome<Tree> {
     };
     let mut values: Vec<Option<Value>> = vec![None; row.arguments.len()];
     // Names come last: a shape may stand before them.
-    let named = match given.last().is_some_and(Dynamic::is_map) {
-        true => given.pop().and_then(Dynamic::try_cast::<Map>),
-        false => None,
+    let named = if given.last().is_some_and(Dynamic::is_map) {
+        given.pop().and_then(Dynamic::try_cast::<Map>)
+    } else {
+        None
     };
     for (name, value) in named.unwrap_or_default() {
         let found = row.arguments.iter().position(|a| a.name == name.as_str());

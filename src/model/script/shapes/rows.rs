@@ -381,17 +381,17 @@ fn all(copies: Vec<Tree>) -> Tree {
 }
 
 fn fits(edge: f64, most: f64) -> Result<(), String> {
-    match edge <= most {
-        true => Ok(()),
-        false => Err(format!("edge is {edge}, and fits up to {most}")),
+    if edge <= most {
+        Ok(())
+    } else {
+        Err(format!("edge is {edge}, and fits up to {most}"))
     }
 }
 
 fn whole(n: f64, what: &str, least: f64, most: f64) -> Result<usize, String> {
-    match n.fract() == 0.0 && (least..=most).contains(&n) {
-        true => Ok(n as usize),
-        false => {
-            Err(format!("{what} is to be a whole number, {least} to {most}"))
-        }
+    if n.fract() == 0.0 && (least..=most).contains(&n) {
+        Ok(n as usize)
+    } else {
+        Err(format!("{what} is to be a whole number, {least} to {most}"))
     }
 }

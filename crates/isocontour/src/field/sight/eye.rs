@@ -308,12 +308,7 @@ impl<'a> Eye<'a> {
         {
             let gradient = Vec3::new(dx, dy, dz);
             let beyond = -v / gradient.dot(towards);
-            let beyond = match beyond >= 0.0 {
-                true => beyond.min(1.0),
-                // The field does not rise towards the viewer, or its slope is
-                // unknown.
-                false => 0.5,
-            };
+            let beyond = if beyond >= 0.0 { beyond.min(1.0) } else { 0.5 };
             self.hits[line] = Some(Hit {
                 depth: sample as f32 + beyond,
                 gradient,

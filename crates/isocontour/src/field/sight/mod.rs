@@ -118,9 +118,10 @@ impl Sight {
         let now = f.size() as u64 * count as u64;
         let taken = self.taken.fetch_add(now, Ordering::Relaxed);
         let most = self.most;
-        match taken.saturating_add(now) > most {
-            true => Err(FieldError::Costly { most }),
-            false => Ok(()),
+        if taken.saturating_add(now) > most {
+            Err(FieldError::Costly { most })
+        } else {
+            Ok(())
         }
     }
 

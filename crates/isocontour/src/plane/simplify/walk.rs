@@ -210,13 +210,16 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
     /// The end of the longest edge from a corner of the result.
     fn next(&self, from: &Joint, end: &Joint) -> Joint {
         let start = from.place as usize;
-        let point = |k: usize| match k as f64 >= end.place {
-            true => *end,
-            false => Joint {
-                at: self.points.at(k),
-                place: k as f64,
-                stays: (self.corner)(k),
-            },
+        let point = |k: usize| {
+            if k as f64 >= end.place {
+                *end
+            } else {
+                Joint {
+                    at: self.points.at(k),
+                    place: k as f64,
+                    stays: (self.corner)(k),
+                }
+            }
         };
         // A long straight piece may fit no farther than its first points. A
         // piece that fits all along may soon turn away.
