@@ -29,6 +29,12 @@ const WIDEN: f64 = 1.25;
 /// Parts shorter than this take the number of a neighbour, if its beads can
 /// be made to fit, mm.
 const SHORT: Mm = 4.0;
+/// By how much a bead between two walls may bulge where it is wide enough for two
+/// beads, but not for long: one of the two would be too short to print, and would
+/// leave a pit beside the other.
+const BULGE: f64 = 1.25;
+/// Longest bulge, mm.
+const BULGE_LENGTH: Mm = 1.2;
 /// Parts are merged in so many rounds, the shortest ones first.
 const ROUNDS: u32 = 5;
 
@@ -39,6 +45,8 @@ struct Count {
     upto: Mm,
     /// What it can be stretched to.
     range: (Mm, Mm),
+    /// What it can be stretched to for no more than [`BULGE_LENGTH`].
+    bulge: Mm,
     /// What the walls outside of the innermost bead or pair take of it.
     taken: Mm,
 }
@@ -68,11 +76,16 @@ impl Counts {
             counts.push(Count {
                 upto: least,
                 range: (squeezed, depth + sliver),
+                bulge: depth + sliver,
                 taken: depth,
             });
+            let wide = wall.limit * WIDE;
+            // A bulge at the part's surface would be seen.
+            let bulge = if depth > 0.0 { BULGE * wide } else { wide };
             counts.push(Count {
                 upto: depth + wall.limit,
-                range: (depth + wall.least / NARROW, depth + wall.limit * WIDE),
+                range: (depth + wall.least / NARROW, depth + wide),
+                bulge: depth + bulge,
                 taken: depth,
             });
             squeezed = depth + SQUEEZE * 2.0 * wall.inner;
@@ -104,10 +117,13 @@ impl Counts {
         self.counts.partition_point(|c| c.upto < thickness)
     }
 
-    /// True if a number of beads can be made to fit all along a ridge.
-    fn fits(&self, number: usize, ridge: &Ridge) -> bool {
+    /// True if a number of beads can be made to fit all along a ridge; if there
+    /// are as many at both its ends, `between` them, they may bulge.
+    fn fits(&self, number: usize, ridge: &Ridge, between: bool) -> bool {
+        let bulges = between && ridge.length() < BULGE_LENGTH;
         self.counts.get(number).is_some_and(|c| {
-            ridge.thinnest() >= c.range.0 && ridge.thickest() <= c.range.1
+            let most = if bulges { c.bulge } else { c.range.1 };
+            ridge.thinnest() >= c.range.0 && ridge.thickest() <= most
         })
     }
 
@@ -181,12 +197,12 @@ impl Counts {
             let before = merged.last().map(|p| p.0);
             let after = rest.peek().map(|p| p.0).or(first);
             if part.length() < short && Some(number) != before {
-                let fits = |n: &usize| self.fits(*n, &part);
+                let same = before == after;
+                let fits = |n: &usize| self.fits(*n, &part, same);
                 // Where both fit, the number nearer to its own.
                 let mut beside: Vec<usize> =
                     before.into_iter().chain(after).filter(fits).collect();
                 beside.sort_by_key(|n| n.abs_diff(number));
-                let same = before == after;
                 if let Some(&n) = beside.first()
                     && (same
                         || before.is_none()
@@ -280,6 +296,26 @@ mod tests {
         let step = |x: f64| if x < 10.0 { 0.78 } else { 0.87 };
         let parts = counts().split(&ridge(20.0, step));
         assert_eq!(numbers(&parts), [1, 2]);
+    }
+
+    #[test]
+    fn a_bead_between_walls_bulges_where_it_is_too_wide_for_a_while() {
+        // As in a bend: from 1.3 mm to more, and back within some length.
+        let bend = |most: f64, length: f64| {
+            let t = move |x: f64| {
+                let share = (2.0 * (x - 10.0) / length).abs();
+                1.3 + (most - 1.3) * (1.0 - share).max(0.0)
+            };
+            numbers(&counts().split(&ridge(20.0, t)))
+        };
+        // Wider than a bead may be for long, 1.716 mm.
+        assert_eq!(bend(1.85, 2.6), [3]);
+        assert_eq!(bend(1.85, 8.0), [3, 4, 3]);
+        // Wider than two walls and a bulge.
+        assert!(bend(2.0, 2.6).contains(&4));
+        // One bead alone does not bulge.
+        let t = |x: f64| 0.6 + 0.4 * (1.0 - (x - 10.0).abs()).max(0.0);
+        assert_eq!(numbers(&counts().split(&ridge(20.0, t))), [1, 2, 1]);
     }
 
     #[test]
