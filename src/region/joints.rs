@@ -45,7 +45,7 @@ const SHARE: f64 = 0.4;
 const STOP: f64 = 0.4;
 /// Strokes whose ends lie on others are left out if what is left of them is
 /// shorter than this share of their width.
-const STUB: f64 = 0.5;
+const STUB: f64 = 0.15;
 /// Ends may lie on other strokes by so much, mm.
 const SLACK: Mm = 0.005;
 
