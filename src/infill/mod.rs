@@ -52,7 +52,7 @@ use sheet::Sheet;
 
 /// Which layer is to be filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct Target {
     /// Number of the layer, from 0.
     pub number: usize,
     /// Height of the layer's sample plane above the bed.
@@ -305,7 +305,7 @@ impl<'a> Infill<'a> {
     pub(crate) fn beads(
         &self,
         sparse: &Area,
-        place: Place,
+        target: Target,
         solid: Option<&EdgeGrid>,
     ) -> Result<Vec<Bead>, InfillError> {
         let settings = self.settings;
@@ -327,32 +327,38 @@ impl<'a> Infill<'a> {
             Kind::Shape(_) => Some(100.0),
         };
         let grading = match even {
-            None => Some(self.grading(border.bounds(), place.z, around)?),
+            None => Some(self.grading(border.bounds(), target.z, around)?),
             Some(_) => None,
         };
         let layer = Layer {
             border: &border,
             margin,
-            number: place.number,
-            z: place.z,
+            number: target.number,
+            z: target.z,
             density: match (&grading, even) {
                 (Some(grading), _) => Density::Graded(grading),
                 (None, share) => Density::Even(share.unwrap_or(100.0) / 100.0),
             },
-            solid: spacing(width, width, place.height),
+            solid: spacing(width, width, target.height),
             origin: self.origin,
             angle: settings.infill_angle,
             phase: settings.infill_phase / 100.0,
             shortest: width,
         };
-        let bead = |stroke| Bead::new(Role::SparseInfill, stroke, place.height);
+        let bead =
+            |stroke| Bead::new(Role::SparseInfill, stroke, target.height);
         let (pieces, reach) = match &self.kind {
             Kind::Pattern(pattern) => {
                 (pattern.pieces(&layer), pattern.reach(&layer))
             }
             Kind::Shape(shape) if settings.infill_mode == InfillMode::Solid => {
-                let lines =
-                    shape.solid(sparse, &layer, around, place.height, settings);
+                let lines = shape.solid(
+                    sparse,
+                    &layer,
+                    around,
+                    target.height,
+                    settings,
+                );
                 return Ok(lines?.into_iter().map(bead).collect());
             }
             Kind::Shape(shape) => {

@@ -5,7 +5,7 @@ use super::begin::{begin_near, nearest_spot};
 use super::islands::{Island, Loop};
 use super::jobs::{Job, print};
 use super::tour::{Stop, tour};
-use super::{Place, SEAM_REACH, sweep};
+use super::{Context, SEAM_REACH, sweep};
 use crate::bead::{Bead, Role};
 use crate::settings::{SeamRule, Settings, Varying, WallOrder};
 use crate::skin::{Fill, Patch};
@@ -16,7 +16,7 @@ pub(super) fn print_island(
     island: Island,
     at: &mut Option<DVec2>,
     to: Option<DVec2>,
-    place: Place<'_>,
+    context: Context<'_>,
     settings: &Settings,
     out: &mut Vec<Bead>,
 ) {
@@ -33,9 +33,9 @@ pub(super) fn print_island(
         sunk.extend(low.map(|wall| (0, Job::of(wall))));
         let mut inner_first = inner_first;
         if settings.overhang_inner_first || settings.overhang_reverse {
-            let hangs = group.walls.first().is_some_and(|w| place.hangs(w));
+            let hangs = group.walls.first().is_some_and(|w| context.hangs(w));
             inner_first |= hangs && settings.overhang_inner_first;
-            let odd = !place.number.is_multiple_of(2);
+            let odd = !context.number.is_multiple_of(2);
             if hangs && odd && settings.overhang_reverse {
                 group.walls.iter_mut().for_each(turn_round);
             }

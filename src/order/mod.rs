@@ -91,7 +91,7 @@ const SEAM_REACH: Mm = 2.0;
 
 /// What is known of a layer besides its beads.
 #[derive(Clone, Copy)]
-pub(crate) struct Place<'a> {
+pub(crate) struct Context<'a> {
     /// Its number, from the bed.
     pub number: usize,
     /// Its solid.
@@ -100,7 +100,7 @@ pub(crate) struct Place<'a> {
     pub support: Option<&'a Support<'a>>,
 }
 
-impl Place<'_> {
+impl Context<'_> {
     /// True if an outer wall hangs somewhere, and so does what is beside it.
     fn hangs(&self, outer: &Bead) -> bool {
         self.support.is_some_and(|support| support.hangs(outer))
@@ -110,7 +110,7 @@ impl Place<'_> {
 /// Puts a layer's beads in order.
 pub(crate) fn order(
     mut beads: LayerBeads,
-    place: Place<'_>,
+    context: Context<'_>,
     head: &mut Head,
     settings: &Settings,
 ) -> Vec<Bead> {
@@ -131,7 +131,7 @@ pub(crate) fn order(
         (support, Vec::new())
     };
     jobs::print(first, &mut head.at, None, &mut out);
-    let mut islands = islands(place.outline, beads);
+    let mut islands = islands(context.outline, beads);
     head.seams = place_seams(&mut islands, &head.seams);
     let mut stops = Vec::new();
     let mut left = Vec::new();
@@ -153,7 +153,7 @@ pub(crate) fn order(
         let next = visits.get(k + 1).unwrap_or(visit);
         let to = Some(stops[next.stop].from);
         if let Some(island) = left[visit.stop].take() {
-            print_island(island, &mut head.at, to, place, settings, &mut out);
+            print_island(island, &mut head.at, to, context, settings, &mut out);
         }
     }
     jobs::print(last, &mut head.at, None, &mut out);
@@ -254,8 +254,8 @@ mod tests {
         ])
     }
 
-    fn held(outline: &Area) -> Place<'_> {
-        Place {
+    fn held(outline: &Area) -> Context<'_> {
+        Context {
             number: 1,
             outline,
             support: None,

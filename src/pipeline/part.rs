@@ -195,12 +195,12 @@ impl<'a> PartExit<'a> {
         });
         let support = support.as_ref();
         let ended = self.timings.time(Stage::Order, || {
-            let place = order::Place {
+            let context = order::Context {
                 number: index,
                 outline: layer.area(),
                 support,
             };
-            let beads = order(beads, place, &mut self.head, self.settings);
+            let beads = order(beads, context, &mut self.head, self.settings);
             let beads = linked(beads, solid, self.settings);
             let first = index == self.settings.raft_layers();
             let mut ended = endings(beads, solid, first, self.settings);

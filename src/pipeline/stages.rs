@@ -856,7 +856,7 @@ impl<'a> Stages<'a> {
         sparse: &Area,
         layer: &Layer,
     ) -> Result<Vec<Bead>, InfillError> {
-        let place = infill::Place {
+        let target = infill::Target {
             number: layer.span.index,
             z: layer.span.sample_z(),
             height: layer.span.height(),
@@ -866,7 +866,7 @@ impl<'a> Stages<'a> {
             if self.settings.spiral {
                 Ok(Vec::new())
             } else {
-                self.infill.beads(sparse, place, Some(solid))
+                self.infill.beads(sparse, target, Some(solid))
             }
         })
     }

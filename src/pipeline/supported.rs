@@ -314,12 +314,12 @@ impl<'a> SupportFill<'a> {
         let height = span.height();
         let mut walls = walls(area, height, self.settings);
         walls::thin(&mut walls, self.settings);
-        let place = infill::Place {
+        let target = infill::Target {
             number: span.index,
             z: span.sample_z(),
             height,
         };
-        let lines = self.infill.beads(&walls.fill, place, None)?;
+        let lines = self.infill.beads(&walls.fill, target, None)?;
         let small = self.settings.speed.small_wall_length;
         let mut beads = walls::beads(&walls, height, small);
         beads.extend(lines);

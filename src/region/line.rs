@@ -7,7 +7,7 @@
 //! in, each taking half.
 
 use super::ridge::Ridge;
-use super::widen::{Place, across, widened};
+use super::widen::{Station, across, widened};
 use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::{Area, Rect, edges};
@@ -301,14 +301,14 @@ fn widen(
     tolerance: Mm,
 ) -> Stroke {
     let n = line.points.len();
-    let mut places: Vec<Place> = Vec::with_capacity(n);
+    let mut places: Vec<Station> = Vec::with_capacity(n);
     // A point, the way across the line there, and the slivers near to it.
     let mut push = |p: DVec2, across: DVec2, near: &[u32]| {
         let sliver = index
             .nearest_of(near, p, reach)
             .filter(|(q, t)| p.distance(*q) <= away + 0.5 * t + SLACK);
         let left = across.normalize_or_zero();
-        places.push(Place {
+        places.push(Station {
             at: p,
             across,
             width: line.width,

@@ -14,7 +14,7 @@
 
 use super::line::RidgeIndex;
 use super::ridge::Ridge;
-use super::widen::{Place, across, widened};
+use super::widen::{Station, across, widened};
 use crate::bead::Stroke;
 use crate::plane::grid::EdgeGrid;
 use crate::units::Mm;
@@ -82,7 +82,7 @@ impl Left<'_> {
         crate::limits::check();
         let n = line.points.len();
         let segments = if line.closed { n } else { n.saturating_sub(1) };
-        let mut places: Vec<Place> = Vec::with_capacity(n);
+        let mut places: Vec<Station> = Vec::with_capacity(n);
         let mut push = |p: DVec2, width: Mm, across: DVec2, near: bool| {
             let inwards = across.normalize_or_zero();
             // Slivers may have widened it already.
@@ -94,7 +94,7 @@ impl Left<'_> {
                 0.0
             };
             let lacks = ball - more;
-            places.push(Place {
+            places.push(Station {
                 at: p,
                 across,
                 width,

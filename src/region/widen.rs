@@ -30,7 +30,7 @@ const AHEAD: f64 = 0.4;
 
 /// A place on a line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct Station {
     pub at: DVec2,
     /// Across the line, to its left ([`across`]).
     pub across: DVec2,
@@ -42,7 +42,7 @@ pub(super) struct Place {
     pub narrows: bool,
 }
 
-impl Place {
+impl Station {
     fn moved(&self) -> DVec2 {
         self.at + self.across * self.moves.unwrap_or(0.0)
     }
@@ -80,7 +80,7 @@ pub(super) fn across(line: &Stroke, k: usize) -> DVec2 {
 /// The line with each place where it has to be, thinned to `tolerance`; nothing
 /// if none moves.
 pub(super) fn widened(
-    mut places: Vec<Place>,
+    mut places: Vec<Station>,
     closed: bool,
     tolerance: Mm,
 ) -> Option<Stroke> {
@@ -92,8 +92,8 @@ pub(super) fn widened(
     taper(&mut places, closed);
     // Thinned as ridges are: the width is a third coordinate.
     let mut ridge = Ridge {
-        points: places.iter().map(Place::moved).collect(),
-        thickness: places.iter().map(Place::widened).collect(),
+        points: places.iter().map(Station::moved).collect(),
+        thickness: places.iter().map(Station::widened).collect(),
         closed,
     };
     if closed {
@@ -112,7 +112,7 @@ pub(super) fn widened(
 
 /// Moves what lies in a short gap between two places that move to the same
 /// side: the line has no room to come back there.
-fn bridge_gaps(places: &mut [Place]) {
+fn bridge_gaps(places: &mut [Station]) {
     let mut last: Option<usize> = None;
     for k in 0..places.len() {
         let Some(to) = places[k].moves else {
@@ -136,7 +136,7 @@ fn bridge_gaps(places: &mut [Place]) {
 
 /// Leaves places where they are that would pass each other: around a corner
 /// they move towards each other.
-fn unfold(places: &mut [Place], closed: bool) {
+fn unfold(places: &mut [Station], closed: bool) {
     let n = places.len();
     let ways = if closed { n } else { n.saturating_sub(1) };
     let mut folded = true;
@@ -159,7 +159,7 @@ fn unfold(places: &mut [Place], closed: bool) {
 }
 
 /// Lets the width change no faster than pieces of constant width can follow.
-fn taper(places: &mut [Place], closed: bool) {
+fn taper(places: &mut [Station], closed: bool) {
     let n = places.len();
     let ways = if closed { 2 * n } else { n };
     let mut limit = |i: usize, j: usize| {
@@ -182,9 +182,9 @@ mod tests {
     use super::*;
 
     /// A place each 0.1 mm along a line to the right.
-    fn row(moves: impl Fn(usize) -> Option<Mm>) -> Vec<Place> {
+    fn row(moves: impl Fn(usize) -> Option<Mm>) -> Vec<Station> {
         (0..100)
-            .map(|i| Place {
+            .map(|i| Station {
                 at: DVec2::X * (0.1 * i as f64),
                 across: DVec2::Y,
                 width: 0.45,

@@ -57,7 +57,7 @@ fn lay(
     settings: &Settings,
     site: Site,
     area: &Area,
-    places: impl IntoIterator<Item = Place>,
+    places: impl IntoIterator<Item = Target>,
 ) -> Vec<Vec<Bead>> {
     let block = block();
     let around = Surroundings::new(&block);
@@ -68,8 +68,8 @@ fn lay(
         .collect()
 }
 
-fn layer(number: usize) -> Place {
-    Place {
+fn layer(number: usize) -> Target {
+    Target {
         number,
         z: 0.2 * number as f64 + 0.1,
         height: 0.2,
@@ -78,8 +78,8 @@ fn layer(number: usize) -> Place {
 
 /// A layer at one of the heights spread evenly, out of step with any period.
 /// They span so many periods that their number need not be whole.
-fn spread(number: usize) -> Place {
-    Place {
+fn spread(number: usize) -> Target {
+    Target {
         z: 3000.0 * (0.618_034 * number as f64).fract(),
         ..layer(number)
     }

@@ -47,7 +47,7 @@ impl EdgeGrid {
         let short = half < distance;
         let around = distance + half;
         let sieve = self.sieve();
-        let place = sieve.place(a.midpoint(b), around);
+        let query = sieve.query(a.midpoint(b), around);
         let around = around * around;
         let frame = (!short).then(|| sieve.frame(lo, hi));
         let slope = (high.x - low.x) / (high.y - low.y);
@@ -80,7 +80,7 @@ impl EdgeGrid {
             };
             for k in (from..to).step_by(LANES) {
                 let near = match &frame {
-                    None => sieve.near(k, &place, around),
+                    None => sieve.near(k, &query, around),
                     Some(frame) => sieve.meets(k, frame),
                 };
                 if !each(near, k, to, &mut visit) {

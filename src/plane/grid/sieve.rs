@@ -36,7 +36,7 @@ pub(super) struct Sieve {
 }
 
 /// A place around which edges are looked for.
-pub(super) struct Place {
+pub(super) struct Query {
     x: f32,
     y: f32,
     /// Added to the square of a distance for what is blurred.
@@ -133,10 +133,10 @@ impl Sieve {
     }
 
     /// Prepares to ask what is within `reach`, or less, of `p`.
-    pub(super) fn place(&self, p: DVec2, reach: Mm) -> Place {
+    pub(super) fn query(&self, p: DVec2, reach: Mm) -> Query {
         let p = p - self.origin;
         let blur = self.blur(p);
-        Place {
+        Query {
             x: p.x as f32,
             y: p.y as f32,
             pad: blur * (2.0 * reach + blur),
@@ -147,11 +147,11 @@ impl Sieve {
     /// place: a bit for each of up to [`LANES`] edges, the first edge the
     /// lowest.
     #[inline(always)]
-    pub(super) fn near(&self, k: usize, place: &Place, limit: f64) -> u32 {
+    pub(super) fn near(&self, k: usize, query: &Query, limit: f64) -> u32 {
         let lanes = |all: &[f32]| Vec4::from_slice(&all[k..k + LANES]);
         let (ax, ay) = (lanes(&self.ax), lanes(&self.ay));
         let (u, v) = (lanes(&self.bx) - ax, lanes(&self.by) - ay);
-        let (x, y) = (place.x - ax, place.y - ay);
+        let (x, y) = (query.x - ax, query.y - ay);
         let length = u * u + v * v;
         let t = x * u + y * v;
         let inside = t.max(Vec4::ZERO).min(length);
@@ -159,7 +159,7 @@ impl Sieve {
         // difference of these two: no division is needed.
         let whole = (x * x + y * y) * length;
         let along = inside * (t + t - inside) + whole * LOST;
-        let limit = Vec4::splat((limit + place.pad) as f32);
+        let limit = Vec4::splat((limit + query.pad) as f32);
         !(whole - along).cmpgt(length * limit).bitmask() & ALL
     }
 }
@@ -200,15 +200,15 @@ mod tests {
                     let far = p.distance(nearest_on(p, *a, *b));
                     // At the very distance and just below it.
                     for reach in [far, far * (1.0 - 1e-9)] {
-                        let place = sieve.place(p, reach);
-                        let near = sieve.near(k, &place, far * far);
+                        let query = sieve.query(p, reach);
+                        let near = sieve.near(k, &query, far * far);
                         assert!(near & 1 << i != 0, "{a} {b} {p}");
                     }
                     // An edge that single precision takes for a point is as
                     // near as any.
                     let reach = (0.9 * far - 0.1).max(0.0);
-                    let place = sieve.place(p, reach);
-                    let near = sieve.near(k, &place, reach * reach);
+                    let query = sieve.query(p, reach);
+                    let near = sieve.near(k, &query, reach * reach);
                     let tiny = a.distance(*b) < 1e-3;
                     let let_through = near & 1 << i != 0;
                     assert!(!let_through || tiny || far < 0.2, "{a} {b} {p}");
@@ -227,8 +227,8 @@ mod tests {
             let size = DVec2::new(bad, 1.0);
             let one = std::iter::once(edge);
             let sieve = Sieve::new(one, 1, DVec2::ZERO, size);
-            let place = sieve.place(DVec2::splat(3.0), 0.1);
-            assert_eq!(sieve.near(0, &place, 0.01) & 1, 1, "{bad}");
+            let query = sieve.query(DVec2::splat(3.0), 0.1);
+            assert_eq!(sieve.near(0, &query, 0.01) & 1, 1, "{bad}");
             let frame = sieve.frame(DVec2::splat(0.5), DVec2::splat(3.0));
             assert_eq!(sieve.meets(0, &frame) & 1, 1, "{bad}");
         }
