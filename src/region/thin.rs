@@ -33,8 +33,8 @@ const SHORT: Mm = 4.0;
 /// beads, but not for long: one of the two would be too short to print, and would
 /// leave a pit beside the other.
 const BULGE: f64 = 1.25;
-/// Longest bulge, mm.
-const BULGE_LENGTH: Mm = 1.2;
+/// Longest bulge, as a share of its greatest width.
+const BULGE_LENGTH: f64 = 1.1;
 /// Parts are merged in so many rounds, the shortest ones first.
 const ROUNDS: u32 = 5;
 
@@ -45,7 +45,7 @@ struct Count {
     upto: Mm,
     /// What it can be stretched to.
     range: (Mm, Mm),
-    /// What it can be stretched to for no more than [`BULGE_LENGTH`].
+    /// What it can be stretched to in a bulge.
     bulge: Mm,
     /// What the walls outside of the innermost bead or pair take of it.
     taken: Mm,
@@ -120,8 +120,9 @@ impl Counts {
     /// True if a number of beads can be made to fit all along a ridge; if there
     /// are as many at both its ends, `between` them, they may bulge.
     fn fits(&self, number: usize, ridge: &Ridge, between: bool) -> bool {
-        let bulges = between && ridge.length() < BULGE_LENGTH;
         self.counts.get(number).is_some_and(|c| {
+            let longest = BULGE_LENGTH * (c.bulge - c.taken);
+            let bulges = between && ridge.length() < longest;
             let most = if bulges { c.bulge } else { c.range.1 };
             ridge.thinnest() >= c.range.0 && ridge.thickest() <= most
         })
