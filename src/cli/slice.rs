@@ -1,7 +1,7 @@
 //! `isoslice slice`: makes a G-code file of a model, and prints a summary.
 
 use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
-use super::formats::{extension_of, format_of};
+use super::formats::format_of;
 use super::hosts::Printer;
 use super::limits::{LimitArgs, watched};
 use super::output::{Output, is_stream, same_file};
@@ -258,7 +258,7 @@ impl SliceArgs {
     }
 
     fn output_path(&self, format: Format) -> PathBuf {
-        let extension = extension_of(format);
+        let extension = format.extension();
         match (&self.output, &self.model.model) {
             (Some(output), _) => output.clone(),
             _ if self.model.is_stdin() => {
