@@ -145,6 +145,7 @@ mod tests {
         assert!(unknown.contains("sphere"), "{unknown}");
         let text = message("1 + x; draw", Vec::new());
         assert!(text.contains("is no name"), "{text}");
-        assert!(!message("sphere", Vec::new()).is_empty());
+        let missing = message("cylinder", Vec::new());
+        assert!(missing.contains("cylinder"), "{missing}");
     }
 }

@@ -7,56 +7,66 @@ numpy.sqrt(x) is isoslice.sqrt(x).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import reduce
 from numbers import Real
-from typing import Any, Callable, Union
+from typing import Any, TypeGuard, TypeVar, Union
 
 from ._native import Expr, binary, load, unary
 
 Field = Union[Expr, int, float]
+#: A number makes a number, and a field a field.
+F = TypeVar("F", float, Expr)
 
-x: Expr = load("formula", "x", "x")
-y: Expr = load("formula", "y", "y")
-z: Expr = load("formula", "z", "z")
+x: Expr = load("formula", "x", "formula")
+y: Expr = load("formula", "y", "formula")
+z: Expr = load("formula", "z", "formula")
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: Any) -> TypeGuard[float]:
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
-def sqrt(f: Field) -> Any:
+def _one(of_number: Callable[[float], float], name: str, f: F) -> F:
+    """A function of a number, or the function of a field with that name."""
+    if _is_number(f):
+        return of_number(f)  # type: ignore[return-value]
+    return unary(name, f)  # type: ignore[return-value]
+
+
+def sqrt(f: F) -> F:
     """Square root; a field is NaN, which counts as outside, below 0."""
-    return math.sqrt(f) if _is_number(f) else unary("sqrt", f)
+    return _one(math.sqrt, "sqrt", f)
 
 
-def sin(f: Field) -> Any:
+def sin(f: F) -> F:
     """Sine of an angle in radians."""
-    return math.sin(f) if _is_number(f) else unary("sin", f)
+    return _one(math.sin, "sin", f)
 
 
-def cos(f: Field) -> Any:
+def cos(f: F) -> F:
     """Cosine of an angle in radians."""
-    return math.cos(f) if _is_number(f) else unary("cos", f)
+    return _one(math.cos, "cos", f)
 
 
-def tan(f: Field) -> Any:
+def tan(f: F) -> F:
     """Tangent of an angle in radians."""
-    return math.tan(f) if _is_number(f) else unary("tan", f)
+    return _one(math.tan, "tan", f)
 
 
-def asin(f: Field) -> Any:
+def asin(f: F) -> F:
     """Angle in radians whose sine this is."""
-    return math.asin(f) if _is_number(f) else unary("asin", f)
+    return _one(math.asin, "asin", f)
 
 
-def acos(f: Field) -> Any:
+def acos(f: F) -> F:
     """Angle in radians whose cosine this is."""
-    return math.acos(f) if _is_number(f) else unary("acos", f)
+    return _one(math.acos, "acos", f)
 
 
-def atan(f: Field) -> Any:
+def atan(f: F) -> F:
     """Angle in radians whose tangent this is."""
-    return math.atan(f) if _is_number(f) else unary("atan", f)
+    return _one(math.atan, "atan", f)
 
 
 def atan2(f: Field, g: Field) -> Any:
@@ -66,51 +76,53 @@ def atan2(f: Field, g: Field) -> Any:
     return binary("atan2", f, g)
 
 
-def exp(f: Field) -> Any:
+def exp(f: F) -> F:
     """e to the power of f."""
-    return math.exp(f) if _is_number(f) else unary("exp", f)
+    return _one(math.exp, "exp", f)
 
 
-def log(f: Field) -> Any:
+def log(f: F) -> F:
     """Natural logarithm."""
-    return math.log(f) if _is_number(f) else unary("log", f)
+    return _one(math.log, "log", f)
 
 
-def abs(f: Field) -> Any:
+def abs(f: F) -> F:
     """Absolute value."""
-    return math.fabs(f) if _is_number(f) else unary("abs", f)
+    return _one(math.fabs, "abs", f)
 
 
-def square(f: Field) -> Any:
+def square(f: F) -> F:
     """f times f."""
-    return f * f if _is_number(f) else unary("square", f)
+    return _one(lambda v: v * v, "square", f)
 
 
-def recip(f: Field) -> Any:
+def recip(f: F) -> F:
     """1 / f."""
-    return 1 / f if _is_number(f) else unary("recip", f)
+    return _one(lambda v: 1 / v, "recip", f)
 
 
-def floor(f: Field) -> Any:
+def floor(f: F) -> F:
     """The greatest whole number that is not above f."""
-    return math.floor(f) if _is_number(f) else unary("floor", f)
+    return _one(math.floor, "floor", f)
 
 
-def ceil(f: Field) -> Any:
+def ceil(f: F) -> F:
     """The least whole number that is not below f."""
-    return math.ceil(f) if _is_number(f) else unary("ceil", f)
+    return _one(math.ceil, "ceil", f)
 
 
-def round(f: Field) -> Any:
-    """The nearest whole number. Halves of a field go away from 0."""
-    if _is_number(f):
-        return math.copysign(math.floor(math.fabs(f) + 0.5), f)
-    return unary("round", f)
+def round(f: F) -> F:
+    """The nearest whole number. Halves go away from 0."""
+
+    def of_number(v: float) -> float:
+        return math.copysign(math.floor(math.fabs(v) + 0.5), v)
+
+    return _one(of_number, "round", f)
 
 
-def sign(f: Field) -> Any:
+def sign(f: F) -> F:
     """-1, 0 or 1."""
-    return (f > 0) - (f < 0) if _is_number(f) else unary("sign", f)
+    return _one(lambda v: (v > 0) - (v < 0), "sign", f)
 
 
 def rand(f: Field) -> Expr:
@@ -261,10 +273,27 @@ def _of_arrays(ufunc: Any, inputs: tuple[Any, ...]) -> Any:
     return found
 
 
+def _conjugate(f: Expr) -> Expr:
+    """The field: it has no imaginary part."""
+    return f
+
+
+def _method(name: str, function: Callable[..., Any]) -> Callable[[Expr], Any]:
+    """A method that numpy looks up by the name of its own function."""
+
+    def method(self: Expr) -> Any:
+        return function(self)
+
+    method.__name__ = name
+    method.__qualname__ = f"Expr.{name}"
+    method.__doc__ = f"What numpy.{name} makes of the field."
+    return method
+
+
 Expr.__array_ufunc__ = _array_ufunc  # type: ignore[method-assign]
+Expr.conjugate = _conjugate  # type: ignore[method-assign, assignment]
 for _name in (
     "sqrt square sin cos tan arcsin arccos arctan sinh cosh tanh exp exp2 log "
     "log2 log10 floor ceil rint sign degrees radians deg2rad rad2deg"
 ).split():
-    setattr(Expr, _name, _UFUNCS[_name])
-Expr.conjugate = lambda self: self  # type: ignore[attr-defined]
+    setattr(Expr, _name, _method(_name, _UFUNCS[_name]))

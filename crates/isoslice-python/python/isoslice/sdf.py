@@ -32,13 +32,13 @@ degrees = math.degrees
 radians = math.radians
 
 
-class Vec(tuple):
+class Vec(tuple):  # type: ignore[type-arg]
     """A point or a direction, with arithmetic."""
 
     def __new__(cls, *numbers: Any) -> Vec:
         return super().__new__(cls, numbers)
 
-    def __add__(self, other: Any) -> Vec:  # type: ignore[override]
+    def __add__(self, other: Any) -> Vec:
         return Vec(*(a + b for a, b in zip(self, _spread(other, len(self)))))
 
     __radd__ = __add__
@@ -47,12 +47,12 @@ class Vec(tuple):
         return Vec(*(a - b for a, b in zip(self, _spread(other, len(self)))))
 
     def __rsub__(self, other: Any) -> Vec:
-        return -self + other
+        return _spread(other, len(self)) - self
 
-    def __mul__(self, other: Any) -> Vec:  # type: ignore[override]
+    def __mul__(self, other: Any) -> Vec:
         return Vec(*(a * b for a, b in zip(self, _spread(other, len(self)))))
 
-    __rmul__ = __mul__  # type: ignore[assignment]
+    __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Vec:
         return Vec(*(a / b for a, b in zip(self, _spread(other, len(self)))))
@@ -614,7 +614,7 @@ def dodecahedron(r: float) -> SDF3:
 
 
 def icosahedron(r: float) -> SDF3:
-    """Icosahedron; 0.795 r is the radius of the ball in it."""
+    """Icosahedron, with corners at r."""
     r = r * _INRADIUS
     normal = Vec((math.sqrt(5) + 3) / 2, 1, 0)
     corner = (fn.abs(x) + fn.abs(y) + fn.abs(z)) / math.sqrt(3)

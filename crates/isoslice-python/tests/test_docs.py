@@ -1,0 +1,62 @@
+"""What the guide and the notebook say runs."""
+
+import json
+import re
+
+import pytest
+from conftest import ROOT
+
+pytestmark = pytest.mark.filterwarnings("ignore::isoslice.SliceWarning")
+
+
+def test_the_guide_runs(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "python.md").read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```", page, re.S | re.M)
+    assert len(blocks) == 4
+    names = {}
+    for block in blocks:
+        exec(block, names)
+    assert "150 layers" not in capsys.readouterr().err
+    assert {p.name for p in tmp_path.iterdir()} == {"part.gcode", "out.gcode"}
+
+
+def test_the_guide_names_all_of_sdf():
+    from isoslice import sdf
+
+    page = (ROOT / "docs" / "python.md").read_text()
+    there = page.split("What is there:")[1].split("What is not there:")[0]
+    words = set(re.findall(r"`@?\.?(\w+)", there))
+    operations = {
+        name
+        for kind in (sdf.SDF2, sdf.SDF3)
+        for name in dir(kind)
+        if not name.startswith("_") and name != "expr"
+    }
+    helpers = {"SDF2", "SDF3", "Vec", "X", "Y", "Z", "UP", "ORIGIN", "ease"}
+    helpers |= {"pi", "degrees", "radians"}
+    names = (set(sdf.__all__) | operations) - helpers
+    assert {name for name in names if name not in words} == set()
+    missing = page.split("What is not there:")[1]
+    assert all(f"`{n}" in missing for n in ("text", "image", "wrap_around"))
+
+
+def test_the_notebook_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = ROOT / "examples" / "python.ipynb"
+    assert path.stat().st_size < 100_000
+    notebook = json.loads(path.read_text())
+    names = {}
+    for cell in notebook["cells"]:
+        if cell["cell_type"] != "code":
+            continue
+        *lines, last = "".join(cell["source"]).rstrip().splitlines()
+        exec("\n".join(lines), names)
+        # What a notebook shows: the last line's value.
+        try:
+            shown = eval(last, names)
+        except SyntaxError:
+            exec(last, names)
+            continue
+        if hasattr(shown, "_repr_html_"):
+            assert "<iframe" in shown._repr_html_()
