@@ -794,9 +794,9 @@ __all__ = [
     name
     for name, value in list(globals().items())
     if not name.startswith("_")
-    and name not in ("x", "y", "z", "fn", "shapes", "annotations")
     and (
-        getattr(value, "__module__", __name__) == __name__
+        getattr(value, "__module__", None) == __name__
+        or name in ("X", "Y", "Z", "UP", "ORIGIN")
         or name in ("pi", "degrees", "radians", "ease")
     )
 ]
