@@ -4,9 +4,10 @@
 //! says what it was doing, and leaves no half-written file.
 
 use super::patience::Patience;
-use super::{output, terminal};
+use super::terminal;
 use anyhow::Context;
 use clap::Args;
+use isoslice::files;
 use isoslice::limits::{Limits, Watch, enough_space};
 use rayon::ThreadPool;
 use std::process::exit;
@@ -80,7 +81,7 @@ pub(super) fn watched<T>(
         GRACE,
         &|stopped| {
             // From here on no file is written.
-            let _pending = output::discard_all();
+            let _pending = files::discard_all();
             terminal::report_error(&stopped.clone().into());
             exit(1);
         },

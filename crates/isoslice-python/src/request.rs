@@ -15,7 +15,7 @@ use isoslice::settings::{Builder, ProfileKind, Profiles, Settings};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Name of a model that is given as a formula, or made by a program.
@@ -69,6 +69,8 @@ pub(crate) struct Request {
     pub(crate) settings: Settings,
     /// What the user should know of the settings.
     pub(crate) warnings: Vec<String>,
+    /// The files of settings.
+    files: Vec<PathBuf>,
     pub(crate) threads: Option<usize>,
     pub(crate) limits: Limits,
 }
@@ -118,10 +120,20 @@ impl Request {
             given,
             placement: keywords.placement(&settings)?,
             warnings,
+            files: keywords.files().to_vec(),
             threads: keywords.threads()?,
             limits: keywords.limits()?,
             settings,
         })
+    }
+
+    /// The files that are read. No output may be one of them.
+    pub(crate) fn inputs(&self) -> Vec<&Path> {
+        let model = match &self.given {
+            Given::Source(Source::File(path), _) => Some(path),
+            _ => None,
+        };
+        model.into_iter().chain(&self.files).map(|p| &**p).collect()
     }
 
     /// The model on the printer. This may take long.
@@ -190,12 +202,7 @@ impl Keywords<'_> {
                     builder.profile(&profiles, kind, &name)?;
                 }
             }
-            let files = match &self.config {
-                None => &[][..],
-                Some(Files::One(file)) => std::slice::from_ref(file),
-                Some(Files::Many(files)) => files,
-            };
-            for file in files {
+            for file in self.files() {
                 builder.file(file)?;
             }
             for assignment in &given {
@@ -204,6 +211,15 @@ impl Keywords<'_> {
             Ok(builder.finish()?)
         };
         gather().map_err(|error| crate::error::exception(&error))
+    }
+
+    /// The files of settings.
+    fn files(&self) -> &[PathBuf] {
+        match &self.config {
+            None => &[],
+            Some(Files::One(file)) => std::slice::from_ref(file),
+            Some(Files::Many(files)) => files,
+        }
     }
 
     fn placement(&self, settings: &Settings) -> PyResult<Placement> {
@@ -327,6 +343,6 @@ pub(crate) fn format(name: &str) -> PyResult<isoslice::Format> {
 }
 
 /// The format of a file of a name.
-pub(crate) fn format_of(path: &std::path::Path) -> PyResult<isoslice::Format> {
+pub(crate) fn format_of(path: &Path) -> PyResult<isoslice::Format> {
     isoslice::Format::of_name(path).map_err(plain)
 }

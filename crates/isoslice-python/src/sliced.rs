@@ -1,6 +1,6 @@
 //! Slicing, and its results as an object.
 
-use crate::error::plain;
+use crate::error::{Error, plain};
 use crate::output::{Output, Written};
 use crate::request::{Keywords, Request, format, format_of, layers};
 use crate::value::from_json;
@@ -19,7 +19,7 @@ use pyo3::types::PyBytes;
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{Cursor, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The results of a run: the G-code, how long it prints, what it takes, and how
 /// accurate it is.
@@ -90,6 +90,8 @@ pub(crate) struct Sliced {
 enum Gcode {
     Bytes(Py<PyBytes>),
     File(PathBuf),
+    /// It went through a pipe.
+    Stream(PathBuf),
 }
 
 /// Slices a model to a file, or to bytes.
@@ -125,7 +127,7 @@ pub(crate) fn slice<'py>(
     let mut warnings = request.warnings.clone();
     let progress = keywords.progress.as_ref();
     let work = move |progress: &Progress| {
-        let mut output = Output::create(output.as_deref())?;
+        let mut output = Output::create(output, &request.inputs())?;
         let model = request.model()?;
         if let Some(folder) = &svg {
             std::fs::create_dir_all(folder).with_context(|| {
@@ -157,6 +159,7 @@ pub(crate) fn slice<'py>(
             Gcode::Bytes(PyBytes::new(py, &bytes).unbind())
         }
         Written::File(path) => Gcode::File(path),
+        Written::Stream(path) => Gcode::Stream(path),
     };
     Ok(Sliced::new(name, summary, settings, warnings, gcode))
 }
@@ -200,7 +203,7 @@ impl Sliced {
     /// Name of the G-code's file, for titles.
     fn title(&self) -> String {
         match &self.gcode {
-            Gcode::File(path) => {
+            Gcode::File(path) | Gcode::Stream(path) => {
                 let name = path.file_name().unwrap_or_default();
                 name.to_string_lossy().into_owned()
             }
@@ -215,6 +218,7 @@ impl Sliced {
     #[getter]
     fn gcode<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         match &self.gcode {
+            Gcode::Stream(path) => Err(went(path)),
             Gcode::Bytes(bytes) => Ok(bytes.bind(py).clone()),
             Gcode::File(path) => {
                 let read = py.detach(|| std::fs::read(path));
@@ -230,7 +234,7 @@ impl Sliced {
     #[getter]
     fn path(&self) -> Option<&PathBuf> {
         match &self.gcode {
-            Gcode::File(path) => Some(path),
+            Gcode::File(path) | Gcode::Stream(path) => Some(path),
             Gcode::Bytes(_) => None,
         }
     }
@@ -297,6 +301,7 @@ impl Sliced {
     /// nothing else.
     fn preview_html(&self, py: Python<'_>) -> PyResult<String> {
         let gcode: Box<dyn Read + Send> = match &self.gcode {
+            Gcode::Stream(path) => return Err(went(path)),
             Gcode::Bytes(bytes) => {
                 Box::new(Cursor::new(bytes.as_bytes(py).to_vec()))
             }
@@ -335,6 +340,14 @@ impl Sliced {
             self.filament_length / 1000.0
         )
     }
+}
+
+/// The error for G-code that is nowhere any more.
+fn went(path: &Path) -> PyErr {
+    Error::new_err(format!(
+        "the G-code went into {}, which is no file, and cannot be read again",
+        path.display()
+    ))
 }
 
 fn figures<'py>(

@@ -217,6 +217,28 @@ def test_files_are_whole_or_as_they_were(tmp_path):
     assert (tmp_path / "again.gcode").read_bytes() == path.read_bytes()
 
 
+def test_a_pipe_stays_a_pipe(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    found = []
+    thread = threading.Thread(target=lambda: found.append(path.read_bytes()))
+    thread.start()
+    sliced = iso.slice(iso.sphere(6), path)
+    thread.join()
+    assert path.is_fifo() and found == [iso.slice(iso.sphere(6)).gcode]
+    for read in (lambda: sliced.gcode, sliced.preview_html):
+        with pytest.raises(iso.Error, match="is no file"):
+            read()
+
+
+def test_an_input_is_not_overwritten(tmp_path):
+    config = tmp_path / "settings.gcode"
+    config.write_text("walls = 2")
+    with pytest.raises(iso.Error, match="also an input"):
+        iso.slice(iso.sphere(6), config, config=config)
+    assert config.read_text() == "walls = 2"
+
+
 def test_pictures_of_layers(tmp_path):
     iso.slice(iso.sphere(2), svg=tmp_path / "svg", layer_height=0.2)
     assert len(list((tmp_path / "svg").glob("*.svg"))) == 20
