@@ -132,6 +132,8 @@ def test_in_the_plane():
     same(sdf.sphere(1).slice(), lambda x, y, z: length(x, y) - 1)
     turned = sdf.rectangle((2, 1)).rotate(math.pi / 2)
     same(turned, lambda x, y, z: sdf.rectangle((1, 2)).expr(x, y, z))
+    clockwise = sdf.circle(0.1, (1, 0)).rotate(math.pi / 2)
+    assert clockwise.expr(0, -1, 0) == pytest.approx(-0.1)
 
 
 def test_operations():
@@ -183,7 +185,10 @@ def test_turns():
         same(turned, lambda *p: peg.expr(*rotated(p, -angle, axis)), 4e-6)
     for axis in (X, Y, Z, -Z, -X, (1, 1, 0)):
         tip = np.array(axis) / np.linalg.norm(axis)
-        assert peg.orient(axis).expr(*tip) == pytest.approx(-0.2, abs=1e-6)
+        oriented = sdf.sphere(0.2, tip).orient(axis)
+        assert oriented.expr(0, 0, 1) == pytest.approx(-0.2, abs=1e-6)
+        back = oriented.rotate_to(axis, Z)
+        assert back.expr(*tip) == pytest.approx(-0.2, abs=1e-6)
     three = sdf.sphere(0.3).circular_array(3, 1)
     for angle in (0, 2 * math.pi / 3, 4 * math.pi / 3):
         at = three.expr(math.cos(angle), math.sin(angle), 0)

@@ -110,6 +110,13 @@ def _corner(w: Sequence[Any]) -> Any:
     return outside + fn.min(fn.max(*w), 0)
 
 
+def _soft_min(f: Any, g: Any, k: float) -> Any:
+    """The lesser of two, filled out by a parabola where they differ by less
+    than k. The lesser itself is in it, since intervals know its range."""
+    near = fn.max(k - fn.abs(f - g), 0)
+    return fn.min(f, g) - near * near / (4 * k)
+
+
 class _Sdf:
     """A field with the operators of `sdf`."""
 
@@ -157,30 +164,22 @@ class _Sdf:
 
     def union(self, *others: Any, k: Optional[float] = None) -> Any:
         """This shape and others."""
-
-        def soft(f: Any, g: Any, k: float) -> Any:
-            h = _clip(0.5 + 0.5 * (g - f) / k, 0, 1)
-            return g + (f - g) * h - k * h * (1 - h)
-
-        return self._fold(others, k, fn.min, soft)
+        return self._fold(others, k, fn.min, _soft_min)
 
     def difference(self, *others: Any, k: Optional[float] = None) -> Any:
         """This shape without others."""
-
-        def soft(f: Any, g: Any, k: float) -> Any:
-            h = _clip(0.5 - 0.5 * (g + f) / k, 0, 1)
-            return f + (-g - f) * h + k * h * (1 - h)
-
-        return self._fold(others, k, lambda f, g: fn.max(f, -g), soft)
+        return self._fold(
+            others,
+            k,
+            lambda f, g: fn.max(f, -g),
+            lambda f, g, k: -_soft_min(-f, g, k),
+        )
 
     def intersection(self, *others: Any, k: Optional[float] = None) -> Any:
         """What this shape and others have in common."""
-
-        def soft(f: Any, g: Any, k: float) -> Any:
-            h = _clip(0.5 - 0.5 * (g - f) / k, 0, 1)
-            return g + (f - g) * h + k * h * (1 - h)
-
-        return self._fold(others, k, fn.max, soft)
+        return self._fold(
+            others, k, fn.max, lambda f, g, k: -_soft_min(-f, -g, k)
+        )
 
     def blend(self, *others: Any, k: float = 0.5) -> Any:
         """Between this shape and others: k of the other one."""
@@ -289,7 +288,7 @@ class SDF3(_Sdf):
         rows = [[_exact(number) for number in row] for row in rows]
         return SDF3(self._at(_dot(row, p) for row in rows))
 
-    def rotate_to(self, a: Iterable[float], b: Iterable[float]) -> SDF3:
+    def _turned(self, a: Iterable[float], b: Iterable[float]) -> SDF3:
         """The shape turned so that direction a becomes direction b."""
         a, b = _unit(a), _unit(b)
         cosine = sum(p * q for p, q in zip(a, b))
@@ -301,8 +300,14 @@ class SDF3(_Sdf):
             return self.rotate(pi, _cross(a, (X, Y, Z)[least]))
         return self.rotate(math.acos(cosine), _cross(a, b))
 
+    def rotate_to(self, a: Iterable[float], b: Iterable[float]) -> SDF3:
+        """The shape turned so that direction b becomes direction a, as `sdf`
+        turns it."""
+        return self._turned(b, a)
+
     def orient(self, axis: Iterable[float]) -> SDF3:
-        """The shape turned so that its z axis becomes this one."""
+        """The shape turned so that this direction becomes up, as `sdf` turns
+        it: a line along z then lies along the axis."""
         return self.rotate_to(UP, axis)
 
     def circular_array(self, count: int, offset: float = 0) -> SDF3:
@@ -387,8 +392,8 @@ class SDF2(_Sdf):
         return Vec(x, y)
 
     def rotate(self, angle: float) -> SDF2:
-        """The shape turned, radians, counter-clockwise."""
-        c, s = _exact(math.cos(angle)), _exact(math.sin(angle))
+        """The shape turned, radians, clockwise, as `sdf` turns it."""
+        c, s = _exact(math.cos(angle)), _exact(-math.sin(angle))
         return SDF2(self._at([c * x + s * y, c * y - s * x]))
 
     def circular_array(self, count: int) -> SDF2:
@@ -531,7 +536,8 @@ def cylinder(radius: float) -> SDF3:
 def _along(body: Expr, a: Iterable[float], b: Iterable[float]) -> SDF3:
     """A body about z, put on the way from a to b."""
     start, end = Vec(*a), Vec(*b)
-    return SDF3(body).orient(end - start).translate((start + end) / 2)
+    turned = SDF3(body)._turned(UP, end - start)
+    return turned.translate((start + end) / 2)
 
 
 def _distance(a: Iterable[float], b: Iterable[float]) -> float:
