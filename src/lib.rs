@@ -202,7 +202,7 @@ mod vary;
 mod walls;
 
 pub use bgcode::Unpacked;
-pub use gcode::{Format, TemplateError};
+pub use gcode::{Format, FormatError, TemplateError};
 pub use gcode::{JoinError, Joined, Ranges};
 pub use gcode::{try_templates, understands_placeholder};
 pub use hang::{Hanging, Kind, Place, Sum};

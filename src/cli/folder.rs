@@ -2,7 +2,6 @@
 
 use anyhow::bail;
 use clap::Args;
-use etcetera::BaseStrategy;
 use isoslice::settings::Profiles;
 use std::path::PathBuf;
 
@@ -24,16 +23,7 @@ impl ProfilesSource {
 
     /// The folder, which need not exist.
     pub(super) fn folder(&self) -> Option<PathBuf> {
-        let of_environment = || {
-            std::env::var_os("ISOSLICE_PROFILES")
-                .filter(|folder| !folder.is_empty())
-                .map(PathBuf::from)
-        };
-        let of_user = || {
-            let strategy = etcetera::choose_base_strategy().ok()?;
-            Some(strategy.config_dir().join("isoslice"))
-        };
-        self.folder.clone().or_else(of_environment).or_else(of_user)
+        self.folder.clone().or_else(Profiles::usual_folder)
     }
 
     /// All profiles of the program and of the folder.

@@ -1,72 +1,12 @@
-//! The format of a file by its name.
+//! The format of a file by its name, or of standard output.
 
 use super::output::is_stream;
-use anyhow::bail;
 use isoslice::Format;
-use std::ffi::OsStr;
 use std::path::Path;
-
-/// Extensions of files that are not G-code, and what to do instead.
-const OTHERS: &[(&[&str], &str)] = &[
-    (
-        &[
-            "stl", "3mf", "obj", "ply", "amf", "off", "step", "stp", "iges",
-        ],
-        "that is a mesh or a drawing, and isoslice makes none",
-    ),
-    (
-        &["png", "jpg", "jpeg", "qoi", "webp", "gif"],
-        "that is a picture: isoslice render MODEL -o FILE.png draws one",
-    ),
-    (
-        &["svg"],
-        "that is a picture: --svg FOLDER draws every layer",
-    ),
-    (
-        &["html", "htm"],
-        "that is a page: isoslice preview MODEL -o FILE.html makes one",
-    ),
-    (
-        &["rhai", "vm"],
-        "that is a model, which is read and not written",
-    ),
-    (&["toml", "ini", "json"], "that is for settings or reports"),
-    (
-        &["ufp", "x3g", "s3g", "makerbot", "gx", "g3drem", "3w", "dlp"],
-        "isoslice does not write this format: write .gcode and convert it \
-         with your printer's own program",
-    ),
-    (
-        &[
-            "sl1", "sl1s", "ctb", "cbddlp", "photon", "goo", "lys", "pwmx",
-        ],
-        "that is for printers with resin, which isoslice does not know",
-    ),
-    (
-        &["gz", "zip", "xz", "bz2", "zst", "7z"],
-        "isoslice does not compress: -o - writes to standard output, for a \
-         program that does",
-    ),
-];
-
-/// The end of the names of plates for Bambu Lab's printers.
-const SLICED_PLATE: &str = "gcode.3mf";
-
-/// The extension of files of a format.
-pub(super) fn extension_of(format: Format) -> &'static str {
-    match format {
-        Format::Text => "gcode",
-        Format::Binary => "bgcode",
-        Format::Plate => SLICED_PLATE,
-    }
-}
 
 /// True if a file of this name is a plate for Bambu Lab's printers.
 pub(super) fn is_sliced_plate(path: &Path) -> bool {
-    let name = path.file_name().and_then(OsStr::to_str).unwrap_or("");
-    let name = name.to_ascii_lowercase();
-    let before = name.strip_suffix(SLICED_PLATE);
-    before.is_some_and(|before| before.ends_with('.'))
+    Format::of_name(path) == Ok(Format::Plate)
 }
 
 /// The format of a file of this name.
@@ -77,21 +17,5 @@ pub(super) fn format_of(path: &Path) -> anyhow::Result<Format> {
     if is_stream(path) {
         return Ok(Format::Text);
     }
-    if is_sliced_plate(path) {
-        return Ok(Format::Plate);
-    }
-    let end = path.extension().and_then(OsStr::to_str).unwrap_or("");
-    let end = end.to_ascii_lowercase();
-    if end == "bgcode" {
-        return Ok(Format::Binary);
-    }
-    let is = |(ends, _): &&(&[&str], _)| ends.contains(&end.as_str());
-    if let Some((_, what)) = OTHERS.iter().find(is) {
-        bail!(
-            "cannot write {}: {what}; slice writes G-code, as text (.gcode), \
-             binary (.bgcode) or a plate for Bambu Lab's printers (.gcode.3mf)",
-            path.display()
-        );
-    }
-    Ok(Format::Text)
+    Ok(Format::of_name(path)?)
 }

@@ -1,10 +1,11 @@
 //! `isoslice profiles import`: makes profiles of those of other slicers.
 
 use super::folder::ProfilesSource;
-use super::output::{Output, is_stream};
+use super::output::{self, is_stream};
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
+use isoslice::files::Output;
 use isoslice::settings::{Builder, ProfileKind, Settings, keys};
 use isoslice::{try_templates, understands_placeholder};
 use slicerprofile::{
@@ -588,7 +589,7 @@ fn put(path: &Path, input: &Path, text: &str) -> anyhow::Result<()> {
 
 /// A file with its text, which has not been put in its place yet.
 fn begun(path: &Path, input: &Path, text: &str) -> anyhow::Result<Output> {
-    let mut output = Output::create(path, &[input])?;
+    let mut output = output::create(path, &[input])?;
     output
         .write_all(text.as_bytes())
         .with_context(|| format!("cannot write {}", path.display()))?;

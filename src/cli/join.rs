@@ -3,7 +3,7 @@
 
 use super::formats::format_of;
 use super::limits::{LimitArgs, watched};
-use super::output::Output;
+use super::output;
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -56,7 +56,7 @@ fn join(args: &JoinArgs) -> anyhow::Result<()> {
             folder.display()
         );
     }
-    let mut output = Output::create(path, &inputs)?;
+    let mut output = output::create(path, &inputs)?;
     let ranges = Ranges::open(&args.files)?;
     check_format(path, ranges.format(), output.is_stream())?;
     let joined = ranges

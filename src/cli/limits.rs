@@ -4,10 +4,11 @@
 //! says what it was doing, and leaves no half-written file.
 
 use super::patience::Patience;
-use super::{output, terminal};
+use super::terminal;
 use anyhow::Context;
 use clap::Args;
-use isoslice::limits::{Limits, Slow, Watch, enough_space};
+use isoslice::files;
+use isoslice::limits::{Limits, Watch, enough_space};
 use rayon::ThreadPool;
 use std::process::exit;
 use std::time::Duration;
@@ -15,19 +16,6 @@ use std::time::Duration;
 /// Time in which a stage has to notice that it was stopped. Then the process
 /// ends without waiting for it.
 pub(super) const GRACE: Duration = Duration::from_secs(2);
-
-/// How long a command may take unless the user says otherwise.
-const TIME: Duration = Duration::from_secs(3600);
-
-/// The least that has to come of slicing, unless the user says how long it may
-/// take. Costly models that make sense, such as 25,600 pins in one expression,
-/// reach 140,000 points a second on two cores, and lattices reach twice that
-/// and more. A sum of 1,000 sines, of which nobody knows where it is positive,
-/// reaches 5,000.
-const SLOW: Slow = Slow {
-    within: Duration::from_secs(18),
-    points: 150_000,
-};
 
 /// Limits on a command.
 #[derive(Args, Debug)]
@@ -63,16 +51,19 @@ impl LimitArgs {
     /// A watch over slicing. It stops work that makes hardly any progress,
     /// unless the user has set a time limit.
     pub(super) fn slicing_watch(&self) -> Watch {
-        let slow = self.time_limit.is_none().then_some(SLOW);
+        let usual = Limits::of_slicing().slow;
         Watch::new(Limits {
-            slow,
+            slow: usual.filter(|_| self.time_limit.is_none()),
             ..self.limits()
         })
     }
 
     fn limits(&self) -> Limits {
         Limits {
-            time: self.time_limit.map_or(Some(TIME), |limit| limit.0),
+            time: match self.time_limit {
+                Some(limit) => limit.0,
+                None => Limits::of_slicing().time,
+            },
             memory_bytes: self.memory_limit.0,
             slow: None,
         }
@@ -90,7 +81,7 @@ pub(super) fn watched<T>(
         GRACE,
         &|stopped| {
             // From here on no file is written.
-            let _pending = output::discard_all();
+            let _pending = files::discard_all();
             terminal::report_error(&stopped.clone().into());
             exit(1);
         },

@@ -2,7 +2,7 @@
 //! program what may follow, and manual pages made of the command line's
 //! description.
 
-use super::output::{Output, print};
+use super::output::{create, print};
 use super::{Cli, complete};
 use anyhow::{Context, bail};
 use clap::{Args, Command, CommandFactory};
@@ -109,7 +109,7 @@ fn write_all(program: &Command, folder: &Path) -> anyhow::Result<()> {
     for command in std::iter::once(program).chain(commands) {
         let (name, text) = page(command)?;
         let path = folder.join(name);
-        let mut file = Output::create(&path, &[])?;
+        let mut file = create(&path, &[])?;
         file.write_all(&text)
             .and_then(|()| file.finish())
             .with_context(|| format!("cannot write {}", path.display()))?;

@@ -3,10 +3,10 @@
 //! Guaranteed: no existing file is overwritten, and either both files are
 //! written completely, or neither.
 
-use super::output::Output;
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
+use isoslice::files::Output;
 use isoslice::settings::suggestions;
 use std::fs;
 use std::io::Write;

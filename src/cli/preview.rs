@@ -3,7 +3,7 @@
 use super::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
 use super::formats::is_sliced_plate;
 use super::limits::{LimitArgs, watched};
-use super::output::Output;
+use super::output;
 use super::{plain, terminal};
 use anyhow::{Context, bail};
 use clap::{Args, FromArgMatches};
@@ -112,7 +112,7 @@ fn show(args: &PreviewArgs, watch: &Watch) -> anyhow::Result<()> {
     };
     // The output is opened before the work, so that a mistaken name costs no
     // time.
-    let mut output = Output::create(&path, &inputs)?;
+    let mut output = output::create(&path, &inputs)?;
     if args.open && output.is_stream() {
         bail!("--open shows a file, and {} is none", path.display());
     }

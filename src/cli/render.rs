@@ -2,7 +2,7 @@
 
 use super::args::{FORMULA, Gathered, ModelArgs, STDIN, SettingsSource};
 use super::limits::{LimitArgs, watched, workers};
-use super::output::{Output, is_stream};
+use super::output::{self, is_stream};
 use super::plates::{self, PlateArgs};
 use super::terminal;
 use anyhow::{Context, bail};
@@ -130,7 +130,7 @@ fn render(args: &RenderArgs) -> anyhow::Result<()> {
             path.display()
         );
     }
-    let mut output = Output::create(&path, &args.model.inputs(&gathered))?;
+    let mut output = output::create(&path, &args.model.inputs(&gathered))?;
     let model = args.subject(&gathered)?;
     terminal::warn(&model.warnings);
     let view = View {

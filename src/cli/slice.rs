@@ -1,10 +1,10 @@
 //! `isoslice slice`: makes a G-code file of a model, and prints a summary.
 
 use super::args::{FORMULA, ModelArgs, STDIN, SettingsSource};
-use super::formats::{extension_of, format_of};
+use super::formats::format_of;
 use super::hosts::Printer;
 use super::limits::{LimitArgs, watched};
-use super::output::{Output, is_stream, same_file};
+use super::output::{self, is_stream};
 use super::plates::{self, PlateArgs};
 use super::summary::{Sums, describe};
 use super::{complete, plain, printers, send, terminal};
@@ -12,6 +12,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use clap_complete::engine::ArgValueCompleter;
 use isoslice::Format;
+use isoslice::files::{Output, same_file};
 use isoslice::layers::LayerRange;
 use isoslice::limits::Watch;
 use isoslice::pipeline::{self, Options};
@@ -151,7 +152,7 @@ fn run_watched(args: &SliceArgs, watch: &Watch) -> anyhow::Result<()> {
         args.model.load(&gathered.settings)?;
     }
     let printer = args.printer()?;
-    let mut output = Output::create(&path, &inputs)?;
+    let mut output = output::create(&path, &inputs)?;
     if printer.is_some() && output.is_stream() {
         bail!("--send sends a file, and {} is none", path.display());
     }
@@ -258,7 +259,7 @@ impl SliceArgs {
     }
 
     fn output_path(&self, format: Format) -> PathBuf {
-        let extension = extension_of(format);
+        let extension = format.extension();
         match (&self.output, &self.model.model) {
             (Some(output), _) => output.clone(),
             _ if self.model.is_stdin() => {
@@ -286,7 +287,7 @@ impl SliceArgs {
                 path.display()
             );
         }
-        Ok(Some((Output::create(path, inputs)?, path)))
+        Ok(Some((output::create(path, inputs)?, path)))
     }
 }
 

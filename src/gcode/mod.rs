@@ -28,6 +28,7 @@
 //! | file | what it decides |
 //! |---|---|
 //! | `flavour` | what differs between firmwares |
+//! | `name` | the format, by the file's name |
 //! | `comments` | the words that viewers and hosts read |
 //! | `ends` | the file's head and foot; `facts`, what the foot says |
 //! | `sink` | text, or the binary form of it |
@@ -52,6 +53,7 @@ mod limits;
 mod lines;
 mod manifest;
 mod moves;
+mod name;
 mod number;
 mod placeholders;
 mod progress;
@@ -68,6 +70,7 @@ pub use join::{JoinError, Joined, Ranges};
 pub(crate) use label::needs_outline;
 pub(crate) use limits::thick_beads;
 pub(crate) use manifest::Fingerprint;
+pub use name::FormatError;
 pub(crate) use placeholders::PLACEHOLDERS;
 pub use template::{TemplateError, try_templates, understands_placeholder};
 pub(crate) use thumbnail::Thumbnail;

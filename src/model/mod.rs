@@ -48,7 +48,7 @@ pub use param::{ParamError, Parameter};
 pub use placement::{BuildVolume, Model, PlaceError, Placement, place};
 pub use probe::ProbeError;
 pub(crate) use probe::{Probe, Spot};
-pub use script::{ScriptError, ScriptLimits};
+pub use script::{Argument, ScriptError, ScriptLimits, call};
 pub use source::{Loaded, Source, SourceKind, load, load_within};
 pub(crate) use together::together;
 pub use vm::{VmError, parse_vm};

@@ -16,6 +16,7 @@ use super::error::{GivenIn, SettingsError};
 use super::shipped::{NOZZLES, ProfileKind, SHIPPED};
 use super::table::alternatives;
 use super::text;
+use etcetera::BaseStrategy;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -123,6 +124,17 @@ impl Profiles {
     /// for each kind. `folder` need not exist.
     pub fn new(folder: Option<PathBuf>) -> Self {
         Self { folder }
+    }
+
+    /// The folder of the user's own profiles: `$ISOSLICE_PROFILES`, or
+    /// `isoslice` in the folder for configuration. It need not exist.
+    pub fn usual_folder() -> Option<PathBuf> {
+        let given = std::env::var_os("ISOSLICE_PROFILES");
+        let given = given.filter(|folder| !folder.is_empty());
+        given.map(PathBuf::from).or_else(|| {
+            let strategy = etcetera::choose_base_strategy().ok()?;
+            Some(strategy.config_dir().join("isoslice"))
+        })
     }
 
     /// All profiles of a kind, by name, and errors for the folder or profiles

@@ -9,9 +9,9 @@ use crate::cli::args::{FORMULA, Gathered, ModelArgs, SettingsSource};
 use crate::cli::excerpt::excerpt;
 use crate::cli::info::parameter;
 use crate::cli::limits::{GRACE, LimitArgs, workers};
-use crate::cli::{output, terminal};
+use crate::cli::terminal;
 use anyhow::Context;
-use isoslice::files::read_text;
+use isoslice::files::{self, read_text};
 use isoslice::limits::{Limits, Reason, Stopped, Watch, doing};
 use isoslice::model::{LoadError, Model, ParamError, ScriptError};
 use isoslice::pipeline::{self, Options, Summary};
@@ -70,7 +70,7 @@ pub(super) fn work(session: &Session, job: &Job) {
 /// Work that takes too long otherwise is waited for.
 fn give_up(stopped: &Stopped) {
     if matches!(stopped.reason, Reason::Memory | Reason::Space) {
-        let _pending = output::discard_all();
+        let _pending = files::discard_all();
         terminal::report_error(&stopped.clone().into());
         exit(1);
     }

@@ -23,6 +23,7 @@
 //! its thread goes on until the operation is done, and so does the memory that
 //! the operation takes.
 
+mod call;
 mod error;
 mod functions;
 mod limits;
@@ -33,6 +34,7 @@ mod suggest;
 #[cfg(test)]
 mod tests;
 
+pub use call::{Argument, call};
 pub use error::ScriptError;
 pub use limits::ScriptLimits;
 
@@ -42,7 +44,7 @@ use error::explain;
 use fidget::context::Tree;
 use functions::{Shared, add_comparisons, add_draw, add_param, add_powers};
 use limits::{GO_ON, Stop};
-use rhai::Dynamic;
+use rhai::{Dynamic, Engine};
 use sandbox::{add_limits, add_replace};
 use shape::{describe, shape, union};
 use shapes::add_shapes;
@@ -165,12 +167,7 @@ fn run_here(
         parameters: Table::new(defines),
         ..Shared::default()
     }));
-    let mut engine = fidget::rhai::engine();
-    add_limits(&mut engine, limits.operations, stop.clone());
-    add_replace(&mut engine);
-    add_shapes(&mut engine);
-    add_comparisons(&mut engine);
-    add_powers(&mut engine);
+    let mut engine = engine(limits.operations, stop);
     add_draw(&mut engine, &shared);
     add_param(&mut engine, &shared);
 
@@ -194,4 +191,16 @@ fn run_here(
         })?,
     };
     Ok(Script { tree, parameters })
+}
+
+/// fidget's interpreter with all functions that do nothing but make shapes. A
+/// script may take `most` operations.
+fn engine(most: u64, stop: &Arc<AtomicU8>) -> Engine {
+    let mut engine = fidget::rhai::engine();
+    add_limits(&mut engine, most, stop.clone());
+    add_replace(&mut engine);
+    add_shapes(&mut engine);
+    add_comparisons(&mut engine);
+    add_powers(&mut engine);
+    engine
 }

@@ -1,8 +1,13 @@
-//! Reads what users name: a file, a pipe, a device, a folder.
+//! Reads what users name: a file, a pipe, a device, a folder. `output` writes
+//! files.
 //!
 //! In: a path, and the greatest length of such a file. Out: the file's bytes or
 //! text. Guaranteed: reading takes no more memory than that length, and a pipe
 //! that nobody writes to does not outlast the run's time limit.
+
+mod output;
+
+pub use output::{Output, OutputError, discard_all, same_file};
 
 use crate::encoding::{self, NotText};
 use crate::limits;

@@ -1,0 +1,426 @@
+//! The class `Expr`: a field f(x, y, z), with Python's operators.
+
+use crate::error::plain;
+use crate::request::loaded;
+use crate::value::{Field, arguments, from_json, parameters};
+use crate::work::at_work;
+use fidget::context::{Tree, TreeOp};
+use fidget::eval::{BulkEvaluator, Function, MathFunction, Tape};
+use fidget::var::Var;
+use fidget::vm::VmFunction;
+use isocontour::expand;
+use isoslice::limits::Limits;
+use isoslice::model::{self, Argument, Loaded, Parameter};
+use pyo3::basic::CompareOp;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use std::fmt::Write as _;
+
+/// A field f(x, y, z): negative inside the part, 0 on its surface. Lengths are
+/// millimetres.
+///
+/// Operators and functions make new fields of fields and numbers. a | b is the
+/// union (the lesser value), a & b the intersection (the greater one), ~a the
+/// inverse.
+#[pyclass(frozen, module = "isoslice")]
+pub(crate) struct Expr {
+    pub(crate) tree: Tree,
+    /// Name of the file or text that the field was read from. Whatever is made
+    /// of the field has none.
+    pub(crate) name: Option<String>,
+    /// Parameters of the script that the field was read from.
+    pub(crate) parameters: Vec<Parameter>,
+}
+
+impl From<Tree> for Expr {
+    fn from(tree: Tree) -> Expr {
+        Expr {
+            tree,
+            name: None,
+            parameters: Vec::new(),
+        }
+    }
+}
+
+impl From<Loaded> for Expr {
+    fn from(loaded: Loaded) -> Expr {
+        Expr {
+            tree: loaded.tree,
+            name: Some(loaded.name),
+            parameters: loaded.parameters,
+        }
+    }
+}
+
+#[pymethods]
+impl Expr {
+    fn __add__(&self, other: Field) -> Expr {
+        (self.tree.clone() + other.0).into()
+    }
+
+    fn __radd__(&self, other: Field) -> Expr {
+        (other.0 + self.tree.clone()).into()
+    }
+
+    fn __sub__(&self, other: Field) -> Expr {
+        (self.tree.clone() - other.0).into()
+    }
+
+    fn __rsub__(&self, other: Field) -> Expr {
+        (other.0 - self.tree.clone()).into()
+    }
+
+    fn __mul__(&self, other: Field) -> Expr {
+        (self.tree.clone() * other.0).into()
+    }
+
+    fn __rmul__(&self, other: Field) -> Expr {
+        (other.0 * self.tree.clone()).into()
+    }
+
+    fn __truediv__(&self, other: Field) -> Expr {
+        (self.tree.clone() / other.0).into()
+    }
+
+    fn __rtruediv__(&self, other: Field) -> Expr {
+        (other.0 / self.tree.clone()).into()
+    }
+
+    fn __floordiv__(&self, other: Field) -> Expr {
+        (self.tree.clone() / other.0).floor().into()
+    }
+
+    fn __rfloordiv__(&self, other: Field) -> Expr {
+        (other.0 / self.tree.clone()).floor().into()
+    }
+
+    fn __mod__(&self, other: Field) -> Expr {
+        self.tree.modulo(other.0).into()
+    }
+
+    fn __rmod__(&self, other: Field) -> Expr {
+        other.0.modulo(self.tree.clone()).into()
+    }
+
+    fn __pow__(
+        &self,
+        exponent: &Bound<'_, PyAny>,
+        modulo: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Expr> {
+        if modulo.is_some() {
+            return Err(PyTypeError::new_err(
+                "pow() of a field takes no modulus; write (f ** n) % m",
+            ));
+        }
+        power(Argument::Field(self.tree.clone()), operand(exponent)?)
+    }
+
+    fn __rpow__(
+        &self,
+        base: &Bound<'_, PyAny>,
+        _modulo: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Expr> {
+        power(operand(base)?, Argument::Field(self.tree.clone()))
+    }
+
+    fn __or__(&self, other: Field) -> Expr {
+        self.tree.min(other.0).into()
+    }
+
+    fn __ror__(&self, other: Field) -> Expr {
+        other.0.min(self.tree.clone()).into()
+    }
+
+    fn __and__(&self, other: Field) -> Expr {
+        self.tree.max(other.0).into()
+    }
+
+    fn __rand__(&self, other: Field) -> Expr {
+        other.0.max(self.tree.clone()).into()
+    }
+
+    fn __neg__(&self) -> Expr {
+        self.tree.neg().into()
+    }
+
+    fn __invert__(&self) -> Expr {
+        self.tree.neg().into()
+    }
+
+    fn __pos__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
+        slf
+    }
+
+    fn __abs__(&self) -> Expr {
+        self.tree.abs().into()
+    }
+
+    #[pyo3(signature = (digits = None))]
+    fn __round__(&self, digits: Option<i32>) -> PyResult<Expr> {
+        match digits {
+            None | Some(0) => Ok(self.tree.round().into()),
+            Some(_) => Err(PyValueError::new_err(
+                "a field is rounded to whole numbers only",
+            )),
+        }
+    }
+
+    fn __floor__(&self) -> Expr {
+        self.tree.floor().into()
+    }
+
+    fn __ceil__(&self) -> Expr {
+        self.tree.ceil().into()
+    }
+
+    fn __richcmp__(
+        &self,
+        other: &Bound<'_, PyAny>,
+        op: CompareOp,
+    ) -> PyResult<Py<PyAny>> {
+        let py = other.py();
+        match op {
+            // Two fields are equal if they are one object.
+            CompareOp::Eq | CompareOp::Ne => Ok(py.NotImplemented()),
+            _ => Err(PyTypeError::new_err(
+                "a field cannot be compared: x, y and z have no values yet. \
+                 max(f, g) is where both are, min(f, g) where either is, \
+                 isoslice.max(f, -x) is f where x > 0, and \
+                 isoslice.compare(x, 0) is -1, 0 or 1",
+            )),
+        }
+    }
+
+    fn __hash__(slf: &Bound<'_, Self>) -> isize {
+        // The lowest bits of an address are always 0.
+        (slf.as_ptr() as isize) >> 4
+    }
+
+    fn __bool__(&self) -> PyResult<bool> {
+        Err(PyTypeError::new_err(
+            "a field is neither true nor false: x, y and z have no values \
+             yet; write isoslice.max, isoslice.min or isoslice.compare \
+             instead of if, and and or",
+        ))
+    }
+
+    fn __repr__(&self) -> String {
+        let mut text = String::from("Expr(");
+        write_tree(&self.tree, 0, &mut text);
+        text.push(')');
+        text
+    }
+
+    /// Value of the field at a place, without unit checks: mm if the field is a
+    /// distance. It is computed in 32 bits, as all layers are.
+    fn __call__(&self, x: f64, y: f64, z: f64) -> PyResult<f64> {
+        let values = values(&self.tree, &[[x, y, z]])?;
+        values.first().copied().ok_or_else(|| {
+            PyValueError::new_err("the field has no value there")
+        })
+    }
+
+    /// The field at another place for each place: f(x, y, z) of three fields.
+    fn remap(&self, x: Field, y: Field, z: Field) -> Expr {
+        self.tree.remap_xyz(x.0, y.0, z.0).into()
+    }
+
+    /// Name of the file or text that the field was read from, or None.
+    #[getter]
+    fn name(&self) -> Option<&str> {
+        self.name.as_deref()
+    }
+
+    /// Parameters of the script that the field was read from, as dictionaries
+    /// with name, default, value and description.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let one = |p: &Parameter| {
+            serde_json::json!({
+                "name": p.name,
+                "default": p.default,
+                "value": p.value,
+                "description": p.description,
+            })
+        };
+        let all = self.parameters.iter().map(one).collect();
+        from_json(py, &serde_json::Value::Array(all))
+    }
+
+    /// Number of distinct operations, constants and variables.
+    #[getter]
+    fn size(&self) -> PyResult<usize> {
+        Ok(expand(&self.tree).map_err(plain)?.0.len())
+    }
+}
+
+/// A factor of a power: numbers stay numbers, which have cheaper powers.
+fn operand(given: &Bound<'_, PyAny>) -> PyResult<Argument> {
+    match crate::value::expr(given)? {
+        Some(expr) => Ok(Argument::Field(expr.get().tree.clone())),
+        None => crate::value::number(given).map(Argument::Number),
+    }
+}
+
+fn power(base: Argument, exponent: Argument) -> PyResult<Expr> {
+    let tree = model::call("pow", vec![base, exponent]).map_err(plain)?;
+    Ok(tree.into())
+}
+
+/// A function of one field, by its name.
+#[pyfunction]
+pub(crate) fn unary(name: &str, of: Field) -> PyResult<Expr> {
+    let f = of.0;
+    let tree = match name {
+        "sqrt" => f.sqrt(),
+        "sin" => f.sin(),
+        "cos" => f.cos(),
+        "tan" => f.tan(),
+        "asin" => f.asin(),
+        "acos" => f.acos(),
+        "atan" => f.atan(),
+        "exp" => f.exp(),
+        "log" => f.ln(),
+        "abs" => f.abs(),
+        "floor" => f.floor(),
+        "ceil" => f.ceil(),
+        "round" => f.round(),
+        "square" => f.square(),
+        "recip" => f.recip(),
+        "sign" => f.compare(0.0),
+        "not" => f.not(),
+        "rand" => f.rand(),
+        _ => return Err(PyValueError::new_err(format!("no function {name}"))),
+    };
+    Ok(tree.into())
+}
+
+/// A function of two fields, by its name.
+#[pyfunction]
+pub(crate) fn binary(name: &str, a: Field, b: Field) -> PyResult<Expr> {
+    let (a, b) = (a.0, b.0);
+    let tree = match name {
+        "min" => a.min(b),
+        "max" => a.max(b),
+        "atan2" => a.atan2(b),
+        "mod" => a.modulo(b),
+        "compare" => a.compare(b),
+        "and" => a.and(b),
+        "or" => a.or(b),
+        _ => return Err(PyValueError::new_err(format!("no function {name}"))),
+    };
+    Ok(tree.into())
+}
+
+/// Calls a function that scripts have: docs/shapes.md lists them.
+#[pyfunction]
+#[pyo3(signature = (name, *given, **named))]
+pub(crate) fn call(
+    name: &str,
+    given: &Bound<'_, PyTuple>,
+    named: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Expr> {
+    let tree = model::call(name, arguments(given, named)?).map_err(plain)?;
+    Ok(tree.into())
+}
+
+/// Reads a model from a file, or from text of a kind.
+#[pyfunction]
+#[pyo3(signature = (kind, text, name, params = None))]
+pub(crate) fn load(
+    py: Python<'_>,
+    kind: &str,
+    text: &Bound<'_, PyAny>,
+    name: &str,
+    params: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Expr> {
+    let source = crate::request::source(kind, text, name)?;
+    let defines = parameters(params)?;
+    let limits = Limits::of_slicing();
+    at_work(py, limits, None, move |_| loaded(&source, &defines))
+        .map(Expr::from)
+}
+
+/// Values of a field at places.
+#[pyfunction]
+pub(crate) fn evaluate(of: Field, places: Vec<[f64; 3]>) -> PyResult<Vec<f64>> {
+    values(&of.0, &places)
+}
+
+fn values(tree: &Tree, places: &[[f64; 3]]) -> PyResult<Vec<f64>> {
+    let failed = |what: String| PyValueError::new_err(what);
+    let (context, root) = expand(tree).map_err(plain)?;
+    let function = VmFunction::new(&context, &[root])
+        .map_err(|error| failed(error.to_string()))?;
+    let tape = function.float_slice_tape(Default::default());
+    let mut columns = vec![Vec::new(); tape.vars().len()];
+    for (axis, variable) in [Var::X, Var::Y, Var::Z].iter().enumerate() {
+        if let Some(at) = tape.vars().get(variable)
+            && let Some(column) = columns.get_mut(at)
+        {
+            *column = places.iter().map(|p| p[axis] as f32).collect();
+        }
+    }
+    if columns.is_empty() {
+        // A constant has no columns that would say how many values there are.
+        let root = context.get_op(root);
+        let value = match root {
+            Some(fidget::context::Op::Const(c)) => f64::from(c.0),
+            _ => return Err(failed("the field is no constant".to_owned())),
+        };
+        return Ok(vec![value; places.len()]);
+    }
+    let mut evaluator = VmFunction::new_float_slice_eval();
+    let found = evaluator
+        .eval(&tape, &columns)
+        .map_err(|error| failed(error.to_string()))?;
+    Ok(found[0].iter().map(|&v| f64::from(v)).collect())
+}
+
+/// Levels of a field's text. What lies deeper is left out.
+const LEVELS: usize = 5;
+
+/// Writes the beginning of a field as a formula.
+fn write_tree(tree: &TreeOp, level: usize, text: &mut String) {
+    if level > LEVELS {
+        text.push('…');
+        return;
+    }
+    match tree {
+        TreeOp::Input(Var::X) => text.push('x'),
+        TreeOp::Input(Var::Y) => text.push('y'),
+        TreeOp::Input(Var::Z) => text.push('z'),
+        TreeOp::Input(_) => text.push('?'),
+        TreeOp::Const(c) => {
+            let _ = write!(text, "{c}");
+        }
+        TreeOp::Unary(op, a) => {
+            let _ = write!(text, "{}(", format!("{op:?}").to_lowercase());
+            write_tree(a, level + 1, text);
+            text.push(')');
+        }
+        TreeOp::Binary(op, a, b) => {
+            let _ = write!(text, "{}(", format!("{op:?}").to_lowercase());
+            write_tree(a, level + 1, text);
+            text.push_str(", ");
+            write_tree(b, level + 1, text);
+            text.push(')');
+        }
+        TreeOp::RemapAxes { target, x, y, z } => {
+            text.push_str("remap(");
+            for (i, part) in [target, x, y, z].into_iter().enumerate() {
+                if i > 0 {
+                    text.push_str(", ");
+                }
+                write_tree(part, level + 1, text);
+            }
+            text.push(')');
+        }
+        TreeOp::RemapAffine { target, .. } => {
+            text.push_str("moved(");
+            write_tree(target, level + 1, text);
+            text.push(')');
+        }
+    }
+}

@@ -1,0 +1,392 @@
+//! Slicing, and its results as an object.
+
+use crate::error::{Error, plain};
+use crate::output::{Output, Written};
+use crate::request::{Keywords, Request, format, format_of, layers};
+use crate::value::from_json;
+use crate::work::{Progress, at_work};
+use anyhow::Context;
+use isoslice::limits::Limits;
+use isoslice::pipeline::{self, Options, Summary};
+use isoslice::plate::Plate;
+use isoslice::preview::{Toolpath, write_html};
+use isoslice::reader::Reader;
+use isoslice::settings::{Settings, keys};
+use isoslice::{Figures, Format, Hanging, Sum, human_time};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde_json::{Value, json};
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::path::{Path, PathBuf};
+
+/// The results of a run: the G-code, how long it prints, what it takes, and how
+/// accurate it is.
+#[pyclass(frozen, module = "isoslice")]
+pub(crate) struct Sliced {
+    /// Name of the model.
+    #[pyo3(get)]
+    name: String,
+    /// Extent of the part along x, y and z, mm.
+    #[pyo3(get)]
+    size: (f64, f64, f64),
+    /// Number of the part's layers.
+    #[pyo3(get)]
+    layer_count: usize,
+    /// First and last layer that were written, from 1.
+    #[pyo3(get)]
+    layers: (usize, usize),
+    /// Number of the lowest layers that are a raft's.
+    #[pyo3(get)]
+    raft_layers: usize,
+    /// Estimated print time, s, without heating and homing.
+    #[pyo3(get)]
+    time: f64,
+    /// Filament used, mm.
+    #[pyo3(get)]
+    filament_length: f64,
+    /// Filament used, g.
+    #[pyo3(get)]
+    filament_mass: f64,
+    /// Price of the filament, if filament.cost is set, else None.
+    #[pyo3(get)]
+    filament_cost: Option<f64>,
+    /// Filament used for supports, mm.
+    #[pyo3(get)]
+    support_length: f64,
+    /// Area of gaps between walls that nothing fills, mm², all layers together.
+    #[pyo3(get)]
+    unfilled_area: f64,
+    /// Area of all layers' outlines together, mm².
+    #[pyo3(get)]
+    solid_area: f64,
+    /// Number of moves that print.
+    #[pyo3(get)]
+    printing_moves: usize,
+    /// Number of moves that are slower than asked for, because the printer
+    /// takes only so many in a second.
+    #[pyo3(get)]
+    slowed_moves: usize,
+    /// Islands and holes left out because they are smaller than a quarter of
+    /// the outer wall's width.
+    #[pyo3(get)]
+    dropped_rings: usize,
+    /// True if the G-code was checked, and found safe for the printer.
+    #[pyo3(get)]
+    checked: bool,
+    /// What the user should know, in sentences.
+    #[pyo3(get)]
+    warnings: Vec<String>,
+    /// What the settings lead to unasked, in sentences.
+    #[pyo3(get)]
+    notes: Vec<String>,
+    summary: Summary,
+    settings: Settings,
+    gcode: Gcode,
+}
+
+/// Where the G-code is.
+enum Gcode {
+    Bytes(Py<PyBytes>),
+    File(PathBuf),
+    /// It went through a pipe.
+    Stream(PathBuf),
+}
+
+/// Slices a model to a file, or to bytes.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python has names for them")]
+pub(crate) fn slice<'py>(
+    model: &Bound<'py, PyAny>,
+    output: Option<PathBuf>,
+    layer_range: Option<Bound<'py, PyAny>>,
+    format_name: Option<String>,
+    report: bool,
+    check: bool,
+    svg: Option<PathBuf>,
+    keywords: Keywords<'py>,
+) -> PyResult<Sliced> {
+    let py = model.py();
+    let range = layers(layer_range.as_ref())?;
+    let request = Request::new(model, &keywords)?;
+    let format = match (&output, format_name) {
+        (Some(_), Some(_)) => {
+            return Err(PyValueError::new_err(
+                "format is for bytes; the name of a file says its format",
+            ));
+        }
+        (Some(path), None) => format_of(path)?,
+        (None, Some(name)) => format(&name)?,
+        // Plates hold whole prints.
+        (None, None) if layer_range.is_some() => Format::Text,
+        (None, None) => Format::usual_for(&request.settings),
+    };
+    let limits = request.limits;
+    let settings = request.settings.clone();
+    let mut warnings = request.warnings.clone();
+    let progress = keywords.progress.as_ref();
+    let work = move |progress: &Progress| {
+        let mut output = Output::create(output, &request.inputs())?;
+        let model = request.model()?;
+        if let Some(folder) = &svg {
+            std::fs::create_dir_all(folder).with_context(|| {
+                format!("cannot make the folder {}", folder.display())
+            })?;
+        }
+        let options = Options {
+            threads: request.threads,
+            layers: range,
+            svg_dir: svg.as_deref(),
+            report,
+            check,
+            timestamp: None,
+            format,
+            on_layer: &|done, all| progress.tell(done, all),
+        };
+        let plate = Plate::of(&model, &request.settings);
+        let summary = pipeline::slice_plate(&plate, &options, &mut output)
+            .with_context(|| format!("cannot slice {}", plate.name))?;
+        Ok((plate.name, model.warnings, summary, output.finish()?))
+    };
+    let (name, of_model, summary, written) =
+        at_work(py, limits, progress, work)?;
+    warnings.extend(of_model);
+    warnings.extend(summary.warnings.iter().cloned());
+    warnings.extend(format.unusual_for(&settings));
+    let gcode = match written {
+        Written::Bytes(bytes) => {
+            Gcode::Bytes(PyBytes::new(py, &bytes).unbind())
+        }
+        Written::File(path) => Gcode::File(path),
+        Written::Stream(path) => Gcode::Stream(path),
+    };
+    Ok(Sliced::new(name, summary, settings, warnings, gcode))
+}
+
+impl Sliced {
+    fn new(
+        name: String,
+        summary: Summary,
+        settings: Settings,
+        warnings: Vec<String>,
+        gcode: Gcode,
+    ) -> Sliced {
+        let cost = settings.filament_cost();
+        let cost =
+            (cost > 0.0).then(|| summary.filament_mass_g * cost / 1000.0);
+        Sliced {
+            name,
+            size: summary.size.into(),
+            layer_count: summary.layer_count,
+            layers: (summary.layers.start + 1, summary.layers.end),
+            raft_layers: summary.raft_layers,
+            time: summary.time,
+            filament_length: summary.filament_length,
+            filament_mass: summary.filament_mass_g,
+            filament_cost: cost,
+            support_length: summary.support_length,
+            unfilled_area: summary.unfilled_area,
+            solid_area: summary.solid_area,
+            printing_moves: summary.printing_moves,
+            slowed_moves: summary.slowed_moves,
+            dropped_rings: summary.dropped_rings,
+            checked: summary.verdict.is_some(),
+            warnings,
+            notes: settings.notes(),
+            summary,
+            settings,
+            gcode,
+        }
+    }
+
+    /// Name of the G-code's file, for titles.
+    fn title(&self) -> String {
+        match &self.gcode {
+            Gcode::File(path) | Gcode::Stream(path) => {
+                let name = path.file_name().unwrap_or_default();
+                name.to_string_lossy().into_owned()
+            }
+            Gcode::Bytes(_) => self.name.clone(),
+        }
+    }
+}
+
+#[pymethods]
+impl Sliced {
+    /// The G-code, as bytes. If it was written to a file, that is read.
+    #[getter]
+    fn gcode<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        match &self.gcode {
+            Gcode::Stream(path) => Err(went(path)),
+            Gcode::Bytes(bytes) => Ok(bytes.bind(py).clone()),
+            Gcode::File(path) => {
+                let read = py.detach(|| std::fs::read(path));
+                let read = read
+                    .with_context(|| format!("cannot read {}", path.display()));
+                let read = read.map_err(|e| crate::error::exception(&e))?;
+                Ok(PyBytes::new(py, &read))
+            }
+        }
+    }
+
+    /// The file that the G-code was written to, or None.
+    #[getter]
+    fn path(&self) -> Option<&PathBuf> {
+        match &self.gcode {
+            Gcode::File(path) | Gcode::Stream(path) => Some(path),
+            Gcode::Bytes(_) => None,
+        }
+    }
+
+    /// What the beads of each role amount to, by the role's name: length_mm,
+    /// filament_mm, time_s.
+    #[getter]
+    fn roles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let roles = serde_json::to_value(&self.summary.roles);
+        from_json(py, &roles.map_err(plain)?)
+    }
+
+    /// Distance of the outlines from f = 0, µm: points (how many were
+    /// measured), min, mean and max with their signs, p50, p95 and p99 of the
+    /// size. None if there are no outlines.
+    #[getter]
+    fn outline_error<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        figures(py, self.summary.outline_error)
+    }
+
+    /// Distance of the outer beads' edges from the outline, µm, as
+    /// outline_error has it.
+    #[getter]
+    fn wall_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        figures(py, self.summary.wall_error)
+    }
+
+    /// All that was measured (docs/accuracy.md), if report was asked for, else
+    /// None.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let report = serde_json::to_value(&self.summary.report);
+        from_json(py, &report.map_err(plain)?)
+    }
+
+    /// What nothing holds while it is printed, by kind; the keys are those of
+    /// the command line's --json.
+    #[getter]
+    fn hanging<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        from_json(py, &hanging(&self.summary.hanging))
+    }
+
+    /// Processor time by stage, s, added up over all threads.
+    #[getter]
+    fn timings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let timings = self.summary.timings.iter();
+        let all = timings.map(|(stage, s)| (stage.name().to_owned(), json!(s)));
+        from_json(py, &Value::Object(all.collect()))
+    }
+
+    /// The settings that were used, by name, as TOML has them.
+    #[getter]
+    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let one = |key: &isoslice::settings::Key| {
+            (key.name.to_owned(), json!(key.get(&self.settings)))
+        };
+        from_json(py, &Value::Object(keys().iter().map(one).collect()))
+    }
+
+    /// The page of `isoslice preview`, as text: one HTML file that needs
+    /// nothing else.
+    fn preview_html(&self, py: Python<'_>) -> PyResult<String> {
+        let gcode: Box<dyn Read + Send> = match &self.gcode {
+            Gcode::Stream(path) => return Err(went(path)),
+            Gcode::Bytes(bytes) => {
+                Box::new(Cursor::new(bytes.as_bytes(py).to_vec()))
+            }
+            Gcode::File(path) => {
+                let file = File::open(path)
+                    .with_context(|| format!("cannot read {}", path.display()));
+                Box::new(file.map_err(|e| crate::error::exception(&e))?)
+            }
+        };
+        let (title, settings) = (self.title(), self.settings.clone());
+        let warnings = self.warnings.clone();
+        let page = at_work(py, Limits::of_slicing(), None, move |_| {
+            let toolpath = Toolpath::read(Reader::new(gcode))?;
+            let problems = toolpath.problems().warnings(&title);
+            let toolpath = toolpath
+                .with_settings(&settings)
+                .with_warnings(&[warnings, problems].concat());
+            let mut page = Vec::new();
+            write_html(&mut page, &toolpath, &title)?;
+            Ok(page)
+        })?;
+        String::from_utf8(page)
+            .map_err(|e| PyValueError::new_err(e.to_string()))
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Sliced({:?}: {:.1} × {:.1} × {:.1} mm, {} layers, {}, {:.2} m of \
+             filament)",
+            self.title(),
+            self.size.0,
+            self.size.1,
+            self.size.2,
+            self.layer_count,
+            human_time(self.time),
+            self.filament_length / 1000.0
+        )
+    }
+}
+
+/// The error for G-code that is nowhere any more.
+fn went(path: &Path) -> PyErr {
+    Error::new_err(format!(
+        "the G-code went into {}, which is no file, and cannot be read again",
+        path.display()
+    ))
+}
+
+fn figures<'py>(
+    py: Python<'py>,
+    figures: Option<Figures>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let figures = serde_json::to_value(figures);
+    from_json(py, &figures.map_err(plain)?)
+}
+
+fn hanging(hanging: &Hanging) -> Value {
+    let first = |sum: &Sum| sum.first.map(|place| place.to_array());
+    let Hanging {
+        begins,
+        leans,
+        bridges,
+        foot,
+        ..
+    } = hanging;
+    json!({
+        "begins_on_nothing": {
+            "count": begins.count,
+            "area_mm2": begins.area,
+            "first_mm": first(begins),
+        },
+        "leans": {
+            "area_mm2": leans.area,
+            "reach_mm": leans.reach,
+            "first_mm": first(leans),
+        },
+        "long_bridges": {
+            "count": bridges.count,
+            "area_mm2": bridges.area,
+            "reach_mm": bridges.reach,
+            "first_mm": first(bridges),
+        },
+        "small_foot": foot.map(|foot| json!({
+            "area_mm2": foot.area,
+            "holds_mm": foot.holds,
+        })),
+    })
+}
