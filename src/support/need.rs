@@ -32,8 +32,11 @@ const SLACK: Mm = 0.02;
 const SPECK: Mm2 = 0.03;
 /// Lines that are looked at across a gap, about.
 const LINES: f64 = 400.0;
-/// A line runs along a rim if the angle between them is no more than that.
+/// A line runs along a rim if the angle between them is no more than that,
 const ALONG: Degrees = 30.0;
+/// and if it comes no more than that nearer to the rim on its way, mm: a wall,
+/// which stays where it is, would end elsewhere.
+const DRIFT: Mm = 0.1;
 
 /// What of a layer gets a support.
 #[derive(Clone, Debug, Default)]
@@ -133,8 +136,9 @@ impl Rim<'_> {
         };
         let (a, b) = grid.edge(edge);
         let [wall, line] = [b - a, line.to - line.from];
-        let cos = wall.normalize_or_zero().dot(line.normalize_or_zero());
-        cos.abs() < ALONG.to_radians().cos()
+        let along = wall.normalize_or_zero();
+        let [on, off] = [along.dot(line), along.perp_dot(line)].map(f64::abs);
+        on < ALONG.to_radians().cos() * line.length() || off > DRIFT
     }
 }
 

@@ -52,7 +52,7 @@ impl Plan {
     /// layer, if that is not half the height of the layer. `bed` is in the
     /// model's coordinates.
     pub(crate) fn new(
-        survey: Survey,
+        mut survey: Survey,
         sections: Option<Vec<Area>>,
         heights: Heights,
         bed: Rect,
@@ -62,17 +62,22 @@ impl Plan {
         let idle = wished && !survey.found.iter().any(|found| found.wished);
         let of = |found: Found| (found.need.all, found.need.must);
         let (needs, musts): (Vec<Area>, Vec<Area>) =
-            survey.found.into_iter().map(of).unzip();
+            std::mem::take(&mut survey.found)
+                .into_iter()
+                .map(of)
+                .unzip();
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
             return Plan {
                 idle,
                 ..Plan::default()
             };
         };
+        let ends = survey.ends();
         let outlines = survey.outlines;
         let parts = Parts {
             heights: &heights,
             outlines: &outlines,
+            ends: &ends,
             sections: sections.as_ref().unwrap_or(&outlines),
             bed,
         };

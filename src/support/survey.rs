@@ -9,6 +9,7 @@ use super::need::{Need, need};
 use super::wish::{Wish, Wishes};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
+use crate::plane::clip::{crop, intersection};
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
 use crate::settings::Settings;
@@ -54,8 +55,11 @@ pub(super) struct Found {
 /// Some layers that follow each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Survey {
-    /// Their outlines, as coarse as supports ask for.
+    /// Their outlines, as coarse as supports ask for, without what is not
+    /// printed.
     pub(super) outlines: Vec<Area>,
+    /// What of each is not printed, since it is thinner than any line.
+    unprinted: Vec<Area>,
     /// What is found of each; of the first one only if it is the part's first.
     pub(super) found: Vec<Found>,
     /// The first layer with its outline, and the outline of the last one.
@@ -73,8 +77,9 @@ impl Survey {
     ) -> Result<Survey, VaryError> {
         let mut survey = Survey::default();
         for (span, outline) in layers {
-            let here = as_printed(outline, asked.settings);
+            let [here, unprinted] = as_printed(outline, asked.settings);
             survey.outlines.push(thinned(here.clone()));
+            survey.unprinted.push(unprinted);
             match &mut survey.ends {
                 None => {
                     survey.found.push(Found::default());
@@ -108,30 +113,53 @@ impl Survey {
         above.found[0] = asked.of(&lowest, last, &span)?;
         *last = highest;
         self.outlines.append(&mut above.outlines);
+        self.unprinted.append(&mut above.unprinted);
         self.found.append(&mut above.found);
         Ok(())
     }
 }
 
-/// An outline as coarse as supports ask for, without what is not printed.
-pub(crate) fn coarse(outline: &Area, settings: &Settings) -> Area {
-    thinned(as_printed(outline, settings))
+impl Survey {
+    /// By layer, the thin ends of what is printed below them. Not the points in
+    /// which the part begins: supports may have the place of those.
+    pub(super) fn ends(&mut self) -> Vec<Area> {
+        let mut ends = std::mem::take(&mut self.unprinted);
+        let mut below = Area::EMPTY;
+        for (end, outline) in ends.iter_mut().zip(&self.outlines) {
+            if !end.is_empty() {
+                let islands = end.islands().into_iter().filter(|island| {
+                    let near = crop(&below.rings, island.bounds());
+                    !intersection(island, &near).is_empty()
+                });
+                end.rings = islands.flat_map(|i| i.rings).collect();
+            }
+            below = outline.clone();
+            below.rings.extend_from_slice(&end.rings);
+        }
+        ends
+    }
 }
 
-/// An outline without the islands that are thinner than any line: a part that
-/// begins in a point begins where a line fits into it.
-fn as_printed(outline: &Area, settings: &Settings) -> Area {
+/// An outline as coarse as supports ask for, without what is not printed.
+pub(crate) fn coarse(outline: &Area, settings: &Settings) -> Area {
+    let [printed, _] = as_printed(outline, settings);
+    thinned(printed)
+}
+
+/// An outline without the islands that are thinner than any line, and these: a
+/// part that begins in a point begins where a line fits into it.
+fn as_printed(outline: &Area, settings: &Settings) -> [Area; 2] {
     let width = settings.outer_wall_width();
     let half = 0.5 * 0.01 * settings.thin_min * width;
     let small = (4.0 * width).powi(2);
     let islands = outline.islands().into_iter();
-    let printed = islands.filter(|island| {
+    let all: (Vec<Area>, Vec<Area>) = islands.partition(|island| {
         island.content() > small
             || !offset(island, -half, 0.1 * TOLERANCE).is_empty()
     });
-    Area {
-        rings: printed.flat_map(|island| island.rings).collect(),
-    }
+    [all.0, all.1].map(|islands| Area {
+        rings: islands.into_iter().flat_map(|i| i.rings).collect(),
+    })
 }
 
 /// The area with fewer points: they would grow in number with every layer.
