@@ -179,7 +179,6 @@ fn taken(
     let Parts {
         heights,
         outlines,
-        ends,
         sections,
         ..
     } = parts;
@@ -195,10 +194,6 @@ fn taken(
     let above = (beside.end..outlines.len())
         .take_while(|&i| heights.below(i).is_none_or(|top| top < j));
     let mut rings = Vec::new();
-    for end in ends[beside.clone()].iter().filter(|end| !end.is_empty()) {
-        let end = within(end).unwrap_or_else(|| end.clone());
-        rings.extend(end.rings);
-    }
     for k in (first..beside.end).chain(above) {
         if outlines[k] != *section {
             let other =
