@@ -244,19 +244,22 @@ impl Branch {
         if self.foot == Foot::Bed {
             post += (FOOT - bottom).max(0.0);
         }
-        let all = offset(&self.core, size.core, TOLERANCE);
         let middle = self.middle();
         let points = self.core.rings.iter().flatten();
         let far = points.map(|p| p.distance(middle)).fold(0.0, f64::max);
+        let all = || offset(&self.core, size.core, TOLERANCE);
         if far + size.core > post {
-            return all;
+            return all();
         }
         let disc = Area {
             rings: vec![disc(middle, post)],
         };
         let near = disc.bounds().grown(TOLERANCE);
         let taken = step.room.taken(step.layer, near);
-        union(&all, &difference(&disc, &taken))
+        if taken.is_empty() {
+            return disc;
+        }
+        union(&all(), &difference(&disc, &taken))
     }
 }
 

@@ -4,9 +4,9 @@
 //! thick. A part that begins in a point begins where a line fits into it, and
 //! a spike that is too thin for a line holds nothing.
 
+use crate::plane::Area;
 use crate::plane::clip::{crop, intersection};
 use crate::plane::offset::offset;
-use crate::plane::{Area, Rect};
 use crate::settings::Settings;
 use crate::units::{Mm, Mm2};
 
@@ -48,11 +48,9 @@ impl Printed {
         (Printed { area, core }, not)
     }
 
-    /// What of a box is wide enough for a line.
-    pub(super) fn thick(&self, within: Rect, settings: &Settings) -> Area {
+    /// What of an area is wide enough for a line, by the core around it.
+    pub(super) fn thick(core: &Area, area: &Area, settings: &Settings) -> Area {
         let wide = CORNER * Self::half(settings);
-        let core = crop(&self.core.rings, within.grown(2.0 * wide));
-        let area = crop(&self.area.rings, within);
-        intersection(&area, &offset(&core, wide, TOLERANCE))
+        intersection(area, &offset(core, wide, TOLERANCE))
     }
 }
