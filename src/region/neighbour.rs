@@ -63,9 +63,11 @@ impl<'a> Neighbour<'a> {
         if area.is_empty() {
             return Area::EMPTY;
         }
-        let mut bounds = area.bounds();
-        bounds.min -= MARGIN;
-        bounds.max += MARGIN;
+        self.within(area.bounds().grown(MARGIN))
+    }
+
+    /// What the layer has in a box.
+    pub(crate) fn within(&self, bounds: Rect) -> Area {
         let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
         let frame = AABB::from_corners(min, max);
         let found = self.boxes.locate_in_envelope_intersecting(&frame);

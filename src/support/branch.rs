@@ -19,7 +19,8 @@
 use super::parts::Parts;
 use super::room::{Foot, Room, Size};
 use super::{SPECK, TOLERANCE};
-use crate::plane::clip::{crop, difference, union, unite};
+use crate::plane::clip::{crop, difference, intersection, union, unite};
+use crate::plane::grid::nearest_on;
 use crate::plane::offset::offset;
 use crate::plane::simplify::simplify;
 use crate::plane::{Area, Rect, Ring, edges, signed_area};
@@ -203,10 +204,12 @@ impl Branch {
         if core.is_empty() || lost.content() > 0.01 * SPECK {
             let aside = offset(&lost, reach, TOLERANCE);
             let aside = difference(&aside, &blocked);
-            core = if self.is_post() {
-                largest(aside)
-            } else {
-                union(&core, &aside)
+            core = match self.foot {
+                _ if !self.is_post() => union(&core, &aside),
+                // A way down leads from all of it.
+                Foot::Bed => beside(&aside, middle),
+                // Some of it may end in the air between two walls.
+                Foot::Part => largest(aside),
             };
         } else if self.is_column() {
             self.core = core;
@@ -241,19 +244,22 @@ impl Branch {
         if self.foot == Foot::Bed {
             post += (FOOT - bottom).max(0.0);
         }
-        let all = offset(&self.core, size.core, TOLERANCE);
         let middle = self.middle();
         let points = self.core.rings.iter().flatten();
         let far = points.map(|p| p.distance(middle)).fold(0.0, f64::max);
+        let all = || offset(&self.core, size.core, TOLERANCE);
         if far + size.core > post {
-            return all;
+            return all();
         }
         let disc = Area {
             rings: vec![disc(middle, post)],
         };
         let near = disc.bounds().grown(TOLERANCE);
         let taken = step.room.taken(step.layer, near);
-        union(&all, &difference(&disc, &taken))
+        if taken.is_empty() {
+            return disc;
+        }
+        union(&all(), &difference(&disc, &taken))
     }
 }
 
@@ -262,6 +268,23 @@ fn largest(area: Area) -> Area {
     let islands = area.islands().into_iter();
     let largest = islands.max_by(|a, b| a.content().total_cmp(&b.content()));
     largest.unwrap_or_default()
+}
+
+/// What of an area is next to the point of its rim that is nearest to `to`: as
+/// much as is still a post.
+fn beside(area: &Area, to: DVec2) -> Area {
+    let sides = area.rings.iter().flat_map(|ring| edges(ring));
+    let nearest = sides.map(|(a, b)| nearest_on(to, a, b));
+    let nearest = nearest.min_by(|p, q| {
+        p.distance_squared(to).total_cmp(&q.distance_squared(to))
+    });
+    let Some(at) = nearest else {
+        return Area::EMPTY;
+    };
+    let near = Area {
+        rings: vec![disc(at, 2.0 * POINT)],
+    };
+    largest(intersection(area, &near))
 }
 
 /// The middle of an area; that of its points if it has no content.

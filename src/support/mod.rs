@@ -42,6 +42,7 @@ mod heights;
 mod need;
 mod parts;
 mod plan;
+mod printed;
 mod room;
 mod slice;
 mod survey;

@@ -8,8 +8,9 @@
 //! the layer's rim are walls, which follow it: there only lines that run along
 //! it are ever laid.
 
+use super::printed::Printed;
 use super::wish::Wish;
-use crate::plane::clip::{difference, intersection, union, unite};
+use crate::plane::clip::{crop, difference, intersection, union, unite};
 use crate::plane::clusters::clusters;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::hatch::{Lines, Segment};
@@ -32,8 +33,11 @@ const SLACK: Mm = 0.02;
 const SPECK: Mm2 = 0.03;
 /// Lines that are looked at across a gap, about.
 const LINES: f64 = 400.0;
-/// A line runs along a rim if the angle between them is no more than that.
+/// A line runs along a rim if the angle between them is no more than that,
 const ALONG: Degrees = 30.0;
+/// and if it comes no more than that nearer to the rim on its way, mm: a wall,
+/// which stays where it is, would end elsewhere.
+const DRIFT: Mm = 0.1;
 
 /// What of a layer gets a support.
 #[derive(Clone, Debug, Default)]
@@ -61,41 +65,90 @@ impl Need {
     }
 }
 
-/// What of `here` the layer `below` does not hold. `here` has this height.
+/// What of `here` the layer `below` does not hold, and what of that is too thin
+/// to be printed. `here` has this height.
 pub(super) fn need(
-    here: &Area,
-    below: &Area,
+    here: &Printed,
+    below: &Printed,
     height: Mm,
     settings: &Settings,
-) -> Area {
+) -> [Area; 2] {
     crate::limits::check();
-    if here.is_empty() || here == below {
-        return Area::EMPTY;
+    if here.area.is_empty() || here.area == below.area {
+        return [Area::EMPTY, Area::EMPTY];
     }
-    let below = Solid::new(below.clone());
-    let begins = floating(here, &below).into_iter();
+    let solid = Solid::new(below.area.clone());
+    let begins = floating(&here.area, &solid).into_iter();
     let begins: Vec<_> = begins.flat_map(|f| f.island.rings).collect();
-    let sticks_out = sticks_out(here, &below, height, settings);
-    if begins.is_empty() {
-        sticks_out
+    let [beyond, unprinted] = beyond(here, below, height, settings);
+    let beyond = if beyond.is_empty() || !settings.bridges {
+        beyond
     } else {
-        union(&sticks_out, &Area { rings: begins })
+        // Lines end where that holds them.
+        let reach = held(height, settings) + 2.0 * settings.outer_wall_width();
+        let around = beyond.bounds().grown(reach);
+        let [core, area] =
+            [&below.core, &below.area].map(|all| crop(&all.rings, around));
+        let thick = Solid::new(Printed::thick(&core, &area, settings));
+        unbridged(beyond, &here.area, &thick, height, settings)
+    };
+    if begins.is_empty() {
+        [beyond, unprinted]
+    } else {
+        [union(&beyond, &Area { rings: begins }), unprinted]
     }
 }
 
-/// What sticks out over `below`, as much as is no speck.
-fn sticks_out(
+/// How far a layer of some height holds what is above it.
+fn held(height: Mm, settings: &Settings) -> Mm {
+    height * settings.support.angle.to_radians().tan() + SLACK
+}
+
+/// What is farther from `below` than that holds, as much as is no speck, and
+/// what of it is too thin to be printed.
+fn beyond(
+    here: &Printed,
+    below: &Printed,
+    height: Mm,
+    settings: &Settings,
+) -> [Area; 2] {
+    let (held, half) = (held(height, settings), Printed::half(settings));
+    // Corners reach a little farther than that.
+    let reached = offset(&below.core, held + half, TOLERANCE);
+    let beyond = large(difference(&here.area, &reached));
+    if beyond.is_empty() {
+        return [Area::EMPTY, Area::EMPTY];
+    }
+    let [core, area, own] =
+        [&below.core, &below.area, &here.core].map(Neighbour::new);
+    let (mut need, mut unprinted) = (Vec::new(), Vec::new());
+    for island in beyond.islands() {
+        // What is near to it decides.
+        let around = island.bounds().grown(held + 4.0 * half);
+        let thick = |core: &Neighbour<'_>, area: &Area| {
+            Printed::thick(&core.within(around), area, settings)
+        };
+        let below = thick(&core, &area.within(around));
+        let rest = difference(&island, &offset(&below, held, TOLERANCE));
+        if rest.is_empty() {
+            continue;
+        }
+        let printed = thick(&own, &rest);
+        unprinted.extend(difference(&rest, &printed).rings);
+        need.extend(printed.rings);
+    }
+    [need, unprinted].map(|rings| large(Area { rings }))
+}
+
+/// What of a part that is `beyond` all that is held no bridge spans.
+fn unbridged(
+    beyond: Area,
     here: &Area,
     below: &Solid<'_>,
     height: Mm,
     settings: &Settings,
 ) -> Area {
-    let held = height * settings.support.angle.to_radians().tan() + SLACK;
-    let reached = offset(below.area(), held, TOLERANCE);
-    let beyond = large(difference(here, &reached));
-    if beyond.is_empty() || !settings.bridges {
-        return beyond;
-    }
+    let held = held(height, settings);
     let around = offset(&beyond, held + TOLERANCE, TOLERANCE);
     // Most of a layer is far from all that sticks out.
     let own = Neighbour::new(here);
@@ -133,8 +186,9 @@ impl Rim<'_> {
         };
         let (a, b) = grid.edge(edge);
         let [wall, line] = [b - a, line.to - line.from];
-        let cos = wall.normalize_or_zero().dot(line.normalize_or_zero());
-        cos.abs() < ALONG.to_radians().cos()
+        let along = wall.normalize_or_zero();
+        let [on, off] = [along.dot(line), along.perp_dot(line)].map(f64::abs);
+        on < ALONG.to_radians().cos() * line.length() || off > DRIFT
     }
 }
 
@@ -193,8 +247,15 @@ mod tests {
     use super::*;
     use crate::plane::rect;
 
+    fn both(here: &Area, below: &Area) -> [Area; 2] {
+        let settings = Settings::default();
+        let printed = |area: &Area| Printed::new(area, &settings).0;
+        need(&printed(here), &printed(below), 0.2, &settings)
+    }
+
     fn of(here: &Area, below: &Area) -> Area {
-        need(here, below, 0.2, &Settings::default())
+        let [need, _] = both(here, below);
+        need
     }
 
     #[test]
@@ -226,7 +287,39 @@ mod tests {
         // Beside its edge walls run along the slit.
         let held = 0.2 * 55f64.to_radians().tan() + SLACK;
         let exact = (1.0 - 2.0 * held) * (14.0 - 2.0 * held);
-        let found = over(&slit(8.9)).content();
+        let found = over(&slit(8.7)).content();
+        assert!((found - exact).abs() < 0.1, "{found}, {exact}");
+    }
+
+    #[test]
+    fn a_wall_along_a_rim_is_no_bridge_to_what_it_passes_by() {
+        // A strip that sticks out along the edge of a plate, and a post beside
+        // its end: a line that goes askew ends on it, the wall does not.
+        let plate = rect(0.0, 0.0, 10.0, 10.0);
+        let strip = rect(0.0, 0.0, 10.5, 10.0);
+        let post = rect(9.0, -2.0, 10.4, -0.2);
+        let (here, below) = (union(&strip, &post), union(&plate, &post));
+        let held = 0.2 * 55f64.to_radians().tan() + SLACK;
+        let found = of(&here, &below).content();
+        let exact = (0.5 - held) * (10.0 - held);
+        assert!((found - exact).abs() < 0.1, "{found}, {exact}");
+    }
+
+    #[test]
+    fn what_is_too_thin_to_be_printed_needs_none_and_holds_nothing() {
+        // A spike of 0.2 mm, which is 0.5 mm wide in the layer above.
+        let plate = rect(0.0, 0.0, 10.0, 10.0);
+        let spike =
+            |half: f64| union(&plate, &rect(9.0, 5.0 - half, 14.0, 5.0 + half));
+        let held = 0.2 * 55f64.to_radians().tan() + SLACK;
+        let [need, unprinted] = both(&spike(0.1), &plate);
+        assert!(need.is_empty(), "{need:?}");
+        let exact = 0.2 * (4.0 - held);
+        assert!((unprinted.content() - exact).abs() < 0.02);
+        let [need, unprinted] = both(&spike(0.25), &spike(0.1));
+        assert!(unprinted.is_empty(), "{unprinted:?}");
+        let exact = 0.5 * (4.0 - held);
+        let found = need.content();
         assert!((found - exact).abs() < 0.1, "{found}, {exact}");
     }
 

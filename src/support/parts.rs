@@ -11,6 +11,8 @@ pub(super) struct Parts<'a> {
     pub heights: &'a Heights,
     /// The outline of each.
     pub outlines: &'a [Area],
+    /// The ends of each that are too thin to be printed.
+    pub ends: &'a [Area],
     /// The part at half the height of what supports have of each layer: the
     /// outline, where supports have the heights of the layers.
     pub sections: &'a [Area],

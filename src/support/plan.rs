@@ -19,6 +19,10 @@ use rayon::prelude::*;
 /// Support has to rest on so much, as a share of itself, or mm².
 const REST: (f64, Mm2) = (0.1, 0.3);
 
+/// Supports stay so far away from the ends of the part that are too thin to be
+/// printed, mm.
+const BESIDE: Mm = 0.05;
+
 /// What needs a support and does not get one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Unheld {
@@ -52,7 +56,7 @@ impl Plan {
     /// layer, if that is not half the height of the layer. `bed` is in the
     /// model's coordinates.
     pub(crate) fn new(
-        survey: Survey,
+        mut survey: Survey,
         sections: Option<Vec<Area>>,
         heights: Heights,
         bed: Rect,
@@ -62,17 +66,22 @@ impl Plan {
         let idle = wished && !survey.found.iter().any(|found| found.wished);
         let of = |found: Found| (found.need.all, found.need.must);
         let (needs, musts): (Vec<Area>, Vec<Area>) =
-            survey.found.into_iter().map(of).unzip();
+            std::mem::take(&mut survey.found)
+                .into_iter()
+                .map(of)
+                .unzip();
         let Some(highest) = needs.iter().rposition(|n| !n.is_empty()) else {
             return Plan {
                 idle,
                 ..Plan::default()
             };
         };
+        let ends = survey.ends();
         let outlines = survey.outlines;
         let parts = Parts {
             heights: &heights,
             outlines: &outlines,
+            ends: &ends,
             sections: sections.as_ref().unwrap_or(&outlines),
             bed,
         };
@@ -220,7 +229,15 @@ fn slices(
             return Slice::default();
         }
         let on_bed = unite(&crop(&all.rings, parts.bed));
-        let all = printable(on_bed, 0.0);
+        let ends = parts.ends[parts.heights.beside(j)].iter();
+        let ends: Vec<_> = ends.flat_map(|e| e.rings.clone()).collect();
+        let free = if ends.is_empty() {
+            on_bed
+        } else {
+            let ends = unite(&Area { rings: ends });
+            difference(&on_bed, &offset(&ends, BESIDE, TOLERANCE))
+        };
+        let all = printable(free, 0.0);
         let mut dense = Area::EMPTY;
         for top in tops.iter().skip(j).take(roof) {
             dense = union(&dense, top);

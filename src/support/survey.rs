@@ -6,10 +6,11 @@
 
 use super::TOLERANCE;
 use super::need::{Need, need};
+use super::printed::Printed;
 use super::wish::{Wish, Wishes};
 use crate::layers::LayerSpan;
 use crate::plane::Area;
-use crate::plane::offset::offset;
+use crate::plane::clip::{crop, difference, intersection};
 use crate::plane::simplify::simplify;
 use crate::settings::Settings;
 use crate::vary::VaryError;
@@ -23,22 +24,25 @@ pub(crate) struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// What of a layer needs a support, with the layer below it.
+    /// What of a layer needs a support, with the layer below it, and what of it
+    /// is too thin to be printed and so needs none.
     fn of(
         self,
-        here: &Area,
-        below: &Area,
+        here: &Printed,
+        below: &Printed,
         span: &LayerSpan,
-    ) -> Result<Found, VaryError> {
+    ) -> Result<(Found, Area), VaryError> {
         let wish = match self.wishes {
-            Some(wishes) => wishes.of(here, below, span)?,
+            Some(wishes) => wishes.of(&here.area, &below.area, span)?,
             None => Wish::default(),
         };
-        let unheld = need(here, below, span.height(), self.settings);
-        Ok(Found {
+        let [unheld, unprinted] =
+            need(here, below, span.height(), self.settings);
+        let found = Found {
             need: Need::new(unheld, &wish),
             wished: !wish.is_none(),
-        })
+        };
+        Ok((found, unprinted))
     }
 }
 
@@ -54,12 +58,15 @@ pub(super) struct Found {
 /// Some layers that follow each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Survey {
-    /// Their outlines, as coarse as supports ask for.
+    /// Their outlines, as coarse as supports ask for, without what is not
+    /// printed.
     pub(super) outlines: Vec<Area>,
+    /// What of each is not printed, since it is thinner than any line.
+    unprinted: Vec<Area>,
     /// What is found of each; of the first one only if it is the part's first.
     pub(super) found: Vec<Found>,
     /// The first layer with its outline, and the outline of the last one.
-    ends: Option<(LayerSpan, [Area; 2])>,
+    ends: Option<(LayerSpan, [Printed; 2])>,
 }
 
 impl Survey {
@@ -73,16 +80,20 @@ impl Survey {
     ) -> Result<Survey, VaryError> {
         let mut survey = Survey::default();
         for (span, outline) in layers {
-            let here = as_printed(outline, asked.settings);
-            survey.outlines.push(thinned(here.clone()));
+            let (here, unprinted) = Printed::new(outline, asked.settings);
+            survey.outlines.push(thinned(here.area.clone()));
+            survey.unprinted.push(unprinted);
             match &mut survey.ends {
                 None => {
                     survey.found.push(Found::default());
                     survey.ends = Some((span, [here.clone(), here]));
                 }
                 Some((_, [_, last])) => {
-                    survey.found.push(asked.of(&here, last, &span)?);
+                    let (found, thin) = asked.of(&here, last, &span)?;
+                    survey.found.push(found);
                     *last = here;
+                    let layer = survey.outlines.len() - 1;
+                    survey.leave(layer, thin);
                 }
             }
         }
@@ -102,36 +113,54 @@ impl Survey {
             *self = above;
             return Ok(());
         };
-        let Some((span, [lowest, highest])) = above.ends else {
+        let Some((span, [lowest, highest])) = above.ends.take() else {
             return Ok(());
         };
-        above.found[0] = asked.of(&lowest, last, &span)?;
+        let (found, thin) = asked.of(&lowest, last, &span)?;
+        above.found[0] = found;
+        above.leave(0, thin);
         *last = highest;
         self.outlines.append(&mut above.outlines);
+        self.unprinted.append(&mut above.unprinted);
         self.found.append(&mut above.found);
         Ok(())
     }
 }
 
-/// An outline as coarse as supports ask for, without what is not printed.
-pub(crate) fn coarse(outline: &Area, settings: &Settings) -> Area {
-    thinned(as_printed(outline, settings))
+impl Survey {
+    /// Takes from a layer what of it is too thin to be printed.
+    fn leave(&mut self, layer: usize, thin: Area) {
+        if !thin.is_empty() {
+            let outline = &mut self.outlines[layer];
+            *outline = difference(outline, &thin);
+            self.unprinted[layer].rings.extend(thin.rings);
+        }
+    }
+
+    /// By layer, the thin ends of what is printed below them. Not the points in
+    /// which the part begins: supports may have the place of those.
+    pub(super) fn ends(&mut self) -> Vec<Area> {
+        let mut ends = std::mem::take(&mut self.unprinted);
+        let mut below = Area::EMPTY;
+        for (end, outline) in ends.iter_mut().zip(&self.outlines) {
+            if !end.is_empty() {
+                let islands = end.islands().into_iter().filter(|island| {
+                    let near = crop(&below.rings, island.bounds());
+                    !intersection(island, &near).is_empty()
+                });
+                end.rings = islands.flat_map(|i| i.rings).collect();
+            }
+            below = outline.clone();
+            below.rings.extend_from_slice(&end.rings);
+        }
+        ends
+    }
 }
 
-/// An outline without the islands that are thinner than any line: a part that
-/// begins in a point begins where a line fits into it.
-fn as_printed(outline: &Area, settings: &Settings) -> Area {
-    let width = settings.outer_wall_width();
-    let half = 0.5 * 0.01 * settings.thin_min * width;
-    let small = (4.0 * width).powi(2);
-    let islands = outline.islands().into_iter();
-    let printed = islands.filter(|island| {
-        island.content() > small
-            || !offset(island, -half, 0.1 * TOLERANCE).is_empty()
-    });
-    Area {
-        rings: printed.flat_map(|island| island.rings).collect(),
-    }
+/// An outline as coarse as supports ask for, without what is not printed.
+pub(crate) fn coarse(outline: &Area, settings: &Settings) -> Area {
+    let (printed, _) = Printed::new(outline, settings);
+    thinned(printed.area)
 }
 
 /// The area with fewer points: they would grow in number with every layer.

@@ -83,6 +83,7 @@ pub(super) fn grow(
         pairs.for_each(|(branch, goal)| branch.lower(goal, step));
         let pieces = branches.into_iter().flat_map(|b| b.pieces(step));
         branches = pieces.collect();
+        gather(&mut branches, step);
         join(&mut branches, step);
         for (i, core) in &tops[j] {
             let top = parts.spans()[*i].bottom;
@@ -276,6 +277,43 @@ fn goals(branches: &[Branch], step: Step<'_>, tan: f64) -> Vec<Option<DVec2>> {
             .find(clear)
     };
     branches.par_iter().enumerate().map(goal).collect()
+}
+
+/// Makes one branch of those of a cell that lie over each other, each of which
+/// is more than a post: pieces of a branch that went aside to the same place.
+fn gather(branches: &mut Vec<Branch>, step: Step<'_>) {
+    let mut bounds: Vec<Rect> =
+        branches.iter().map(|b| b.core.bounds()).collect();
+    let group = |b: &Branch| (b.cell, b.foot == Foot::Part);
+    let mut order: Vec<usize> = (0..branches.len())
+        .filter(|&k| !branches[k].is_column() && !branches[k].is_post())
+        .collect();
+    order.sort_by(|&a, &b| {
+        let groups = group(&branches[a]).cmp(&group(&branches[b]));
+        groups.then(bounds[a].min.x.total_cmp(&bounds[b].min.x))
+    });
+    let mut gone = vec![false; branches.len()];
+    for (n, &k) in order.iter().enumerate() {
+        for &other in &order[n + 1..] {
+            if group(&branches[other]) != group(&branches[k])
+                || bounds[other].min.x > bounds[k].max.x
+            {
+                break;
+            }
+            if gone[k] || gone[other] || !bounds[k].meets(bounds[other]) {
+                continue;
+            }
+            let [a, b] = [k, other].map(|k| &branches[k].core);
+            if !intersection(a, b).is_empty() {
+                let other_one = branches[other].clone();
+                branches[k].take(other_one, step);
+                bounds[k] = branches[k].core.bounds();
+                gone[other] = true;
+            }
+        }
+    }
+    let mut gone = gone.into_iter();
+    branches.retain(|_| !gone.next().unwrap_or(false));
 }
 
 /// Makes one branch of a post and what it has met.
