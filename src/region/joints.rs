@@ -569,6 +569,21 @@ mod tests {
     }
 
     #[test]
+    fn a_short_bead_that_reaches_out_of_another_stays() {
+        // A lobe beside a bead of 0.6 mm: 0.21 mm of it are its own.
+        let bead = line(&[(-1.0, 0.0), (1.0, 0.0)], 0.6);
+        let lobe = line(&[(0.0, 0.05), (0.0, 0.45)], 0.5);
+        let (_, beads) = join(Vec::new(), vec![bead.clone(), lobe], anywhere);
+        let lengths: Vec<f64> = beads.iter().map(Stroke::length).collect();
+        assert_eq!(lengths.len(), 2);
+        assert!((lengths[1] - 0.21).abs() < 0.01, "{lengths:?}");
+        // What reaches out by less than its round end covers does not.
+        let lobe = line(&[(0.0, 0.05), (0.0, 0.3)], 0.5);
+        let (_, beads) = join(Vec::new(), vec![bead.clone(), lobe], anywhere);
+        assert_eq!(beads, [bead]);
+    }
+
+    #[test]
     fn of_two_strokes_on_one_track_one_stays() {
         let long = line(&[(0.0, 0.0), (8.0, 0.0)], 0.5);
         let short = line(&[(6.0, 0.04), (3.0, 0.06)], 0.5);
