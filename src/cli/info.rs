@@ -10,7 +10,7 @@ use glam::DVec3;
 use isoslice::heights::{Heights, Steps, heights};
 use isoslice::model::{Bounds, Model, Parameter};
 use isoslice::settings::Settings;
-use isoslice::{Hanging, Kind, Place, Survey, survey};
+use isoslice::{Hanging, Kind, Survey, Unsupported, survey};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -236,7 +236,7 @@ impl SupportsJson {
             bridges,
             ..
         } = &survey.hanging;
-        let place = |place: &Place| PlaceJson {
+        let place = |place: &Unsupported| PlaceJson {
             kind: match place.kind {
                 Kind::Begins => "begins_on_nothing",
                 Kind::Leans => "leans",

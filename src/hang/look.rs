@@ -27,7 +27,7 @@ pub(crate) struct Look {
     /// What sticks out by more than a lip in this layer alone.
     pub(super) gaps: Vec<Gap>,
     /// Places on the rim, ring by ring.
-    pub(super) rim: Vec<Place>,
+    pub(super) rim: Vec<RimPlace>,
     /// True if some of these places stick out by more than the layer below
     /// holds.
     pub(super) leans: bool,
@@ -36,7 +36,7 @@ pub(crate) struct Look {
 /// A place on the rim of a layer. A place on rings is an edge's number, as a
 /// grid has it, plus a share of the edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct RimPlace {
     pub at: DVec2,
     /// The place on the layer's rings.
     pub on: f64,
@@ -132,7 +132,7 @@ impl Look {
         let ends = (first as f64, (first + ring.len()) as f64);
         let from = self.rim.len();
         let mut push = |at: DVec2, on: f64| {
-            self.rim.push(Place {
+            self.rim.push(RimPlace {
                 at,
                 on,
                 ring: ends,
@@ -214,7 +214,7 @@ pub(super) fn name(first: DVec2) -> Name {
 /// Finds out how far the places of a ring stick out, and adds boxes around
 /// ledges. True if some places stick out by more than what is held.
 fn over(
-    places: &mut [Place],
+    places: &mut [RimPlace],
     below: &EdgeGrid,
     limits: Limits,
     boxes: &mut Vec<Rect>,
@@ -253,7 +253,8 @@ fn over(
         if a.ledge != Ledge::No || b.ledge != Ledge::No || out == [0.0; 2] {
             continue;
         }
-        let foot = |p: Place, q: DVec2| if p.beyond > 0.0 { q } else { p.at };
+        let foot =
+            |p: RimPlace, q: DVec2| if p.beyond > 0.0 { q } else { p.at };
         let (p, q) = (foot(a, feet[i]), foot(b, feet[next]));
         let side = a.at.distance(b.at);
         let strip = if p.distance(q) <= side + out[0] + out[1] {

@@ -49,7 +49,7 @@ mod track;
 mod words;
 
 pub(crate) use look::Look;
-pub use places::Place;
+pub use places::Unsupported;
 pub(crate) use track::Tracker;
 
 use crate::units::{Mm, Mm2};

@@ -19,7 +19,7 @@ const MOST: usize = 10_000;
 /// A place of a part that would need a support.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Place {
+pub struct Unsupported {
     /// What hangs there.
     pub kind: Kind,
     /// Content of the underside, seen from below.
@@ -50,7 +50,7 @@ pub(super) struct Found {
 /// The places found so far.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    all: Vec<Place>,
+    all: Vec<Unsupported>,
     /// The number of the last place of each kind.
     last: Vec<(Kind, usize)>,
     /// The slopes of the layer below, and of this layer: numbers of places, and
@@ -88,7 +88,7 @@ impl Places {
             None => {
                 let number = last.unwrap_or(self.all.len());
                 if number == self.all.len() {
-                    self.all.push(Place {
+                    self.all.push(Unsupported {
                         kind,
                         area: 0.0,
                         from: at.z,
@@ -115,7 +115,7 @@ impl Places {
     }
 
     /// The places.
-    pub(super) fn finish(self) -> Vec<Place> {
+    pub(super) fn finish(self) -> Vec<Unsupported> {
         self.all
     }
 }

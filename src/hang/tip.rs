@@ -13,7 +13,7 @@
 //!
 //! In: the rims of layers, from below. Out: the islands that count.
 
-use super::look::{Look, Name, Place, name};
+use super::look::{Look, Name, RimPlace, name};
 use super::reach::Limits;
 use crate::plane::grid::EdgeGrid;
 use crate::plane::signed_area;
@@ -61,7 +61,7 @@ impl Tips {
         }
         let mut counts = Vec::new();
         let below = std::mem::take(&mut self.0);
-        let rings: Vec<&[Place]> =
+        let rings: Vec<&[RimPlace]> =
             look.rim.chunk_by(|a, b| a.ring == b.ring).collect();
         let above = ringed(&below, &rings);
         for (mut island, above) in below.into_iter().zip(above) {
@@ -86,7 +86,7 @@ impl Tips {
                 }
             }
         }
-        let named: HashMap<Name, &[Place]> = if look.begins.is_empty() {
+        let named: HashMap<Name, &[RimPlace]> = if look.begins.is_empty() {
             HashMap::new()
         } else {
             rings.iter().map(|r| (name(r[0].at), *r)).collect()
@@ -130,7 +130,7 @@ impl Tips {
     fn keep(
         &mut self,
         mut island: Island,
-        ring: &[Place],
+        ring: &[RimPlace],
         look: &Look,
         to: &mut Vec<Island>,
     ) {
@@ -169,7 +169,7 @@ enum Above {
 }
 
 /// What lies on each of several islands, which are in the order of their rings.
-fn ringed(islands: &[Island], rings: &[&[Place]]) -> Vec<Above> {
+fn ringed(islands: &[Island], rings: &[&[RimPlace]]) -> Vec<Above> {
     let find = |on: f64| {
         let next = islands.partition_point(|i| i.ring.0 <= on);
         let k = next.checked_sub(1)?;
@@ -215,7 +215,7 @@ mod tests {
             ring,
             now: DVec2::ZERO,
         };
-        let place = |foot: f64| Place {
+        let place = |foot: f64| RimPlace {
             at: DVec2::ZERO,
             on: 0.0,
             ring: (0.0, 4.0),
@@ -228,7 +228,7 @@ mod tests {
         let below =
             [island((0.0, 4.0)), island((0.0, 4.0)), island((5.0, 9.0))];
         let above = |feet: &[f64]| -> Vec<Above> {
-            let ring: Vec<Place> = feet.iter().map(|f| place(*f)).collect();
+            let ring: Vec<RimPlace> = feet.iter().map(|f| place(*f)).collect();
             ringed(&below, &[&ring])
         };
         use Above::{Hangs, Nothing, Stands};

@@ -1,6 +1,6 @@
 //! What hangs, added up from layer to layer.
 
-use super::look::{Ledge, Look, Place};
+use super::look::{Ledge, Look, RimPlace};
 use super::places::{self, Found, Places};
 use super::reach::Limits;
 use super::tip::{Island, Tips};
@@ -16,7 +16,7 @@ use glam::{DVec2, DVec3};
 pub(crate) struct Tracker {
     /// What is known of the rim below, place by place; empty if all of it is
     /// held.
-    rim: Vec<(Place, State)>,
+    rim: Vec<(RimPlace, State)>,
     /// Islands that have begun on nothing.
     tips: Tips,
     sums: Hanging,
@@ -143,12 +143,12 @@ impl Tracker {
             areas.push(area);
             (*place, state)
         });
-        let mut rim: Vec<(Place, State)> = rim.collect();
+        let mut rim: Vec<(RimPlace, State)> = rim.collect();
         let hangs = |state: &State| state.excess > limits.lip;
         let mut found = Vec::new();
         let mut from = 0;
         // Neighbouring places that hang belong to one slope.
-        let same = |a: &(Place, State), b: &(Place, State)| {
+        let same = |a: &(RimPlace, State), b: &(RimPlace, State)| {
             a.0.ring == b.0.ring && hangs(&a.1) == hangs(&b.1)
         };
         for run in rim.chunk_by_mut(same) {
@@ -160,7 +160,7 @@ impl Tracker {
             let area: Mm2 = areas.iter().sum();
             let known = run.iter().map(|(_, state)| state.slope);
             let all = area + known.fold(0.0, f64::max);
-            let excess = |(_, state): &&(Place, State)| state.excess;
+            let excess = |(_, state): &&(RimPlace, State)| state.excess;
             let farthest = run
                 .iter()
                 .zip(areas)
@@ -184,7 +184,7 @@ impl Tracker {
 
     /// What becomes of a place over the rim below, and the content of what
     /// leans there, if that is beyond a lip.
-    fn over(&self, place: &Place, limits: Limits) -> (State, Mm2) {
+    fn over(&self, place: &RimPlace, limits: Limits) -> (State, Mm2) {
         let below = place.foot.map_or(State::default(), |on| self.at(on));
         let moved = if place.beyond.is_finite() {
             below.excess + place.beyond - limits.held
@@ -294,7 +294,7 @@ impl Tracker {
 
     /// What hangs in the layers that were counted, and the places, if they were
     /// asked for.
-    pub(crate) fn finish(self) -> (Hanging, Vec<places::Place>) {
+    pub(crate) fn finish(self) -> (Hanging, Vec<places::Unsupported>) {
         let places = self.places.map(Places::finish);
         (self.sums, places.unwrap_or_default())
     }

@@ -5,7 +5,7 @@ use super::SliceError;
 use super::layer::Layer;
 use super::stages::Stages;
 use super::{BLOCK, pool};
-use crate::hang::{Hanging, Look, Place, Tracker};
+use crate::hang::{Hanging, Look, Tracker, Unsupported};
 use crate::heights::heights;
 use crate::limits;
 use crate::model::Model;
@@ -24,7 +24,7 @@ pub struct Survey {
     /// What hangs, by kind, as a run's summary has it.
     pub hanging: Hanging,
     /// The places that would need a support, from the bed up.
-    pub places: Vec<Place>,
+    pub places: Vec<Unsupported>,
     /// Height of the part.
     pub height: Mm,
 }
