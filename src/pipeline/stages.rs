@@ -322,7 +322,7 @@ impl<'a> Stages<'a> {
             return Ok(());
         }
         let s = self.settings;
-        let half = 0.5 * 0.01 * s.thin_min * s.outer_wall_width();
+        let half = 0.5 * s.thinnest_line();
         let mut under = Area::EMPTY;
         for span in spans.iter().skip(first) {
             limits::check();
@@ -967,7 +967,7 @@ impl<'a> Stages<'a> {
                 let found_in = |window: Rect, span: &LayerSpan| {
                     self.found_in(window, span)
                 };
-                let line = self.thinnest();
+                let line = self.settings.thinnest_line();
                 sound::sample(pool, self.rect, spans, line, found_in)?;
                 sampled = true;
             }
@@ -1016,11 +1016,6 @@ impl<'a> Stages<'a> {
         Ok(layer.map_or(Found::default(), |l| {
             found(l, &self.inside_below(l, None))
         }))
-    }
-
-    /// Width of the thinnest line.
-    fn thinnest(&self) -> Mm {
-        self.settings.thin_min / 100.0 * self.settings.outer_wall_width()
     }
 }
 

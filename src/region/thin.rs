@@ -29,9 +29,9 @@ const WIDEN: f64 = 1.25;
 /// Parts shorter than this take the number of a neighbour, if its beads can
 /// be made to fit, mm.
 const SHORT: Mm = 4.0;
-/// By how much a bead between two walls may bulge where it is wide enough for two
-/// beads, but not for long: one of the two would be too short to print, and would
-/// leave a pit beside the other.
+/// By how much a bead between two walls may be wider where the place between them
+/// has room for two beads, but only over a short length. Of two beads there, one
+/// would be too short to print, and would leave a pit beside the other.
 const BULGE: f64 = 1.25;
 /// Longest bulge, as a share of its greatest width.
 const BULGE_LENGTH: f64 = 1.1;
@@ -45,7 +45,7 @@ struct Count {
     upto: Mm,
     /// What it can be stretched to.
     range: (Mm, Mm),
-    /// What it can be stretched to in a bulge.
+    /// What it can be stretched to over a short length, as in a bend.
     bulge: Mm,
     /// What the walls outside of the innermost bead or pair take of it.
     taken: Mm,

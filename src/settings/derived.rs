@@ -125,6 +125,11 @@ impl Settings {
         self.layer_heights == Varying::Constant(LayerHeights::Uniform)
     }
 
+    /// Width of the thinnest line: [`Settings::thin_min`] of the outer wall's.
+    pub(crate) fn thinnest_line(&self) -> Mm {
+        self.thin_min / 100.0 * self.outer_wall_width()
+    }
+
     /// Height of the thickest layers above the first.
     pub fn thickest_layer(&self) -> Mm {
         if self.is_uniform() {

@@ -28,7 +28,7 @@ pub(super) struct Printed {
 impl Printed {
     /// Half the width of the thinnest line.
     pub(super) fn half(settings: &Settings) -> Mm {
-        0.5 * 0.01 * settings.thin_min * settings.outer_wall_width()
+        0.5 * settings.thinnest_line()
     }
 
     /// What is printed of an outline, and its islands that are not.
