@@ -117,6 +117,15 @@ impl Lay {
         }
     }
 
+    /// Thickness down to which a bead goes on into a tip: it is short, so it may
+    /// be narrower than lines are. A bead narrower than its height does not keep
+    /// its width.
+    fn tips(&self, height: Mm) -> Mm {
+        /// Share of the least thickness of a line.
+        const TIP: f64 = 0.7;
+        (height - self.extra).max(TIP * self.least).min(self.least)
+    }
+
     /// This wall in what other walls have left, which is known to
     /// `tolerance` on each side: a bead that seemed to fit there has to.
     fn after(self, tolerance: Mm) -> Lay {
@@ -380,7 +389,7 @@ pub(crate) fn walls_below(
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
             let mut walls = cut(&rings, &beads, plan.centre, plan.width);
-            let least = plan.least;
+            let least = plan.tips(height);
             let beads = tip::lead_to_ends(beads, solid.grid(), depth, least);
             let beads: Vec<Stroke> =
                 beads.iter().map(|r| r.stroke(plan.extra)).collect();
