@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release --example mesh MODEL OUT.stl DEPTH
 //!
-//! What isoslice does without, for `incumbents.py` to compare with. The mesh
+//! What isoslice does without, for `benchmark.py` to compare with. The mesh
 //! has 2^DEPTH cells along a cube a fifth larger than the model's largest
 //! side.
 
@@ -19,9 +19,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("usage: mesh MODEL OUT.stl DEPTH".into());
     };
     let volume = BuildVolume {
-        x: 220.0,
-        y: 220.0,
-        z: 250.0,
+        x: 400.0,
+        y: 400.0,
+        z: 400.0,
     };
     let loaded = model::load(&Source::File(path.into()), &[])?;
     let model = model::place(&loaded, &Placement::default(), volume)?;
@@ -36,7 +36,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..Default::default()
     };
     let octree = Octree::build(&shape, &settings).ok_or("cancelled")?;
-    let mesh = octree.walk_dual();
+    let mut mesh = octree.walk_dual();
+    // A corner that the mesher has guessed below the part would lift all of it
+    // off the bed.
+    let lowest = model.bounds.min.z as f32;
+    mesh.vertices.iter_mut().for_each(|v| v.z = v.z.max(lowest));
     mesh.write_stl(&mut File::create(out)?)?;
     println!("{} triangles", mesh.triangles.len());
     Ok(())
