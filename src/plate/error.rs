@@ -1,6 +1,6 @@
 //! Why there is no plate.
 
-use super::MOST_PARTS;
+use super::Plate;
 use crate::model::{LoadError, PlaceError};
 use crate::settings::SettingsError;
 
@@ -16,7 +16,8 @@ pub enum PlateError {
     Empty,
     /// There is too much on it.
     #[error(
-        "{count} parts are more than a plate may have: at most {MOST_PARTS}"
+        "{count} parts are more than a plate may have: at most {}",
+        Plate::MOST_PARTS
     )]
     TooMany {
         /// How many were asked for.

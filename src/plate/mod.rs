@@ -34,7 +34,6 @@ mod shared;
 
 pub use error::PlateError;
 pub use file::PlateFile;
-pub use schema::schema;
 
 use crate::adhesion::brim_reach;
 use crate::model::{
@@ -46,9 +45,6 @@ use crate::units::Mm;
 use arrange::{Bed, Box as Piece, arrange};
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
-
-/// Greatest number of parts on a plate.
-pub const MOST_PARTS: u64 = 1000;
 
 /// What positions are multiples of, mm: a digit of the G-code, so that equal
 /// parts are written alike.
@@ -109,6 +105,9 @@ pub struct PartPlace {
 }
 
 impl Plate {
+    /// Greatest number of parts on a plate.
+    pub const MOST_PARTS: u64 = 1000;
+
     /// A plate with one part, where the model was placed.
     pub fn of(model: &Model, settings: &Settings) -> Plate {
         let place = PartPlace {
@@ -144,7 +143,7 @@ impl Plate {
         if count == 0 {
             return Err(PlateError::Empty);
         }
-        if count > MOST_PARTS {
+        if count > Plate::MOST_PARTS {
             return Err(PlateError::TooMany { count });
         }
         for one in wanted {

@@ -94,19 +94,34 @@ struct Told<'a> {
     statistics: &'a Statistics,
 }
 
-/// Writes the page. `name` is the print's name.
-///
-/// # Errors
-/// If `out` cannot be written to.
-pub fn write_html(
-    out: &mut dyn Write,
-    path: &Toolpath,
-    name: &str,
-) -> io::Result<()> {
-    let packed = pack(path)?;
-    let told = serde_json::to_string(&told(path, &packed, name))?;
-    let moves = STANDARD.encode(&packed.bytes);
-    write_page(out, FILE_PARTS, name, &told, &moves)
+impl Toolpath {
+    /// Writes the page that shows the moves. `name` is the print's name.
+    ///
+    /// # Errors
+    /// If `out` cannot be written to.
+    pub fn write_html(
+        &self,
+        out: &mut dyn Write,
+        name: &str,
+    ) -> io::Result<()> {
+        let packed = pack(self)?;
+        let told = serde_json::to_string(&told(self, &packed, name))?;
+        let moves = STANDARD.encode(&packed.bytes);
+        write_page(out, FILE_PARTS, name, &told, &moves)
+    }
+
+    /// What the page of [`live_html`] asks for: a line of JSON, and behind it
+    /// the packed moves.
+    ///
+    /// # Errors
+    /// Never, since it writes to memory. The encoder's interface requires it.
+    pub fn live_moves(&self, name: &str) -> io::Result<Vec<u8>> {
+        let packed = pack(self)?;
+        let mut bytes = serde_json::to_vec(&told(self, &packed, name))?;
+        bytes.push(b'\n');
+        bytes.extend_from_slice(&packed.bytes);
+        Ok(bytes)
+    }
 }
 
 /// The page of a program that serves it and tells it of the print `name`.
@@ -115,18 +130,6 @@ pub fn live_html(name: &str) -> String {
     // Memory takes any number of bytes.
     let _ = write_page(&mut page, LIVE_PARTS, name, "null", "");
     String::from_utf8_lossy(&page).into_owned()
-}
-
-/// What such a page asks for: a line of JSON, and behind it the packed moves.
-///
-/// # Errors
-/// Never, since it writes to memory. The encoder's interface requires it.
-pub fn live_moves(path: &Toolpath, name: &str) -> io::Result<Vec<u8>> {
-    let packed = pack(path)?;
-    let mut bytes = serde_json::to_vec(&told(path, &packed, name))?;
-    bytes.push(b'\n');
-    bytes.extend_from_slice(&packed.bytes);
-    Ok(bytes)
 }
 
 fn told<'a>(path: &'a Toolpath, packed: &Packed, name: &'a str) -> Told<'a> {
@@ -214,7 +217,7 @@ mod tests {
     fn page(gcode: &str, name: &str) -> String {
         let path = Toolpath::read(Reader::new(gcode.as_bytes())).unwrap();
         let mut page = Vec::new();
-        write_html(&mut page, &path, name).unwrap();
+        path.write_html(&mut page, name).unwrap();
         String::from_utf8(page).unwrap()
     }
 
@@ -263,7 +266,7 @@ mod tests {
     #[test]
     fn moves_follow_the_line_that_tells_of_them() {
         let path = Toolpath::read(Reader::new(&b"G1 X1 E1\n"[..])).unwrap();
-        let bytes = live_moves(&path, "a\nb").unwrap();
+        let bytes = path.live_moves("a\nb").unwrap();
         let end = bytes.iter().position(|b| *b == b'\n').unwrap();
         let told: serde_json::Value =
             serde_json::from_slice(&bytes[..end]).unwrap();

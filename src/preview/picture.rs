@@ -39,32 +39,37 @@ const AFFORDABLE: u64 = 6_000_000_000;
 /// samples.
 const COARSER: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// Draws a model, as a PNG file, in front of a colour (sRGB) or nothing.
-///
-/// # Errors
-/// If fidget refuses the model's expression, or a side is too large for PNG.
-pub fn draw(
-    model: &Model,
-    view: View,
-    size: [usize; 2],
-    behind: Option<[u8; 3]>,
-) -> Result<Vec<u8>, PictureError> {
-    let longest = size[0].max(size[1]);
-    let block = if longest <= SMOOTHED { SMOOTH } else { 1 };
-    in_blocks(model, view, size, behind, (block, MAP))
-}
+impl View {
+    /// Draws a model, as a PNG file, in front of a colour (sRGB) or nothing.
+    /// `size` is in pixels.
+    ///
+    /// # Errors
+    /// If fidget refuses the model's expression, or a side is too large for
+    /// PNG.
+    pub fn draw(
+        self,
+        model: &Model,
+        size: [usize; 2],
+        behind: Option<[u8; 3]>,
+    ) -> Result<Vec<u8>, PictureError> {
+        let longest = size[0].max(size[1]);
+        let block = if longest <= SMOOTHED { SMOOTH } else { 1 };
+        in_blocks(model, self, size, behind, (block, MAP))
+    }
 
-/// As [`draw`], in a fraction of the time, with rough edges.
-///
-/// # Errors
-/// As [`draw`].
-pub fn sketch(
-    model: &Model,
-    view: View,
-    size: [usize; 2],
-    behind: Option<[u8; 3]>,
-) -> Result<Vec<u8>, PictureError> {
-    in_blocks(model, view, size, behind, (1, ROUGH_MAP))
+    /// Does what [`View::draw`] does in a fraction of the time. Edges are
+    /// rough.
+    ///
+    /// # Errors
+    /// Those of [`View::draw`].
+    pub fn sketch(
+        self,
+        model: &Model,
+        size: [usize; 2],
+        behind: Option<[u8; 3]>,
+    ) -> Result<Vec<u8>, PictureError> {
+        in_blocks(model, self, size, behind, (1, ROUGH_MAP))
+    }
 }
 
 /// Draws a picture, each pixel of which is made of `block` × `block` samples,

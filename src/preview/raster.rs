@@ -200,7 +200,7 @@ impl Subject {
         }
         let sight = Sight::new(&tree)?
             .at_most(operations)
-            .with_cancel(limits::cancel());
+            .with_cancel(limits::Watch::hook());
         let sight = Arc::new(sight);
         Ok(Subject::of(sight, view.axes(), bounds))
     }

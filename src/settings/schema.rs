@@ -5,6 +5,7 @@
 //! takes of types, words and ranges; what settings make together only the
 //! program checks. Profiles fit it as well.
 
+use super::rows::Settings;
 use super::table::{Key, keys};
 use super::value::Kind;
 use serde_json::{Map, Value, json};
@@ -14,48 +15,51 @@ const EXPRESSION: &str = "^\\s*expr:";
 /// A share with its sign.
 const SHARE: &str = "^\\s*[-+]?[0-9]*\\.?[0-9]+([eE][-+]?[0-9]+)?\\s*%\\s*$";
 
-/// The schema of a settings file.
-pub fn schema() -> Value {
-    let mut top = Map::new();
-    for (name, text) in [
-        ("description", "What a profile is for; in profiles only."),
-        (
-            "inherits",
-            "The profile that this one starts from; in profiles only.",
-        ),
-    ] {
-        top.insert(
-            name.to_owned(),
-            json!({ "type": "string", "description": text }),
-        );
+impl Settings {
+    /// The schema of a settings file.
+    pub fn schema() -> Value {
+        let mut top = Map::new();
+        for (name, text) in [
+            ("description", "What a profile is for; in profiles only."),
+            (
+                "inherits",
+                "The profile that this one starts from; in profiles only.",
+            ),
+        ] {
+            top.insert(
+                name.to_owned(),
+                json!({ "type": "string", "description": text }),
+            );
+        }
+        for key in keys() {
+            let group = match key.group() {
+                "" => &mut top,
+                group => {
+                    let table = top.entry(group).or_insert_with(|| {
+                        json!({
+                            "type": "object",
+                            "description": key.section(),
+                            "additionalProperties": false,
+                            "properties": {},
+                        })
+                    });
+                    let Some(inner) = table["properties"].as_object_mut()
+                    else {
+                        continue;
+                    };
+                    inner
+                }
+            };
+            group.insert(key.leaf().to_owned(), of(key));
+        }
+        json!({
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "title": "Settings of isoslice",
+            "type": "object",
+            "additionalProperties": false,
+            "properties": top,
+        })
     }
-    for key in keys() {
-        let group = match key.group() {
-            "" => &mut top,
-            group => {
-                let table = top.entry(group).or_insert_with(|| {
-                    json!({
-                        "type": "object",
-                        "description": key.section(),
-                        "additionalProperties": false,
-                        "properties": {},
-                    })
-                });
-                let Some(inner) = table["properties"].as_object_mut() else {
-                    continue;
-                };
-                inner
-            }
-        };
-        group.insert(key.leaf().to_owned(), of(key));
-    }
-    json!({
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Settings of isoslice",
-        "type": "object",
-        "additionalProperties": false,
-        "properties": top,
-    })
 }
 
 /// The schema of a setting's value.
@@ -163,7 +167,7 @@ mod tests {
 
     fn check(text: &str) -> bool {
         let table: toml::Table = text.parse().unwrap();
-        fits(&schema(), &toml::Value::Table(table))
+        fits(&Settings::schema(), &toml::Value::Table(table))
     }
 
     #[test]
@@ -193,7 +197,7 @@ mod tests {
 
     #[test]
     fn every_setting_is_told_of() {
-        let schema = schema();
+        let schema = Settings::schema();
         for key in keys() {
             let properties = &schema["properties"];
             let of_key = match key.group() {

@@ -67,18 +67,18 @@ impl Settings {
         }
         text
     }
-}
 
-/// The settings with these names, explained, each with its default in a
-/// comment. The text sets none of them.
-pub fn suggestions(names: &[&str]) -> String {
-    let mut text = String::new();
-    for key in names.iter().filter_map(|name| table::find(name)) {
-        explain(&mut text, key);
-        // Whole names make a line work anywhere in a file.
-        text.push_str(&format!("# {} = {}\n\n", key.name, key.default()));
+    /// The settings with these names, explained, each with its default in a
+    /// comment. The text sets none of them.
+    pub fn suggestions(names: &[&str]) -> String {
+        let mut text = String::new();
+        for key in names.iter().filter_map(|name| table::find(name)) {
+            explain(&mut text, key);
+            // Whole names make a line work anywhere in a file.
+            text.push_str(&format!("# {} = {}\n\n", key.name, key.default()));
+        }
+        text
     }
-    text
 }
 
 /// What a setting means and takes, as comments.
