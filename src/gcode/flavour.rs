@@ -77,7 +77,10 @@ pub(super) fn default_end(flavour: Flavour) -> &'static str {
 /// True if the firmware keeps one acceleration for printing and travelling,
 /// which then has to be set before each change from one to the other.
 pub(super) fn one_acceleration(flavour: Flavour) -> bool {
-    matches!(flavour, Flavour::Klipper | Flavour::Bambu)
+    match flavour {
+        Flavour::Klipper | Flavour::Bambu => true,
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa => false,
+    }
 }
 
 /// Sets the acceleration of printing moves to the number that follows.
@@ -99,7 +102,30 @@ pub(super) fn sets_acceleration(settings: &Settings) -> bool {
 /// True if the firmware keeps statistics of the print that hosts read the
 /// layer's number from.
 pub(super) fn print_stats(flavour: Flavour) -> bool {
-    flavour == Flavour::Klipper
+    match flavour {
+        Flavour::Klipper => true,
+        Flavour::Marlin | Flavour::Rrf | Flavour::Prusa | Flavour::Bambu => {
+            false
+        }
+    }
+}
+
+/// True if the firmware shows how far a print has come (M73). A Marlin built
+/// without M73 says that it does not know it, and goes on.
+pub(super) fn shows_progress(flavour: Flavour) -> bool {
+    match flavour {
+        Flavour::Marlin | Flavour::Prusa | Flavour::Bambu => true,
+        Flavour::Klipper | Flavour::Rrf => false,
+    }
+}
+
+/// True if the firmware, while it leaves out a part, forgets where it should
+/// be.
+pub(super) fn forgets_place(flavour: Flavour) -> bool {
+    match flavour {
+        Flavour::Marlin | Flavour::Prusa | Flavour::Bambu => true,
+        Flavour::Klipper | Flavour::Rrf => false,
+    }
 }
 
 /// Lines that tell the printer that a layer begins, by its number from 1.
@@ -120,7 +146,13 @@ pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
 /// The line that selects the extruder, for firmware that starts with none
 /// selected: temperatures are for the selected one.
 pub(super) fn select_tool(flavour: Flavour) -> Option<&'static str> {
-    (flavour == Flavour::Rrf).then_some("T0")
+    match flavour {
+        Flavour::Rrf => Some("T0"),
+        Flavour::Marlin
+        | Flavour::Klipper
+        | Flavour::Prusa
+        | Flavour::Bambu => None,
+    }
 }
 
 /// Which of Prusa's two firmwares a printer has, by what it calls itself.
@@ -263,11 +295,15 @@ pub(super) fn retraction(settings: &Settings) -> Vec<String> {
 
 /// The line that sets the fan to `pwm` of 255.
 pub(super) fn fan(flavour: Flavour, pwm: i64) -> String {
-    match (flavour, pwm) {
-        (Flavour::Rrf, _) => format!("M106 S{}", text(pwm as f64 / 255.0, 3)),
-        (Flavour::Bambu, 0) => "M106 S0".to_owned(),
-        (_, 0) => "M107".to_owned(),
-        _ => format!("M106 S{pwm}"),
+    match flavour {
+        Flavour::Rrf => format!("M106 S{}", text(pwm as f64 / 255.0, 3)),
+        Flavour::Marlin | Flavour::Klipper | Flavour::Prusa if pwm == 0 => {
+            "M107".to_owned()
+        }
+        Flavour::Marlin
+        | Flavour::Klipper
+        | Flavour::Prusa
+        | Flavour::Bambu => format!("M106 S{pwm}"),
     }
 }
 

@@ -6,7 +6,7 @@ use super::progress::Clock;
 use super::{FULL, WIDTH, WriteError, Writer, XYZ, comments, flavour, scan};
 use crate::bead::{Bead, Role};
 use crate::pace::{OfPart, PacedLayer, PacedMove};
-use crate::settings::{Comments, Flavour};
+use crate::settings::Comments;
 use crate::units::{MICRON, Mm};
 use std::io::Write;
 use std::ops::Range;
@@ -41,11 +41,7 @@ impl<W: Write> Writer<'_, W> {
         self.set_fan(layer.fan);
         let mut labels = self.labels_in(layer).into_iter().peekable();
         let mut open: Option<(usize, String)> = None;
-        // While it leaves out a part, such firmware forgets where it should be.
-        let forgetful = matches!(
-            flavour,
-            Flavour::Marlin | Flavour::Prusa | Flavour::Bambu
-        );
+        let forgetful = flavour::forgets_place(flavour);
         let mut lifted = None;
         let mut clock = Clock::new(layer);
         let tells = self.waiting.is_some() || self.record.is_some();

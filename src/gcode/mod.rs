@@ -140,7 +140,10 @@ impl Format {
     pub fn usual_for(settings: &Settings) -> Format {
         match settings.gcode.flavour {
             Flavour::Bambu => Format::Plate,
-            _ => Format::Text,
+            Flavour::Marlin
+            | Flavour::Klipper
+            | Flavour::Rrf
+            | Flavour::Prusa => Format::Text,
         }
     }
 }

@@ -218,14 +218,7 @@ pub(super) fn tells_progress(settings: &Settings) -> bool {
     match settings.gcode.progress {
         Emit::On => true,
         Emit::Off => false,
-        // A Marlin built without M73 says that it does not know it, and goes
-        // on.
-        Emit::Auto => {
-            matches!(
-                settings.gcode.flavour,
-                Flavour::Marlin | Flavour::Prusa | Flavour::Bambu
-            )
-        }
+        Emit::Auto => flavour::shows_progress(settings.gcode.flavour),
     }
 }
 
