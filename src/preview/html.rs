@@ -6,7 +6,8 @@
 //! in it can become markup or script.
 //!
 //! [`live_html`] is the page of a program that serves it, with parts that ask
-//! that program for the moves ([`live_moves`]) and for what else it can tell.
+//! that program for the moves ([`Toolpath::live_moves`]) and for what else it
+//! can tell.
 //!
 //! The page's parts are in `assets/preview`, with two libraries in `vendor`.
 
