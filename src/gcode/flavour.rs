@@ -29,15 +29,16 @@ use crate::pace::motion::Planner;
 use crate::settings::{Flavour, Settings};
 use crate::units::{MmPerSec, Percent, feed_rate};
 
-/// Homes, then waits off the bed for the heaters.
+/// The template homes, then waits off the bed for the heaters.
 const START: &str = "\
 G28
 G1 Z5 F{{ feed_rate_z }}
 ";
 
-/// Turns the heaters off first, so that they are off even if a move is refused.
-/// Then lifts the nozzle before it moves aside, so that the nozzle is not
-/// dragged over the part. The writer turns the fan off.
+/// The template turns the heaters off first, so that they are off even if a
+/// move is refused. Then it lifts the nozzle before it moves the nozzle aside,
+/// so that the nozzle is not dragged over the part. The writer turns the fan
+/// off.
 const END: &str = "\
 M104 S0
 {% if bed_temperature > 0 or first_layer_bed_temperature > 0 %}
@@ -134,7 +135,7 @@ pub(super) fn layer_begins(flavour: Flavour, number: usize) -> Vec<String> {
         Flavour::Klipper => {
             vec![format!("SET_PRINT_STATS_INFO CURRENT_LAYER={number}")]
         }
-        // The screen's layer, and the camera's.
+        // The first line is for the screen, the second one for the camera.
         Flavour::Bambu => vec![
             format!("M73 L{number}"),
             format!("M991 S0 P{}", number.saturating_sub(1)),
@@ -258,7 +259,7 @@ pub(super) fn pressure_advance(settings: &Settings) -> Option<String> {
             Board::Old | Board::Mini | Board::Unknown => format!("M900 K{k}"),
         },
         Flavour::Rrf => format!("M572 D0 S{k}"),
-        // A linear model (M10) for flows up to L, mm³/s.
+        // M10 stands for a linear model, L for its greatest flow, mm³/s.
         Flavour::Bambu => format!("M900 K{k} L1000 M10"),
         Flavour::Klipper => format!("SET_PRESSURE_ADVANCE ADVANCE={k}"),
     })

@@ -1,8 +1,8 @@
 //! Labels of the parts. Hosts show them, and leave a labelled part out if asked.
 //!
 //! In: the parts' names and their outlines seen from above. Out: the lines that
-//! define them in the file's head, and those around each in every layer. What is
-//! not the part, a skirt, stands outside of them.
+//! define them in the file's head, and those around each in every layer. What
+//! is no part, such as a skirt, stands outside of these lines.
 
 use super::Header;
 use super::Standing;
@@ -33,9 +33,9 @@ pub(super) struct Labels {
 /// The lines around a part in a layer.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Around {
-    /// The line before it.
+    /// The line before the part.
     pub start: String,
-    /// The line after it.
+    /// The line after the part.
     pub end: String,
 }
 
@@ -59,7 +59,7 @@ impl Labels {
                 start: format!("EXCLUDE_OBJECT_START NAME={name}"),
                 end: format!("EXCLUDE_OBJECT_END NAME={name}"),
             },
-            // Which of the parts follows, as a number of 64 bits.
+            // M624 tells which of the parts follows, as a number of 64 bits.
             Flavour::Bambu => Around {
                 start: format!("M624 {}", STANDARD.encode(bit(k))),
                 end: "M625".to_owned(),
@@ -88,7 +88,7 @@ impl Labels {
                 once(count()).chain(named).chain([none()]).collect()
             }
             Flavour::Prusa => {
-                // The name has to be alone in its line.
+                // Prusa's firmware wants the name alone in its line.
                 let named = names.iter().enumerate();
                 let named = named.flat_map(|(k, n)| {
                     [format!("M486 S{k}"), format!("M486 A{n}")]
@@ -101,7 +101,8 @@ impl Labels {
     }
 }
 
-/// The number that has the bit of a part alone, as bytes from the lowest on.
+/// The number of which only the bit of a part is set, as bytes from the lowest
+/// on.
 fn bit(part: usize) -> [u8; MOST_BITS / 8] {
     1u64.checked_shl(part as u32).unwrap_or(0).to_le_bytes()
 }
@@ -171,7 +172,7 @@ fn name(model: &str) -> String {
     }
 }
 
-/// `CENTER=x,y POLYGON=[[x,y],...]`.
+/// The part's outline as Klipper reads it: `CENTER=x,y POLYGON=[[x,y],...]`.
 fn outline(part: &Standing) -> String {
     let (min, max) = (part.min, part.max);
     let corners = [

@@ -190,8 +190,8 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
-    /// The first layer of a part that follows others. It does not wait: both
-    /// temperatures are near each other.
+    /// Sets the temperatures of the first layer for a part that follows others.
+    /// Nothing waits for them, since both temperatures are near each other.
     fn first_layer_again(&mut self) {
         let f = &self.settings.filament;
         if f.bed_temperature != f.first_layer_bed_temperature {
@@ -217,8 +217,8 @@ fn plane(bead: &Bead) -> Mm {
     }
 }
 
-/// The moves of a part in a layer that print it, with the travel to it, without the
-/// skirt before it. The range is empty if no part of it is printed.
+/// Of some moves those that print a part, with the travel to the part, without
+/// the skirt before it. The range is empty if nothing of the part is printed.
 fn labelled(moves: &[PacedMove]) -> Range<usize> {
     let is = |m: &PacedMove, skirt: bool| {
         matches!(m, PacedMove::Print { bead, .. }

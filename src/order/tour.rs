@@ -27,9 +27,9 @@ pub(super) struct Stop {
     pub from: DVec2,
     /// Where the stop is left.
     pub to: DVec2,
-    /// Whether the stop may be taken the other way round.
+    /// True if the stop may be taken the other way round.
     pub turns: bool,
-    /// Stops of a lower stage come first.
+    /// The stop's stage. Stops of lower stages come first.
     pub stage: u32,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct Stop {
 pub(super) struct Visit {
     /// The stop's number.
     pub stop: usize,
-    /// Whether the stop is taken the other way round.
+    /// True if the stop is taken the other way round.
     pub turned: bool,
 }
 
@@ -213,13 +213,13 @@ impl<'a> Search<'a> {
     }
 
     /// The end of a stop at which it is not entered. For an exchange, a stop
-    /// that cannot be turned has one place only; the error is the way through
-    /// it.
+    /// that cannot be turned counts as one place. The way through it is
+    /// neglected.
     fn other(stop: &Stop) -> DVec2 {
         if stop.turns { stop.to } else { stop.from }
     }
 
-    /// Where the `k`th stop of the tour is entered; the tour's end, if `k` is
+    /// Where the `k`th stop of the tour is entered, or the tour's end if `k` is
     /// behind the last stop.
     fn entry(&self, k: usize) -> Option<DVec2> {
         let Some(visit) = self.tour.get(k) else {
@@ -233,8 +233,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Where the stop before the `k`th one is left; the tour's start, if there
-    /// is none.
+    /// Where the stop before the `k`th one is left, or the tour's start if
+    /// there is no such stop.
     fn exit_before(&self, k: usize) -> Option<DVec2> {
         let Some(k) = k.checked_sub(1) else {
             return self.start;

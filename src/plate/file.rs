@@ -30,7 +30,7 @@ use toml::de::{DeTable, DeValue};
 /// A plate file that has been read.
 #[derive(Clone, Debug)]
 pub struct PlateFile {
-    /// What is wanted.
+    /// The parts that are wanted.
     pub parts: Vec<Wanted>,
     /// What holds for the whole plate.
     pub settings: Settings,
@@ -132,12 +132,12 @@ impl PlateFile {
 struct File<'a> {
     name: &'a str,
     text: &'a str,
-    /// What paths in it start from.
+    /// The folder that paths in the file start from.
     folder: &'a Path,
 }
 
 impl File<'_> {
-    /// The file and the line of a byte of it.
+    /// The file's name, and the line of a byte of the file.
     fn place(&self, byte: usize) -> String {
         let before = self.text.bytes().take(byte);
         let line = 1 + before.filter(|b| *b == b'\n').count();

@@ -59,8 +59,8 @@ const PARTS: &[(&str, &str)] = &[
     ("main.js", include_str!("../../assets/preview/main.js")),
 ];
 
-/// The parts of a page that a program serves. They are empty in other pages,
-/// but for what the page may load.
+/// The parts of a page that a program serves. In other pages these parts are
+/// empty, except for what the page may load.
 const LIVE_PARTS: &[(&str, &str)] = &[
     ("connect", "; img-src data: blob:; connect-src 'self'"),
     ("live.css", include_str!("../../assets/preview/live.css")),

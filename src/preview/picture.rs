@@ -23,10 +23,11 @@ const THUMBNAIL: f64 = 1.5;
 /// Samples of the picture along the side of a pixel of the light's view.
 /// Shadows are softer than what casts them.
 const MAP: f64 = 1.5;
-/// As [`MAP`], for sketches, of which the light's view would be half of the
-/// work.
+/// What [`MAP`] is, for sketches. With [`MAP`] the light's view would be half
+/// of their work.
 const ROUGH_MAP: f64 = 4.0;
-/// Least longer side with which they are drawn, pixels.
+/// Least length of the longer side with which pictures in a file's head are
+/// drawn, pixels.
 const LEAST: f64 = 128.0;
 
 /// Number of operations that a picture in a file's head may take. For a
@@ -87,8 +88,8 @@ fn in_blocks(
     })
 }
 
-/// Hands over the picture, of blocks of `block` × `block` samples, some rows at
-/// a time.
+/// Hands over the picture some rows at a time. Each pixel is made of a block of
+/// `block` × `block` samples.
 fn drawn(
     subject: &Subject,
     [width, height]: [usize; 2],

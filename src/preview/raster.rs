@@ -183,8 +183,8 @@ impl Subject {
         Subject::at_most(u64::MAX, model, view)
     }
 
-    /// As [`Subject::new`], but sampling fails once it has taken `most`
-    /// operations.
+    /// Does what [`Subject::new`] does, but sampling fails once it has taken
+    /// `most` operations.
     pub(super) fn at_most(
         operations: u64,
         model: &Model,

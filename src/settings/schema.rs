@@ -10,9 +10,9 @@ use super::table::{Key, keys};
 use super::value::Kind;
 use serde_json::{Map, Value, json};
 
-/// Begins an expression.
+/// Pattern of the beginning of an expression.
 const EXPRESSION: &str = "^\\s*expr:";
-/// A share with its sign.
+/// Pattern of a share with its sign.
 const SHARE: &str = "^\\s*[-+]?[0-9]*\\.?[0-9]+([eE][-+]?[0-9]+)?\\s*%\\s*$";
 
 impl Settings {
@@ -86,7 +86,8 @@ fn of(key: &Key) -> Value {
         Kind::Switch => vec![json!({ "type": "boolean" })],
         Kind::Text | Kind::Sizes | Kind::Steps(_) => vec![text],
         Kind::Word(all) => vec![words(all)],
-        // Besides the words a script's name, or an expression.
+        // Besides its words the setting takes a script's name, or an
+        // expression.
         Kind::WordOrShape(all) => {
             let script = json!({ "type": "string", "pattern": "\\.rhai$" });
             vec![words(all), expression, script]
@@ -106,7 +107,8 @@ fn of(key: &Key) -> Value {
         unit => format!(" ({unit})"),
     };
     out["description"] = format!("{}{unit}", key.description()).into();
-    // A default is shown in editors; it is TOML, which differs in no value here.
+    // Editors show the default. It is written in TOML, which is also JSON for
+    // all of these values.
     if let Ok(default) = serde_json::from_str::<Value>(&key.default()) {
         out["default"] = default;
     }
@@ -118,7 +120,8 @@ mod tests {
     use super::*;
     use crate::settings::shipped::SHIPPED;
 
-    /// True if a value fits a schema, as far as this one uses the language.
+    /// True if a value fits a schema. Only what this schema uses of the
+    /// language is known.
     fn fits(schema: &Value, value: &toml::Value) -> bool {
         if let Some(any) = schema["anyOf"].as_array() {
             return any.iter().any(|one| fits(one, value));

@@ -32,7 +32,7 @@ impl Settings {
         text
     }
 
-    /// The settings that are not as by default, as TOML that reads back as
+    /// The settings that differ from their defaults, as TOML that reads back as
     /// these settings.
     pub fn changed(&self) -> String {
         let mut text = String::new();

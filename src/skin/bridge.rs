@@ -48,9 +48,9 @@ pub(super) struct Bridge {
 const TOLERANCE: Mm = 0.02;
 /// Step of the fan of angles.
 const FAN: Degrees = 7.5;
-/// At most so many directions of sides are tried.
+/// Greatest number of directions of sides that are tried.
 const SIDES: usize = 16;
-/// Lines looked at for each direction.
+/// Number of lines looked at for each direction.
 const ROWS: f64 = 24.0;
 /// Share of the lines' length that counts.
 const COMMON: f64 = 0.75;
@@ -93,8 +93,8 @@ pub(super) fn bridges(
     (found, left)
 }
 
-/// What each of some areas takes of an area, where several would the first one
-/// that is asked, and what they leave of it.
+/// What each of `takers` takes of an area, and what all of them leave. Where
+/// several takers would take one place, the first one does.
 pub(super) fn shared(area: &Area, takers: &[Area]) -> (Vec<Area>, Area) {
     let mut parts = vec![Area::EMPTY; takers.len()];
     // Many places are clipped at a time: one by one, each would be clipped with
@@ -192,8 +192,8 @@ pub(crate) fn direction(
         .map(|best| best.1)
 }
 
-/// The span that `COMMON` of the length of lines in a direction stay below,
-/// and the share of their length that is held at both ends.
+/// For lines in a direction: the span that `COMMON` of their length stays
+/// below, and the share of their length that is held at both ends.
 fn hang(
     gap: &Area,
     below: &EdgeGrid,
@@ -235,7 +235,7 @@ fn hang(
     common.map(|(span, _)| (*span, held / total))
 }
 
-/// Lines across a gap, and whether `below` holds each one's ends.
+/// Lines across a gap, and for each one whether `below` holds its ends.
 pub(crate) fn hung(
     gap: &Area,
     below: &EdgeGrid,
