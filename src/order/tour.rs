@@ -19,6 +19,7 @@ use super::near_ends::NearEnds;
 use super::nearest::Nearest;
 use crate::units::Mm;
 use glam::DVec2;
+use std::ops::Range;
 
 /// Something to visit.
 #[derive(Clone, Copy, Debug)]
@@ -348,13 +349,10 @@ impl<'a> Search<'a> {
     ) -> bool {
         // The part that is moved begins or ends at the stop that is to be
         // joined.
+        let at = place + usize::from(left);
         (1..=MOVED).any(|count| {
-            let part = match left {
-                true if place + 1 >= count => place + 1 - count..place + 1,
-                false if place + count <= self.tour.len() => {
-                    place..place + count
-                }
-                _ => return false,
+            let Some(part) = self.part(at, count, left) else {
+                return false;
             };
             // Turning the part brings the end to be joined to the right side.
             self.shift(part.start, part.end, k, left == forward)
@@ -370,18 +368,30 @@ impl<'a> Search<'a> {
         left: bool,
         forward: bool,
     ) -> bool {
+        // The stops come behind a stop that is left at this end, or before one
+        // that is entered.
+        let to = place + usize::from(left);
         (1..=MOVED).any(|count| {
-            let part = match forward {
-                // The stops before the way, the last of which is joined.
-                true if k >= count => k - count..k,
-                false if k + count <= self.tour.len() => k..k + count,
-                _ => return false,
+            let Some(part) = self.part(k, count, forward) else {
+                return false;
             };
-            // They come behind a stop that is left at this end, or before one
-            // that is entered.
-            let to = place + usize::from(left);
             self.shift(part.start, part.end, to, left == forward)
         })
+    }
+
+    /// `count` stops of the tour: those before the `k`th one, or those from it
+    /// on; nothing if there are not so many.
+    fn part(
+        &self,
+        k: usize,
+        count: usize,
+        before: bool,
+    ) -> Option<Range<usize>> {
+        if before {
+            Some(k.checked_sub(count)?..k)
+        } else {
+            Some(k..k + count).filter(|part| part.end <= self.tour.len())
+        }
     }
 
     /// Moves the stops from `from` to `to` to before the `k`th one, perhaps

@@ -19,6 +19,7 @@
 //! their roles change.
 
 pub(crate) mod bridge;
+mod direction;
 mod fill;
 pub(crate) mod over_infill;
 mod roles;

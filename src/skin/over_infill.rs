@@ -25,6 +25,7 @@
 //! held is left out, and the next layer lies over its place.
 
 use super::bridge::shared;
+use super::direction::{across, best, common, fan, rows};
 use super::strokes::strokes;
 use super::{Face, Fill, Patch};
 use crate::bead::{Bead, Role, Stroke, spacing};
@@ -44,17 +45,11 @@ const TOLERANCE: Mm = 0.02;
 /// common from one line of infill to the next.
 const FARTHEST: f64 = 1.5;
 
-/// Step of the fan of angles.
-const FAN: Degrees = 7.5;
-
 /// Directions of the infill's lines that are tried.
 const DIRECTIONS: usize = 4;
 
 /// Number of lines looked at for each direction.
 const ROWS: f64 = 64.0;
-
-/// Share of the lines' length that counts.
-const COMMON: f64 = 0.75;
 
 /// Size of the cells of a grid of lines, mm.
 pub(crate) const CELL: Mm = 1.0;
@@ -453,17 +448,9 @@ impl Ground<'_> {
 /// to the next are shortest, and the way that is common there. All of a layer
 /// has one direction, so that its lines do not get in one another's way.
 fn direction(under: Under<'_>, width: Mm) -> Option<(Mm, Degrees)> {
-    let across = infill_directions(under.lines, under.area.area());
-    let across = across.into_iter().map(|a| (a + 90.0).rem_euclid(180.0));
-    let fan = (0..(180.0 / FAN) as usize).map(|i| i as f64 * FAN);
-    across
-        .chain(fan)
-        .filter_map(|angle| Some((common_way(under, angle, width)?, angle)))
-        .reduce(|best, next| {
-            // A direction that is better by rounding alone does not win.
-            let better = next.0 < best.0 * (1.0 - 1e-3);
-            if better { next } else { best }
-        })
+    let along = infill_directions(under.lines, under.area.area());
+    let tried = along.into_iter().map(across).chain(fan());
+    best(tried.filter_map(|a| Some((common_way(under, a, width)?, a))))
 }
 
 /// The directions in which most of some infill's lines run.
@@ -499,31 +486,16 @@ fn infill_directions(lines: &EdgeGrid, area: &Area) -> Vec<Degrees> {
 /// in a direction stays below; nothing if no line fits in.
 fn common_way(under: Under<'_>, angle: Degrees, width: Mm) -> Option<Mm> {
     let gap = under.area.area();
-    let along = DVec2::from_angle(angle.to_radians());
-    let v = gap.rings.iter().flatten().map(|p| along.perp().dot(*p));
-    let (low, high) = v.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
-        (r.0.min(v), r.1.max(v))
-    });
-    let space = ((high - low) / ROWS).max(0.5 * width);
-    let lines = Lines {
-        angle,
-        spacing: space,
-        phase: low + 0.5 * space,
-    };
-    let mut ways: Vec<Mm> = Vec::new();
+    let lines = rows(gap, angle, ROWS, width);
+    let mut ways: Vec<(Mm, Mm)> = Vec::new();
     for line in hatch(gap, lines, 0.5 * width) {
         let length = line.from.distance(line.to);
         let mut stops = under.lines.crossings(line.from, line.to);
         stops.extend([0.0, 1.0]);
         stops.sort_by(f64::total_cmp);
         let all = stops.windows(2);
-        ways.extend(all.map(|pair| (pair[1] - pair[0]) * length));
+        let all = all.map(|pair| (pair[1] - pair[0]) * length);
+        ways.extend(all.map(|way| (way, way)));
     }
-    ways.sort_by(f64::total_cmp);
-    let total: Mm = ways.iter().sum();
-    let mut below = 0.0;
-    ways.into_iter().find(|way| {
-        below += way;
-        below >= COMMON * total
-    })
+    common(ways)
 }
